@@ -92,7 +92,7 @@ class Site:
         secret = request.path_params["secret"]
         if self._links.seat_of(secret) is not None:
             return FileResponse(STATIC / "play.html")
-        return _explain("renewed" if self._links.was_replaced(secret) else "wrong")
+        return _explain("renewed" if self._links.was_replaced(secret) else "wrong", request)
 
     async def _connect(self, socket: WebSocket) -> None:
         seat = self._links.seat_of(socket.path_params["secret"])
@@ -105,7 +105,7 @@ class Site:
     async def _show_match(self, request: Request) -> Response:
         if self._links.is_watching(request.path_params["secret"]):
             return FileResponse(STATIC / "watch.html")
-        return _explain("wrong")
+        return _explain("wrong", request)
 
     async def _connect_spectator(self, socket: WebSocket) -> None:
         if not self._links.is_watching(socket.path_params["secret"]) or not self._is_own_page(socket):
@@ -121,12 +121,13 @@ class Site:
         return origin is None or urlsplit(origin).netloc in own
 
 
-async def _show_nothing(_: Request) -> Response:
-    return _explain("nothing")
+async def _show_nothing(request: Request) -> Response:
+    return _explain("nothing", request)
 
 
-def _explain(problem: str) -> Response:
+def _explain(problem: str, request: Request) -> Response:
     """Return the page that says what is wrong with a link."""
     title, words = PROBLEMS[problem]
-    page = (STATIC / "problem.html").read_text("utf-8")
+    root = "../" * (request.url.path.count("/") - 1)  # relative, as a proxy may serve the site below a path
+    page = (STATIC / "problem.html").read_text("utf-8").replace("{root}", root)
     return HTMLResponse(page.replace("{title}", title).replace("{words}", words), 404)

@@ -120,6 +120,11 @@ class Controls:
         self.taken = 0  # number of the last input that a step has taken
         self.release()
 
+    @property
+    def received(self) -> int:
+        """Number of the last input that was received; 0 after a release."""
+        return self._held.number
+
     def release(self) -> None:
         """Let go of everything."""
         self._held = Input(kind="input", number=0)

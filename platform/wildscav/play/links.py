@@ -18,12 +18,13 @@ class Links:
 
     Args:
         seats: How many people have a seat.
+        first: The secret of the first seat, if it is known already.
     """
 
-    def __init__(self, seats: int) -> None:
-        self._secrets = [_new_secret() for _ in range(seats)]
+    def __init__(self, seats: int, first: str | None = None) -> None:
+        self._secrets = [first or new_secret(), *(new_secret() for _ in range(1, seats))]
         self._replaced: set[str] = set()
-        self.watching = _new_secret()
+        self.watching = new_secret()
 
     def of_seat(self, seat: int) -> str:
         """Return the secret of a seat."""
@@ -44,7 +45,7 @@ class Links:
     def renew(self, seat: int) -> None:
         """Replace the secret of a seat by another one."""
         self._replaced.add(self._secrets[seat])
-        self._secrets[seat] = _new_secret()
+        self._secrets[seat] = new_secret()
 
     def was_replaced(self, text: str) -> bool:
         """Return whether a text was the secret of a seat."""
@@ -123,7 +124,8 @@ def _own_address(wildcard: str) -> str:
         return str(probe.getsockname()[0])
 
 
-def _new_secret() -> str:
+def new_secret() -> str:
+    """Return a secret for a link."""
     return secrets.token_urlsafe(SECRET_BYTES)
 
 

@@ -4,9 +4,9 @@ import asyncio
 import os
 import sys
 from collections.abc import AsyncIterator, Mapping
-from contextlib import AsyncExitStack, asynccontextmanager
+from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from wildscav.sdk.run import ADDRESS_VARIABLE, TOKEN_VARIABLE
 
@@ -16,22 +16,31 @@ if TYPE_CHECKING:
 END_TIME = 3.0  # s for an agent to end when the match is over
 
 
+class Agents(Protocol):
+    """Runs the submissions of a match for as long as the block lasts."""
+
+    def __call__(
+        self, folders: Mapping[int, Path], hosted: "HostedMatch", addresses: Mapping[int, str], logs: Path
+    ) -> AbstractAsyncContextManager[None]:
+        """Run them.
+
+        Args:
+            folders: The submission's folder of each seat that has one.
+            hosted: The match.
+            addresses: Where each of these seats is joined, which nobody else can.
+            logs: The folder for what agents print.
+        """
+
+
 @asynccontextmanager
 async def playing(
-    folders: Mapping[int, Path], hosted: "HostedMatch", address: str, logs: Path
+    folders: Mapping[int, Path], hosted: "HostedMatch", addresses: Mapping[int, str], logs: Path
 ) -> AsyncIterator[None]:
-    """Run the submissions of a match, without a sandbox; whoever starts them trusts their code.
-
-    Args:
-        folders: The submission's folder of each seat that has one.
-        hosted: The match.
-        address: Where its seats are joined.
-        logs: The folder for what agents print.
-    """
+    """Run submissions without a sandbox; whoever starts them trusts their code. See ``Agents``."""
     async with AsyncExitStack() as stack:
         for seat, folder in folders.items():
             log = logs / f"{seat}-{hosted.names[seat].replace(' ', '-')}.log"
-            await stack.enter_async_context(_agent(seat, folder, hosted, address, log))
+            await stack.enter_async_context(_agent(seat, folder, hosted, addresses[seat], log))
         yield
 
 

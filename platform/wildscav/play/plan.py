@@ -66,6 +66,12 @@ class Plan:
         """The robot that plays for people who are not here when a match starts."""
         return STAND_INS.get(self.spec.track, "walker")
 
+    @property
+    def submissions(self) -> tuple[int, ...]:
+        """The seats of submissions."""
+        opponents = enumerate(self.opponents, start=self.people)
+        return tuple(seat for seat, opponent in opponents if opponent.folder is not None)
+
     def played(self, times: int, absent: Collection[int] = ()) -> MatchSpec:
         """Return the spec of the match after it was played some times already.
 

@@ -7,7 +7,7 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from wildscav.play.opponents import playing
+from wildscav.play.opponents import Agents, playing
 from wildscav.play.person import Person
 from wildscav.play.plan import Plan
 from wildscav.server import Clock, MatchServer
@@ -26,8 +26,10 @@ class Venue(NamedTuple):
     """Where matches are played."""
 
     server: MatchServer
-    address: str  # where it listens
+    address: str  # where people join
+    seats: Mapping[int, str]  # where the submission of each seat that has one joins
     folder: Path  # for records, and for the output of agents
+    agents: Agents = playing  # runs submissions
 
 
 @asynccontextmanager
@@ -41,11 +43,12 @@ async def hosted_match(
         names=names,
         sensors={seat: each.sensors for seat, each in opponents.items() if each.sensors},
         clock=ROBOT_CLOCK if plan.may_pause else AGENT_CLOCK,
+        addresses=venue.seats,
     )
     folders = {seat: each.folder for seat, each in opponents.items() if each.folder is not None}
     try:
         venue.folder.mkdir(parents=True, exist_ok=True)
-        async with playing(folders, hosted, venue.address, venue.folder):
+        async with venue.agents(folders, hosted, venue.seats, venue.folder):
             yield hosted
     finally:
         hosted.cancel()  # does nothing after its end

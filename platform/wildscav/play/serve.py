@@ -5,18 +5,20 @@ import socket
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
+from typing import NamedTuple
 
 import uvicorn
 
 from wildscav.errors import AddressInUseError
 from wildscav.play.app import Site
 from wildscav.play.eyes import Eyes
-from wildscav.play.links import Addresses, Links, base_of
+from wildscav.play.links import Addresses, Base, Links, base_of
 from wildscav.play.lobby import HOST
+from wildscav.play.opponents import Agents, playing
 from wildscav.play.plan import Plan
 from wildscav.play.rounds import Venue
 from wildscav.play.table import COUNTDOWN, Table
-from wildscav.server import MatchServer
+from wildscav.server import EndpointSettings, MatchServer
 from wildscav.server.hosting.precompile import precompile
 from wildscav.system.leftovers import temporary_folder
 from wildscav_engine.sensors import parse_sensors
@@ -24,6 +26,7 @@ from wildscav_engine.sensors import parse_sensors
 LARGEST_MESSAGE = 4096  # bytes, from a page
 MOST_CONNECTIONS = 200  # open at one time, so that strangers cannot take all files that the match needs
 GRACE = 1  # s for open pages to be closed
+JOINING = EndpointSettings(connections=16)  # at one time, to where a submission or all people join
 
 
 @asynccontextmanager
@@ -54,17 +57,58 @@ async def served(
     Raises:
         AddressInUseError: The web server cannot listen there.
     """
-    listening = _listen(host, port)
+    listening, links = _listen(host, port), Links(plan.people)
+    base = base_of(host, listening.getsockname()[1], public_url)
+    async with served_on(listening, base, links, plan, folder, say, countdown=countdown) as served_table:
+        yield base.addresses(links, plan.people), served_table.serving
+
+
+class Served(NamedTuple):
+    """A table that is served."""
+
+    table: Table
+    serving: asyncio.Task[None]  # of the web server; it ends on Ctrl-C
+
+
+@asynccontextmanager
+async def served_on(
+    listening: socket.socket,
+    base: Base,
+    links: Links,
+    plan: Plan,
+    folder: Path,
+    say: Callable[[str], None],
+    *,
+    countdown: int = COUNTDOWN,
+    agents: Agents = playing,
+    at_home: bool = True,
+) -> AsyncIterator[Served]:
+    """Serve a table on a socket within the block.
+
+    Args:
+        listening: The socket, which listens; it is closed at the end.
+        base: Where the site is reached.
+        links: The table's links.
+        plan: What is played at it.
+        folder: For records, and for the output of agents.
+        say: Called with a line for whoever started the table.
+        countdown: s before a match of several people.
+        agents: Runs the submissions.
+        at_home: Whether this machine is the host's.
+    """
     with listening, temporary_folder("play-") as place:
-        server = MatchServer()
+        server = MatchServer(endpoint_settings=JOINING)
         (address,) = await server.start([f"unix:{place}/match"])
-        links, base = Links(plan.people), base_of(host, listening.getsockname()[1], public_url)
-        table = Table(plan, Venue(server, address, folder), links, base, say, countdown)
-        site = Site(table, links, base)
-        web = uvicorn.Server(_config(site))
+        # Each submission has a socket of its own, in a folder of its own: a sandbox passes on no other.
+        for seat in plan.submissions:
+            (place / str(seat)).mkdir(mode=0o700)
+        own = await server.start([f"unix:{place}/{seat}/match" for seat in plan.submissions])
+        venue = Venue(server, address, dict(zip(plan.submissions, own, strict=True)), folder, agents)
+        table = Table(plan, venue, links, base, say, countdown, at_home=at_home)
+        web = uvicorn.Server(_config(Site(table, links, base)))
         serving = asyncio.create_task(web.serve(sockets=[listening]))
         try:
-            yield base.addresses(links, plan.people), serving
+            yield Served(table, serving)
         finally:
             web.should_exit = True
             await table.close()

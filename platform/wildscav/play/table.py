@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 SCORES_EVERY = 0.5  # s
 MOST_SPECTATORS = 20
 COUNTDOWN = 3  # s before a match of several people, so that all are ready
+HOST_KNOWS, NOBODY_KNOWS = "The host's page says why.", "Something went wrong here. Try again in a moment."
 HOST_ALONE_KNOWS = ("record", "commands")  # of a match's end: where files lie
 
 
@@ -39,6 +40,7 @@ class Table:
         base: Where its pages are reached.
         say: Called with a line for whoever started the table.
         countdown: s before a match of several people.
+        at_home: Whether this machine is the host's, who may then know where files lie and what went wrong.
     """
 
     def __init__(
@@ -49,15 +51,22 @@ class Table:
         base: Base,
         say: Callable[[str], None],
         countdown: int = COUNTDOWN,
+        *,
+        at_home: bool = True,
     ) -> None:
         self.lobby, self.gallery = Lobby(plan), Gallery()
         self._spectators: dict[Page, None] = {}  # their pages, in the order in which they came
         self._plan, self._venue, self._links, self._base, self._say = plan, venue, links, base, say
-        self._countdown = countdown
+        self._countdown, self._at_home = countdown, at_home
         self._situation: dict[str, Any] = {"kind": "lobby"}
         self._playing: frozenset[int] = frozenset()  # the people's seats in the present match
         self._match: asyncio.Task[None] | None = None
         self._played = 0
+
+    @property
+    def is_attended(self) -> bool:
+        """Whether somebody who plays has a page open."""
+        return any(chair.page is not None for chair in self.lobby.chairs)
 
     # The interface for people's pages.
 
@@ -250,7 +259,7 @@ class Table:
         return {
             "links": {chair.seat: self._base.invitation(self._links, chair.seat) for chair in guests},
             "watch_link": self._base.watching(self._links),
-            "local_only": self._base.local_only,
+            "local_only": self._at_home and self._base.local_only,
         }
 
     def _present_to(self, chair: Chair | None) -> dict[str, Any]:
@@ -258,10 +267,12 @@ class Table:
         situation = self._situation
         if situation["kind"] in ("begin", "countdown") and chair and chair.seat not in self._playing:
             return {"kind": "elsewhere"}
-        if situation["kind"] == "over" and not _is_host(chair):
+        if self._at_home and _is_host(chair):
+            return situation
+        if situation["kind"] == "over":
             return {key: value for key, value in situation.items() if key not in HOST_ALONE_KNOWS}
-        if situation["kind"] == "failed" and not _is_host(chair):
-            return {"kind": "failed", "message": "The host's page says why."}
+        if situation["kind"] == "failed":
+            return {"kind": "failed", "message": HOST_KNOWS if self._at_home else NOBODY_KNOWS}
         return situation
 
     def _change(self, situation: dict[str, Any]) -> None:

@@ -71,3 +71,10 @@ def test_links_of_the_loopback_interface_are_for_this_machine_only() -> None:
 def test_what_is_no_url_of_a_proxy_is_said(text: str) -> None:
     with pytest.raises(UserError, match=r"--public-url is .*, must be like https://play\.example\.org"):
         checked_public_url(text)
+
+
+def test_whoever_serves_a_table_may_give_the_first_seat_its_secret() -> None:
+    links = Links(2, "known to a web server")
+    assert links.seat_of("known to a web server") == 0
+    assert links.seat_of(links.of_seat(1)) == 1
+    assert links.of_seat(1) != links.of_seat(0)
