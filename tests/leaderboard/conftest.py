@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import pytest
+from tests.leaderboard.filled_season import HOSTILE, FilledSeason, fill_season
 from tests.leaderboard.postgresql import PostgreSQL, missing, postgresql_server
 
 from wildscav_evaluator.output.results import (
@@ -103,3 +104,14 @@ def database(empty_url: str) -> Iterator[Database]:
     opened.upgrade()
     yield opened
     opened.close()
+
+
+@pytest.fixture(scope="session")
+def hostile_season(tmp_path_factory: pytest.TempPathFactory) -> Iterator[FilledSeason]:
+    """A season whose people and agents write texts that would take over a page, if they could."""
+    folder = tmp_path_factory.mktemp("hostile")
+    record = folder / "match.wsr"
+    record.write_bytes(b"no record that could be rendered")
+    filled = fill_season(folder, words=HOSTILE, record=record)
+    yield filled
+    filled.database.close()

@@ -14,6 +14,7 @@ from wildscav_leaderboard.seasons.refusals import TooMuchError
 
 TRIES = RateLimitItemPerMinute(10)  # of passwords, by address and by name
 SIGN_UPS = RateLimitItemPerMinute(10)  # accounts, by address
+GAMES = RateLimitItemPerMinute(6)  # against submissions, by account or address
 MINUTE = 60.0  # s
 
 

@@ -175,6 +175,11 @@ def check_form(caller: Caller, csrf: str) -> None:
         raise ForbiddenError("this form is from another session: load the page again")
 
 
+def address_of(request: Request) -> str:
+    """Return the address from which a request comes."""
+    return request.client.host if request.client is not None else "unknown"
+
+
 def cookie_name(request: Request) -> str:
     """Return the name of the cookie, which browsers bind to TLS where there is TLS."""
     return SECURE_COOKIE if request.url.scheme == "https" else COOKIE

@@ -7,6 +7,7 @@ from typing import Annotated
 from urllib.parse import urlsplit
 
 from fastapi import Depends, Request
+from starlette.requests import HTTPConnection
 
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import ForbiddenError
@@ -28,16 +29,18 @@ def check_same_site(request: Request) -> None:
     if site is not None:
         is_own = site in OWN_SITE
     elif origin is not None:
-        is_own = urlsplit(origin).netloc in _own_hosts(request)
+        is_own = is_own_origin(request, origin)
     else:
         is_own = True
     if not is_own:
         raise ForbiddenError("this form is from another site: open the page here, and send it again")
 
 
-def _own_hosts(request: Request) -> set[str]:
-    season: Season = request.app.state.season
-    return {request.headers.get("host", ""), urlsplit(season.settings.web.url or "").netloc} - {""}
+def is_own_origin(connection: HTTPConnection, origin: str) -> bool:
+    """Return whether an origin, as browsers name it, is that of this site."""
+    season: Season = connection.app.state.season
+    own = {connection.headers.get("host", ""), urlsplit(season.settings.web.url or "").netloc} - {""}
+    return urlsplit(origin).netloc in own
 
 
 SameSite = Annotated[None, Depends(check_same_site)]

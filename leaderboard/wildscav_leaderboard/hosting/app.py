@@ -21,6 +21,7 @@ from wildscav_leaderboard.api.routers import PREFIX, api_router
 from wildscav_leaderboard.database.connection import Database, DatabaseError
 from wildscav_leaderboard.hosting.broken_requests import BrokenRequests
 from wildscav_leaderboard.hosting.request_log import RequestCounts, RequestLog
+from wildscav_leaderboard.playing.tables import Tables
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.spectating import rerun_viewer
 from wildscav_leaderboard.spectating.live import LiveMatches
@@ -43,10 +44,11 @@ def create_app(
         log: Where requests are logged; None logs nothing.
     """
     renders = RenderCache(season.files / "rendered", season.settings.web.replays << 20)
+    tables = Tables(season, log)
 
     @asynccontextmanager
     async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
-        with renders:
+        with renders, tables:
             yield
 
     app = FastAPI(
@@ -58,7 +60,7 @@ def create_app(
         lifespan=lifespan,
     )
     app.state.season, app.state.database, app.state.limits = season, database, RateLimits()
-    app.state.renders, app.state.live = renders, LiveMatches(season.live)
+    app.state.renders, app.state.live, app.state.tables = renders, LiveMatches(season.live), tables
     app.include_router(api_router())
     app.include_router(rerun_viewer.router(cache_folder("rerun-viewer")))
     add_pages(app)

@@ -12,6 +12,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from wildscav.monitoring.logs import Log
 from wildscav_leaderboard.api.routers import PREFIX
 
+TABLES = "/play/"  # paths of people's tables, in which their secrets stand
 UNKNOWN_ROUTE = "unknown"  # of an address that leads nowhere
 BOUNDS = (0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 10.0, 60.0)  # s
 
@@ -85,7 +86,7 @@ class RequestLog:
         if self._log is None:
             raise error
         trace = "".join(traceback.format_exception(error))
-        self._log.warning("request_broke", method=scope["method"], path=scope["path"], trace=trace)
+        self._log.warning("request_broke", method=scope["method"], path=_path(scope), trace=trace)
 
     def _note(self, scope: Scope, status: int, seconds: float) -> None:
         self._counts.add(scope["method"], _route(scope), status, seconds)
@@ -94,11 +95,17 @@ class RequestLog:
         self._log.info(
             "request",
             method=scope["method"],
-            path=scope["path"],
+            path=_path(scope),
             status=int(status),
             milliseconds=round(seconds * 1e3, 1),
             address=(scope.get("client") or ("unknown",))[0],
         )
+
+
+def _path(scope: Scope) -> str:
+    """Return a request's path without the secrets of people's tables."""
+    path: str = scope["path"]
+    return f"{TABLES}…" if path.startswith(TABLES) else path
 
 
 def _route(scope: Scope) -> str:

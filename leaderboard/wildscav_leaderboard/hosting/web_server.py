@@ -11,6 +11,7 @@ from wildscav_leaderboard.hosting.request_log import RequestCounts
 from wildscav_leaderboard.seasons.folder import Season
 
 GRACE = 10  # s for requests to end when the server is stopped
+LARGEST_MESSAGE = 4096  # bytes, through the WebSocket of a page on which somebody plays
 
 
 def run_web(
@@ -29,6 +30,9 @@ def run_web(
         ssl_certfile=None if web.certificate is None else str(season.folder / web.certificate),
         ssl_keyfile=None if web.key is None else str(season.folder / web.key),
         timeout_graceful_shutdown=GRACE,
+        ws="websockets-sansio",
+        ws_max_size=LARGEST_MESSAGE,
+        ws_per_message_deflate=False,  # pictures are compressed already
         server_header=False,
     )
     # What is loaded by now stays: a full collection that went through it would answer nobody for 0.1 s.

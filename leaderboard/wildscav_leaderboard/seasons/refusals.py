@@ -41,6 +41,12 @@ class TooMuchError(RefusalError):
     status = HTTPStatus.TOO_MANY_REQUESTS
 
 
+class UnavailableError(RefusalError):
+    """Something went wrong here; nobody who asks is to blame."""
+
+    status = HTTPStatus.SERVICE_UNAVAILABLE
+
+
 class TooLargeError(RefusalError):
     """What was sent is too large."""
 

@@ -88,6 +88,18 @@ class Web(_Part):
         return self
 
 
+class Play(_Part):
+    """Matches of people against submissions, on the site. Nothing of them counts for boards."""
+
+    enabled: bool = False
+    who: Literal["accounts", "anybody"] = "accounts"
+    tables: Annotated[int, Field(ge=1, le=50)] = 2  # at once; each person has one at most
+    tracks: tuple[str, ...] = ()  # on which people play; none: all tracks of the season
+    match: Annotated[float, Field(ge=10.0, le=3600.0)] = 180.0  # s of game time that a match takes at most
+    session: Annotated[float, Field(ge=10.0, le=86_400.0)] = 1800.0  # s after which a table ends
+    idle: Annotated[float, Field(ge=5.0, le=3600.0)] = 180.0  # s without any input after which it does
+
+
 class Webhooks(_Part):
     """Messages to teams' own addresses."""
 
@@ -125,6 +137,7 @@ class SeasonSettings(_Part):
     execution: Execution = Execution()
     web: Web = Web()
     webhooks: Webhooks = Webhooks()
+    play: Play = Play()
 
     @model_validator(mode="after")
     def _fits(self) -> "SeasonSettings":
@@ -207,6 +220,8 @@ def _problems(settings: SeasonSettings) -> Iterator[str]:
     yield from _unknown("execution.executor", settings.execution.executor, EXECUTORS)
     if settings.execution.sandbox is not None:
         yield from _unknown("execution.sandbox", settings.execution.sandbox, SANDBOXES)
+    for name in settings.play.tracks:
+        yield from _unknown("play.tracks", name, settings.tracks)
     for name, track in settings.tracks.items():
         yield from _unknown("tracks", name, TRACKS)
         for robot in track.robots:

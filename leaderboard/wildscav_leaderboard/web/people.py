@@ -14,6 +14,7 @@ from wildscav_leaderboard.access.requests import (
     CurrentSeason,
     KnownBrowser,
     Now,
+    address_of,
     check_form,
     cookie_name,
 )
@@ -56,7 +57,7 @@ def login(
     """Log in, and go on to the page that asked for it."""
     limits: RateLimits = request.app.state.limits
     try:
-        limits.use(TRIES, "address", _address(request))
+        limits.use(TRIES, "address", address_of(request))
         limits.use(TRIES, "name", name)
         with database.reading() as session:
             account = service.find_account(session, name)
@@ -68,10 +69,6 @@ def login(
             request, "login.html", None, error.status, error=str(error), name=name, following=following
         )
     return _logged_in(request, database, account, now, following)
-
-
-def _address(request: Request) -> str:
-    return request.client.host if request.client is not None else "unknown"
 
 
 def _logged_in(
@@ -123,7 +120,7 @@ def register(
     """Register and log in."""
     limits: RateLimits = request.app.state.limits
     try:
-        limits.use(SIGN_UPS, "accounts", _address(request))
+        limits.use(SIGN_UPS, "accounts", address_of(request))
         hashed = passwords.hashed(password)
         with database.writing() as session:
             account = service.register(session, season.settings, name, hashed, invitation.strip(), now)

@@ -14,6 +14,7 @@ from wildscav_leaderboard.boards.history import histories_of_team
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.matches.listing import list_matches
 from wildscav_leaderboard.matches.models import FINISHED
+from wildscav_leaderboard.playing.permission import tracks_of
 from wildscav_leaderboard.presentation.documents import MatchView
 from wildscav_leaderboard.presentation.matches import match_views
 from wildscav_leaderboard.presentation.people import team_view
@@ -126,6 +127,7 @@ def submission(
         unseen=list(dict.fromkeys(str(view.hidden) for view in unseen)),
         unseen_count=len(unseen),
         places=places,
+        playable=tracks_of(season, found.state, found.tracks),
     )
 
 

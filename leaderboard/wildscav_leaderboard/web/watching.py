@@ -5,6 +5,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse
+from sqlalchemy.orm import Session
 
 from wildscav_evaluator.output.results import metric_infos
 from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Now, Reading, Renders
@@ -12,11 +13,14 @@ from wildscav_leaderboard.matches.models import FINISHED, PLAYING
 from wildscav_leaderboard.matches.records import record_path
 from wildscav_leaderboard.matches.service import find_match
 from wildscav_leaderboard.matches.visibility import live_hidden_why
-from wildscav_leaderboard.presentation.documents import MatchView
+from wildscav_leaderboard.playing.permission import open_tracks, refused_why
+from wildscav_leaderboard.presentation.documents import MatchView, SeatView
 from wildscav_leaderboard.presentation.matches import match_views
+from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import ForbiddenError
 from wildscav_leaderboard.spectating import rerun_viewer
 from wildscav_leaderboard.spectating.render_cache import Progress
+from wildscav_leaderboard.submissions.service import find_submission
 from wildscav_leaderboard.web.rendering import page
 
 router = APIRouter()
@@ -57,8 +61,21 @@ def match(
         live=found.state == PLAYING and not unwatched,
         unwatched=unwatched,
         film=film,
+        playable=_playable(session, season, view),
         has_poster=view.hidden is None and renders.is_kept("poster", str(number)),
     )
+
+
+def _playable(session: Session, season: Season, view: MatchView) -> list[SeatView]:
+    """Return a seat of each submission of a match against which people may play on its track."""
+    if view.track not in open_tracks(season):
+        return []
+    seats = {seat.submission: seat for seat in view.seats if seat.submission is not None}
+    return [
+        seat
+        for number, seat in seats.items()
+        if not refused_why(session, season, find_submission(session, number), view.track)
+    ]
 
 
 def _unseen(view: MatchView) -> str:

@@ -11,6 +11,7 @@ import pytest
 from fastapi import FastAPI
 from fastapi.routing import iter_route_contexts
 from sqlalchemy import select
+from starlette.routing import WebSocketRoute
 from tests.leaderboard.filled_season import HOSTILE, FilledSeason
 from tests.leaderboard.hosting.clients import ask, copied_database, numbers_of
 from tests.leaderboard.hosting.route_table import ASKING, LOG_IN, TABLE, Line
@@ -23,6 +24,7 @@ from wildscav_leaderboard.matches.models import SUITE, Match
 from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.webhooks.models import Webhook
 
+NO_METHODS = {"FILES": "GET", "SOCKET": "GET"}  # of the table, and how they are asked
 API_KINDS = ("application/json", "application/x-ndjson", "application/octet-stream", "text/plain")
 
 
@@ -53,7 +55,7 @@ def walk(hostile_season: FilledSeason, tmp_path_factory: pytest.TempPathFactory)
     answers = []
     with served(app) as address, httpx.Client(base_url=address, timeout=60.0) as client:
         for line in TABLE:
-            method, path = line.method.replace("FILES", "GET"), line.path.format(**numbers)
+            method, path = NO_METHODS.get(line.method, line.method), line.path.format(**numbers)
             for asker in ASKING:
                 app.state.limits = RateLimits()
                 with nullcontext() if method == "GET" else copied_database(app, filled, folder):
@@ -76,7 +78,8 @@ class _Kept(logging.Handler):
 def test_every_route_has_a_line(walk: Walk) -> None:
     routes = set()
     for route in iter_route_contexts(walk.app.routes):
-        for method in set(getattr(route, "methods", None) or {"FILES"}) - {"HEAD"}:
+        other = "SOCKET" if isinstance(route, WebSocketRoute) else "FILES"
+        for method in set(getattr(route, "methods", None) or {other}) - {"HEAD"}:
             routes.add(f"{method} {getattr(route, 'path', '')}")
     assert {line.route for line in TABLE} == routes
 

@@ -26,14 +26,13 @@ async function showPoster() {
   if (!(await untilReady(card.dataset.poster, () => {})) || card.querySelector("video, img")) return;
   const poster = document.createElement("img");
   Object.assign(poster, { src: card.dataset.poster, alt: "A moment of the match", width: 1280, height: 720 });
-  card.querySelector("h3").after(poster);
+  card.querySelector(".screen")?.replaceWith(poster);
 }
 
 function showVideo() {
   const video = document.createElement("video");
   Object.assign(video, { controls: true, playsInline: true, preload: "metadata", poster: card.dataset.poster, src: card.dataset.file });
-  card.querySelector("img")?.remove();
-  card.querySelector("h3").after(video);
+  card.querySelector(".screen, img").replaceWith(video);
   button.href = card.dataset.file;
   button.download = card.dataset.name;
   button.className = "button quiet";

@@ -1,0 +1,116 @@
+"""The program of one table: a person's matches against a submission, until one of them leaves.
+
+It reads its order from standard input, and prints a line when it is ready and when it has ended: see
+``order.py``.
+"""
+
+import asyncio
+import signal
+import socket
+import sys
+import time
+from pathlib import Path
+from types import FrameType
+
+from wildscav.errors import WildscavError, describe
+from wildscav.monitoring.logs import open_log
+from wildscav.play.links import Base, Links
+from wildscav.play.lobby import HOST
+from wildscav.play.serve import Served, prepare, served_on
+from wildscav.system.worker_processes import become_worker
+from wildscav_evaluator.executors.local import LocalExecutor
+from wildscav_evaluator.sandbox import SANDBOXES
+from wildscav_evaluator.submissions.images import with_images
+from wildscav_leaderboard.conductor.sandboxes import chosen_sandbox
+from wildscav_leaderboard.playing.matches import plan_of
+from wildscav_leaderboard.playing.order import Order, Told
+from wildscav_leaderboard.playing.sandboxed import SandboxedAgents
+from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.settings import Play, SeasonSettings
+from wildscav_leaderboard.submissions.archives import load_archive
+
+LOOKS = 0.5  # s between two looks at whether the person is here
+COMING = 120.0  # s in which the person must open the page for the first time
+AWAY = 20.0  # s for which the page may be closed, such as to load it again
+PEOPLE = 1
+
+
+def main() -> None:
+    """Serve the table that standard input orders; the argument is the id of the parent process."""
+    become_worker(int(sys.argv[1]))
+    signal.signal(signal.SIGTERM, _stop)
+    order = Order.model_validate_json(sys.stdin.read())
+    try:
+        why = asyncio.run(_serve(order))
+    except OSError as error:
+        return _tell(Told(state="failed", why=describe(error)))
+    except WildscavError as error:
+        return _tell(Told(state="failed", why=str(error)))
+    return _tell(Told(state="ended", why=why))
+
+
+def _tell(told: Told) -> None:
+    print(told.model_dump_json(), flush=True)  # noqa: T201
+
+
+def _stop(_number: int, _frame: FrameType | None) -> None:
+    raise SystemExit(0)
+
+
+async def _serve(order: Order) -> str:
+    """Serve a table until it ends; return why it did."""
+    season = Season(Path(order.season), SeasonSettings.model_validate_json(order.settings))
+    rules = season.settings.play
+    sandbox = SANDBOXES[chosen_sandbox(season, LocalExecutor(1), open_log(None))]
+    (submission,) = with_images([load_archive(season, order.archive, order.entrant)], sandbox.name)
+    plan = plan_of(order, submission, rules.match)
+    prepare(plan)
+    listening = socket.socket(socket.AF_UNIX)
+    listening.bind(order.socket)
+    listening.listen()
+    # From here on the web server takes the signal, and when it has ended, sends it again.
+    signal.signal(signal.SIGTERM, lambda *_: None)
+    async with served_on(
+        listening,
+        Base(order.base, order.base),
+        Links(PEOPLE, order.secret),
+        plan,
+        Path(order.records),
+        lambda _: None,
+        agents=SandboxedAgents(submission, sandbox, season.limits(order.track)),
+        at_home=False,
+    ) as served:
+        _tell(Told(state="ready"))
+        why = await _end(served, rules)
+        # The reason goes ahead of the end, so that it is known when the page's connection is lost.
+        _tell(Told(state="ended", why=why))
+    return why
+
+
+async def _end(served: Served, rules: Play) -> str:
+    """Wait for the end of a table, and return why it ends."""
+    controls = served.table.lobby.chairs[HOST].person.controls
+    began = acted = here = time.monotonic()
+    patience, received = COMING, 0
+    while not served.serving.done():
+        await asyncio.wait([served.serving], timeout=LOOKS)
+        now = time.monotonic()
+        if served.table.is_attended:
+            here, patience = now, min(AWAY, rules.idle)
+        if controls.received != received:
+            acted, received = now, controls.received
+        if now - here >= patience:
+            return "you left"
+        if now - acted >= rules.idle:
+            return f"you did nothing for {_span(rules.idle)}"
+        if now - began >= rules.session:
+            return f"your time of {_span(rules.session)} is over"
+    return "the season's web server is stopping"
+
+
+def _span(seconds: float) -> str:
+    return f"{seconds:.0f} s" if seconds < 120.0 else f"{seconds / 60.0:.0f} min"
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,32 @@
+"""What the process of a table is told when it starts, and what it tells."""
+
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict
+
+
+class Order(BaseModel):
+    """A table that is to be served. It goes through a pipe, as it holds a secret."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    season: str  # folder
+    settings: str  # of the season, JSON
+    socket: str  # path of the Unix socket to listen on
+    records: str  # folder for what matches leave behind
+    base: str  # URL of the table's site, which ends with a slash
+    secret: str  # of the person's seat
+    archive: str  # of the submission
+    entrant: str
+    title: str  # the submission's name as people read it
+    track: str
+    seed: int  # of the map and of the first match
+
+
+class Told(BaseModel):
+    """A line from the process: its table is ready, or has ended, and why."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    state: Literal["ready", "ended", "failed"]
+    why: str = ""  # one line: for the person, or if it failed, for the organizers alone

@@ -1,0 +1,121 @@
+"""Playing against a submission: the form that opens a table, and the pages of tables."""
+
+from http import HTTPStatus
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Form, Request, WebSocket
+from fastapi.responses import RedirectResponse, Response
+
+from wildscav_leaderboard.access.rate_limits import GAMES, RateLimits
+from wildscav_leaderboard.access.requests import (
+    AnyBrowser,
+    CurrentDatabase,
+    CurrentSeason,
+    address_of,
+    check_form,
+)
+from wildscav_leaderboard.access.same_site import SameSite, is_own_origin
+from wildscav_leaderboard.accounts.service import Caller
+from wildscav_leaderboard.database.connection import Database, DatabaseError
+from wildscav_leaderboard.playing.passing import OVER, pass_request, pass_socket, refuse
+from wildscav_leaderboard.playing.permission import refused_why
+from wildscav_leaderboard.playing.tables import STARTING, Tables, Wish
+from wildscav_leaderboard.presentation.entrants import titled
+from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.refusals import (
+    ForbiddenError,
+    NotFoundError,
+    UnavailableError,
+    UnknownCallerError,
+)
+from wildscav_leaderboard.submissions.service import find_submission
+from wildscav_leaderboard.web.rendering import base_of, page
+
+router = APIRouter()
+Text = Annotated[str, Form(max_length=2000)]
+
+
+async def tables_of(request: Request) -> Tables:
+    """Return the tables of this web server."""
+    tables: Tables = request.app.state.tables
+    return tables
+
+
+OwnTables = Annotated[Tables, Depends(tables_of)]
+
+
+@router.post("/submissions/{number}/play")
+def play(
+    request: Request,
+    number: int,
+    _own_form: SameSite,
+    season: CurrentSeason,
+    database: CurrentDatabase,
+    tables: OwnTables,
+    caller: AnyBrowser,
+    track: Text,
+    csrf: Text = "",
+) -> Response:
+    """Open a table for whoever asks, and send them to it."""
+    if caller is not None:
+        check_form(caller, csrf)
+    with database.reading() as session:
+        one = find_submission(session, number)
+        if why := refused_why(session, season, one, track):
+            raise ForbiddenError(why)
+        if caller is None and season.settings.play.who == "accounts":
+            raise UnknownCallerError("log in first: people without an account cannot play here")
+        wish = Wish(
+            person=_person(request, caller),
+            submission=number,
+            archive=one.archive,
+            entrant=one.entrant,
+            title=titled(one.name, one.version),
+            track=track,
+            base=base_of(request),
+        )
+    limits: RateLimits = request.app.state.limits
+    limits.use(GAMES, "games", wish.person)
+    table = tables.open(wish, lambda: _refused_now(database, season, number, track))
+    return RedirectResponse(table.path, HTTPStatus.SEE_OTHER)
+
+
+def _person(request: Request, caller: Caller | None) -> str:
+    return f"address {address_of(request)}" if caller is None else f"account {caller.account.id}"
+
+
+def _refused_now(database: Database, season: Season, number: int, track: str) -> str:
+    try:
+        with database.reading() as session:
+            return refused_why(session, season, find_submission(session, number), track)
+    except DatabaseError:
+        return ""  # it will answer again
+
+
+@router.get("/play/{secret}/{path:path}")
+async def table_page(
+    request: Request, secret: str, path: str, tables: OwnTables, caller: AnyBrowser
+) -> Response:
+    """Show a page of a table, or that it is being opened."""
+    table = tables.find(secret)
+    if table.why:
+        raise (UnavailableError if table.failed else NotFoundError)(f"this game is over: {table.why}")
+    if table.state == STARTING:
+        return page(request, "play_wait.html", caller, HTTPStatus.ACCEPTED, wish=table.wish)
+    return await pass_request(table, path)
+
+
+@router.websocket("/play/{secret}/{path:path}")
+async def table_socket(socket: WebSocket, secret: str, path: str) -> None:
+    """Pass the messages of a table's page on."""
+    tables: Tables = socket.app.state.tables
+    origin = socket.headers.get("origin")
+    if origin is not None and not is_own_origin(socket, origin):
+        return await refuse(socket, OVER, "another site opened this game")
+    try:
+        table = tables.find(secret)
+    except NotFoundError as error:
+        return await refuse(socket, OVER, str(error))
+    if table.why:
+        return await refuse(socket, OVER, table.why)
+    return await pass_socket(table, path, socket)

@@ -1,0 +1,130 @@
+"""Playing against a submission: who may, against which, and how many at one time."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Any
+
+import httpx
+import pytest
+from tests.leaderboard.filled_season import FilledSeason
+from tests.leaderboard.hosting.clients import ask
+from tests.leaderboard.spectating.served import served
+
+from wildscav_leaderboard.hosting.app import create_app
+from wildscav_leaderboard.playing.tables import Tables
+from wildscav_leaderboard.seasons.settings import Play
+
+
+@contextmanager
+def site(filled: FilledSeason, **play: Any) -> Iterator[httpx.Client]:
+    """Serve a season whose organizer allows to play, unless said otherwise."""
+    settings = filled.season.settings.model_copy(update={"play": Play(**{"enabled": True, **play})})
+    app = create_app(replace(filled.season, settings=settings), filled.database)
+    tables: Tables = app.state.tables
+    try:
+        with served(app) as address, httpx.Client(base_url=address, timeout=60.0) as client:
+            yield client
+    finally:
+        tables.close()
+        app.state.renders.close()
+        assert tables.running == 0
+
+
+def press(
+    client: httpx.Client, filled: FilledSeason, asker: str, which: str = "active", track: str = "battle"
+) -> httpx.Response:
+    """Press the button on the page of a submission."""
+    path = f"/submissions/{filled.submissions[which]}/play"
+    return ask(client, filled, asker, "POST", path, {"track": track})
+
+
+def test_unless_the_organizer_allows_it_nobody_plays(hostile_season: FilledSeason) -> None:
+    with site(hostile_season, enabled=False) as client:
+        page = ask(
+            client, hostile_season, "owner", "GET", f"/submissions/{hostile_season.submissions['active']}"
+        )
+        assert "Play against" not in page.text
+        refused = press(client, hostile_season, "organizer")
+        assert (refused.status_code, "in this season nobody plays" in refused.text) == (403, True)
+
+
+def test_whoever_has_an_account_gets_one_table_and_no_more_than_there_are(
+    hostile_season: FilledSeason,
+) -> None:
+    number = hostile_season.submissions["active"]
+    with site(hostile_season, tables=2) as client:
+        for path in (f"/submissions/{number}", f"/matches/{hostile_season.matches['ladder']}"):
+            assert (
+                f'action="/submissions/{number}/play"'
+                in ask(client, hostile_season, "other", "GET", path).text
+            )
+            assert "Log in to play" in client.get(path).text
+
+        first = press(client, hostile_season, "other")
+        assert first.status_code == 303
+        assert "Your game begins" in client.get(first.headers["location"]).text
+        assert (
+            press(client, hostile_season, "other").headers["location"] == first.headers["location"]
+        )  # pressed twice
+        second = press(client, hostile_season, "other", track="navigation")
+        assert second.status_code == 409
+        assert "you play battle against night-owl 1.1 already: close its page" in second.text
+
+        assert press(client, hostile_season, "owner").status_code == 303
+        third = press(client, hostile_season, "organizer")
+        assert third.status_code == 429
+        assert "2 people can play at one time, and nobody else: try again" in third.text
+
+
+@pytest.mark.parametrize(
+    ("which", "track", "why"),
+    [
+        ("failed", "battle", "is failed: only those that take part"),
+        ("cancelled", "battle", "is cancelled: only those that take part"),
+        ("queued", "battle", "is queued: only those that take part"),
+        ("active", "navigation", "in this season people play on battle"),
+        ("active", "chess", "in this season people play on battle"),
+    ],
+)
+def test_only_what_takes_part_and_is_allowed_can_be_played_against(
+    hostile_season: FilledSeason, which: str, track: str, why: str
+) -> None:
+    with site(hostile_season, tracks=("battle",)) as client:
+        refused = press(client, hostile_season, "other", which, track)
+        assert (refused.status_code, why in refused.text) == (403, True)
+
+
+def test_a_disqualified_team_cannot_be_played_against(hostile_season: FilledSeason) -> None:
+    with site(hostile_season) as client:
+        newts = client.get("/api/v1/submissions?team=newts").json()["submissions"]
+        for number in [one["id"] for one in newts if one["team"] == "newts"]:
+            refused = ask(
+                client, hostile_season, "other", "POST", f"/submissions/{number}/play", {"track": "battle"}
+            )
+            assert (refused.status_code, "only those that take part" in refused.text) == (403, True)
+
+
+def test_visitors_play_only_where_anybody_may(hostile_season: FilledSeason) -> None:
+    with site(hostile_season) as client:
+        sent = press(client, hostile_season, "visitor")
+        assert (sent.status_code, sent.headers["location"]) == (303, "/login")
+    with site(hostile_season, who="anybody") as client:
+        assert press(client, hostile_season, "visitor").headers["location"].startswith("/play/")
+        assert press(client, hostile_season, "visitor", track="navigation").status_code == 409  # one address
+
+
+def test_a_form_of_another_site_or_session_opens_no_table(hostile_season: FilledSeason) -> None:
+    path = f"/submissions/{hostile_season.submissions['active']}/play"
+    with site(hostile_season, who="anybody") as client:
+        foreign = client.post(path, data={"track": "battle"}, headers={"Origin": "https://elsewhere.example"})
+        assert (foreign.status_code, "from another site" in foreign.text) == (403, True)
+        cookie = {"Cookie": f"wildscav={hostile_season.people['other'].cookie}"}
+        forged = client.post(path, data={"track": "battle", "csrf": "guessed"}, headers=cookie)
+        assert (forged.status_code, "from another session" in forged.text) == (403, True)
+
+
+def test_nobody_opens_tables_again_and_again(hostile_season: FilledSeason) -> None:
+    with site(hostile_season) as client:
+        answers = [press(client, hostile_season, "other").status_code for _ in range(7)]
+    assert answers == [303] * 6 + [429]

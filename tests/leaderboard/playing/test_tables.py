@@ -1,0 +1,204 @@
+"""Tables on a season's site: real processes, the real sandbox, and a real browser."""
+
+import asyncio
+import os
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pytest
+from fastapi import FastAPI
+from tests.leaderboard.browsers import DESK, chromium
+from tests.leaderboard.filled_season import FilledSeason
+from tests.leaderboard.spectating.served import served
+from tests.platform.play.browsers import PATIENCE, wait_for_match
+from tests.platform.play.pages import page as page_of
+from websockets.exceptions import ConnectionClosed
+
+from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES
+from wildscav_evaluator.sandbox.choose import missing_promises
+from wildscav_leaderboard.access.requests import COOKIE
+from wildscav_leaderboard.hosting.app import create_app
+from wildscav_leaderboard.playing.tables import ENDED, READY, OpenTable, Tables, Wish
+from wildscav_leaderboard.seasons.settings import Execution, Play
+from wildscav_leaderboard.submissions.service import find_submission
+
+pytestmark = pytest.mark.slow
+
+
+class Site(NamedTuple):
+    """A served season on whose site people may play."""
+
+    filled: FilledSeason
+    app: FastAPI
+    address: str
+
+    @property
+    def tables(self) -> Tables:
+        tables: Tables = self.app.state.tables
+        return tables
+
+    def open(self) -> OpenTable:
+        """Open a table, and wait until it is ready."""
+        number = self.filled.submissions["active"]
+        with self.filled.database.reading() as session:
+            one = find_submission(session, number)
+            wish = Wish("me", number, one.archive, one.entrant, "night-owl", "navigation", self.address)
+        table = self.tables.open(wish)
+        wait(lambda: table.state != "starting")
+        assert table.state == READY, table.why
+        return table
+
+
+@contextmanager
+def site(filled: FilledSeason, sandbox: str, **play: Any) -> Iterator[Site]:
+    changed = {"play": Play(enabled=True, **play), "execution": Execution(sandbox=sandbox)}
+    app = create_app(
+        replace(filled.season, settings=filled.season.settings.model_copy(update=changed)), filled.database
+    )
+    try:
+        with served(app) as address:
+            yield Site(filled, app, address)
+    finally:
+        app.state.tables.close()
+        app.state.renders.close()
+
+
+def wait(condition: Any) -> None:
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.05)
+
+
+def descendants() -> dict[int, str]:
+    """Return the command lines of all processes that come from this one."""
+    parents: dict[int, int] = {}
+    commands: dict[int, str] = {}
+    for folder in Path("/proc").glob("[0-9]*"):
+        try:
+            stat, command = (folder / "stat").read_text(), (folder / "cmdline").read_text()
+        except (OSError, UnicodeDecodeError):
+            continue
+        parents[int(folder.name)] = int(stat.rpartition(")")[2].split()[1])
+        commands[int(folder.name)] = command.replace("\0", " ")
+    own = {os.getpid()}
+    while more := {one for one, parent in parents.items() if parent in own} - own:
+        own |= more
+    return {number: commands[number] for number in own if number in commands and number != os.getpid()}
+
+
+def code_and_reason(closed: ConnectionClosed) -> tuple[int, str]:
+    assert closed.rcvd is not None
+    return closed.rcvd.code, closed.rcvd.reason
+
+
+def test_somebody_plays_by_keys_against_a_submission_in_the_sandbox(hostile_season: FilledSeason) -> None:
+    if why := missing_promises(SANDBOXES["bubblewrap"], DEFAULT_LIMITS):
+        pytest.skip(f"needs bubblewrap: {why}")
+    filled = hostile_season
+    with site(filled, "bubblewrap", idle=10.0) as served_site, chromium() as browser:
+        context = browser.new_context(viewport=DESK, base_url=served_site.address)
+        context.add_cookies(
+            [{"name": COOKIE, "value": filled.people["other"].cookie, "url": served_site.address}]
+        )
+        page, faults = context.new_page(), []
+        page.on("pageerror", lambda error: faults.append(str(error)))
+        page.goto(f"/submissions/{filled.submissions['active']}")
+        page.get_by_role("button", name="Play battle").click()
+        page.wait_for_selector(
+            "#game[data-state=lobby]", timeout=PATIENCE * 1000
+        )  # after the page that waits
+        assert "Against you: night-owl 1.1" in page.inner_text("#words")
+        page.click("#go")
+        wait_for_match(page)
+
+        sandboxed = [command for command in descendants().values() if command.startswith("bwrap ")]
+        assert sandboxed
+        assert "--unshare-" in sandboxed[0]
+        before = float(page.get_attribute("#compass", "data-yaw"))
+        page.keyboard.down("ArrowRight")
+        page.wait_for_function(
+            "before => Math.abs(Number(document.querySelector('#compass').dataset.yaw) - before) > 5",
+            arg=before,
+            timeout=PATIENCE * 1000,
+        )
+        page.keyboard.up("ArrowRight")
+        assert faults == []
+        # Nobody learns where files are, and other people's pages are not opened by guessing.
+        assert "/records" not in page.content()
+        assert context.request.get(page.url[:-4] + "wxyz").status == 404
+
+        (table,) = served_site.tables._tables.values()
+        address = page.url
+        context.close()
+        wait(lambda: table.state == ENDED)
+        assert table.why == "you left"
+        visitor = browser.new_page()
+        visitor.goto(address)
+        assert "this game is over: you left" in visitor.content()
+    assert not [command for command in descendants().values() if "wildscav" in command]
+
+
+@pytest.mark.parametrize(
+    ("play", "why"),
+    [
+        ({"session": 10.0}, "your time of 10 s is over"),
+        ({"idle": 5.0}, "you did nothing for 5 s"),
+    ],
+)
+def test_a_page_is_told_when_the_time_is_over(
+    hostile_season: FilledSeason, play: dict[str, float], why: str
+) -> None:
+    with site(hostile_season, "process", **play) as served_site:
+        table = served_site.open()
+
+        async def look_on() -> tuple[int, str]:
+            async with page_of(f"{served_site.address}{table.path}") as page:
+                await page.send(kind="start")
+                with pytest.raises(ConnectionClosed) as closed:
+                    await page.until("the end")
+                return code_and_reason(closed.value)
+
+        assert asyncio.run(look_on()) == (4005, why)
+        wait(lambda: table.state == ENDED)
+
+
+def test_another_site_cannot_use_a_game_that_is_open(hostile_season: FilledSeason) -> None:
+    with site(hostile_season, "process") as served_site:
+        table = served_site.open()
+
+        async def open_from(origin: str) -> Any:
+            async with page_of(f"{served_site.address}{table.path}", origin=origin) as page:
+                return (await page.read())["kind"]
+
+        with pytest.raises(ConnectionClosed) as closed:
+            asyncio.run(open_from("https://elsewhere.example"))
+        assert code_and_reason(closed.value) == (4005, "another site opened this game")
+        assert asyncio.run(open_from(served_site.address)) == "table"
+
+
+def test_a_submission_that_is_disqualified_meanwhile_is_played_no_longer(
+    hostile_season: FilledSeason,
+) -> None:
+    with site(hostile_season, "process") as served_site:
+        number = hostile_season.submissions["active"]
+        with hostile_season.database.reading() as session:
+            one = find_submission(session, number)
+            wish = Wish("me", number, one.archive, one.entrant, "night-owl", "battle", served_site.address)
+        table = served_site.tables.open(wish, lambda: "submission 1 is disqualified")
+        wait(lambda: table.state == ENDED)
+        assert table.why == "submission 1 is disqualified"
+
+
+def test_a_table_that_cannot_be_opened_says_so(hostile_season: FilledSeason) -> None:
+    with site(hostile_season, "process") as served_site:
+        wish = Wish("me", 1, "gone.tar.gz", "night-owl-1", "night-owl", "battle", served_site.address)
+        table = served_site.tables.open(wish)
+        wait(lambda: table.state == ENDED)
+        assert table.failed
+        assert "the organizers can see" in table.why
+        assert str(hostile_season.season.folder) not in table.why
