@@ -78,7 +78,7 @@ class _Kept(logging.Handler):
 def test_every_route_has_a_line(walk: Walk) -> None:
     routes = set()
     for route in iter_route_contexts(walk.app.routes):
-        other = "SOCKET" if isinstance(route, WebSocketRoute) else "FILES"
+        other = "SOCKET" if isinstance(route.original_route, WebSocketRoute) else "FILES"
         for method in set(getattr(route, "methods", None) or {other}) - {"HEAD"}:
             routes.add(f"{method} {getattr(route, 'path', '')}")
     assert {line.route for line in TABLE} == routes

@@ -29,6 +29,13 @@ from wildscav_leaderboard.seasons.settings import SETTINGS_FILE, SettingsError
             "tracks.battle.mode: is 'lader'; input should be 'suite' or 'ladder'",
         ),
         ("per_day = 3", "per_day = 0", "quotas.per_day: is 0; input should be greater than or equal to 1"),
+        (
+            "[quotas]",
+            '[play]\ntracks = ["royale"]\n[quotas]',
+            "play.tracks: 'royale' is none of navigation, battle",
+        ),
+        ("[quotas]", '[play]\nwho = "all"\n[quotas]', "play.who: is 'all'; input should be 'accounts' or "),
+        ("[quotas]", "[play]\ntables = 0\n[quotas]", "play.tables: is 0; input should be greater than or "),
         ("seats = 2", "seat = 2", "tracks.battle.seat: is not a setting (did you mean 'seats'"),
         ('robots = ["fighter"]', 'robots = ["figter"]', "tracks.battle.robots: 'figter' is none of "),
     ],
