@@ -53,30 +53,47 @@ class NormalCamera(MovingOption, RayHitCamera):
         images: NDArray[np.float32],
     ) -> None:
         """Write the normals of the surfaces that the rays hit."""
-        scene = game_map.scene
-        _write_normals(scene.world.heights, scene.solids, moving, hits, images)
+        solids = game_map.scene.solids
+        _write_normals(game_map.world.heights, len(solids.kind), solids.faces, moving.faces, *hits, images)
 
 
+# A call passes its arrays one by one, so it gets no more of them than it needs.
 @kernel
 def _write_normals(
-    heights: NDArray[np.float64], solids: Solids, moving: Solids, hits: Hits, images: NDArray[np.float32]
+    heights: NDArray[np.float64],
+    of_world: int,
+    faces: NDArray[np.float64],
+    moving_faces: NDArray[np.float64],
+    distances: NDArray[np.float32],
+    solids: NDArray[np.int32],
+    hit_faces: NDArray[np.int32],
+    images: NDArray[np.float32],
 ) -> None:
-    """Write (N, H, W, 3) unit normals of the surfaces that the rays hit."""
-    count, height, width = hits.distance.shape
-    of_world = solids.kind.shape[0]
+    """Write (N, H, W, 3) unit normals of the surfaces that the rays hit.
+
+    Args:
+        heights: (R + 1, C + 1) m, of the terrain.
+        of_world: Number of the world's solids.
+        faces: (F, 4) of these.
+        moving_faces: (F', 4) of the moving solids.
+        distances: (N, H, W) see ``Hits``.
+        solids: (N, H, W) see ``Hits``.
+        hit_faces: (N, H, W) see ``Hits``.
+        images: Written.
+    """
+    count, height, width = distances.shape
     for image in range(count):
         for row in range(height):
             for column in range(width):
-                solid, face = hits.solid[image, row, column], hits.face[image, row, column]
-                if solid == NOTHING_HIT or hits.distance[image, row, column] == 0.0:
+                solid, face = solids[image, row, column], hit_faces[image, row, column]
+                if solid == NOTHING_HIT or distances[image, row, column] == 0.0:
                     normal = (0.0, 0.0, 0.0)
                 elif solid == TERRAIN_HIT:
                     normal = _normal_of_ground(heights, face)
                 elif solid < of_world:
-                    faces = solids.faces
                     normal = (faces[face, 0], faces[face, 1], faces[face, 2])
                 else:
-                    normal = (moving.faces[face, 0], moving.faces[face, 1], moving.faces[face, 2])
+                    normal = (moving_faces[face, 0], moving_faces[face, 1], moving_faces[face, 2])
                 for axis in range(3):
                     images[image, row, column, axis] = normal[axis]
 

@@ -7,6 +7,7 @@ index, and supply boxes from ``FIRST_BOX`` on by serial number. A wall with a do
 """
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
@@ -77,12 +78,14 @@ class SegmentationCamera(RayHitCamera):
         """Write the labels of the objects that the rays hit."""
         kinds, objects = game_map.world.solid_kind, as_dynamic_objects(moving)
         if self.label == "kind":
-            labels = np.concatenate([kinds, objects.kind]).astype(np.int32)
+            _label(hits.solid, kinds, objects.kind, images)
         else:
-            labels = np.concatenate([FIRST_SOLID + np.arange(len(kinds)), _instances(objects)]).astype(
-                np.int32
-            )
-        _label(hits.solid, labels, images)
+            _label(hits.solid, _solids_instances(len(kinds)), _instances(objects), images)
+
+
+@lru_cache(maxsize=8)
+def _solids_instances(count: int) -> NDArray[np.int64]:
+    return FIRST_SOLID + np.arange(count)
 
 
 def _instances(objects: DynamicObjects) -> NDArray[np.int64]:
@@ -91,9 +94,12 @@ def _instances(objects: DynamicObjects) -> NDArray[np.int64]:
 
 
 @kernel
-def _label(solids: NDArray[np.int32], labels: NDArray[np.int32], images: NDArray[Any]) -> None:
-    """Write (N, H, W) the labels of what the rays hit, from the labels (S,) of static and dynamic solids."""
+def _label(
+    solids: NDArray[np.int32], labels: NDArray[Any], moving_labels: NDArray[Any], images: NDArray[Any]
+) -> None:
+    """Write (N, H, W) the labels of what the rays hit, from those of static (S,) and of dynamic solids."""
     count, height, width = solids.shape
+    of_world = labels.shape[0]
     for image in range(count):
         for row in range(height):
             for column in range(width):
@@ -104,5 +110,7 @@ def _label(solids: NDArray[np.int32], labels: NDArray[np.int32], images: NDArray
                     images[image, row, column] = TERRAIN
                 elif solid == WATER_HIT:
                     images[image, row, column] = WATER
-                else:
+                elif solid < of_world:
                     images[image, row, column] = labels[solid]
+                else:
+                    images[image, row, column] = moving_labels[solid - of_world]

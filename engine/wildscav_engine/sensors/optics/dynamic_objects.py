@@ -74,20 +74,24 @@ def dynamic_objects_of(match: DrawableMatch) -> DynamicObjects:
 
     They are made once for a state, and must not be changed.
     """
-    agents = match.state.agents
-    supplies = Supplies(*(array[0] for array in match.state.supplies))
-    seen = (
-        agents.present[0],
-        agents.health[0],
-        agents.team[0],
-        agents.position[0],
-        agents.yaw[0],
-        agents.invincible_left[0],
-    )
+    agents, supplies = match.state.agents, match.state.supplies
     # All sensors and agents of a step ask for the same objects, one after another.
-    state = match.frame, *(array.tobytes() for array in (*seen, *supplies))
+    state = (
+        match.frame,
+        agents.present.tobytes(),
+        agents.health.tobytes(),
+        agents.team.tobytes(),
+        agents.position.tobytes(),
+        agents.yaw.tobytes(),
+        agents.invincible_left.tobytes(),
+        supplies.position.tobytes(),
+        supplies.quantity.tobytes(),
+        supplies.appears.tobytes(),
+        supplies.serial.tobytes(),
+    )
     if latest.state != state:
-        latest.state, latest.objects = state, _make_objects(agents, supplies, match.frame)
+        slots = Supplies(*(array[0] for array in supplies))
+        latest.state, latest.objects = state, _make_objects(agents, slots, match.frame)
     return latest.objects
 
 

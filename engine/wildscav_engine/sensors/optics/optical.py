@@ -109,13 +109,14 @@ class OpticalSensor(Sensor):
         """
         rows = rows_of(match, seats)
         agents, moving = match.state.agents, self.moving_in(match)
-        bodies: dict[str, Any] = {"moving": moving, "viewers": rows} if len(moving.kind) else {}
-        return self.render(
-            match.game_map,
-            agents.position[0, rows] + np.array([0.0, EYE_HEIGHT, 0.0]),
-            agents.yaw[0, rows],
-            agents.pitch[0, rows],
-            **bodies,
+        eyes = agents.position[0].take(rows, axis=0)
+        eyes[:, 1] += EYE_HEIGHT
+        yaws, pitches = agents.yaw[0].take(rows), agents.pitch[0].take(rows)
+        if not len(moving.kind):
+            return self.render(match.game_map, eyes, yaws, pitches)
+        # What a match holds needs no check: a small image takes hardly longer than one.
+        return self._render(
+            match.game_map, Cameras(eyes, yaws, pitches, rows.astype(np.int32), *self.lens), moving
         )
 
     def render(
@@ -150,14 +151,23 @@ class OpticalSensor(Sensor):
         if threads < 1:
             raise ValueError(f"threads is {threads}, must be at least 1")
         cameras = self._cameras(positions, yaws, pitches, viewers)
+        return self._render(game_map, cameras, NO_DYNAMIC_OBJECTS if moving is None else moving, threads)
+
+    def _render(
+        self, game_map: "GameMap", cameras: Cameras, moving: Solids, threads: int = 1
+    ) -> NDArray[Any]:
+        """Return the images of some cameras; see ``render``."""
         images = np.empty((len(cameras.yaws), *self.shape), self.dtype)
-        solids = NO_DYNAMIC_OBJECTS if moving is None else moving
         self.prepare(game_map)  # before the threads, which would all do it
 
         def render_part(part: slice) -> bool:
-            return self.render_into(game_map, solids, select_cameras(cameras, part), images[part])
+            return self.render_into(game_map, moving, select_cameras(cameras, part), images[part])
 
-        if not share(render_part, len(images), threads, self.min_images_per_thread):
+        if threads == 1:
+            is_finite = self.render_into(game_map, moving, cameras, images)
+        else:
+            is_finite = share(render_part, len(images), threads, self.min_images_per_thread)
+        if not is_finite:
             _raise_not_finite(cameras.eyes, cameras.yaws, cameras.pitches)
         return images
 

@@ -39,6 +39,8 @@ class LatestHits(threading.local):
             hits = allocate_hits(most, height, width)
             if most * height * width <= MOST_KEPT:
                 self._hits = hits
+        if len(hits.distance) == count:
+            return hits
         return Hits(hits.distance[:count], hits.solid[:count], hits.face[:count])
 
 
@@ -98,11 +100,20 @@ class RayHitCamera(PinholeCamera):
         """Render the images of some cameras."""
         # A few images at a time, because the hits of all rays take more memory than the images.
         batch_size = max(1, MAX_RAYS_AT_ONCE // (self.height * self.width))
-        for first in range(0, len(images), batch_size):
-            part = slice(first, first + batch_size)
-            some = cameras if batch_size >= len(images) else select_cameras(cameras, part)
-            hits = latest_hits.of(min(batch_size, len(images)), len(some.yaws), self.height, self.width)
-            if not trace(game_map.scene, moving, some, hits, with_water=self.sees_water):
-                return False
-            self.write_pixels(game_map, moving, some, hits, images[part])
+        if batch_size >= len(images):
+            return self._render_part(game_map, moving, cameras, len(images), images)
+        parts = [slice(first, first + batch_size) for first in range(0, len(images), batch_size)]
+        return all(
+            self._render_part(game_map, moving, select_cameras(cameras, part), batch_size, images[part])
+            for part in parts
+        )
+
+    def _render_part(
+        self, game_map: "GameMap", moving: Solids, cameras: Cameras, most: int, images: NDArray[Any]
+    ) -> bool:
+        """Render the images of some cameras at once; ``most`` is the greatest number of images at once."""
+        hits = latest_hits.of(most, len(images), self.height, self.width)
+        if not trace(game_map.scene, moving, cameras, hits, with_water=self.sees_water):
+            return False
+        self.write_pixels(game_map, moving, cameras, hits, images)
         return True
