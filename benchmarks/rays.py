@@ -1,4 +1,4 @@
-"""Depth maps compared with Intel Embree on one core, in turns in one run; two threads; the other sensors.
+"""Depth maps and LIDAR compared with Intel Embree on one core, in turns; pictures; all sensors; two threads.
 
 Embree gets the exported mesh and precomputed rays in float32, while our times include making the rays. With
 ``--check`` nothing is timed: the images of both are compared, and differences explained.
@@ -12,14 +12,14 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 import typer
 from agreement import check
-from embree import Mesh, Tracer, mesh_of, rays_of
+from embree import Mesh, Rays, Tracer, mesh_of, rays_of
 from numpy.typing import NDArray
 from report import Figure, JsonFile, publish
 
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.sensors import SENSORS, DepthCamera
+from wildscav_engine.sensors import SENSORS, ColorCamera, DepthCamera, Lidar
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.map_spec import MapConfig
 from wildscav_engine.specs.match_spec import MatchSpec
@@ -30,6 +30,8 @@ MAP_SEED = 1
 FAR = 100.0  # m
 SIZES = ((10, 10), (38, 22), (64, 36))
 OUTDOOR, INDOOR = 200, 56  # poses
+PICTURES = ((640, 360), (84, 84))
+EVERY = 8  # of how many poses a picture is taken at one
 ROUNDS = 21  # over all poses; the first warms up
 TIMES_FOR_THREADS = 8  # repetitions of the poses in a batch for threads
 SENSOR_ROUNDS = 8  # of each sensor; the first warms up
@@ -120,6 +122,55 @@ def _ratio(name: str, ratios: NDArray[np.float64]) -> Figure:
     )
 
 
+def lidar_figures(game_map: GameMap, tracer: Tracer, poses: Poses) -> list[Figure]:
+    """Measure LIDAR at its defaults as ``race`` measures depth maps: by Embree, and by ours at once."""
+    lidar = Lidar()
+    rays = [lidar_rays(lidar, *pose) for pose in zip(poses.positions, poses.yaws, strict=True)]
+    embree, ours = np.empty(SENSOR_ROUNDS), np.empty(SENSOR_ROUNDS)
+    for turn in range(SENSOR_ROUNDS):
+        reaches = np.full((len(rays), lidar.rays), lidar.range, np.float32)  # Embree writes its answers there
+        taken = [seconds(tracer.distances, *rays[pose], reaches[pose]) for pose in range(len(rays))]
+        embree[turn] = np.mean(taken)
+        ours[turn] = seconds(lidar.render, game_map, *poses) / len(rays)
+    name = f"lidar, {lidar.channels} × {lidar.azimuths}, all"
+    return [
+        _microseconds(f"{name}: embreex", embree[1:]),
+        _microseconds(f"{name}: ours, one call for all", ours[1:]),
+        _ratio(f"{name}: times embreex", embree[1:] / ours[1:]),
+    ]
+
+
+def lidar_rays(lidar: Lidar, position: NDArray[np.float64], yaw: float) -> Rays:
+    """Return the rays of a LIDAR as Embree takes them."""
+    azimuths = np.radians(yaw + 360.0 * np.arange(lidar.azimuths) / lidar.azimuths)
+    rises = np.radians(lidar.elevations)[:, None]
+    ways = [
+        np.sin(azimuths) * np.cos(rises),
+        np.sin(rises) + 0.0 * azimuths,
+        np.cos(azimuths) * np.cos(rises),
+    ]
+    rays = np.stack(ways, axis=-1).reshape(-1, 3).astype(np.float32)
+    return np.tile(position.astype(np.float32), (len(rays), 1)), rays
+
+
+def picture_figures(game_map: GameMap, poses: Poses) -> list[Figure]:
+    """Measure pictures, in processor time of the thread: the best of the rounds."""
+    some = Poses(*(array[::EVERY].copy() for array in poses))
+    figures = []
+    for width, height in PICTURES:
+        for shadows in (True, False):
+            camera = ColorCamera(width=width, height=height, shadows=shadows)
+            taken = []
+            for _ in range(SENSOR_ROUNDS):
+                started = time.thread_time()
+                camera.render(game_map, *some)
+                taken.append(time.thread_time() - started)
+            rate = len(some.yaws) * width * height / min(taken[1:]) / 1e6
+            name = f"pictures, {width} × {height}, {'with' if shadows else 'without'} shadows"
+            figures.append(Figure(name, rate, "million pixels/s", f"best of {len(taken) - 1} rounds"))
+    return figures
+
+
 def thread_figures(game_map: GameMap, poses: Poses, cores: set[int]) -> list[Figure]:
     """Measure two threads relative to one, in turns, on large batches, if there are two cores."""
     if len(cores) < 2:
@@ -189,9 +240,11 @@ def main(check_only: CheckOnly = False, json_file: JsonFile = None) -> None:
         return
     poses = draw_poses(game_map, OUTDOOR, INDOOR, seed=0)
     figures = [figure for size in SIZES for figure in race(game_map, tracer, poses, size)]
+    figures += lidar_figures(game_map, tracer, poses)
+    figures += picture_figures(game_map, poses)
     figures += sensor_figures(game_map, poses)
     figures += thread_figures(game_map, poses, cores)
-    publish(f"Depth maps on one core, far {FAR:g} m ({where})", figures, json_file)
+    publish(f"Images on one core, far {FAR:g} m ({where})", figures, json_file)
 
 
 if __name__ == "__main__":
