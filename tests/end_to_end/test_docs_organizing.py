@@ -13,7 +13,7 @@ from wildscav.cli import main
 from wildscav_leaderboard.hosting.metrics import SeasonMetrics
 from wildscav_leaderboard.hosting.request_log import RequestCounts
 from wildscav_leaderboard.seasons.folder import PUBLISHED, Season
-from wildscav_leaderboard.seasons.settings import Execution, SeasonSettings, Web
+from wildscav_leaderboard.seasons.settings import Execution, Play, SeasonSettings, Web
 
 PAGE = Path(__file__).parents[2] / "docs" / "organizing.md"
 TEXT = PAGE.read_text("utf-8")
@@ -65,7 +65,7 @@ def test_the_commands_run_in_their_order(tmp_path: Path, monkeypatch: pytest.Mon
 @pytest.mark.parametrize("block", [block for kind, block in BLOCKS if kind == "toml"])
 def test_the_settings_on_the_page_are_settings(block: str) -> None:
     for section, values in tomllib.loads(block).items():
-        kind = {"web": Web, "execution": Execution}[section]
+        kind = {"web": Web, "execution": Execution, "play": Play}[section]
         assert kind.model_validate(values)
     assert {"freezes", "closes", "registration"} <= set(SeasonSettings.model_fields)
 

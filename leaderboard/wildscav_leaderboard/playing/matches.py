@@ -8,7 +8,6 @@ from wildscav_evaluator.submissions.submission import Submission
 from wildscav_leaderboard.playing.order import Order
 
 ROBOTS = {"royale": ("fighter-easy",) * 4}  # besides the two, where two alone would be no match
-SEEDS = 2**53  # the seeds are drawn from; a season's own follow from its secrets, and are never used here
 
 
 def plan_of(order: Order, submission: Submission, longest: float) -> Plan:

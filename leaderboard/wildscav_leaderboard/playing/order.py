@@ -4,6 +4,8 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict
 
+SEEDS = 2**53  # from which the seeds of maps are drawn; a season's own follow from its secrets
+
 
 class Order(BaseModel):
     """A table that is to be served. It goes through a pipe, as it holds a secret."""

@@ -17,8 +17,7 @@ from wildscav.errors import describe
 from wildscav.monitoring.logs import Log
 from wildscav.play.links import new_secret
 from wildscav.system import leftovers
-from wildscav_leaderboard.playing.matches import SEEDS
-from wildscav_leaderboard.playing.order import Order, Told
+from wildscav_leaderboard.playing.order import SEEDS, Order, Told
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import NotFoundError, RefusalError, TooMuchError
 
