@@ -15,6 +15,7 @@ NAMES = (
     "mapper",
     "learned-navigator",
     "learned-scavenger",
+    "cloned-navigator",
 )
 PREFIX = "baseline:"
 PACKAGE = Path(__file__).parent

@@ -24,7 +24,8 @@ from wildscav_evaluator.suites.suite import suite
 SUBMISSIONS = Path(__file__).parents[2] / "submissions"
 NAMES = ("random", "homing", "hunter")
 STAYERS = ("homing", "hunter", "survivor")  # in the safe zone
-FINDERS = ("navigator", "mapper", "learned-navigator")  # of ways: they play navigation alone
+# Of ways: they play navigation alone.
+FINDERS = ("navigator", "mapper", "learned-navigator", "cloned-navigator")
 TRACKS = ("navigation", "gathering", "capture", "battle", "royale")
 FLAT = MapSpec(config=MapConfig(size=100, houses=0, relief=0, water=0, vegetation=0), seed=1)
 

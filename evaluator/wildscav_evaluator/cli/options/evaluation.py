@@ -12,8 +12,8 @@ Submissions = Annotated[
     list[Path],
     typer.Argument(
         help="Folders with a submission.toml, archives of such folders, image:NAME, or the baselines random, "
-        "homing, hunter, scavenger, commando, survivor, navigator, mapper, learned-navigator and "
-        "learned-scavenger.",
+        "homing, hunter, scavenger, commando, survivor, navigator, mapper, learned-navigator, "
+        "learned-scavenger and cloned-navigator.",
         metavar="SUBMISSION",
         show_default=False,
     ),
