@@ -101,13 +101,17 @@ def row(name: str, played: list[Played], first: list[Played], measure: Callable[
     def mean(of: Callable[[Played], float]) -> float:
         return statistics.fmean(map(of, played))
 
-    lead = [measure(ours) - measure(theirs) for ours, theirs in zip(first, played, strict=True)]
+    def lead(of: Callable[[Played], float]) -> str:
+        ahead = [of(ours) - of(theirs) for ours, theirs in zip(first, played, strict=True)]
+        return "" if played is first else interval(ahead)
+
     cells = [
         f"`{name}`",
         str(len(played)),
         interval(list(map(measure, played))),
-        "" if played is first else interval(lead),
+        lead(measure),
         f"{mean(lambda one: one.kills):.1f}",
+        lead(lambda one: one.kills),
         f"{mean(lambda one: one.deaths):.1f}",
         f"{1000.0 * mean(lambda one: one.act_time):.2f}",
         f"{1000.0 * max(one.slowest for one in played):.0f}",
@@ -135,8 +139,9 @@ def print_table(track: str, where: str, agents: list[str], played: list[list[Pla
     what = "place" if track == "royale" else "supplies"
     measure = attrgetter(what)
     lead = f"lead of `{agents[0]}`"
-    print(f"| {track}, {where} | matches | {what} | {lead} | kills | deaths | ms a step | slowest, ms |")
-    print("|---|---|---|---|---|---|---|---|")
+    shown = f"{what} | {lead} | kills | lead in kills | deaths | ms a step | slowest, ms"
+    print(f"| {track}, {where} | matches | {shown} |")
+    print("|---|---|---|---|---|---|---|---|---|")
     for name, own in zip(agents, played, strict=True):
         print(row(name, own, played[0], measure), flush=True)
 
