@@ -45,8 +45,8 @@ else
 	$(BIN)/python -m pytest -n 2 --dist worksteal
 endif
 
-test-slow: .venv/.training ## Run the slow tests.
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m slow
+test-slow: .venv/.training ## Run the slow tests, three at a time: they wait more than they compute.
+	$(BIN)/python -m pytest -n 3 --dist worksteal -m slow
 
 test-with: .venv/.dev ## Run PART of the tests with another Python or other releases: PYTHON=python3.14, RELEASES='numba==0.68.0'.
 	rm -rf $(OTHER)

@@ -15,6 +15,7 @@ NAMES = (
     "mapper",
     "learned-navigator",
     "learned-scavenger",
+    "learned-commando",
     "cloned-navigator",
 )
 PREFIX = "baseline:"

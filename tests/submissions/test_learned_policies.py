@@ -16,9 +16,15 @@ from wildscav.policy import Policy
 from wildscav.training.settings import TrainingSettings
 
 SUBMISSIONS = Path(__file__).parents[2] / "submissions"
-TRAINED = ("learned-navigator", "learned-scavenger")
+TRAINED = ("learned-navigator", "learned-scavenger", "learned-commando")
 TO_WALK = 9 + 2 + 7 + 5 + 2
-CHOICES = {"learned-navigator": TO_WALK, "learned-scavenger": TO_WALK + 2, "cloned-navigator": TO_WALK}
+TO_FIGHT = 9 + 2 + 21 + 13 + 2 + 2 + 2 + 2  # with finer turns and looks; jump, pick up, shoot and reload
+CHOICES = {
+    "learned-navigator": TO_WALK,
+    "learned-scavenger": TO_WALK + 2,
+    "learned-commando": TO_FIGHT,
+    "cloned-navigator": TO_WALK,
+}
 LARGEST = 2_000_000  # bytes
 
 
@@ -42,6 +48,7 @@ def test_the_command_of_its_page_is_the_one_that_trained_it(
         runs.extend(settings)
         raise Seen
 
+    (tmp_path / "submissions").symlink_to(SUBMISSIONS)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(train, "_train_all", see)
     ended = CliRunner().invoke(app, command(SUBMISSIONS / name))

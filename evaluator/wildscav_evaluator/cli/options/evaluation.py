@@ -13,7 +13,7 @@ Submissions = Annotated[
     typer.Argument(
         help="Folders with a submission.toml, archives of such folders, image:NAME, or the baselines random, "
         "homing, hunter, scavenger, commando, survivor, navigator, mapper, learned-navigator, "
-        "learned-scavenger and cloned-navigator.",
+        "learned-scavenger, learned-commando and cloned-navigator.",
         metavar="SUBMISSION",
         show_default=False,
     ),
