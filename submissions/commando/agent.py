@@ -27,6 +27,7 @@ class Commando(Agent):
     def reset(self, match: MatchInfo) -> None:
         """Get ready for a match."""
         self.match = match
+        self.is_armed = match.track != "gathering"  # where nobody shoots, it only gathers
         self.gathering = Gathering(match)
         self.dodging = Dodging(match)
         self.met: list[Vector] = []  # where enemies were, lately
@@ -38,7 +39,7 @@ class Commando(Agent):
         if not observation.alive:
             return Action()
         self.dodging.look(observation)
-        enemies = enemies_in_sight(observation, self.match.team)
+        enemies = enemies_in_sight(observation, self.match.team) if self.is_armed else []
         walk = self.walk(observation, enemies)
         aim = self.aim(observation, enemies, walk)
         return fighting_action(observation, self.match, walk, aim, bool(enemies))
@@ -46,7 +47,7 @@ class Commando(Agent):
     def walk(self, observation: Observation, enemies: list[VisibleAgent]) -> Walk:
         """Return how to walk: out of a fight that would be lost, across the line of fire, or to supplies."""
         zone = safe_zone(observation)
-        careful = has_much_to_lose(observation, self.match)
+        careful = self.is_armed and has_much_to_lose(observation, self.match)
         if enemies and zone.is_safe(observation.position):
             self.met = [*self.met[-4:], enemies[0].position]
             if careful or would_lose(observation, enemies, self.match.start_health):

@@ -93,6 +93,22 @@ def test_scavenger_gathers_upstairs_and_comes_down_again() -> None:
     assert gained[-1] > 2 * supplies("homing", spec)
 
 
+def test_commando_fears_nobody_where_nobody_shoots() -> None:
+    """Five run for the same heap; in a battle it would leave so many alone."""
+    heap = SupplyWave(center=(0.0, 25.0), radius=8.0, outdoor_richness=50.0)
+    spec = MatchSpec(
+        track="gathering",
+        map=FLAT,
+        seats=(SUBMISSION, *("gatherer",) * 4),
+        starts=((0.0, 0.0, 0.0), (4.0, 0.0, 0.0), (-4.0, 0.0, 0.0), (0.0, 0.0, -5.0), (4.0, 0.0, -5.0)),
+        seed=1,
+        time_limit=10.0,
+        supplies=SupplyConfig(waves=(heap,), spacing=3.0),
+    )
+
+    assert supplies("commando", spec) == supplies("scavenger", spec) > 20
+
+
 def test_commando_wins_a_duel_with_a_fighter() -> None:
     (*_, last) = play("commando", duel())
 

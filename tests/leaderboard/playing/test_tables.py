@@ -99,7 +99,7 @@ def code_and_reason(closed: ConnectionClosed) -> tuple[int, str]:
 def test_somebody_plays_by_keys_against_a_submission_in_the_sandbox(hostile_season: FilledSeason) -> None:
     if why := missing_promises(SANDBOXES["bubblewrap"], DEFAULT_LIMITS):
         pytest.skip(f"needs bubblewrap: {why}")
-    filled = hostile_season
+    filled, before = hostile_season, descendants()
     with site(filled, "bubblewrap", idle=10.0) as served_site, chromium() as browser:
         context = browser.new_context(viewport=DESK, base_url=served_site.address)
         context.add_cookies(
@@ -119,11 +119,11 @@ def test_somebody_plays_by_keys_against_a_submission_in_the_sandbox(hostile_seas
         sandboxed = [command for command in descendants().values() if command.startswith("bwrap ")]
         assert sandboxed
         assert "--unshare-" in sandboxed[0]
-        before = float(page.get_attribute("#compass", "data-yaw"))
+        yaw = float(page.get_attribute("#compass", "data-yaw"))
         page.keyboard.down("ArrowRight")
         page.wait_for_function(
-            "before => Math.abs(Number(document.querySelector('#compass').dataset.yaw) - before) > 5",
-            arg=before,
+            "yaw => Math.abs(Number(document.querySelector('#compass').dataset.yaw) - yaw) > 5",
+            arg=yaw,
             timeout=PATIENCE * 1000,
         )
         page.keyboard.up("ArrowRight")
@@ -140,7 +140,8 @@ def test_somebody_plays_by_keys_against_a_submission_in_the_sandbox(hostile_seas
         visitor = browser.new_page()
         visitor.goto(address)
         assert "this game is over: you left" in visitor.content()
-    assert not [command for command in descendants().values() if "wildscav" in command]
+    left = {number: command for number, command in descendants().items() if number not in before}
+    assert not [command for command in left.values() if "wildscav" in command]
 
 
 @pytest.mark.parametrize(
