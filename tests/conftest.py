@@ -3,10 +3,13 @@
 import os
 import signal
 import sys
+from collections.abc import Iterator
 
+import pytest
 from hypothesis import settings
 
 import wildscav  # noqa: F401 - before any test imports gRPC, which it sets, as it does for its users
+from wildscav.terminal.console import console
 
 # The sandboxes have tests of their own; elsewhere agents are our own, and start quicker without.
 os.environ.setdefault("WILDSCAV_SANDBOX", "process")
@@ -21,6 +24,13 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 # drawn each time, so that a run tells about the code and not about luck.
 settings.register_profile("wildscav", deadline=None, derandomize=True)
 settings.load_profile("wildscav")
+
+
+@pytest.fixture(autouse=True)
+def stdout_of_commands() -> Iterator[None]:
+    """Let commands print to stdout again after one of a test kept it free for JSON."""
+    yield
+    console.stderr = False
 
 
 def pytest_sessionfinish() -> None:
