@@ -62,6 +62,12 @@ class Samples(NamedTuple):
 
 
 @inlined_kernel
+def reach_of(view: View, distance: float) -> float:
+    """Return how many pixels around one that shows something so far away are looked at to each side."""
+    return float(min(REACH / max(1e-6, distance * view.pixel), 0.2 * view.height))
+
+
+@inlined_kernel
 def unoccluded_share(
     depths: NDArray[np.float32], row: int, column: int, view: View, distance: float, normal: Vector
 ) -> float:
@@ -75,10 +81,10 @@ def unoccluded_share(
         distance: m along the pixel's ray.
         normal: Unit normal of the surface there.
     """
-    reach = min(REACH / max(1e-6, distance * view.pixel), 0.2 * view.height)
+    reach = reach_of(view, distance)
     if reach < 1.0:
         return 1.0
-    at = _samples_around(row, column, view, int(reach + 0.5), int(NEARER * reach + 0.5))
+    at = samples_around(row, column, view, int(reach + 0.5), int(NEARER * reach + 0.5))
     here = _corner_at(view, float(depths[row, column]), row, column, normal)
     straight = max(
         _height(depths, view, here, at.over, column),
@@ -109,7 +115,8 @@ def unoccluded_share(
 
 
 @inlined_kernel
-def _samples_around(row: int, column: int, view: View, far: int, near: int) -> Samples:
+def samples_around(row: int, column: int, view: View, far: int, near: int) -> Samples:
+    """Return the pixels that are looked at, so many to each side, and fewer diagonally."""
     last_row, last_column = view.height - 1, view.width - 1
     return Samples(
         max(0, row - far),

@@ -14,6 +14,8 @@ from wildscav_engine.rendering.shading.surfaces import sharpness
 
 ONE = np.float32(1.0)
 SHORE = 3  # cells around water that show sand
+# The grain of the ground: sizes in m of its details, and between the darkest and the brightest of them.
+FINE, MEDIUM, COARSE = (0.11, 0.34), (0.45, 0.26), (2.3, 0.20)
 
 
 class GroundAppearance(NamedTuple):
@@ -102,15 +104,20 @@ def ground_color(ground: NDArray[np.float32], cell: GroundCell, place: Vector, p
         place: m.
         pixel: m, the size of a pixel there.
     """
-    grain = (
-        _grain(place, 0.11, 0.34, pixel) + _grain(place, 0.45, 0.26, pixel) + _grain(place, 2.3, 0.20, pixel)
-    )
-    return dimmed(_between(ground, cell, 0), 1.0 + grain)
+    grain = _grain(place, FINE, pixel) + _grain(place, MEDIUM, pixel) + _grain(place, COARSE, pixel)
+    return dimmed(ground_base(ground, cell), 1.0 + grain)
 
 
 @inlined_kernel
-def _grain(place: Vector, size: float, strength: float, pixel: float) -> float:
-    """Return how much brighter the ground is for details of one size in m."""
+def ground_base(ground: NDArray[np.float32], cell: GroundCell) -> Color:
+    """Return the colour of the ground at a place without its grain."""
+    return _between(ground, cell, 0)
+
+
+@inlined_kernel
+def _grain(place: Vector, details: tuple[float, float], pixel: float) -> float:
+    """Return how much brighter the ground is for details of one size."""
+    size, strength = details
     seen = strength * sharpness(size, pixel)
     if seen == 0.0:
         return 0.0

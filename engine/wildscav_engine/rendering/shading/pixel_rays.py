@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.rendering.cameras import Cameras
-from wildscav_engine.rendering.shading.color_arithmetic import Vector
+from wildscav_engine.rendering.shading.color_arithmetic import Vector, dot
+
+LEAST_FACING = 0.2  # cosine between a normal and the way to the eye; pixels are no longer at flatter angles
 
 
 class View(NamedTuple):
@@ -58,6 +60,12 @@ def cosines_of(half_width: float, height: int, width: int) -> NDArray[np.float32
     right = (np.arange(width) + 0.5 - 0.5 * width) * pixel
     above = (0.5 * height - np.arange(height) - 0.5) * pixel
     return (1.0 / np.sqrt(1.0 + above[:, None] ** 2 + right**2)).astype(np.float32)
+
+
+@inlined_kernel
+def footprint(view: View, direction: Vector, distance: float, normal: Vector) -> float:
+    """Return the size in m of a pixel on a surface."""
+    return view.pixel * distance / max(LEAST_FACING, -dot(direction, normal))
 
 
 class Ways(NamedTuple):

@@ -10,6 +10,7 @@ from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.rendering.palette import SUN
 from wildscav_engine.rendering.shading.color_arithmetic import Color, Vector, clipped, dot, mixed
 from wildscav_engine.rendering.shading.noise import endless_noise
+from wildscav_engine.rendering.shading.pixel_rows import RowOfPixels
 
 ZENITH, HORIZON = (84.0, 138.0, 206.0), (200.0, 217.0, 232.0)
 BELOW = (168.0, 182.0, 192.0)  # below the horizon, beyond the edge of the map
@@ -44,9 +45,29 @@ def sky(direction: Vector, clouds: NDArray[np.float32]) -> Color:
         color = mixed(color, CLOUD, _cloud(direction, clouds))
     to_sun = dot(direction, SUN_DIRECTION)
     if to_sun > GLOW:
-        glow = (to_sun - GLOW) / (1.0 - GLOW)
-        color = mixed(color, SUN_COLOR, 1.0 if to_sun > DISC else 0.7 * glow * glow)
+        color = mixed(color, SUN_COLOR, _glow(to_sun))
     return color
+
+
+@inlined_kernel
+def write_sky(direction: Vector, clouds: NDArray[np.float32], column: int, pixels: RowOfPixels) -> None:
+    """Write what is before the clear sky, and how much of the haze is seen: the same as ``sky``."""
+    cover = _cloud(direction, clouds) if direction[1] > CLOUDS_FROM else 0.0
+    color, share = CLOUD, cover
+    to_sun = dot(direction, SUN_DIRECTION)
+    if to_sun > GLOW:
+        glow = _glow(to_sun)
+        share = 1.0 - (1.0 - cover) * (1.0 - glow)
+        color = mixed(CLOUD, SUN_COLOR, glow / max(1e-6, share))
+    pixels.color.red[column], pixels.color.green[column], pixels.color.blue[column] = color
+    pixels.fog[column] = 1.0 - share
+
+
+@inlined_kernel
+def _glow(to_sun: float) -> float:
+    """Return how much the sun outshines the sky, by the cosine of the angle to its centre."""
+    glow = (to_sun - GLOW) / (1.0 - GLOW)
+    return 1.0 if to_sun > DISC else 0.7 * glow * glow
 
 
 @inlined_kernel

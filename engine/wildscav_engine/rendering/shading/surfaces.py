@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from wildscav_engine.compilation.kernel import inlined_kernel, kernel
+from wildscav_engine.compilation.kernel import inlined_kernel
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.rendering.shading.color_arithmetic import Color, Vector, clipped, dimmed, mixed
 from wildscav_engine.rendering.shading.noise import grain, noise, noise_in_space
@@ -17,10 +17,14 @@ TRUNK, CROWN, BUSH = int(Kind.TRUNK), int(Kind.CROWN), int(Kind.BUSH)
 ROCK, FURNITURE, BOX = int(Kind.ROCK), int(Kind.FURNITURE), int(Kind.SUPPLY_BOX)
 
 CEILING = (226.0, 222.0, 212.0)
+SHARPEST, BLUR = (
+    1.6,
+    2.4,
+)  # how visible details are, by the size of a pixel in their own: SHARPEST - BLUR · size
 LEVEL = 0.9  # least upward part of the normal of a face that can be walked on
 
 
-@kernel
+@inlined_kernel
 def textured(kind: int, color: Color, normal: Vector, place: Vector, axis: Vector, pixel: float) -> Color:
     """Return the colour of a solid's surface at a place.
 
@@ -62,7 +66,7 @@ def textured(kind: int, color: Color, normal: Vector, place: Vector, axis: Vecto
 @inlined_kernel
 def sharpness(size: float, pixel: float) -> float:
     """Return how visible a detail of some size in m is, 0-1, at a pixel size in m."""
-    return clipped(1.6 - pixel * (2.4 / size), 0.0, 1.0)
+    return clipped(SHARPEST - pixel * (BLUR / size), 0.0, 1.0)
 
 
 @inlined_kernel
@@ -95,7 +99,7 @@ def _boarded(color: Color, across: float, along: float, width: float, pixel: flo
     return dimmed(color, (own + fibre) * (1.0 - 0.40 * joint))
 
 
-@kernel
+@inlined_kernel
 def _plastered(color: Color, normal: Vector, place: Vector, pixel: float) -> Color:
     """Return the colour of plaster over barely visible courses of stone."""
     across = math.sqrt(normal[0] * normal[0] + normal[2] * normal[2])
@@ -108,7 +112,7 @@ def _plastered(color: Color, normal: Vector, place: Vector, pixel: float) -> Col
     return _mottled(dimmed(color, own * (1.0 - 0.13 * joint)), 0.9, 0.07, place, pixel)
 
 
-@kernel
+@inlined_kernel
 def _tiled(color: Color, normal: Vector, place: Vector, pixel: float) -> Color:
     """Return the colour of rows of tiles, dark at their lower edges; plain under eaves and on flat roofs."""
     if normal[1] < 0.05:

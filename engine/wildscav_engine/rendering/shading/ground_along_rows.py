@@ -1,0 +1,157 @@
+"""The appearance of the ground along a row of pixels: that of ``ground``, in loops that are vectorized."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.compilation.kernel import inlined_kernel
+from wildscav_engine.geometry.world import World
+from wildscav_engine.rendering.shading.ground import (
+    COARSE,
+    FINE,
+    MEDIUM,
+    cell_at,
+    ground_base,
+    ground_normal,
+)
+from wildscav_engine.rendering.shading.noise import LATTICE, PERIOD
+from wildscav_engine.rendering.shading.pixel_rays import LEAST_FACING, View, Ways
+from wildscav_engine.rendering.shading.pixel_rows import Normals, RowOfPixels
+from wildscav_engine.rendering.shading.surfaces import BLUR, SHARPEST
+from wildscav_engine.rendering.tracing.frustum import nonnegative
+
+AT_ONCE = 128  # pixels, whose numbers stay in the fastest cache
+NONE, HALF, ONE, TWO, THREE = (np.float32(number) for number in (0.0, 0.5, 1.0, 2.0, 3.0))
+SHARPEST_32, LEAST_FACING_32 = np.float32(SHARPEST), np.float32(LEAST_FACING)
+NOISE = LATTICE.ravel()
+NEXT = PERIOD + 1  # from a row of the noise to the next
+
+
+class GroundScratch(NamedTuple):
+    """Buffers for the ground along a row, (AT_ONCE,) each."""
+
+    x: NDArray[np.float32]  # m
+    z: NDArray[np.float32]
+    pixel: NDArray[np.float32]  # m, size on the ground
+    grain: NDArray[np.float32]  # brightness
+    seen: NDArray[np.float32]  # how visible details of one size are
+    east: NDArray[np.float32]  # position among four numbers of the noise, eased, 0-1
+    north: NDArray[np.float32]
+    corner: NDArray[np.int32]  # of the south-western of these
+
+
+def allocate_ground_scratch() -> GroundScratch:
+    """Return uninitialized buffers."""
+    x, z, pixel, grain, seen, east, north = np.empty((7, AT_ONCE), np.float32)
+    return GroundScratch(x, z, pixel, grain, seen, east, north, np.empty(AT_ONCE, np.int32))
+
+
+@inlined_kernel
+def write_ground(
+    world: World,
+    ground: NDArray[np.float32],
+    view: View,
+    distances: NDArray[np.float32],
+    first: int,
+    last: int,
+    scratch: GroundScratch,
+    pixels: RowOfPixels,
+) -> None:
+    """Write the colours without light, and the normals, of the ground from one column to before another.
+
+    Args:
+        world: The static world.
+        ground: As ``ground.packed_ground`` returns it.
+        view: The camera of the image.
+        distances: (W,) m along the rays of the row.
+        first: The first column.
+        last: The column after the last.
+        scratch: Overwritten.
+        pixels: The row.
+    """
+    for start in range(first, last, AT_ONCE):
+        end = min(last, start + AT_ONCE)
+        own, color, normal = pixels.ways, pixels.color, pixels.normal
+        ways = Ways(own.east[start:end], own.up[start:end], own.north[start:end])
+        red, green, blue = color.red[start:end], color.green[start:end], color.blue[start:end]
+        east, up, north = normal.east[start:end], normal.up[start:end], normal.north[start:end]
+        some = distances[start:end]
+        _write_places(view, ways, some, scratch)
+        for column in range(end - start):
+            cell = cell_at(world, float(scratch.x[column]), float(scratch.z[column]))
+            red[column], green[column], blue[column] = ground_base(ground, cell)
+            east[column], up[column], north[column] = ground_normal(ground, cell)
+        _write_footprints(view, ways, some, Normals(east, up, north), scratch)
+        _write_grain(end - start, scratch)
+        for column in range(end - start):
+            red[column] *= scratch.grain[column]
+            green[column] *= scratch.grain[column]
+            blue[column] *= scratch.grain[column]
+
+
+@inlined_kernel
+def _write_places(view: View, ways: Ways, distances: NDArray[np.float32], scratch: GroundScratch) -> None:
+    x, z = np.float32(view.eye[0]), np.float32(view.eye[2])
+    for column in range(distances.shape[0]):
+        scratch.x[column] = x + ways.east[column] * distances[column]
+        scratch.z[column] = z + ways.north[column] * distances[column]
+
+
+@inlined_kernel
+def _write_footprints(
+    view: View, ways: Ways, distances: NDArray[np.float32], normal: Normals, scratch: GroundScratch
+) -> None:
+    """Write the sizes of pixels on the ground, as ``pixel_rays.footprint`` does."""
+    pixel = np.float32(view.pixel)
+    for column in range(distances.shape[0]):
+        away = ways.east[column] * normal.east[column] + ways.up[column] * normal.up[column]
+        facing = -(away + ways.north[column] * normal.north[column])
+        scratch.pixel[column] = pixel * distances[column] / max(LEAST_FACING_32, facing)
+
+
+@inlined_kernel
+def _write_grain(count: int, scratch: GroundScratch) -> None:
+    """Write how bright the ground is for its grain."""
+    for column in range(count):
+        scratch.grain[column] = ONE
+    _add_grain(FINE, count, scratch)
+    _add_grain(MEDIUM, count, scratch)
+    _add_grain(COARSE, count, scratch)
+
+
+@inlined_kernel
+def _add_grain(details: tuple[float, float], count: int, scratch: GroundScratch) -> None:
+    """Add the grain of one size, unless no pixel shows it."""
+    size, strength = details
+    blur, most, seen = np.float32(BLUR / size), np.float32(strength), scratch.seen
+    is_any_seen = np.int32(0)
+    for column in range(count):
+        sharp = min(ONE, max(NONE, SHARPEST_32 - scratch.pixel[column] * blur))
+        seen[column] = most * sharp
+        is_any_seen |= np.int32(sharp > NONE)
+    if is_any_seen == 0:
+        return
+    _place_in_noise(np.float32(1.0 / size), count, scratch)
+    for column in range(count):
+        at = nonnegative(scratch.corner[column])
+        east = scratch.east[column]
+        south = NOISE[at] + (NOISE[at + 1] - NOISE[at]) * east
+        top = NOISE[at + NEXT] + (NOISE[at + NEXT + 1] - NOISE[at + NEXT]) * east
+        scratch.grain[column] += seen[column] * (south + (top - south) * scratch.north[column] - HALF)
+
+
+@inlined_kernel
+def _place_in_noise(per_m: np.float32, count: int, scratch: GroundScratch) -> None:
+    """Write where places are in the noise, of which so much is in a metre; see ``noise.noise``."""
+    for column in range(count):
+        x, z = scratch.x[column] * per_m, scratch.z[column] * per_m
+        west, south = np.floor(x), np.floor(z)
+        scratch.east[column] = _eased(x - west)
+        scratch.north[column] = _eased(z - south)
+        scratch.corner[column] = (np.int32(south) & PERIOD - 1) * NEXT + (np.int32(west) & PERIOD - 1)
+
+
+@inlined_kernel
+def _eased(share: np.float32) -> np.float32:
+    return share * share * (THREE - TWO * share)

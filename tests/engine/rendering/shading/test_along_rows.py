@@ -1,0 +1,140 @@
+"""What is computed for many pixels of a row at once is what each of them would get alone."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from tests.builders import box, flat_world, map_from
+
+from wildscav_engine.geometry.rays import TERRAIN_HIT
+from wildscav_engine.maps import generate_map
+from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.rendering.cameras import Cameras
+from wildscav_engine.rendering.shading.ambient_occlusion import unoccluded_share, write_depths
+from wildscav_engine.rendering.shading.ground import cell_at, ground_color, ground_normal
+from wildscav_engine.rendering.shading.ground_along_rows import allocate_ground_scratch, write_ground
+from wildscav_engine.rendering.shading.occlusion_along_rows import are_alike_far, write_shares, write_tilts
+from wildscav_engine.rendering.shading.pixel_rays import (
+    Ways,
+    cosines_of,
+    footprint,
+    point_along,
+    view_of,
+    write_ways,
+)
+from wildscav_engine.rendering.shading.pixel_rows import ROWS, Channels, Normals, RowOfPixels, Tilts
+from wildscav_engine.rendering.trace import Hits, allocate_hits, trace
+from wildscav_engine.rendering.tracing.solids import gather_solids
+from wildscav_engine.sensors import ColorCamera
+from wildscav_engine.specs.map_spec import MapConfig
+
+Vector = tuple[float, float, float]
+CAMERA = ColorCamera(width=160, height=90)
+
+
+def traced(game_map: GameMap, eye: Vector, yaw: float, pitch: float) -> tuple[Cameras, Hits]:
+    cameras, hits = (
+        CAMERA._cameras([eye], [yaw], [pitch], None),
+        allocate_hits(1, CAMERA.height, CAMERA.width),
+    )
+    trace(game_map.scene, gather_solids([]), cameras, hits)
+    return cameras, hits
+
+
+def empty_row() -> RowOfPixels:
+    rows = list(np.empty((ROWS, CAMERA.width), np.float32))
+    return RowOfPixels(
+        Ways(*rows[:3]), Channels(*rows[3:6]), Normals(*rows[6:9]), Tilts(*rows[9:12]), *rows[12:]
+    )
+
+
+def row_of(cameras: Cameras, row: int) -> RowOfPixels:
+    pixels = empty_row()
+    view = view_of(cameras, 0, CAMERA.height, CAMERA.width)
+    write_ways(view, row, cosines_of(cameras.half_width, CAMERA.height, CAMERA.width)[row], pixels.ways)
+    return pixels
+
+
+def test_ground_has_the_colour_and_normal_of_its_place() -> None:
+    game_map = generate_map(MapConfig(size=60, houses=0, vegetation=0.0, relief=1.0), 5)
+    world, ground = game_map.world, game_map.materials.ground
+    eye = tuple(game_map.outdoor[0] + (0.0, 1.5, 0.0))
+    cameras, hits = traced(game_map, eye, 30.0, 20.0)
+    view = view_of(cameras, 0, CAMERA.height, CAMERA.width)
+    compared = 0
+    for row in range(40, CAMERA.height, 7):
+        pixels, distances = row_of(cameras, row), hits.distance[0, row]
+        (shown,) = np.nonzero(hits.solid[0, row] == TERRAIN_HIT)
+        first, last = int(shown[0]), int(shown[-1]) + 1
+        write_ground(world, ground, view, distances, first, last, allocate_ground_scratch(), pixels)
+        for column in range(first, last):
+            direction = tuple(float(part[column]) for part in pixels.ways)
+            place = point_along(view.eye, direction, float(distances[column]))  # type: ignore[arg-type]
+            cell = cell_at(world, place[0], place[2])
+            normal = ground_normal(ground, cell)
+            pixel = footprint(view, direction, float(distances[column]), normal)  # type: ignore[arg-type]
+            color = [float(part[column]) for part in pixels.color]
+            assert color == pytest.approx(ground_color(ground, cell, place, pixel), abs=0.2)
+            assert [float(part[column]) for part in pixels.normal] == pytest.approx(normal, abs=1e-4)
+            compared += 1
+    assert compared > 800
+
+
+def shares_at(
+    hits: Hits, cameras: Cameras, row: int, first: int, last: int, normals: NDArray[np.float64]
+) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
+    """Return the shares of ambient light of some columns, computed together and one by one."""
+    view, pixels = view_of(cameras, 0, CAMERA.height, CAMERA.width), row_of(cameras, row)
+    depths = np.empty((CAMERA.height, CAMERA.width), np.float32)
+    write_depths(hits.distance[0], cosines_of(cameras.half_width, *depths.shape), depths)
+    for part in range(3):
+        pixels.normal[part][:] = normals[:, part]
+    write_tilts(view, row, pixels.normal, pixels.tilt)
+    distances, shares = hits.distance[0, row], np.empty(last - first, np.float32)
+    write_shares(depths, view, row, first, float(distances[first]), pixels.tilt, shares)
+    alone = [
+        unoccluded_share(depths, row, column, view, float(distances[column]), tuple(normals[column]))
+        for column in range(first, last)
+    ]
+    return shares, np.array(alone)
+
+
+def normals_of(game_map: GameMap, hits: Hits, row: int) -> NDArray[np.float64]:
+    """Return (W, 3) those of flat ground and of solids."""
+    up = np.array([0.0, 1.0, 0.0])
+    faces = [*game_map.world.faces[:, :3], up]
+    met = np.where(hits.solid[0, row] >= 0, hits.face[0, row], -1)
+    return np.array([faces[face] for face in met])
+
+
+def test_corners_are_as_dark_together_as_alone() -> None:
+    game_map = map_from(flat_world(40, [box((-6, -1, 4), (6, 5, 5)), box((1, -1, 1), (2, 2, 4))]))
+    cameras, hits = traced(game_map, (-1.0, 1.6, 0.0), 20.0, 18.0)
+    together, alone = [], []
+    for row in range(0, CAMERA.height, 3):
+        for first in range(0, CAMERA.width, 32):
+            if are_alike_far(hits.distance[0, row, first : first + 32]):
+                normals = normals_of(game_map, hits, row)
+                both = shares_at(hits, cameras, row, first, first + 32, normals)
+                together.append(both[0])
+                alone.append(both[1])
+    differences = np.abs(np.concatenate(together) - np.concatenate(alone))
+    assert np.concatenate(alone).min() < 0.8, "there are dark corners among them"
+    assert (np.concatenate(alone) == 1.0).mean() > 0.3, "and open places"
+    assert differences.mean() < 0.01
+    assert np.quantile(differences, 0.99) < 0.12
+
+
+def test_on_even_ground_nothing_takes_any_light() -> None:
+    game_map = map_from(flat_world(200, []))
+    cameras, hits = traced(game_map, (0.0, 1.6, 0.0), 0.0, 30.0)
+    for row in range(30, CAMERA.height):
+        together, alone = shares_at(hits, cameras, row, 0, 32, normals_of(game_map, hits, row))
+        assert (together == 1.0).all()
+        assert (alone == 1.0).all()
+
+
+def test_pixels_are_only_looked_at_together_where_they_are_about_as_far() -> None:
+    assert are_alike_far(np.array([10.0, 11.0, 9.0], np.float32))
+    assert not are_alike_far(np.array([10.0, 12.0], np.float32))
+    assert not are_alike_far(np.array([10.0, 8.0], np.float32))
+    assert not are_alike_far(np.array([10.0, np.inf], np.float32))
