@@ -105,13 +105,7 @@ def ground_color(ground: NDArray[np.float32], cell: GroundCell, place: Vector, p
         pixel: m, the size of a pixel there.
     """
     grain = _grain(place, FINE, pixel) + _grain(place, MEDIUM, pixel) + _grain(place, COARSE, pixel)
-    return dimmed(ground_base(ground, cell), 1.0 + grain)
-
-
-@inlined_kernel
-def ground_base(ground: NDArray[np.float32], cell: GroundCell) -> Color:
-    """Return the colour of the ground at a place without its grain."""
-    return _between(ground, cell, 0)
+    return dimmed(_between(ground, cell), 1.0 + grain)
 
 
 @inlined_kernel
@@ -125,39 +119,30 @@ def _grain(place: Vector, details: tuple[float, float], pixel: float) -> float:
 
 
 @inlined_kernel
-def ground_normal(ground: NDArray[np.float32], cell: GroundCell) -> Vector:
-    """Return the unit normal of the ground at a place, smooth across the edges of its triangles."""
-    x, y, z = _between(ground, cell, 3)
-    # Its length is nearly 1, so this is nearly the reciprocal of it, by Newton's method.
-    scale = 1.5 - 0.5 * (x * x + y * y + z * z)
-    return x * scale, y * scale, z * scale
-
-
-@inlined_kernel
-def _between(ground: NDArray[np.float32], cell: GroundCell, first: int) -> Vector:
-    """Return the bilinear interpolation of three successive values at the four corners of a cell."""
+def _between(ground: NDArray[np.float32], cell: GroundCell) -> Color:
+    """Return the bilinear interpolation of the colours at the four corners of a cell."""
     row, column, north, east = cell
     south_west, south_east = ground[row, column], ground[row, column + 1]
     north_west, north_east = ground[row + 1, column], ground[row + 1, column + 1]
     east32, north32 = np.float32(east), np.float32(north)
     to_north_east, to_south_east = north32 * east32, east32 - north32 * east32
     to_north_west, to_south_west = north32 - to_north_east, ONE - north32 - to_south_east
-    x = (
-        to_south_west * south_west[first]
-        + to_south_east * south_east[first]
-        + to_north_west * north_west[first]
-        + to_north_east * north_east[first]
+    red = (
+        to_south_west * south_west[0]
+        + to_south_east * south_east[0]
+        + to_north_west * north_west[0]
+        + to_north_east * north_east[0]
     )
-    y = (
-        to_south_west * south_west[first + 1]
-        + to_south_east * south_east[first + 1]
-        + to_north_west * north_west[first + 1]
-        + to_north_east * north_east[first + 1]
+    green = (
+        to_south_west * south_west[1]
+        + to_south_east * south_east[1]
+        + to_north_west * north_west[1]
+        + to_north_east * north_east[1]
     )
-    z = (
-        to_south_west * south_west[first + 2]
-        + to_south_east * south_east[first + 2]
-        + to_north_west * north_west[first + 2]
-        + to_north_east * north_east[first + 2]
+    blue = (
+        to_south_west * south_west[2]
+        + to_south_east * south_east[2]
+        + to_north_west * north_west[2]
+        + to_north_east * north_east[2]
     )
-    return float(x), float(y), float(z)
+    return float(red), float(green), float(blue)

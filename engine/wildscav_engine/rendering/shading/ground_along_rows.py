@@ -6,23 +6,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import inlined_kernel
-from wildscav_engine.geometry.world import World
+from wildscav_engine.geometry.world import CELL, World
 from wildscav_engine.rendering.shading.ground import (
     COARSE,
     FINE,
     MEDIUM,
-    cell_at,
-    ground_base,
-    ground_normal,
 )
 from wildscav_engine.rendering.shading.noise import LATTICE, PERIOD
 from wildscav_engine.rendering.shading.pixel_rays import LEAST_FACING, View, Ways
-from wildscav_engine.rendering.shading.pixel_rows import Normals, RowOfPixels
+from wildscav_engine.rendering.shading.pixel_rows import Channels, Normals, RowOfPixels
 from wildscav_engine.rendering.shading.surfaces import BLUR, SHARPEST
 from wildscav_engine.rendering.tracing.frustum import nonnegative
 
 AT_ONCE = 128  # pixels, whose numbers stay in the fastest cache
 NONE, HALF, ONE, TWO, THREE = (np.float32(number) for number in (0.0, 0.5, 1.0, 2.0, 3.0))
+ONE_AND_HALF = np.float32(1.5)
 SHARPEST_32, LEAST_FACING_32 = np.float32(SHARPEST), np.float32(LEAST_FACING)
 NOISE = LATTICE.ravel()
 NEXT = PERIOD + 1  # from a row of the noise to the next
@@ -36,15 +34,18 @@ class GroundScratch(NamedTuple):
     pixel: NDArray[np.float32]  # m, size on the ground
     grain: NDArray[np.float32]  # brightness
     seen: NDArray[np.float32]  # how visible details of one size are
-    east: NDArray[np.float32]  # position among four numbers of the noise, eased, 0-1
+    east: NDArray[np.float32]  # position in a cell, or among four numbers of the noise, 0-1
     north: NDArray[np.float32]
-    corner: NDArray[np.int32]  # of the south-western of these
+    row: NDArray[np.int32]  # of the cell
+    column: NDArray[np.int32]
+    corner: NDArray[np.int32]  # index of the south-western of the four numbers
 
 
 def allocate_ground_scratch() -> GroundScratch:
     """Return uninitialized buffers."""
     x, z, pixel, grain, seen, east, north = np.empty((7, AT_ONCE), np.float32)
-    return GroundScratch(x, z, pixel, grain, seen, east, north, np.empty(AT_ONCE, np.int32))
+    row, column, corner = np.empty((3, AT_ONCE), np.int32)
+    return GroundScratch(x, z, pixel, grain, seen, east, north, row, column, corner)
 
 
 @inlined_kernel
@@ -78,10 +79,8 @@ def write_ground(
         east, up, north = normal.east[start:end], normal.up[start:end], normal.north[start:end]
         some = distances[start:end]
         _write_places(view, ways, some, scratch)
-        for column in range(end - start):
-            cell = cell_at(world, float(scratch.x[column]), float(scratch.z[column]))
-            red[column], green[column], blue[column] = ground_base(ground, cell)
-            east[column], up[column], north[column] = ground_normal(ground, cell)
+        _write_cells(world, end - start, scratch)
+        _write_smooth(ground, scratch, Channels(red, green, blue), Normals(east, up, north))
         _write_footprints(view, ways, some, Normals(east, up, north), scratch)
         _write_grain(end - start, scratch)
         for column in range(end - start):
@@ -96,6 +95,80 @@ def _write_places(view: View, ways: Ways, distances: NDArray[np.float32], scratc
     for column in range(distances.shape[0]):
         scratch.x[column] = x + ways.east[column] * distances[column]
         scratch.z[column] = z + ways.north[column] * distances[column]
+
+
+@inlined_kernel
+def _write_cells(world: World, count: int, scratch: GroundScratch) -> None:
+    """Write the cells of places and the positions in them, as ``ground.cell_at`` does."""
+    rows, columns = world.water.shape
+    west, south, per_m = np.float32(world.corner[0]), np.float32(world.corner[1]), np.float32(1.0 / CELL)
+    last_row, last_column = np.float32(rows - 1), np.float32(columns - 1)
+    for column in range(count):
+        along = (scratch.x[column] - west) * per_m
+        cell = min(last_column, max(NONE, np.floor(along)))
+        scratch.column[column] = np.int32(cell)
+        scratch.east[column] = min(ONE, max(NONE, along - cell))
+    for column in range(count):
+        along = (scratch.z[column] - south) * per_m
+        cell = min(last_row, max(NONE, np.floor(along)))
+        scratch.row[column] = np.int32(cell)
+        scratch.north[column] = min(ONE, max(NONE, along - cell))
+
+
+class Corners(NamedTuple):
+    """What the corners of a cell have, as in ``ground.packed_ground``, and how much each of them counts."""
+
+    south_west: NDArray[np.float32]  # (8,)
+    south_east: NDArray[np.float32]
+    north_west: NDArray[np.float32]
+    north_east: NDArray[np.float32]
+    share_south_west: np.float32
+    share_south_east: np.float32
+    share_north_west: np.float32
+    share_north_east: np.float32
+
+
+@inlined_kernel
+def _write_smooth(
+    ground: NDArray[np.float32], scratch: GroundScratch, color: Channels, normal: Normals
+) -> None:
+    """Write colours without grain, and unit normals, which are smooth across the edges of triangles."""
+    for column in range(color.red.shape[0]):
+        row, first = nonnegative(scratch.row[column]), nonnegative(scratch.column[column])
+        east, north = scratch.east[column], scratch.north[column]
+        both = north * east
+        corners = Corners(
+            ground[row, first],
+            ground[row, first + 1],
+            ground[row + 1, first],
+            ground[row + 1, first + 1],
+            ONE - north - (east - both),
+            east - both,
+            north - both,
+            both,
+        )
+        color.red[column] = _blend(corners, 0)
+        color.green[column] = _blend(corners, 1)
+        color.blue[column] = _blend(corners, 2)
+        normal.east[column] = _blend(corners, 3)
+        normal.up[column] = _blend(corners, 4)
+        normal.north[column] = _blend(corners, 5)
+    for column in range(color.red.shape[0]):
+        x, y, z = normal.east[column], normal.up[column], normal.north[column]
+        # Its length is nearly 1, so this is nearly the reciprocal of it, by Newton's method.
+        scale = ONE_AND_HALF - HALF * (x * x + y * y + z * z)
+        normal.east[column], normal.up[column], normal.north[column] = x * scale, y * scale, z * scale
+
+
+@inlined_kernel
+def _blend(corners: Corners, part: int) -> np.float32:
+    """Return the bilinear interpolation of one of the numbers that the corners have."""
+    return np.float32(
+        corners.share_south_west * corners.south_west[part]
+        + corners.share_south_east * corners.south_east[part]
+        + corners.share_north_west * corners.north_west[part]
+        + corners.share_north_east * corners.north_east[part]
+    )
 
 
 @inlined_kernel
