@@ -36,7 +36,8 @@ def links_for_site(markdown: str, page: str, add: Callable[[str], None]) -> str:
 
     def moved(link: re.Match[str]) -> str:
         source = posixpath.normpath(posixpath.join(origin, link[1]))
-        if not (ROOT / source).is_file():
+        is_page_elsewhere = source.endswith(".md") and not (source in MOVED or source.startswith(DOCS))
+        if is_page_elsewhere or not (ROOT / source).is_file():
             return link[1]  # MkDocs reports it as broken
         if source in MOVED:
             target = MOVED[source]
