@@ -128,10 +128,10 @@ def test_without_scripts_the_pages_show_everything_but_the_player(arena: Arena, 
 
     page.goto("/boards/battle")
     assert page.get_by_role("row").count() == 5
-    assert page.get_by_role("img", name="ranks of the first").is_visible()
+    page.get_by_role("img", name="ranks of the first").wait_for()
     page.goto(address_of(arena, "/submissions/{failed}"))
-    assert page.get_by_text("RuntimeError: lost the thread").first.is_visible()
-    assert page.get_by_text("wildscav check DIR").is_visible()
+    page.get_by_text("RuntimeError: lost the thread").first.wait_for()
+    page.get_by_text("wildscav check DIR").wait_for()
     page.goto(address_of(arena, "/matches/{ladder}"))
     assert page.get_by_role("row").count() == 3
     assert "The player needs JavaScript" in page.content()
@@ -154,8 +154,9 @@ def test_a_newcomer_registers_makes_a_team_and_submits(arena: Arena, browser: An
         page.get_by_label("Name of the new team").fill("storks")
         page.get_by_label("Its title").fill("Storks & Co.")
         page.get_by_role("button", name="Make a team").click()
-        assert page.get_by_text("It is shown this once").is_visible()
+        page.get_by_text("It is shown this once").wait_for()
         page.get_by_role("button", name="Log out").click()
+        page.get_by_role("link", name="Log in").first.wait_for()
 
         page.goto("/submit")  # leads to the page to log in, and back
         page.get_by_label("Name").fill("newcomer")
@@ -167,8 +168,8 @@ def test_a_newcomer_registers_makes_a_team_and_submits(arena: Arena, browser: An
 
         page.wait_for_url("**/submissions/*")
         assert page.get_by_role("heading", level=1).text_content().strip().startswith("stork 1.0")
-        assert page.get_by_text("my first one").is_visible()
-        assert page.get_by_text("in the queue").is_visible()
+        page.get_by_text("my first one").wait_for()
+        page.get_by_text("in the queue").wait_for()
         page.context.close()
 
 
@@ -181,19 +182,20 @@ def test_what_an_organizer_announces_and_disqualifies_is_seen_by_visitors(
         page.get_by_label("Title").fill("A new map")
         page.get_by_label("Text").fill("It has a lake.\nBring boots.")
         page.get_by_role("button", name="Announce").click()
+        page.get_by_text("It has a lake.").first.wait_for()
         page.goto("/organizer/teams")
         row = page.get_by_role("row", name="Hares & Hounds")
         row.get_by_text("Disqualify", exact=False).first.click()
         row.get_by_label("Reason").fill("it read other agents' memory")
         row.get_by_role("button", name="Disqualify hares").click()
-        assert page.get_by_role("row", name="Hares & Hounds").get_by_text("disqualified").is_visible()
+        page.get_by_role("row", name="Hares & Hounds").get_by_text("disqualified").wait_for()
         page.goto("/organizer/audit-log")
-        assert page.get_by_role("row", name="disqualify team").first.get_by_text("boss").is_visible()
+        page.get_by_role("row", name="disqualify team").first.get_by_text("boss").wait_for()
         page.context.close()
 
         visitor = open_as(arena, browser, "visitor")
         visitor.goto("/")
-        assert visitor.get_by_role("article").filter(has_text="A new map").get_by_text("lake").is_visible()
+        visitor.get_by_role("article").filter(has_text="A new map").get_by_text("lake").wait_for()
         visitor.goto("/teams/hares")
-        assert visitor.get_by_text("it read other agents' memory").first.is_visible()
+        visitor.get_by_text("it read other agents' memory").first.wait_for()
         visitor.context.close()
