@@ -12,15 +12,14 @@ from wildscav_engine.rendering.shading.ground import (
     FINE,
     MEDIUM,
 )
-from wildscav_engine.rendering.shading.noise import LATTICE, PERIOD
+from wildscav_engine.rendering.shading.noise import LATTICE, PERIOD, eased32
 from wildscav_engine.rendering.shading.pixel_rays import LEAST_FACING, View, Ways
 from wildscav_engine.rendering.shading.pixel_rows import Channels, Normals, RowOfPixels
 from wildscav_engine.rendering.shading.surfaces import BLUR, SHARPEST
 from wildscav_engine.rendering.tracing.frustum import nonnegative
 
 AT_ONCE = 128  # pixels, whose numbers stay in the fastest cache
-NONE, HALF, ONE, TWO, THREE = (np.float32(number) for number in (0.0, 0.5, 1.0, 2.0, 3.0))
-ONE_AND_HALF = np.float32(1.5)
+NONE, HALF, ONE, ONE_AND_HALF = (np.float32(number) for number in (0.0, 0.5, 1.0, 1.5))
 SHARPEST_32, LEAST_FACING_32 = np.float32(SHARPEST), np.float32(LEAST_FACING)
 NOISE = LATTICE.ravel()
 NEXT = PERIOD + 1  # from a row of the noise to the next
@@ -220,11 +219,6 @@ def _place_in_noise(per_m: np.float32, count: int, scratch: GroundScratch) -> No
     for column in range(count):
         x, z = scratch.x[column] * per_m, scratch.z[column] * per_m
         west, south = np.floor(x), np.floor(z)
-        scratch.east[column] = _eased(x - west)
-        scratch.north[column] = _eased(z - south)
+        scratch.east[column] = eased32(x - west)
+        scratch.north[column] = eased32(z - south)
         scratch.corner[column] = (np.int32(south) & PERIOD - 1) * NEXT + (np.int32(west) & PERIOD - 1)
-
-
-@inlined_kernel
-def _eased(share: np.float32) -> np.float32:
-    return share * share * (THREE - TWO * share)

@@ -48,7 +48,7 @@ def noise(x: float, z: float) -> float:
     """Return the same from 0 to PERIOD, repeated without end; it takes a fraction of the time."""
     x, z = x + BEYOND, z + BEYOND  # rounding towards zero is quicker than rounding down
     column, row = int(x), int(z)
-    east, north = _eased32(np.float32(x - column)), _eased32(np.float32(z - row))
+    east, north = eased32(np.float32(x - column)), eased32(np.float32(z - row))
     c, r = column & PERIOD - 1, row & PERIOD - 1
     south = LATTICE[r, c] + (LATTICE[r, c + 1] - LATTICE[r, c]) * east
     top = LATTICE[r + 1, c] + (LATTICE[r + 1, c + 1] - LATTICE[r + 1, c]) * east
@@ -71,5 +71,6 @@ def _eased(share: float) -> float:
 
 
 @kernel
-def _eased32(share: np.float32) -> np.float32:
+def eased32(share: np.float32) -> np.float32:
+    """Return a share from 0 to 1 that starts and ends level."""
     return share * share * (THREE - TWO * share)
