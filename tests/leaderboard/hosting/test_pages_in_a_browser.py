@@ -128,10 +128,10 @@ def test_without_scripts_the_pages_show_everything_but_the_player(arena: Arena, 
 
     page.goto("/boards/battle")
     assert page.get_by_role("row").count() == 5
-    page.get_by_role("img", name="ranks of the first").wait_for()
+    assert page.get_by_role("img", name="ranks of the first").is_visible()
     page.goto(address_of(arena, "/submissions/{failed}"))
-    page.get_by_text("RuntimeError: lost the thread").first.wait_for()
-    page.get_by_text("wildscav check DIR").wait_for()
+    assert page.get_by_text("RuntimeError: lost the thread").first.is_visible()
+    assert page.get_by_text("wildscav check DIR").is_visible()
     page.goto(address_of(arena, "/matches/{ladder}"))
     assert page.get_by_role("row").count() == 3
     assert "The player needs JavaScript" in page.content()
@@ -168,8 +168,8 @@ def test_a_newcomer_registers_makes_a_team_and_submits(arena: Arena, browser: An
 
         page.wait_for_url("**/submissions/*")
         assert page.get_by_role("heading", level=1).text_content().strip().startswith("stork 1.0")
-        page.get_by_text("my first one").wait_for()
-        page.get_by_text("in the queue").wait_for()
+        assert page.get_by_text("my first one").is_visible()
+        assert page.get_by_text("in the queue").is_visible()
         page.context.close()
 
 
@@ -190,12 +190,12 @@ def test_what_an_organizer_announces_and_disqualifies_is_seen_by_visitors(
         row.get_by_role("button", name="Disqualify hares").click()
         page.get_by_role("row", name="Hares & Hounds").get_by_text("disqualified").wait_for()
         page.goto("/organizer/audit-log")
-        page.get_by_role("row", name="disqualify team").first.get_by_text("boss").wait_for()
+        assert page.get_by_role("row", name="disqualify team").first.get_by_text("boss").is_visible()
         page.context.close()
 
         visitor = open_as(arena, browser, "visitor")
         visitor.goto("/")
-        visitor.get_by_role("article").filter(has_text="A new map").get_by_text("lake").wait_for()
+        assert visitor.get_by_role("article").filter(has_text="A new map").get_by_text("lake").is_visible()
         visitor.goto("/teams/hares")
-        visitor.get_by_text("it read other agents' memory").first.wait_for()
+        assert visitor.get_by_text("it read other agents' memory").first.is_visible()
         visitor.context.close()

@@ -11,7 +11,7 @@ from wildscav_engine.rendering.shading.color_arithmetic import Vector
 from wildscav_engine.rendering.shading.columns import Columns
 from wildscav_engine.rendering.shading.light import is_roofed, skylight
 from wildscav_engine.rendering.shading.occlusion_along_rows import are_alike_far, write_shares, write_tilts
-from wildscav_engine.rendering.shading.pixel_rays import View, point_along
+from wildscav_engine.rendering.shading.pixel_rays import View, point_along, way_of
 from wildscav_engine.rendering.shading.pixel_rows import RowOfPixels
 from wildscav_engine.rendering.trace import WATER_HIT, Hits
 
@@ -55,8 +55,7 @@ def _together(view: View, hit: Hits, row: int, first: int, last: int) -> tuple[i
 
     All must be about as far, and the pixels around them in the image. Nothing takes light from water.
     """
-    is_sky_or_water = hit.solid[row, first] in (NOTHING_HIT, WATER_HIT)
-    if is_sky_or_water or not are_alike_far(hit.distance[row][first:last]):
+    if hit.solid[row, first] == WATER_HIT or not are_alike_far(hit.distance[row][first:last]):
         return last, last
     far = int(reach_of(view, float(hit.distance[row, first])) * MARGIN + 1.0)
     low, high = max(first, far), min(last, view.width - far)
@@ -89,9 +88,8 @@ def _write_skylight(
 @inlined_kernel
 def end_of_surface(hit: Hits, row: int, first: int, limit: int) -> int:
     """Return the first column after ``first`` that does not show the same surface, at most ``limit``."""
-    solids, faces = hit.solid[row], hit.face[row]
-    solid, face, last = solids[first], faces[first], first + 1
-    while last < limit and solids[last] == solid and (solid == TERRAIN_HIT or faces[last] == face):
+    last = first + 1
+    while last < limit and _is_same(hit, row, last, row, first):
         last += 1
     return last
 
@@ -105,9 +103,7 @@ def _normal(pixels: RowOfPixels, column: int) -> Vector:
 @inlined_kernel
 def off_surface(view: View, distance: float, column: int, pixels: RowOfPixels) -> Vector:
     """Return the place slightly off the surface that a pixel shows, where a ray to the light starts."""
-    ways = pixels.ways
-    direction = (float(ways.east[column]), float(ways.up[column]), float(ways.north[column]))
-    place = point_along(view.eye, direction, distance)
+    place = point_along(view.eye, way_of(pixels.ways, column), distance)
     return point_along(place, _normal(pixels, column), LIFT + LIFT_SHARE * distance)
 
 

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.geometry.world import CELL, World
-from wildscav_engine.rendering.shading.columns import PATCH, STEEP, Columns
+from wildscav_engine.rendering.shading.columns import STEEP, Columns
 
 SIDE = 0.5  # m, of a column's section
 MOST = 2**23  # columns; wider ones are made for a map that would have more
@@ -31,26 +31,14 @@ def columns_of(
     shape = int((north - south) / side) + 1, int((east - west) / side) + 1
     nothing, number = np.zeros(0, np.float32), np.zeros(0, np.int32)
     bare = Columns(
-        lean_x,
-        lean_z,
-        west,
-        south,
-        1.0 / side,
-        np.zeros((shape[0] // PATCH + 1, shape[1] // PATCH + 1), np.uint8),
-        np.zeros(shape, np.int32),
-        nothing,
-        nothing,
-        number,
-        number,
+        lean_x, lean_z, west, south, 1.0 / side, np.zeros(shape, np.int32), nothing, nothing, number, number
     )
     solids = np.nonzero(chosen)[0]
     planes = np.empty((int(np.diff(world.solid_start).max(initial=0)) ** 2 + 1, 3))
     counts = np.zeros(shape, np.int32)
     _visit(world, solids, steep, bare, planes, counts, False)
     occupied = counts > 0
-    rows, places = np.nonzero(occupied)
-    bare.patches[rows // PATCH, places // PATCH] = 1
-    total = len(rows)
+    total = int(np.count_nonzero(occupied))
     bare.record[occupied] = np.arange(1, total + 1, dtype=np.int32)
     start = np.concatenate([[0, 0], np.cumsum(counts[occupied])]).astype(np.int32)
     columns = bare._replace(

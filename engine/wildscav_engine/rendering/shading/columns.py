@@ -16,7 +16,6 @@ from wildscav_engine.geometry.world import World
 from wildscav_engine.rendering.shading.color_arithmetic import Vector
 
 CLEAR, BLOCKED, UNKNOWN = 0, 1, 2  # what is known about the way from a place
-PATCH = 16  # columns along each side of a patch
 STEEP = -1  # stands for ground that may shade itself, among the solids of a column
 
 
@@ -31,7 +30,6 @@ class Columns(NamedTuple):
     west: float  # m, the least first coordinate of any column
     south: float  # m, the least second coordinate
     per_side: float  # columns per m
-    patches: NDArray[np.uint8]  # (R / PATCH, C / PATCH), rounded up: 1 where a column of the patch has solids
     record: NDArray[np.int32]  # (R, C) the row of a column in the following; 0 for columns without solids
     clear: NDArray[np.float32]  # (1 + N,) m, height from which on nothing blocks the direction
     closed: NDArray[np.float32]  # (1 + N,) m, height below which one solid blocks all of it, -inf for none
@@ -56,8 +54,6 @@ def is_blocked(columns: Columns, world: World, place: Vector) -> int:
     along = (z - columns.lean_z * y - columns.south) * columns.per_side
     rows, width = columns.record.shape
     if not (0.0 <= across < width and 0.0 <= along < rows):
-        return CLEAR
-    if columns.patches[int(along) // PATCH, int(across) // PATCH] == 0:  # which lies in the cache
         return CLEAR
     record = columns.record[int(along), int(across)]
     if record == 0 or y >= columns.clear[record]:

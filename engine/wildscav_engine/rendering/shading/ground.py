@@ -105,7 +105,9 @@ def ground_color(ground: NDArray[np.float32], cell: GroundCell, place: Vector, p
         pixel: m, the size of a pixel there.
     """
     grain = _grain(place, FINE, pixel) + _grain(place, MEDIUM, pixel) + _grain(place, COARSE, pixel)
-    return dimmed(_between(ground, cell), 1.0 + grain)
+    corners = corners_of(ground, cell.row, cell.column, np.float32(cell.north), np.float32(cell.east))
+    base = (float(blend(corners, 0)), float(blend(corners, 1)), float(blend(corners, 2)))
+    return dimmed(base, 1.0 + grain)
 
 
 @inlined_kernel
@@ -118,31 +120,43 @@ def _grain(place: Vector, details: tuple[float, float], pixel: float) -> float:
     return seen * (noise(place[0] * (1.0 / size), place[2] * (1.0 / size)) - 0.5)
 
 
+class Corners(NamedTuple):
+    """What the corners of a cell have, as in ``packed_ground``, and how much each of them counts."""
+
+    south_west: NDArray[np.float32]  # (8,)
+    south_east: NDArray[np.float32]
+    north_west: NDArray[np.float32]
+    north_east: NDArray[np.float32]
+    share_south_west: np.float32
+    share_south_east: np.float32
+    share_north_west: np.float32
+    share_north_east: np.float32
+
+
 @inlined_kernel
-def _between(ground: NDArray[np.float32], cell: GroundCell) -> Color:
-    """Return the bilinear interpolation of the colours at the four corners of a cell."""
-    row, column, north, east = cell
-    south_west, south_east = ground[row, column], ground[row, column + 1]
-    north_west, north_east = ground[row + 1, column], ground[row + 1, column + 1]
-    east32, north32 = np.float32(east), np.float32(north)
-    to_north_east, to_south_east = north32 * east32, east32 - north32 * east32
-    to_north_west, to_south_west = north32 - to_north_east, ONE - north32 - to_south_east
-    red = (
-        to_south_west * south_west[0]
-        + to_south_east * south_east[0]
-        + to_north_west * north_west[0]
-        + to_north_east * north_east[0]
+def corners_of(
+    ground: NDArray[np.float32], row: int, column: int, north: np.float32, east: np.float32
+) -> Corners:
+    """Return the corners of a cell for a bilinear interpolation at a position in it."""
+    both = north * east
+    return Corners(
+        ground[row, column],
+        ground[row, column + 1],
+        ground[row + 1, column],
+        ground[row + 1, column + 1],
+        ONE - north - (east - both),
+        east - both,
+        north - both,
+        both,
     )
-    green = (
-        to_south_west * south_west[1]
-        + to_south_east * south_east[1]
-        + to_north_west * north_west[1]
-        + to_north_east * north_east[1]
+
+
+@inlined_kernel
+def blend(corners: Corners, part: int) -> np.float32:
+    """Return the interpolation of one of the numbers that the corners have."""
+    return np.float32(
+        corners.share_south_west * corners.south_west[part]
+        + corners.share_south_east * corners.south_east[part]
+        + corners.share_north_west * corners.north_west[part]
+        + corners.share_north_east * corners.north_east[part]
     )
-    blue = (
-        to_south_west * south_west[2]
-        + to_south_east * south_east[2]
-        + to_north_west * north_west[2]
-        + to_north_east * north_east[2]
-    )
-    return float(red), float(green), float(blue)

@@ -7,11 +7,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import inlined_kernel
 from wildscav_engine.geometry.world import CELL, World
-from wildscav_engine.rendering.shading.ground import (
-    COARSE,
-    FINE,
-    MEDIUM,
-)
+from wildscav_engine.rendering.shading.ground import COARSE, FINE, MEDIUM, blend, corners_of
 from wildscav_engine.rendering.shading.noise import LATTICE, PERIOD, eased32
 from wildscav_engine.rendering.shading.pixel_rays import LEAST_FACING, View, Ways
 from wildscav_engine.rendering.shading.pixel_rows import Channels, Normals, RowOfPixels
@@ -114,19 +110,6 @@ def _write_cells(world: World, count: int, scratch: GroundScratch) -> None:
         scratch.north[column] = min(ONE, max(NONE, along - cell))
 
 
-class Corners(NamedTuple):
-    """What the corners of a cell have, as in ``ground.packed_ground``, and how much each of them counts."""
-
-    south_west: NDArray[np.float32]  # (8,)
-    south_east: NDArray[np.float32]
-    north_west: NDArray[np.float32]
-    north_east: NDArray[np.float32]
-    share_south_west: np.float32
-    share_south_east: np.float32
-    share_north_west: np.float32
-    share_north_east: np.float32
-
-
 @inlined_kernel
 def _write_smooth(
     ground: NDArray[np.float32], scratch: GroundScratch, color: Channels, normal: Normals
@@ -135,39 +118,18 @@ def _write_smooth(
     for column in range(color.red.shape[0]):
         row, first = nonnegative(scratch.row[column]), nonnegative(scratch.column[column])
         east, north = scratch.east[column], scratch.north[column]
-        both = north * east
-        corners = Corners(
-            ground[row, first],
-            ground[row, first + 1],
-            ground[row + 1, first],
-            ground[row + 1, first + 1],
-            ONE - north - (east - both),
-            east - both,
-            north - both,
-            both,
-        )
-        color.red[column] = _blend(corners, 0)
-        color.green[column] = _blend(corners, 1)
-        color.blue[column] = _blend(corners, 2)
-        normal.east[column] = _blend(corners, 3)
-        normal.up[column] = _blend(corners, 4)
-        normal.north[column] = _blend(corners, 5)
+        corners = corners_of(ground, row, first, north, east)
+        color.red[column] = blend(corners, 0)
+        color.green[column] = blend(corners, 1)
+        color.blue[column] = blend(corners, 2)
+        normal.east[column] = blend(corners, 3)
+        normal.up[column] = blend(corners, 4)
+        normal.north[column] = blend(corners, 5)
     for column in range(color.red.shape[0]):
         x, y, z = normal.east[column], normal.up[column], normal.north[column]
         # Its length is nearly 1, so this is nearly the reciprocal of it, by Newton's method.
         scale = ONE_AND_HALF - HALF * (x * x + y * y + z * z)
         normal.east[column], normal.up[column], normal.north[column] = x * scale, y * scale, z * scale
-
-
-@inlined_kernel
-def _blend(corners: Corners, part: int) -> np.float32:
-    """Return the bilinear interpolation of one of the numbers that the corners have."""
-    return np.float32(
-        corners.share_south_west * corners.south_west[part]
-        + corners.share_south_east * corners.south_east[part]
-        + corners.share_north_west * corners.north_west[part]
-        + corners.share_north_east * corners.north_east[part]
-    )
 
 
 @inlined_kernel

@@ -34,9 +34,10 @@ from wildscav_engine.rendering.shading.pixel_rays import (
     footprint,
     point_along,
     view_of,
+    way_of,
     write_ways,
 )
-from wildscav_engine.rendering.shading.pixel_rows import Normals, RowOfPixels, allocate_rows, row_in
+from wildscav_engine.rendering.shading.pixel_rows import Channels, Normals, RowOfPixels, allocate_rows, row_in
 from wildscav_engine.rendering.shading.sky import SUN_DIRECTION, write_sky
 from wildscav_engine.rendering.shading.surfaces import textured
 from wildscav_engine.rendering.shading.water import water_color
@@ -163,9 +164,15 @@ def _write_surfaces(
 @inlined_kernel
 def _write_plain(color: Color, normal: Vector, first: int, last: int, pixels: RowOfPixels) -> None:
     """Write one colour and one normal to all columns from ``first`` to before ``last``."""
+    _fill(pixels.color, color, first, last)
+    _fill(pixels.normal, normal, first, last)
+
+
+@inlined_kernel
+def _fill(rows: Channels | Normals, values: Vector, first: int, last: int) -> None:
+    """Write one value into each of three rows."""
     for part in range(3):
-        pixels.color[part][first:last] = color[part]
-        pixels.normal[part][first:last] = normal[part]
+        rows[part][first:last] = values[part]
 
 
 @inlined_kernel
@@ -194,9 +201,9 @@ def _write_solid(
     kind, normal = scene.world.solid_kind[solid], (walls[face, 0], walls[face, 1], walls[face, 2])
     base = (colors[solid, 0], colors[solid, 1], colors[solid, 2])
     axis, ways, color = (axes[solid, 0], 0.0, axes[solid, 1]), pixels.ways, pixels.color
-    _write_plain(base, normal, first, last, pixels)
+    _fill(pixels.normal, normal, first, last)
     for column in range(first, last):
-        direction = (float(ways.east[column]), float(ways.up[column]), float(ways.north[column]))
+        direction = way_of(ways, column)
         distance = float(distances[column])
         place = point_along(view.eye, direction, distance)
         pixel = footprint(view, direction, distance, normal)
@@ -259,7 +266,7 @@ def _write_sky(scene: ShadedScene, hit: Hits, row: int, pixels: RowOfPixels) -> 
     ways = pixels.ways
     for column in range(ways.up.shape[0]):
         if hit.solid[row, column] == NOTHING_HIT:
-            direction = (float(ways.east[column]), float(ways.up[column]), float(ways.north[column]))
+            direction = way_of(ways, column)
             write_sky(direction, scene.materials.clouds, column, pixels)
 
 
@@ -270,7 +277,7 @@ def _write_water(scene: ShadedScene, view: View, hit: Hits, row: int, pixels: Ro
     for column in range(view.width):
         if hit.solid[row, column] == WATER_HIT:
             ways, distance = pixels.ways, float(hit.distance[row, column])
-            direction = (float(ways.east[column]), float(ways.up[column]), float(ways.north[column]))
+            direction = way_of(ways, column)
             place = point_along(view.eye, direction, distance)
             pixel = footprint(view, direction, distance, (0.0, 1.0, 0.0))
             sun = 1.0 if pixels.direct[column] > NONE else 0.0

@@ -91,6 +91,12 @@ def write_ways(view: View, row: int, cosines: NDArray[np.float32], ways: Ways) -
         ways.north[column] = (cos_yaw * level - sin_yaw * right) * cosines[column]
 
 
+@inlined_kernel
+def way_of(ways: Ways, column: int) -> Vector:
+    """Return the unit vector of one ray of a row."""
+    return float(ways.east[column]), float(ways.up[column]), float(ways.north[column])
+
+
 @kernel
 def point_along(eye: Vector, direction: Vector, distance: float) -> Vector:
     """Return the place at a distance in m along a ray."""

@@ -17,10 +17,8 @@ TRUNK, CROWN, BUSH = int(Kind.TRUNK), int(Kind.CROWN), int(Kind.BUSH)
 ROCK, FURNITURE, BOX = int(Kind.ROCK), int(Kind.FURNITURE), int(Kind.SUPPLY_BOX)
 
 CEILING = (226.0, 222.0, 212.0)
-SHARPEST, BLUR = (
-    1.6,
-    2.4,
-)  # how visible details are, by the size of a pixel in their own: SHARPEST - BLUR · size
+# How visible details are: SHARPEST less BLUR times the size of a pixel, in sizes of the details.
+SHARPEST, BLUR = 1.6, 2.4
 LEVEL = 0.9  # least upward part of the normal of a face that can be walked on
 
 
