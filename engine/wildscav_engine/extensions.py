@@ -49,6 +49,7 @@ BUILT_IN: Mapping[str, Mapping[str, str]] = {
         "hot_spot": "wildscav_engine.sensors.hot_spot:HotSpotSensor",
         "sights": "wildscav_engine.sensors.sights:Sights",
         "to_hot_spot": "wildscav_engine.sensors.to_hot_spot:ToHotSpot",
+        "to_supplies": "wildscav_engine.sensors.to_supplies:ToSupplies",
     },
     "wildscav.robots": {
         "walker": "wildscav_engine.simulation.robots.walker:WALKERS",

@@ -16,6 +16,7 @@ from wildscav_engine.sensors.segmentation import SegmentationCamera
 from wildscav_engine.sensors.sights import Sights
 from wildscav_engine.sensors.teammates import Teammates
 from wildscav_engine.sensors.to_hot_spot import ToHotSpot
+from wildscav_engine.sensors.to_supplies import ToSupplies
 from wildscav_engine.sensors.visible_agents import VisibleAgents
 
 SENSORS: Registry[type[Sensor]] = Registry("wildscav.sensors")
@@ -35,6 +36,7 @@ __all__ = [
     "Sights",
     "Teammates",
     "ToHotSpot",
+    "ToSupplies",
     "VisibleAgents",
     "parse_sensor",
     "parse_sensors",

@@ -1,8 +1,11 @@
 """Workspaces are kept for the next image, and none of it is seen in that image."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 from tests.builders import box, flat_world, map_from
 
+from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.trace import Scene, scene_of
 from wildscav_engine.rendering.tracing.workspace import LARGEST_CACHED, Size
 from wildscav_engine.sensors import DepthCamera
@@ -19,6 +22,28 @@ def test_a_scene_keeps_the_workspaces_of_small_images() -> None:
     one = scene()
     assert one.workspaces.of(one.packed, SMALL) is one.workspaces.of(one.packed, SMALL)
     assert SMALL in one.workspaces.cached
+
+
+def test_scenes_share_the_arrays_for_images_of_a_size_and_threads_do_not() -> None:
+    one, other = scene(), scene()
+    first, second = (each.workspaces.of(each.packed, SMALL).arrays for each in (one, other))
+    assert first.rays is second.rays
+    assert first.done is not second.done
+    with ThreadPoolExecutor(1) as thread:
+        elsewhere = thread.submit(lambda: one.workspaces.of(one.packed, SMALL).arrays).result()
+    assert elsewhere.rays is not first.rays
+
+
+def test_small_images_of_two_maps_in_one_call_are_those_of_each_alone() -> None:
+    maps = [map_from(flat_world(40, [box((-1, 0, 4), (1, height, 5))])) for height in (1.0, 3.0)]
+    camera, eyes = DepthCamera(width=16, height=9), np.tile([0.0, 1.5, 0.0], (3, 1))
+    cameras = Cameras(eyes, np.zeros(3), np.zeros(3), np.full(3, -2, np.int32), *camera.lens)
+    images = np.empty((3, 9, 16), np.float32)
+    order = [maps[0], maps[1], maps[0]]
+    assert camera.render_maps_into(order, cameras, images)
+    alone = [camera.render(one, eyes[:1], [0.0], [0.0])[0] for one in order]
+    assert images.tobytes() == np.stack(alone).tobytes()
+    assert (images[0] != images[1]).any()
 
 
 def test_only_the_latest_workspace_of_a_large_image_is_kept() -> None:

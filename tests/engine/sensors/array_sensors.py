@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.arithmetic.elementary_functions import arctangent, cosine, logarithm, wrap
+from wildscav_engine.arithmetic.elementary_functions import arctangent, cosine, logarithm, sine, wrap
 from wildscav_engine.specs.body import BODY_RADIUS, EYE_HEIGHT
 
 Seats = NDArray[np.int64]
@@ -103,9 +103,32 @@ def sights(sensor: Any, state: Any, seen: Any, seats: Seats) -> Readings:
     return readings
 
 
+def to_supplies(sensor: Any, state: Any, seen: Any, seats: Seats) -> Readings:
+    """What ``ToSupplies`` reads, reader by reader."""
+    boxes, agents = state.supplies, state.agents
+    readings = np.zeros((len(seen.supplies), len(seats), sensor.limit, 6), np.float32)
+    for match, (place, seat) in product(range(len(seen.supplies)), enumerate(seats)):
+        slots = seen.supplies[match, seat, : seen.supply_count[match, seat]]
+        x, y, z = (boxes.position[match, slots] - agents.position[match, seat]).T
+        level, quantity = np.sqrt(x * x + z * z), boxes.quantity[match, slots]
+        efforts = sensor.start_up + level + 4.0 * np.abs(y)
+        costs = [
+            logarithm(effort) - sensor.worth * logarithm(float(held))
+            for effort, held in zip(efforts, quantity, strict=True)
+        ]
+        yaw = agents.yaw[match, seat]
+        for row, box in zip(readings[match, place], np.argsort(costs, kind="stable"), strict=False):
+            right = (x[box] * cosine(yaw) - z[box] * sine(yaw)) / level[box]
+            ahead = (x[box] * sine(yaw) + z[box] * cosine(yaw)) / level[box]
+            logs = logarithm(1.0 + level[box]), logarithm(1.0 + float(quantity[box]))
+            row[:] = (1.0, np.clip(right, -1.0, 1.0), np.clip(ahead, -1.0, 1.0), y[box], *logs)
+    return readings
+
+
 ARRAY_SENSORS: dict[str, Callable[[Any, Any, Any, Seats], Readings]] = {
     "visible_agents": visible_agents,
     "teammates": teammates,
     "nearby_supplies": nearby_supplies,
     "sights": sights,
+    "to_supplies": to_supplies,
 }

@@ -38,7 +38,11 @@ def test_a_match_reads_the_same_alone_and_in_a_batch(name: str, options: dict[st
 
 
 def test_the_lists_of_the_default_sensors_are_among_them() -> None:
-    assert BATCHED == ["visible_agents", "teammates", "nearby_supplies", "sights"] == list(ARRAY_SENSORS)
+    assert (
+        BATCHED
+        == ["visible_agents", "teammates", "nearby_supplies", "sights", "to_supplies"]
+        == list(ARRAY_SENSORS)
+    )
 
 
 @pytest.mark.parametrize("name", BATCHED)

@@ -34,6 +34,7 @@ ODD: dict[str, list[dict[str, object]]] = {
     ],
     "visible_agents": [{"limit": 1}, {"limit": 3}],
     "sights": [{"limit": 1}, {"limit": 16, "lead": 0.5}],
+    "to_supplies": [{"limit": 1, "worth": 0.0, "start_up": 0.0}, {"limit": 32, "worth": 2.0}],
     "teammates": [{"limit": 1}, {"limit": 64}],
     "nearby_supplies": [{"range": 3.3, "limit": 2}, {"range": 200.0}],
 }
@@ -193,7 +194,8 @@ def test_no_sensor_costs_anything_before_it_is_asked_for() -> None:
 
         match = make_match("gathering")
         match.step()
-        for name in ("visible_agents", "teammates", "nearby_supplies", "compass", "zone", "sights"):
+        lists = ("visible_agents", "teammates", "nearby_supplies", "sights", "to_supplies")
+        for name in (*lists, "compass", "zone"):
             SENSORS[name]().read(match, [0])
         print("scene" in vars(match.game_map))
         SENSORS["depth"]().read(match, [0])

@@ -30,6 +30,7 @@ EVERY_SENSOR: dict[str, dict[str, Any]] = {
     "hot_spot": {},
     "sights": {"limit": 2},
     "to_hot_spot": {},
+    "to_supplies": {"limit": 2},
 }
 MORE: dict[str, dict[str, Any]] = {
     "gathering": {"teammates": ("gatherer",)},

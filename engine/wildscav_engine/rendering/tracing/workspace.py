@@ -46,16 +46,31 @@ class Workspace(NamedTuple):
     viewers: NDArray[np.int32]  # (N,) see ``Cameras``; empty without moving solids
 
 
-def allocate_workspace(scene: Packed, size: Size) -> Workspace:
+class ImageArrays(NamedTuple):
+    """The arrays of a workspace that hold an image while it is traced."""
+
+    rays: NDArray[np.float64]
+    met: NDArray[np.int32]
+    strips: NDArray[np.float64]
+
+
+def allocate_image(size: Size) -> ImageArrays:
+    """Return the arrays for an image of a size."""
+    return ImageArrays(
+        allocate_rays(size.height, size.width, size.half_width),
+        np.empty(size.height * size.width, np.int32),
+        allocate_strips(size.height, size.width),
+    )
+
+
+def allocate_workspace(scene: Packed, size: Size, image: ImageArrays) -> Workspace:
     """Return a workspace for images of a size, without moving solids."""
     nothing = pack_nothing()
     return Workspace(
         scene.numbers,
         scene.indices,
         scene.float32s,
-        allocate_rays(size.height, size.width, size.half_width),
-        np.empty(size.height * size.width, np.int32),
-        allocate_strips(size.height, size.width),
+        *image,
         *allocate_scratch(scene.blocks, scene.solids, max(scene.most_faces, size.most_faces)),
         nothing.numbers,
         nothing.indices,
@@ -72,7 +87,8 @@ class MovingArrays(NamedTuple):
 
 
 NOWHERE = Packed(np.zeros(0), np.zeros(0, np.int64), np.zeros(0, np.float32), 0, 0, 0)
-read_workspace = reader(allocate_workspace(NOWHERE, Size(1, 1, 1.0)))
+POINT = Size(1, 1, 1.0)
+read_workspace = reader(allocate_workspace(NOWHERE, POINT, allocate_image(POINT)))
 expect(MovingArrays(np.zeros(0), np.zeros(0, np.int64), np.zeros(0, np.int32)))
 
 
@@ -89,6 +105,29 @@ class WorkspaceTable(ArrayTable):
         tables = self.tables.copy()
         tables[0, -3:] = addresses_of(MovingArrays(moving.numbers, moving.indices, viewers))
         return tables
+
+
+class Images(threading.local):
+    """The arrays for images of the latest sizes, separate for each thread.
+
+    All scenes share them, so that they stay in the processor's cache when a thread traces one scene after
+    another, as vector environments do.
+    """
+
+    def __init__(self) -> None:
+        self._cached: dict[Size, ImageArrays] = {}
+
+    def of(self, size: Size) -> ImageArrays:
+        """Return the arrays for images of a size."""
+        size = size._replace(most_faces=0)
+        if size not in self._cached:
+            if len(self._cached) >= MOST_CACHED:
+                self._cached.clear()
+            self._cached[size] = allocate_image(size)
+        return self._cached[size]
+
+
+images = Images()
 
 
 class Workspaces(threading.local):
@@ -109,7 +148,7 @@ class Workspaces(threading.local):
         """Allocate a workspace that is not cached yet."""
         if size.height * size.width > LARGEST_CACHED:
             return latest_large.of(scene, size)
-        workspace = WorkspaceTable(allocate_workspace(scene, size))
+        workspace = WorkspaceTable(allocate_workspace(scene, size, images.of(size)))
         if len(self.cached) >= MOST_CACHED:
             self.cached.clear()
         self.cached[size] = workspace
@@ -131,7 +170,7 @@ class LatestLarge(threading.local):
         workspace = self._workspace
         if workspace is None or self._size != size or workspace.arrays.numbers is not scene.numbers:
             self._workspace = None  # so that its memory is free before more is taken
-            workspace = WorkspaceTable(allocate_workspace(scene, size))
+            workspace = WorkspaceTable(allocate_workspace(scene, size, allocate_image(size)))
             self._size, self._workspace = size, workspace
         return workspace
 

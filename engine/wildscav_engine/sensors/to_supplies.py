@@ -1,0 +1,136 @@
+"""The ways to the supply boxes that are most worth a walk, relative to the agent's yaw.
+
+Each row describes one box: 1; the way there to the right of the yaw and along it, of 1; how far it is above
+the agent's soles (m); the logarithm of its distance; and the logarithm of the supplies in it. Unused rows
+are 0. Obstacles do not hide boxes.
+
+The first row has the box with the least effort relative to its worth, (s + d + 4 |h|) / q^w, where s is the
+option ``start_up``, d the horizontal distance (m), h the height (m), q the supplies in it, and w the option
+``worth``.
+"""
+
+from typing import TYPE_CHECKING, Annotated, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from wildscav_engine.arithmetic.elementary_functions import cosine, logarithm, sine
+from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.sensors.base import Column, sensor, table_space
+from wildscav_engine.sensors.batched import BatchedSensor
+from wildscav_engine.simulation.systems.visibility import SUPPLY_LIMIT
+
+if TYPE_CHECKING:
+    from gymnasium.spaces import Box
+
+    from wildscav_engine.simulation.state import State
+    from wildscav_engine.simulation.systems.visibility import Seen
+
+CLIMB = 4.0  # m of level walking that take as long as a metre of height, by stairs
+COLUMNS = (
+    Column("present", "0 or 1", 0, 1, "whether the row describes a box"),
+    Column("right", "of 1", -1, 1, "the way there: its part to the right of the yaw"),
+    Column("ahead", "of 1", -1, 1, "the same way's part along the yaw"),
+    Column("up", "m", -np.inf, np.inf, "its height above the agent's soles"),
+    Column("log distance", "ln m", 0, 10, "logarithm of 1 m + the horizontal distance"),
+    Column("log quantity", "", 0, 22, "logarithm of 1 + the supplies in it"),
+)
+
+
+@sensor
+class ToSupplies(BatchedSensor):
+    """The ways to the supply boxes that are most worth a walk, relative to the yaw."""
+
+    name: ClassVar[str] = "to_supplies"
+    title: ClassVar[str] = (
+        "the ways to the boxes most worth a walk: present; right, ahead, of 1; up, m; log distance, ln m; "
+        "log quantity"
+    )
+
+    limit: Annotated[int, Field(ge=1, le=SUPPLY_LIMIT)] = 3  # rows
+    worth: Annotated[float, Field(ge=0, le=2)] = (
+        0.6  # exponent of the supplies in a box; 0: the nearest first
+    )
+    start_up: Annotated[float, Field(ge=0, le=100)] = 3.0  # m added to every way: even a near box takes time
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """The columns of a row."""
+        return COLUMNS
+
+    @property
+    def space(self) -> "Box":
+        """(limit, 6)."""
+        return table_space(self.limit, COLUMNS)
+
+    def read_batch(self, state: "State", seen: "Seen", seats: NDArray[np.int64]) -> NDArray[np.float32]:
+        """Return (B, len(seats), limit, 6)."""
+        boxes, agents = state.supplies, state.agents
+        readings = np.zeros((len(seen.supplies), len(seats), self.limit, len(COLUMNS)), np.float32)
+        _write_ways(
+            *(seen.supplies, seen.supply_count, boxes.position, boxes.quantity, agents.position, agents.yaw),
+            *(self.worth, self.start_up, seats, np.empty(SUPPLY_LIMIT), readings),
+        )
+        return readings
+
+
+@kernel
+def _write_ways(
+    slots: NDArray[np.int32],
+    count: NDArray[np.int32],
+    place_of_box: NDArray[np.float32],
+    quantity: NDArray[np.int32],
+    position: NDArray[np.float64],
+    yaw: NDArray[np.float64],
+    worth: float,
+    start_up: float,
+    seats: NDArray[np.int64],
+    costs: NDArray[np.float64],
+    readings: NDArray[np.float32],
+) -> None:
+    """Write the ways of some seats of all matches to the boxes in sight.
+
+    Args:
+        slots: (B, A, 32) the slots of the boxes in sight of each seat, nearest first.
+        count: (B, A) how many.
+        place_of_box: (B, N, 3) m.
+        quantity: (B, N) supplies in them.
+        position: (B, A, 3) m, of agents.
+        yaw: (B, A) degrees.
+        worth: Exponent of the supplies in a box.
+        start_up: m added to every way.
+        seats: (S,) that read.
+        costs: (32,) scratch: logarithms of effort relative to worth.
+        readings: (B, S, limit, columns) of zeros, written.
+    """
+    for match in range(readings.shape[0]):
+        for reader in range(seats.shape[0]):
+            seat = seats[reader]
+            own, boxes = position[match, seat], slots[match, seat, : count[match, seat]]
+            for place in range(boxes.shape[0]):
+                box = place_of_box[match, boxes[place]]
+                x, y, z = box[0] - own[0], box[1] - own[1], box[2] - own[2]
+                effort = start_up + np.sqrt(x * x + z * z) + CLIMB * abs(y)
+                # A box at one's feet without a start-up costs nothing.
+                cost = logarithm(effort) if effort > 0.0 else -np.inf
+                costs[place] = cost - worth * logarithm(float(quantity[match, boxes[place]]))
+            for written in range(min(readings.shape[2], boxes.shape[0])):
+                best = np.argmin(costs[: boxes.shape[0]])
+                costs[best] = np.inf
+                box, held = place_of_box[match, boxes[best]], quantity[match, boxes[best]]
+                _write_way(own, yaw[match, seat], box, held, readings[match, reader, written])
+
+
+@kernel
+def _write_way(
+    own: NDArray[np.float64], yaw: float, box: NDArray[np.float32], quantity: int, row: NDArray[np.float32]
+) -> None:
+    """Write (6,) the way from a position to a box."""
+    x, y, z = box[0] - own[0], box[1] - own[1], box[2] - own[2]
+    level = np.sqrt(x * x + z * z)
+    row[0] = 1.0
+    if level > 0.0:
+        row[1] = max(-1.0, min(1.0, (x * cosine(yaw) - z * sine(yaw)) / level))
+        row[2] = max(-1.0, min(1.0, (x * sine(yaw) + z * cosine(yaw)) / level))
+    row[3], row[4], row[5] = y, logarithm(1.0 + level), logarithm(1.0 + float(quantity))
