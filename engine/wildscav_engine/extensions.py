@@ -50,6 +50,7 @@ BUILT_IN: Mapping[str, Mapping[str, str]] = {
         "sights": "wildscav_engine.sensors.sights:Sights",
         "to_hot_spot": "wildscav_engine.sensors.to_hot_spot:ToHotSpot",
         "to_supplies": "wildscav_engine.sensors.to_supplies:ToSupplies",
+        "to_waves": "wildscav_engine.sensors.to_waves:ToWaves",
     },
     "wildscav.robots": {
         "walker": "wildscav_engine.simulation.robots.walker:WALKERS",

@@ -17,6 +17,7 @@ from wildscav_engine.sensors.sights import Sights
 from wildscav_engine.sensors.teammates import Teammates
 from wildscav_engine.sensors.to_hot_spot import ToHotSpot
 from wildscav_engine.sensors.to_supplies import ToSupplies
+from wildscav_engine.sensors.to_waves import ToWaves
 from wildscav_engine.sensors.visible_agents import VisibleAgents
 
 SENSORS: Registry[type[Sensor]] = Registry("wildscav.sensors")
@@ -37,6 +38,7 @@ __all__ = [
     "Teammates",
     "ToHotSpot",
     "ToSupplies",
+    "ToWaves",
     "VisibleAgents",
     "parse_sensor",
     "parse_sensors",

@@ -10,10 +10,10 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.arithmetic.elementary_functions import cosine, logarithm, sine
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.sensors.base import Column, sensor
 from wildscav_engine.sensors.scalars import ScalarSensor, Write
+from wildscav_engine.sensors.ways import write_way
 from wildscav_engine.simulation.state import Agents, Matches
 from wildscav_engine.simulation.systems.hot_spot import hot_spot_at
 from wildscav_engine.specs.rules import FRAME
@@ -32,18 +32,6 @@ COLUMNS = (
 
 
 @kernel
-def _write_way(agents: Agents, match: int, seat: int, x: float, z: float, row: NDArray[np.float32]) -> None:
-    """Write (4,) the way of an agent to a place."""
-    east, north = x - agents.position[match, seat, 0], z - agents.position[match, seat, 2]
-    distance, yaw = np.sqrt(east * east + north * north), agents.yaw[match, seat]
-    row[0] = 1.0
-    if distance > 0.0:
-        row[1] = max(-1.0, min(1.0, (east * cosine(yaw) - north * sine(yaw)) / distance))
-        row[2] = max(-1.0, min(1.0, (east * sine(yaw) + north * cosine(yaw)) / distance))
-    row[3] = logarithm(1.0 + distance)
-
-
-@kernel
 def _write_to_hot_spot(
     agents: Agents, matches: Matches, match: int, seat: int, row: NDArray[np.float32]
 ) -> None:
@@ -51,11 +39,11 @@ def _write_to_hot_spot(
     frame = matches.frame[match]
     place = hot_spot_at(matches, match, frame)
     if place.number >= 0:
-        _write_way(agents, match, seat, place.x, place.z, row[:4])
+        write_way(agents, match, seat, place.x, place.z, row[:4])
     following = place.number + 1
     if following < matches.places[match]:
         come = matches.hot_spots[match, following]
-        _write_way(agents, match, seat, come[1], come[2], row[4:8])
+        write_way(agents, match, seat, come[1], come[2], row[4:8])
         row[8] = (come[0] - frame) * FRAME
 
 

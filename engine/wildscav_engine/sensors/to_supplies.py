@@ -15,10 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from wildscav_engine.arithmetic.elementary_functions import cosine, logarithm, sine
+from wildscav_engine.arithmetic.elementary_functions import logarithm
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.sensors.base import Column, sensor, table_space
 from wildscav_engine.sensors.batched import BatchedSensor
+from wildscav_engine.sensors.ways import write_direction
 from wildscav_engine.simulation.systems.visibility import SUPPLY_LIMIT
 
 if TYPE_CHECKING:
@@ -128,9 +129,5 @@ def _write_way(
 ) -> None:
     """Write (6,) the way from a position to a box."""
     x, y, z = box[0] - own[0], box[1] - own[1], box[2] - own[2]
-    level = np.sqrt(x * x + z * z)
-    row[0] = 1.0
-    if level > 0.0:
-        row[1] = max(-1.0, min(1.0, (x * cosine(yaw) - z * sine(yaw)) / level))
-        row[2] = max(-1.0, min(1.0, (x * sine(yaw) + z * cosine(yaw)) / level))
-    row[3], row[4], row[5] = y, logarithm(1.0 + level), logarithm(1.0 + float(quantity))
+    level = write_direction(x, z, yaw, row[1:3])
+    row[0], row[3], row[4], row[5] = 1.0, y, logarithm(1.0 + level), logarithm(1.0 + float(quantity))

@@ -13,7 +13,7 @@ from wildscav_engine.maps.bank import MapBank
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.parallel.threads import share
 from wildscav_engine.simulation.batch_kernels import find_seen_in_batch, play_batch
-from wildscav_engine.simulation.setup.match_setup import MatchSetupError, place_match, plan_match
+from wildscav_engine.simulation.setup.match_setup import MatchSetupError, place_match, plan_match, room_for
 from wildscav_engine.simulation.snapshot import Counts, History, check_size, decode, encode, map_for, write
 from wildscav_engine.simulation.state import State, allocate_state, copied, with_room
 from wildscav_engine.simulation.systems.visibility import Seen, allocate_seen
@@ -53,12 +53,9 @@ class Batch:
         self.allowed = np.array([field in self.track.fields for field in Field])
         self.setups = [plan_match(*pair) for pair in zip(self.specs, self.maps, strict=True)]
         seats = max(len(spec.seats) for spec in self.specs)
-        slots = max(setup.slots for setup in self.setups)
-        phases = max(len(setup.zone) for setup in self.setups)
-        places = max(len(setup.hot_spots) for setup in self.setups)
         self._seen = allocate_seen(len(self.specs), seats)
         self._is_seen = False
-        self._set_arrays(allocate_state(len(self.specs), seats, slots, phases, places))
+        self._set_arrays(allocate_state(len(self.specs), seats, *room_for(self.setups)))
         self._rule_numbers = np.array(self.rules, np.float64)
         self._bank = MapBank([*self.maps, *pool])
         self._rows = np.arange(len(self.specs))
@@ -137,11 +134,7 @@ class Batch:
         setups = [plan_match(*pair) for pair in zip(specs, given, strict=True)]
         for row, spec, game_map, setup in zip(rows, specs, given, setups, strict=True):
             self.specs[row], self.maps[row], self.setups[row] = spec, game_map, setup
-        self._grow(
-            max(setup.slots for setup in setups),
-            max(len(setup.zone) for setup in setups),
-            max(len(setup.hot_spots) for setup in setups),
-        )
+        self._grow(*room_for(setups))
         self._clear(rows)
         if self._bank.add(given, in_use=self.maps):
             self._number_maps(self._rows)  # also in the other rows: their maps may have moved in the bank
@@ -201,9 +194,11 @@ class Batch:
         self._set_arrays(State(*map(copied, self.state)))
 
     def _counts(self, row: int) -> Counts:
-        """Return the numbers of seats, box slots, zone phases and places of the hot spot of a match."""
+        """Return the numbers of what a match has, as a snapshot counts them."""
         every = self.state.matches
-        return int(every.seats[row]), int(every.slots[row]), int(every.phases[row]), int(every.places[row])
+        counted = (every.seats, every.slots, every.phases, every.places, every.waves)
+        seats, slots, phases, places, waves = (int(counts[row]) for counts in counted)
+        return seats, slots, phases, places, waves
 
     def _clear(self, rows: Sequence[int]) -> None:
         for table, fills in zip(self._tables, _FILLS, strict=True):
@@ -235,8 +230,8 @@ class Batch:
         )
         return True
 
-    def _grow(self, slots: int, phases: int, places: int) -> None:
-        state = with_room(self.state, slots, phases, places)
+    def _grow(self, slots: int, phases: int, places: int, waves: int) -> None:
+        state = with_room(self.state, slots, phases, places, waves)
         if state is not self.state:
             self._set_arrays(state)
 
@@ -336,5 +331,5 @@ def _shared(specs: Sequence[MatchSpec]) -> MatchSpec:
     return first
 
 
-_EXAMPLE = allocate_state(1, 1, 1, 1, 1)
+_EXAMPLE = allocate_state(1, 1, 1, 1, 1, 1)
 _FILLS = [fills_of(part) for part in (*_EXAMPLE, allocate_seen(1, 1))]

@@ -11,7 +11,7 @@ from wildscav_engine.simulation.step import play_step
 from wildscav_engine.simulation.systems.visibility import allocate_seen, find_seen_in_match
 from wildscav_engine.specs.rules import Rules
 
-_EXAMPLE = allocate_state(1, 1, 1, 1, 1)
+_EXAMPLE = allocate_state(1, 1, 1, 1, 1, 1)
 # Kernels that return the arrays of one match, or of all matches, from their address tables.
 agents_of = row_reader(_EXAMPLE.agents)
 supplies_of = row_reader(_EXAMPLE.supplies)

@@ -26,7 +26,7 @@ from wildscav_engine.specs.validation import one_line
 from wildscav_engine.storage.binary_format import BinaryFormatError, Layout, pack, unpack
 from wildscav_engine.version import SIMULATION_VERSION
 
-LAYOUT = Layout(b"WILDSNAP", 1, "a state of a match")
+LAYOUT = Layout(b"WILDSNAP", 2, "a state of a match")
 VERSIONS = {"simulation_version": SIMULATION_VERSION, "generator_version": GENERATOR_VERSION}
 
 
@@ -41,8 +41,8 @@ class History(NamedTuple):
     digests: NDArray[np.uint64]  # (T,)
 
 
-# The numbers of seats, of slots for boxes, of phases of the safe zone, and of places of the hot spot.
-Counts = tuple[int, int, int, int]
+# The numbers of seats, slots for boxes, phases of the zone, places of the hot spot, and waves of supplies.
+Counts = tuple[int, int, int, int, int]
 
 
 class Snapshot(NamedTuple):
@@ -62,8 +62,9 @@ class Extent(IntEnum):
     SLOTS = 1
     PHASES = 2
     PLACES = 3
-    WHOLE = 4
-    NOTHING = 5  # derived data, which is computed anew
+    WAVES = 4
+    WHOLE = 5
+    NOTHING = 6  # derived data, which is computed anew
 
 
 # The arrays of ``Matches`` that are not used as a whole.
@@ -71,6 +72,7 @@ _OF_MATCHES = {
     "members_left": Extent.SEATS,
     "zone": Extent.PHASES,
     "hot_spots": Extent.PLACES,
+    "wave_centers": Extent.WAVES,
     "agent_squares": Extent.NOTHING,
 }
 # (F,) the Extent of each array, for each part of a batch. What agents see is computed anew.
@@ -106,7 +108,7 @@ def encode(
         game_map: Its map.
         tables: The address tables of the parts of the batch.
         row: The row of the match.
-        counts: The numbers of its seats, slots, phases and places.
+        counts: The numbers of its seats, slots, phases, places and waves.
         history: The actions and digests so far, if they are known.
     """
     sizes = sizes_of(tables, counts)
@@ -148,12 +150,12 @@ def decode(data: bytes) -> Snapshot:
     try:
         content = np.frombuffer(payload, np.uint8, size).copy()
         history = None if steps is None else _history(payload[size:], steps, len(spec.seats))
-        seats, slots, phases, places = counts
+        seats, slots, phases, places, waves = counts
     except (TypeError, ValueError) as error:
         raise StateError(f"the state's payload does not fit its header: {error}") from None
     if seats != len(spec.seats):
         raise StateError(f"the state is of {seats} seats, but its spec has {len(spec.seats)}")
-    return Snapshot(spec, header["map_digest"], (seats, slots, phases, places), content, history)
+    return Snapshot(spec, header["map_digest"], (seats, slots, phases, places, waves), content, history)
 
 
 def _history(payload: memoryview, steps: int, seats: int) -> History:

@@ -116,6 +116,8 @@ class Matches(NamedTuple):
     phases: NDArray[np.int64]  # (B,) number of phases; the rest of the Z are padding
     hot_spots: NDArray[np.float64]  # (B, H, 3) the frame in which the hot spot comes to a place, x, z in m
     places: NDArray[np.int64]  # (B,) number of places of the hot spot; the rest of the H are padding
+    wave_centers: NDArray[np.float64]  # (B, W, 3) the frame in which a wave of supplies appears, x, z in m
+    waves: NDArray[np.int64]  # (B,) number of waves, the hot spot's included; the rest of the W are padding
     digest: NDArray[np.uint64]  # (B,) of all states and actions so far
     agent_squares: NDArray[np.int32]  # (B, N) seat + 1 of the first agent in each square, 0 = nobody
     box_squares: NDArray[np.int32]  # (B, 256) slot + 1 of the first box in each square, 0 = none
@@ -134,7 +136,9 @@ def squares_for(seats: int) -> int:
     return min(MAX_SQUARES, max(1, int(math.sqrt(seats * 0.5))))
 
 
-def allocate_state(matches: int, seats: int, slots: int, phases: int = 0, places: int = 0) -> State:
+def allocate_state(
+    matches: int, seats: int, slots: int, phases: int = 0, places: int = 0, waves: int = 0
+) -> State:
     """Return a state of zeros, without agents and boxes."""
     b, a, s = matches, seats, slots
     agents = Agents(
@@ -173,7 +177,7 @@ def allocate_state(matches: int, seats: int, slots: int, phases: int = 0, places
         serial=np.zeros((b, s), np.int32),
         next_in_square=np.zeros((b, s), np.int32),
     )
-    return State(agents, supplies, _allocate_matches(b, a, phases, places))
+    return State(agents, supplies, _allocate_matches(b, a, phases, places, waves))
 
 
 _COUNTS = (
@@ -183,7 +187,7 @@ _COUNTS = (
 )
 
 
-def _allocate_matches(b: int, a: int, phases: int, places: int) -> Matches:
+def _allocate_matches(b: int, a: int, phases: int, places: int, waves: int) -> Matches:
     return Matches(
         map_index=np.zeros(b, np.int64),
         seats=np.zeros(b, np.int64),
@@ -208,6 +212,8 @@ def _allocate_matches(b: int, a: int, phases: int, places: int) -> Matches:
         phases=np.zeros(b, np.int64),
         hot_spots=np.zeros((b, places, 3)),
         places=np.zeros(b, np.int64),
+        wave_centers=np.zeros((b, waves, 3)),
+        waves=np.zeros(b, np.int64),
         digest=np.zeros(b, np.uint64),
         agent_squares=np.zeros((b, squares_for(a) ** 2), np.int32),
         box_squares=np.zeros((b, BOX_SQUARES * BOX_SQUARES), np.int32),
@@ -219,7 +225,7 @@ def copied(arrays: Any) -> Any:
     return type(arrays)(*(array.copy() for array in arrays))
 
 
-def with_room(state: State, slots: int, phases: int, places: int) -> State:
+def with_room(state: State, slots: int, phases: int, places: int, waves: int) -> State:
     """Return a state with at least the given capacity: the same state if it is large enough.
 
     Only arrays that are too small are replaced. Those of boxes grow by a quarter more than needed, so that
@@ -230,6 +236,7 @@ def with_room(state: State, slots: int, phases: int, places: int) -> State:
         slots: The number of boxes in each match.
         phases: The number of phases of the safe zone in each match.
         places: The number of places of the hot spot in each match.
+        waves: The number of waves of supplies in each match.
     """
     supplies, matches = state.supplies, state.matches
     if slots > supplies.quantity.shape[1]:
@@ -238,6 +245,8 @@ def with_room(state: State, slots: int, phases: int, places: int) -> State:
         matches = matches._replace(zone=_widened(matches.zone, phases))
     if places > matches.hot_spots.shape[1]:
         matches = matches._replace(hot_spots=_widened(matches.hot_spots, places))
+    if waves > matches.wave_centers.shape[1]:
+        matches = matches._replace(wave_centers=_widened(matches.wave_centers, waves))
     if supplies is state.supplies and matches is state.matches:
         return state
     return State(state.agents, supplies, matches)

@@ -37,9 +37,10 @@ def row_of(batch: Batch, row: int) -> list[bytes]:
     seats, slots, phases = (int(count[row]) for count in (matches.seats, matches.slots, matches.phases))
     found = [array[row, :seats].tobytes() for array in (*agents, *batch.seen, matches.members_left)]
     found += [array[row, :slots].tobytes() for array in supplies]
-    skipped = {"map_index", "members_left", "zone", "crowd"}
+    skipped = {"map_index", "members_left", "zone", "wave_centers", "crowd"}
     found += [getattr(matches, name)[row].tobytes() for name in matches._fields if name not in skipped]
-    return [*found, matches.zone[row, :phases].tobytes()]
+    waves = matches.wave_centers[row, : matches.waves[row]]
+    return [*found, matches.zone[row, :phases].tobytes(), waves.tobytes()]
 
 
 @pytest.mark.parametrize("track", ["battle", "royale", "gathering", "navigation"])
@@ -71,7 +72,7 @@ def test_the_other_rows_of_a_batch_do_not_notice() -> None:
         assert row_of(batch, 2) == row_of(undisturbed, 2)
 
 
-def test_a_batch_grows_for_a_match_with_more_boxes_and_phases() -> None:
+def test_a_batch_grows_for_a_match_with_more_boxes_and_waves() -> None:
     rich = SupplyConfig(waves=(SupplyWave(center=(0.0, 0.0), outdoor_richness=50, time=5.0),) * 3, spacing=1)
     batch = Batch([spec(seed) for seed in range(2)], [MEADOW] * 2)
     slots = batch.state.supplies.serial.shape[1]

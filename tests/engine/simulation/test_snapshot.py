@@ -157,8 +157,8 @@ def test_what_is_no_state_of_this_engine_is_refused_in_one_line(monkeypatch: pyt
 @pytest.mark.parametrize(
     ("field", "value", "fault"),
     [
-        ("counts", [3, 1000, 0, 0], "of another build of this engine: its arrays have other sizes"),
-        ("counts", [2, 60, 0, 0], "of 2 seats, but its spec has 3"),
+        ("counts", [3, 1000, 0, 0, 1], "of another build of this engine: its arrays have other sizes"),
+        ("counts", [2, 60, 0, 0, 1], "of 2 seats, but its spec has 3"),
         ("counts", 3, "payload does not fit its header"),
         ("size", 10**9, "payload does not fit its header"),
         ("steps", 10**6, "payload does not fit its header"),
@@ -188,8 +188,9 @@ def test_what_a_state_keeps_of_each_array_is_what_grows_with_the_match() -> None
         (60, 210): Extent.SLOTS,
         (70, 220): Extent.PHASES,
         (80, 230): Extent.PLACES,
+        (90, 240): Extent.WAVES,
     }
-    small, large = allocate_state(1, 50, 60, 70, 80), allocate_state(1, 200, 210, 220, 230)
+    small, large = allocate_state(1, 50, 60, 70, 80, 90), allocate_state(1, 200, 210, 220, 230, 240)
     for parts in zip(small, large, EXTENTS, strict=False):
         for one, other, length in zip(*parts, strict=True):
             before, after = one.shape[1:2], other.shape[1:2]

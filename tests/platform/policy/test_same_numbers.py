@@ -31,6 +31,7 @@ EVERY_SENSOR: dict[str, dict[str, Any]] = {
     "sights": {"limit": 2},
     "to_hot_spot": {},
     "to_supplies": {"limit": 2},
+    "to_waves": {},
 }
 MORE: dict[str, dict[str, Any]] = {
     "gathering": {"teammates": ("gatherer",)},

@@ -69,9 +69,9 @@ def allocate_row_workspace(
 
 _EXAMPLE = allocate_row_workspace(1, 1, 1, np.zeros(1, np.int64), RewardSum({}).term_arrays)
 # Kernels that read the arrays from their tables.
-agents_at = reader(allocate_state(1, 1, 1, 1, 1).agents)
-supplies_at = reader(allocate_state(1, 1, 1, 1, 1).supplies)
-matches_at = reader(allocate_state(1, 1, 1, 1, 1).matches)
+agents_at = reader(allocate_state(1, 1, 1, 1, 1, 1).agents)
+supplies_at = reader(allocate_state(1, 1, 1, 1, 1, 1).supplies)
+matches_at = reader(allocate_state(1, 1, 1, 1, 1, 1).matches)
 seen_at = reader(allocate_seen(1, 1))
 workspace_at = reader(_EXAMPLE)
 

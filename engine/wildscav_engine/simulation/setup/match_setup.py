@@ -1,6 +1,7 @@
 """The setup of a match: from its spec and its map to the state before the first step."""
 
 import functools
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -23,7 +24,16 @@ from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_engine.specs.supply_config import HotSpot, SupplyConfig, SupplyWave
 
-__all__ = ["Boxes", "MatchSetupError", "Setup", "WaveInfo", "place_match", "plan_match", "seed_of_seat"]
+__all__ = [
+    "Boxes",
+    "MatchSetupError",
+    "Setup",
+    "WaveInfo",
+    "place_match",
+    "plan_match",
+    "room_for",
+    "seed_of_seat",
+]
 
 SPARE_SLOTS = 4  # per seat, for boxes dropped on death, in addition to slots of boxes that are taken
 NO_ZONE = np.zeros((0, ZONE_COLUMNS))
@@ -55,6 +65,7 @@ class Setup(NamedTuple):
     waves: tuple[WaveInfo, ...]
     zone: NDArray[np.float64]  # (Z, 9) as in Matches.zone
     hot_spots: NDArray[np.float64]  # (H, 3) as in Matches.hot_spots
+    wave_centers: NDArray[np.float64]  # (W, 3) as in Matches.wave_centers
 
     @property
     def slots(self) -> int:
@@ -62,6 +73,16 @@ class Setup(NamedTuple):
         if not self.boxes:
             return 0
         return sum(len(boxes.places) for boxes in self.boxes) + SPARE_SLOTS * len(self.starts)
+
+
+def room_for(setups: Sequence[Setup]) -> tuple[int, int, int, int]:
+    """Return the numbers of box slots, zone phases, places of the hot spot, and waves to have room for."""
+    return (
+        max(setup.slots for setup in setups),
+        max(len(setup.zone) for setup in setups),
+        max(len(setup.hot_spots) for setup in setups),
+        max(len(setup.wave_centers) for setup in setups),
+    )
 
 
 def plan_match(spec: MatchSpec, game_map: GameMap) -> Setup:
@@ -76,11 +97,11 @@ def plan_match(spec: MatchSpec, game_map: GameMap) -> Setup:
     boxes, waves = _choose_boxes(spec, game_map, config) if config else ((), ())
     zone = plan_zone(track.zone(spec), game_map.config.size, spec.seed) if track.has_zone else NO_ZONE
     if config is None or config.hot_spot is None:
-        return Setup(spec, starts, target, boxes, waves, zone, NO_HOT_SPOT)
+        return Setup(spec, starts, target, boxes, waves, zone, NO_HOT_SPOT, _rows_of(waves))
     places = plan_hot_spot(config.hot_spot, game_map.world.spawns, zone, spec.seed)
     more_boxes, announced = _boxes_around(places, config.hot_spot, game_map, spec.seed)
     all_waves = tuple(sorted(waves + announced, key=lambda wave: wave.time))
-    return Setup(spec, starts, target, boxes + more_boxes, all_waves, zone, places)
+    return Setup(spec, starts, target, boxes + more_boxes, all_waves, zone, places, _rows_of(all_waves))
 
 
 def _choose_boxes(
@@ -103,6 +124,12 @@ def _choose_boxes(
         boxes.append(Boxes(outdoor_points[outdoor], config.outdoor_quantity, appears))
         boxes.append(Boxes(indoor_points[indoor], config.indoor_quantity, appears))
     return tuple(boxes), tuple(waves)
+
+
+def _rows_of(waves: Sequence[WaveInfo]) -> NDArray[np.float64]:
+    """Return (W, 3) the frames and centres of waves, as in ``Matches.wave_centers``."""
+    rows = [(round(wave.time * FRAMES_PER_SECOND), *wave.center) for wave in waves]
+    return np.array(rows, np.float64).reshape(len(rows), 3)
 
 
 def _boxes_around(
@@ -148,6 +175,9 @@ def place_match(state: State, match: int, setup: Setup) -> None:
     if len(setup.hot_spots):
         matches.places[match] = len(setup.hot_spots)
         matches.hot_spots[match, : len(setup.hot_spots)] = setup.hot_spots
+    if len(setup.wave_centers):
+        matches.waves[match] = len(setup.wave_centers)
+        matches.wave_centers[match, : len(setup.wave_centers)] = setup.wave_centers
     lineup = _line_up(spec.track, spec.seats, spec.teams)
     matches.teams[match] = matches.teams_left[match] = lineup.teams
     matches.members_left[match, :seats] = lineup.members
