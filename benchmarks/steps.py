@@ -142,13 +142,14 @@ def batch_threads_figure(matches: int, seats: int) -> Figure:
     )
 
 
-def vector_threads_figure(envs: int, sensor: str, size: int, steps: int) -> Figure:
+def vector_threads_figure(envs: int, sensor: str, size: int, steps: int, level: str = "easy") -> Figure:
     """Measure two threads on a vector environment with square images."""
-    options = {**env_options(depth=False), "sensors": {sensor: {"width": size, "height": size}}}
+    sensors = {sensor: {"width": size, "height": size}}
+    options = {**env_options(depth=False), "sensors": sensors, "level": level}
     one, two = (vector_env(envs, options | {"threads": threads}) for threads in (1, 2))
     actions = [one.action_space.sample() for _ in range(8)]
     return threads_figure(
-        f"vector env, {envs} × 1, {sensor} {size} × {size}",
+        f"vector env, {envs} × 1, {sensor} {size} × {size}, {level}",
         steps,
         lambda number: one.step(actions[number % 8]),
         lambda number: two.step(actions[number % 8]),
@@ -363,6 +364,8 @@ def main(json_file: JsonFile = None) -> None:
         *(batch_threads_figure(matches, seats) for matches, seats in ((64, 10), (512, 1))),
         vector_threads_figure(64, "camera", 84, 2),
         vector_threads_figure(64, "depth", 84, 20),
+        vector_threads_figure(64, "depth", 84, 8, "normal"),
+        vector_threads_figure(256, "depth", 84, 2, "normal"),
         vector_threads_figure(512, "depth", 10, 20),
         processes_figure(depth=True),
         processes_figure(depth=False),

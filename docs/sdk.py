@@ -50,6 +50,8 @@ MODULES = {
     "wildscav.skills.walking": ("WayWalker", "Walk"),
     "wildscav.skills.steering": ("Steering",),
     "wildscav.skills.searching": ("Search", "Boxes", "effort"),
+    "wildscav.skills.patience": ("Patience",),
+    "wildscav.skills.trained_gathering": ("GatheringPolicyAgent",),
     "wildscav.skills.scouting": ("Scouting",),
     "wildscav.skills.aiming": (
         "aim_at",
