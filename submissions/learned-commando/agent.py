@@ -1,15 +1,11 @@
-"""A trained policy as an agent, made by `wildscav init --from-policy`."""
+"""A trained policy as an agent, which remembers the boxes that its policy could not reach."""
 
 from pathlib import Path
 
-from wildscav.policy import PolicyAgent
+from wildscav.skills.trained_gathering import GatheringPolicyAgent
 
 
-class TrainedAgent(PolicyAgent):
-    """Plays the policy that `policy.json` describes.
-
-    To change its behaviour, override `act`: `self.policy.act(observation)` is the policy's own action, and
-    `self.policy.environment.observe(observation)` is what the training environment would have returned.
-    """
+class TrainedAgent(GatheringPolicyAgent):
+    """Plays the policy that `policy.json` describes."""
 
     folder = Path(__file__).parent
