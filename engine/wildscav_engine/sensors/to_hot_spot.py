@@ -13,10 +13,8 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.sensors.base import Column, sensor
 from wildscav_engine.sensors.scalars import ScalarSensor, Write
-from wildscav_engine.sensors.ways import write_way
+from wildscav_engine.sensors.ways import write_ways
 from wildscav_engine.simulation.state import Agents, Matches
-from wildscav_engine.simulation.systems.hot_spot import hot_spot_at
-from wildscav_engine.specs.rules import FRAME
 
 COLUMNS = (
     Column("here", "0 or 1", 0, 1, "whether the hot spot is at a place"),
@@ -36,15 +34,8 @@ def _write_to_hot_spot(
     agents: Agents, matches: Matches, match: int, seat: int, row: NDArray[np.float32]
 ) -> None:
     """Write the ways of a seat to the hot spot; all 0 if there is none."""
-    frame = matches.frame[match]
-    place = hot_spot_at(matches, match, frame)
-    if place.number >= 0:
-        write_way(agents, match, seat, place.x, place.z, row[:4])
-    following = place.number + 1
-    if following < matches.places[match]:
-        come = matches.hot_spots[match, following]
-        write_way(agents, match, seat, come[1], come[2], row[4:8])
-        row[8] = (come[0] - frame) * FRAME
+    frame, count = matches.frame[match], matches.places[match]
+    write_ways(agents, match, seat, frame, matches.hot_spots[match], count, row)
 
 
 @sensor

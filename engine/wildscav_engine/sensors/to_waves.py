@@ -14,10 +14,8 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.sensors.base import Column, sensor
 from wildscav_engine.sensors.scalars import ScalarSensor, Write
-from wildscav_engine.sensors.ways import write_way
+from wildscav_engine.sensors.ways import write_ways
 from wildscav_engine.simulation.state import Agents, Matches
-from wildscav_engine.simulation.systems.supplies import wave_at
-from wildscav_engine.specs.rules import FRAME
 
 COLUMNS = (
     Column("appeared", "0 or 1", 0, 1, "whether a wave has appeared"),
@@ -37,14 +35,8 @@ def _write_to_waves(
     agents: Agents, matches: Matches, match: int, seat: int, row: NDArray[np.float32]
 ) -> None:
     """Write the ways of a seat to the waves; all 0 if there are none."""
-    frame, centers = matches.frame[match], matches.wave_centers[match]
-    latest = wave_at(matches, match, frame)
-    if latest >= 0:
-        write_way(agents, match, seat, centers[latest, 1], centers[latest, 2], row[:4])
-    following = latest + 1
-    if following < matches.waves[match]:
-        write_way(agents, match, seat, centers[following, 1], centers[following, 2], row[4:8])
-        row[8] = (centers[following, 0] - frame) * FRAME
+    frame, count = matches.frame[match], matches.waves[match]
+    write_ways(agents, match, seat, frame, matches.wave_centers[match], count, row)
 
 
 @sensor

@@ -119,11 +119,24 @@ def choose_around(
 
 
 @kernel
+def latest_of(places: NDArray[np.float64], count: int, frame: int) -> int:
+    """Return which of the first ``count`` places is the latest in a frame; -1 before the first.
+
+    Args:
+        places: (N, 3) as in ``Matches.hot_spots``: the frame in which each comes, ascending, and x and z.
+        count: The number of places; the rest is padding.
+        frame: The frame.
+    """
+    number = -1
+    while number + 1 < count and places[number + 1, 0] <= frame:
+        number += 1
+    return number
+
+
+@kernel
 def hot_spot_at(matches: Matches, match: int, frame: int) -> Place:
     """Return the place where the hot spot is in a frame."""
-    number = -1
-    while number + 1 < matches.places[match] and matches.hot_spots[match, number + 1, 0] <= frame:
-        number += 1
+    number = latest_of(matches.hot_spots[match], matches.places[match], frame)
     if number < 0:
         return Place(-1, 0.0, 0.0)
     row = matches.hot_spots[match, number]

@@ -30,15 +30,6 @@ from wildscav_engine.specs.rules import Rules
 BOX_SQUARE = 16.0  # m, minimum side of a square in the grid of boxes
 
 
-@kernel
-def wave_at(matches: Matches, match: int, frame: int) -> int:
-    """Return the number of the latest wave that has appeared by a frame, from 0; -1 before the first."""
-    number = -1
-    while number + 1 < matches.waves[match] and matches.wave_centers[match, number + 1, 0] <= frame:
-        number += 1
-    return number
-
-
 @array_kernel
 def choose_outdoor(
     outdoor: NDArray[np.float64],
