@@ -172,11 +172,17 @@ def test_many_records_are_a_line_each_in_a_narrow_terminal(
         assert line.split()[:2] == [path.name, "holds"]
 
 
-def test_replay_writes_a_recording_and_says_how_to_open_it(record: Path, tmp_path: Path) -> None:
+def test_replay_writes_a_recording_and_says_how_to_open_it(
+    record: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     pytest.importorskip("rerun")
+    # As if no virtual environment were activated: otherwise the name of the command would do.
+    own = Path(sys.executable).parent
+    others = [folder for folder in os.environ["PATH"].split(os.pathsep) if Path(folder) != own]
+    monkeypatch.setenv("PATH", os.pathsep.join(others))
     done = wildscav("replay", record, "-o", tmp_path / "match.rrd", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    assert f"{Path(sys.executable).parent / 'rerun'} {tmp_path / 'match.rrd'}" in done.stdout
+    assert f"{own / 'rerun'} {tmp_path / 'match.rrd'}" in done.stdout
     assert (tmp_path / "match.rrd").stat().st_size > 1000
     assert wildscav("replay", record, "--follow", 2).returncode == 2
 
