@@ -43,10 +43,9 @@ class Played(NamedTuple):
     slowest: float  # s, its slowest step
 
 
-def matches_of(track_name: str, where: str, count: int) -> list[MatchSpec]:
-    """Return matches of a suite: one on each map, from rounds with the seeds 100, 101 and so on."""
+def matches_of(track_name: str, where: str, count: int, seed: int = FIRST_SEED) -> list[MatchSpec]:
+    """Return matches of a suite: one on each map, from rounds with this seed, the next one and so on."""
     specs: list[MatchSpec] = []
-    seed = FIRST_SEED
     while len(specs) < count:
         drawn = suite(track_name, where, seed)
         specs += drawn[:: max(1, len(drawn) // MAPS)]
@@ -124,9 +123,10 @@ def main(
     track: Annotated[Literal["gathering", "battle", "royale"], typer.Option(help="The track.")],
     where: Annotated[str, typer.Option(help="The suite.")] = "official",
     matches: Annotated[int, typer.Option(help="Matches of each agent.")] = 100,
+    seed: Annotated[int, typer.Option(help="Of the suite's first round.")] = FIRST_SEED,
 ) -> None:
     """Play and print a table in Markdown. Interrupted, it prints the matches so far."""
-    specs = matches_of(track, where, matches)
+    specs = matches_of(track, where, matches, seed)
     rounds: list[list[Played]] = []
     with contextlib.suppress(KeyboardInterrupt):
         for spec in progress(specs, track, console=Console(stderr=True)):
