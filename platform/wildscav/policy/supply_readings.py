@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav.agent import Observation, SupplyBox
+from wildscav.agent import Observation, SupplyBox, Vector
 from wildscav.policy.elementary_functions import cosine, logarithm, sine
 
 CLIMB = 4.0  # m of level walking that take as long as a metre of height
@@ -33,20 +33,20 @@ def with_boxes(seen: Observation, boxes: Sequence[SupplyBox]) -> dict[str, NDArr
 
 def nearby_row(seen: Observation, box: SupplyBox) -> tuple[float, ...]:
     """Return what ``nearby_supplies`` reads of a box."""
-    x, y, z = (there - here for there, here in zip(box.position, seen.position, strict=True))
+    x, y, z = _offset(seen, box)
     return 1.0, box.quantity, x, y, z, math.sqrt(x * x + y * y + z * z)
 
 
 def way_row(seen: Observation, box: SupplyBox) -> tuple[float, ...]:
     """Return what ``to_supplies`` reads of a box."""
-    x, y, z = (there - here for there, here in zip(box.position, seen.position, strict=True))
+    x, y, z = _offset(seen, box)
     right, ahead, log_distance = way(x, z, seen.yaw)
     return 1.0, right, ahead, y, log_distance, logarithm(1.0 + box.quantity)
 
 
 def cost_of(seen: Observation, box: SupplyBox) -> float:
     """Return the logarithm of the effort to fetch a box relative to its worth; see ``to_supplies``."""
-    x, y, z = (there - here for there, here in zip(box.position, seen.position, strict=True))
+    x, y, z = _offset(seen, box)
     effort = START_UP + math.sqrt(x * x + z * z) + CLIMB * abs(y)
     return logarithm(effort) - WORTH * logarithm(float(box.quantity))
 
@@ -59,6 +59,12 @@ def way(east: float, north: float, yaw: float) -> tuple[float, float, float]:
     right = (east * cosine(yaw) - north * sine(yaw)) / distance
     ahead = (east * sine(yaw) + north * cosine(yaw)) / distance
     return max(-1.0, min(1.0, right)), max(-1.0, min(1.0, ahead)), logarithm(1.0 + distance)
+
+
+def _offset(seen: Observation, box: SupplyBox) -> Vector:
+    """Return where a box is from the agent's soles, m."""
+    (x, y, z), (to_x, to_y, to_z) = seen.position, box.position
+    return to_x - x, to_y - y, to_z - z
 
 
 def _filled(reading: NDArray[Any], rows: Sequence[tuple[float, ...]]) -> NDArray[Any]:
