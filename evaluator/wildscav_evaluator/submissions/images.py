@@ -23,11 +23,13 @@ from wildscav_evaluator.sandbox.base import SandboxError
 from wildscav_evaluator.sandbox.containers.container_engine import (
     ContainerEngine,
     call,
-    cross_out_container,
-    enter_container,
     find_engine,
     image_settings,
     last_line,
+)
+from wildscav_evaluator.sandbox.containers.left_containers import (
+    cross_out_container,
+    enter_container,
     removal,
 )
 from wildscav_evaluator.submissions.sdk_wheel import write_sdk_wheel

@@ -158,7 +158,7 @@ def reapers(process: int) -> list[int]:
 
 
 def left_of(owner: str, sandbox: Sandbox) -> list[str]:
-    """Return the folders, control groups and containers of an owner that are still there."""
+    """Return the folders, control groups, containers and monitors of containers that an owner still has."""
     name = f"{leftovers.PREFIX}{owner}"
     folders = [str(path) for path in Path(tempfile.gettempdir()).glob(f"*{owner}*")]
     groups = [str(path) for path in GROUPS.glob(f"**/{name}-*")]
@@ -166,4 +166,6 @@ def left_of(owner: str, sandbox: Sandbox) -> list[str]:
     if sandbox.name == "oci":
         listed = call(find_engine(), "ps", "-aq", "--filter", f"label={OWNER}={owner}")
         containers = listed.stdout.decode().split()
-    return [*folders, *groups, *containers]
+    # Podman may have lost a container that its monitor still watches.
+    monitors = [f"monitor {process}" for process in processes_with(f"{name}-")]
+    return [*folders, *groups, *containers, *monitors]

@@ -6,30 +6,20 @@ import functools
 import io
 import json
 import os
-import re
-import shlex
 import shutil
 import subprocess
-import sys
 import tarfile
-import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from wildscav.system import leftovers
 from wildscav_evaluator.sandbox.base import SandboxError
 
 ENGINES = ("podman", "docker")  # in this order: Podman needs no daemon
 CHOICE = "WILDSCAV_ENGINE"  # the environment variable that names the engine to use
 PATIENCE = 120.0  # s for a command of the engine to finish
 OWNER = "wildscav.owner"  # label of containers with their owner, as `wildscav.system.leftovers` names it
-KIND = "container"  # in the lists of owners
-NOT_THERE = re.compile(rb"no such container|no container with", re.IGNORECASE)
-UNDER_WAY = re.compile(rb"removal of container .* is already in progress")
-CREATION_TIME = 20.0  # s that creating a container may take
-SETTLING = 2.0  # s in which Docker's daemon may still create what a killed command requested
 BARE = "localhost/wildscav-bare"  # an empty image, for agents that run with this machine's Python
 INSTALL = "install Podman (packages podman, runc, catatonit, uidmap) or Docker"
 LONGEST = 300  # characters of an error message that are shown
@@ -218,86 +208,6 @@ def _digest(content: bytes) -> str:
     return hashlib.blake2b(content, digest_size=8).hexdigest()
 
 
-def enter_container(engine: ContainerEngine, name: str) -> None:
-    """Enter a container in this process's list of leftovers, before it is created."""
-    leftovers.enter(KIND, _entry(engine, name))
-
-
-def cross_out_container(engine: ContainerEngine, name: str) -> None:
-    """Remove a container that is gone from that list."""
-    leftovers.cross_out(KIND, _entry(engine, name))
-
-
-def _entry(engine: ContainerEngine, name: str) -> str:
-    return json.dumps([engine.name, *engine.options, name])
-
-
-def removal(engine: ContainerEngine, name: str) -> tuple[str, ...]:
-    """Return the arguments that remove a container, running or not, with the volumes made for it."""
-    return ("rm", "-f", "-v", *(("-t", "0") if engine.name == "podman" else ()), name)
-
-
-def remove_left_container(entry: str) -> None:
-    """Remove a container that was entered in the list of a dead owner.
-
-    Raises:
-        OSError: It may still exist.
-    """
-    command, *options, name = json.loads(entry)
-    engine = ContainerEngine(command, tuple(options))
-    _wait_for_creation(name)
-    now = time.monotonic()
-    settled, end = now + (SETTLING if engine.name == "docker" else 0.0), now + PATIENCE
-    while not _is_removed(engine, name, settled):
-        if time.monotonic() > end:
-            raise OSError(f"{engine.name} could not remove {name}")
-        time.sleep(0.1)
-
-
-def _is_removed(engine: ContainerEngine, name: str, settled: float) -> bool:
-    """Remove a container, and return whether it is gone for good.
-
-    Args:
-        engine: The engine of the container.
-        name: The container's name.
-        settled: The time (by the monotonic clock) until which a missing container may still be created.
-
-    Raises:
-        OSError: It cannot be removed.
-    """
-    try:
-        removed = call(engine, *removal(engine, name))
-    except SandboxError as error:
-        raise OSError(str(error)) from None
-    if removed.returncode == 0:
-        # Newer versions of Docker do not complain about missing containers.
-        return bool(removed.stdout.strip()) or time.monotonic() >= settled
-    if NOT_THERE.search(removed.stderr):
-        return time.monotonic() >= settled
-    if UNDER_WAY.search(removed.stderr):
-        return False
-    raise OSError(last_line(removed.stderr))
-
-
-def _wait_for_creation(name: str) -> None:
-    """Wait for an engine's command that is still creating a container although its starter is dead."""
-    end = time.monotonic() + CREATION_TIME
-    while _is_created_now(name) and time.monotonic() < end:
-        time.sleep(0.02)
-
-
-def _is_created_now(name: str) -> bool:
-    for path in Path("/proc").glob("[0-9]*/cmdline"):
-        with contextlib.suppress(OSError):
-            words = path.read_bytes().split(b"\0")
-            if b"create" in words and name.encode() in words:
-                return True
-    return False
-
-
-leftovers.register(KIND, remove_left_container)
-
-
 def processes_of(identity: str) -> list[int]:
     """Return the processes of a container on this machine, by the names of their control groups.
 
@@ -312,26 +222,3 @@ def processes_of(identity: str) -> list[int]:
             if identity in groups and f"conmon-{identity}" not in groups:
                 found.append(int(path.parent.name))
     return found
-
-
-@functools.cache
-def start_reaper(process: int) -> None:
-    """Start a process that waits for the end of this one, and removes what it leaves behind if it is killed.
-
-    Containers belong to the engine, so they would outlive a killed process until the next command. The reaper
-    is in its own session and not a child of this process, so that it is not killed together with it.
-
-    Args:
-        process: The number of this process, so that the cache starts one reaper per process.
-    """
-    del process
-    program = "import wildscav_evaluator.sandbox; from wildscav.system import leftovers; leftovers.sweep()"
-    sweep = [sys.executable, "-c", program]
-    after = f"cat <&3; cd /; [ -e {shlex.quote(str(leftovers.own_folder()))} ] && exec {shlex.join(sweep)}"
-    reading, _ = os.pipe()  # the writing end stays open as long as this process lives
-    quiet = [(os.POSIX_SPAWN_OPEN, output, os.devnull, os.O_WRONLY, 0) for output in (1, 2)]
-    files = [(os.POSIX_SPAWN_DUP2, reading, 0), *quiet]
-    command = ["sh", "-c", f"exec 3<&0; ({after}) &"]
-    shell = os.posix_spawn("/bin/sh", command, os.environ, file_actions=files, setsid=True)
-    os.close(reading)
-    os.waitpid(shell, 0)

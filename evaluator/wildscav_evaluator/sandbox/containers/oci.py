@@ -34,13 +34,16 @@ from wildscav_evaluator.sandbox.containers.container_engine import (
     OWNER,
     ContainerEngine,
     bare_image,
-    cross_out_container,
-    enter_container,
     find_engine,
     has_cgroup_v1,
     image_command,
     image_settings,
     processes_of,
+)
+from wildscav_evaluator.sandbox.containers.left_containers import (
+    cross_out_container,
+    enter_container,
+    enter_processes,
     removal,
     start_reaper,
 )
@@ -101,6 +104,7 @@ class OciSandbox:
             environment = dict(os.environ) | {"WILDSCAV_TOKEN": launch.token}
             arguments = await asyncio.to_thread(_create_command, launch, handle)
             handle.identity = await engine.run(*arguments, environment=environment)
+            enter_processes(engine, handle.identity)
             process = await start_process(
                 [*engine.command, "start", "--attach", handle.container],
                 launch,
@@ -142,7 +146,7 @@ class ContainerHandle:
             with contextlib.suppress(SandboxError):
                 await self.engine.run(*removal(self.engine, self.container))
                 self._removed = True
-                cross_out_container(self.engine, self.container)
+                cross_out_container(self.engine, self.container, self.identity)
 
     async def memory_kill(self, code: int) -> MemoryKill:
         """Return whose memory ran out, from the kernel's log or from the engine.
