@@ -11,7 +11,7 @@ from tests.leaderboard.seasons_made import make_season
 
 from wildscav.cli import main
 from wildscav_leaderboard.hosting.metrics import SeasonMetrics
-from wildscav_leaderboard.hosting.request_log import RequestCounts
+from wildscav_leaderboard.hosting.web_counts import WebCounts
 from wildscav_leaderboard.seasons.folder import PUBLISHED, Season
 from wildscav_leaderboard.seasons.settings import Execution, Play, SeasonSettings, Web
 
@@ -73,8 +73,8 @@ def test_the_settings_on_the_page_are_settings(block: str) -> None:
 def test_the_metrics_on_the_page_are_those_that_are_served(tmp_path: Path) -> None:
     database = make_season(tmp_path / "season").database()
     database.upgrade()
-    counts = RequestCounts()
-    counts.add("GET", "/", 200, 0.1)
+    counts = WebCounts()
+    counts.requests.add("GET", "/", 200, 0.1)
     registry = CollectorRegistry()
     registry.register(SeasonMetrics(database, counts))
     served = {metric.name for metric in registry.collect()}

@@ -20,7 +20,8 @@ from wildscav_leaderboard.api.errors import as_json
 from wildscav_leaderboard.api.routers import PREFIX, api_router
 from wildscav_leaderboard.database.connection import Database, DatabaseError
 from wildscav_leaderboard.hosting.broken_requests import BrokenRequests
-from wildscav_leaderboard.hosting.request_log import RequestCounts, RequestLog
+from wildscav_leaderboard.hosting.request_log import RequestLog
+from wildscav_leaderboard.hosting.web_counts import WebCounts
 from wildscav_leaderboard.playing.tables import Tables
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.spectating import rerun_viewer
@@ -33,18 +34,19 @@ UPLOADS = frozenset({f"{PREFIX}/submissions", "/submit"})
 
 
 def create_app(
-    season: Season, database: Database, counts: RequestCounts | None = None, log: Log | None = None
+    season: Season, database: Database, counts: WebCounts | None = None, log: Log | None = None
 ) -> FastAPI:
     """Return the application of a season.
 
     Args:
         season: The season.
         database: Its database, whose schema is current.
-        counts: Where requests are counted; None counts for nobody.
+        counts: Where requests and tables are counted; None counts for nobody.
         log: Where requests are logged; None logs nothing.
     """
     renders = RenderCache(season.files / "rendered", season.settings.web.replays << 20)
-    tables = Tables(season, log)
+    counts = counts or WebCounts()
+    tables = Tables(season, log, counts.tables)
 
     @asynccontextmanager
     async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
@@ -71,7 +73,7 @@ def create_app(
     app.add_middleware(BrokenRequests, answer=_answer)
     app.add_middleware(AddressLimit, per_minute=season.settings.web.requests_per_minute)
     app.add_middleware(BodyLimit, uploads=UPLOADS)
-    app.add_middleware(RequestLog, counts=counts or RequestCounts(), log=log)
+    app.add_middleware(RequestLog, counts=counts.requests, log=log)
     app.add_middleware(SecurityHeaders)
     return app
 

@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 from wildscav_leaderboard.conductor.lease import holder_of
 from wildscav_leaderboard.conductor.models import Attempt
 from wildscav_leaderboard.database.connection import Database, DatabaseError, clock
-from wildscav_leaderboard.hosting.request_log import RequestCounts
+from wildscav_leaderboard.hosting.web_counts import WebCounts
 from wildscav_leaderboard.matches.models import Match
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.submissions import states
@@ -25,10 +25,10 @@ class SeasonMetrics(Collector):
 
     Args:
         database: Its database.
-        counts: The requests of this process.
+        counts: What this process counts.
     """
 
-    def __init__(self, database: Database, counts: RequestCounts) -> None:
+    def __init__(self, database: Database, counts: WebCounts) -> None:
         self._database, self._counts = database, counts
 
     def collect(self) -> Iterable[Metric]:

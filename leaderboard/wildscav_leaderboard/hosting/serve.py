@@ -113,10 +113,10 @@ def run_part(name: str, folder: str, settings: str, form: LogFormat | None, pare
 def _run_web(season: Season, log: Log) -> None:
     from wildscav.monitoring.metrics import serving_metrics
     from wildscav_leaderboard.hosting.metrics import SeasonMetrics
-    from wildscav_leaderboard.hosting.request_log import RequestCounts
+    from wildscav_leaderboard.hosting.web_counts import WebCounts
     from wildscav_leaderboard.hosting.web_server import address_of, run_web
 
-    database, counts = season.database(), RequestCounts()
+    database, counts = season.database(), WebCounts()
     metrics = SeasonMetrics(database, counts)
     try:
         with serving_metrics(metrics, season.settings.web.metrics_port) as address:

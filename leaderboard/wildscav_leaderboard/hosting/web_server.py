@@ -7,7 +7,7 @@ import uvicorn
 from wildscav.monitoring.logs import Log
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.hosting.app import create_app
-from wildscav_leaderboard.hosting.request_log import RequestCounts
+from wildscav_leaderboard.hosting.web_counts import WebCounts
 from wildscav_leaderboard.seasons.folder import Season
 
 GRACE = 10  # s for requests to end when the server is stopped
@@ -15,7 +15,7 @@ LARGEST_MESSAGE = 4096  # bytes, through the WebSocket of a page on which somebo
 
 
 def run_web(
-    season: Season, database: Database, counts: RequestCounts | None = None, log: Log | None = None
+    season: Season, database: Database, counts: WebCounts | None = None, log: Log | None = None
 ) -> None:
     """Serve the web site and the API until the process is told to end."""
     web = season.settings.web

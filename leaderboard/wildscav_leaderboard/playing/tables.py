@@ -18,6 +18,7 @@ from wildscav.monitoring.logs import Log
 from wildscav.play.links import new_secret
 from wildscav.system import leftovers
 from wildscav_leaderboard.playing.order import SEEDS, Order, Told
+from wildscav_leaderboard.playing.table_counts import TableCounts
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import NotFoundError, RefusalError, TooMuchError
 
@@ -77,10 +78,11 @@ class Tables:
     Args:
         season: The season.
         log: Where the beginning and the end of each table is logged; None logs nothing.
+        counts: Where they are counted; None counts for nobody.
     """
 
-    def __init__(self, season: Season, log: Log | None = None) -> None:
-        self._season, self._log = season, log
+    def __init__(self, season: Season, log: Log | None = None, counts: TableCounts | None = None) -> None:
+        self._season, self._log, self._counts = season, log, counts or TableCounts()
         self._tables: dict[str, OpenTable] = {}
         self._threads: list[threading.Thread] = []
         self._lock = threading.Lock()
@@ -157,6 +159,7 @@ class Tables:
     def _run(self, table: OpenTable, refused: Callable[[], str]) -> None:
         """Run the process of a table to its end."""
         self._say("table_opens", table)
+        self._counts.open()
         try:
             with leftovers.temporary_folder("table-") as folder:
                 table.socket = folder / "web"
@@ -167,6 +170,7 @@ class Tables:
             self._say("table_broke", table, reason=describe(error))
         finally:
             table.why = table.why or "the game ended"
+            self._counts.end(failed=table.failed)
             table.state, table.ended_at = ENDED, time.monotonic()
             self._say("table_closes", table, why=table.why)
 

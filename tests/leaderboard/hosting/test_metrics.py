@@ -17,7 +17,7 @@ from wildscav.monitoring.metrics import serving_metrics
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.hosting.metrics import SeasonMetrics
-from wildscav_leaderboard.hosting.request_log import RequestCounts
+from wildscav_leaderboard.hosting.web_counts import WebCounts
 from wildscav_leaderboard.seasons.folder import Season
 
 
@@ -34,7 +34,7 @@ def database(season: Season) -> Iterator[Database]:
     opened.close()
 
 
-def scraped(database: Database, counts: RequestCounts) -> dict[tuple[str, ...], float]:
+def scraped(database: Database, counts: WebCounts) -> dict[tuple[str, ...], float]:
     """What Prometheus reads: each value by its name and its labels."""
     with serving_metrics(SeasonMetrics(database, counts), 0) as address:
         assert address is not None
@@ -49,7 +49,7 @@ def test_submissions_and_the_missing_conductor_are_seen(
     with database.writing() as session:
         team_with_member(session, "foxes")
         submitted(session, season, "foxes", write_agent(tmp_path, "fox"), datetime.now(UTC))
-    seen = scraped(database, RequestCounts())
+    seen = scraped(database, WebCounts())
     assert seen["wildscav_season_submissions", "submitted"] == 1
     assert seen["wildscav_season_conductor_up",] == 0
     assert seen["wildscav_season_database_up",] == 1
@@ -58,11 +58,12 @@ def test_submissions_and_the_missing_conductor_are_seen(
 
 def test_a_database_that_does_not_answer_is_seen(tmp_path: Path) -> None:
     lost = Database(f"sqlite:///{tmp_path / 'no' / 'folder' / 'season.db'}")
-    assert scraped(lost, RequestCounts()) == {("wildscav_season_database_up",): 0}
+    seen = scraped(lost, WebCounts())
+    assert seen == {("wildscav_season_database_up",): 0, ("wildscav_season_tables",): 0}
 
 
 def test_requests_are_counted_by_route_and_not_by_address(season: Season, database: Database) -> None:
-    counts = RequestCounts()
+    counts = WebCounts()
     with served(create_app(season, database, counts)) as address:
         for path in ("/matches/1", "/matches/2", "/api/v1/matches/3", "/static/season.css", "/no/1", "/no/2"):
             httpx.get(f"{address}{path}")

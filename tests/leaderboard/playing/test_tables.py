@@ -22,6 +22,8 @@ from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES
 from wildscav_evaluator.sandbox.choose import missing_promises
 from wildscav_leaderboard.access.requests import COOKIE
 from wildscav_leaderboard.hosting.app import create_app
+from wildscav_leaderboard.hosting.web_counts import WebCounts
+from wildscav_leaderboard.playing.table_counts import TableCounts
 from wildscav_leaderboard.playing.tables import ENDED, READY, OpenTable, Tables, Wish
 from wildscav_leaderboard.seasons.settings import Execution, Play
 from wildscav_leaderboard.submissions.service import find_submission
@@ -35,6 +37,16 @@ class Site(NamedTuple):
     filled: FilledSeason
     app: FastAPI
     address: str
+    counts: TableCounts
+
+    def counted(self) -> dict[str, float]:
+        """Return how many tables there are, and how many have ended in which way."""
+        samples = [sample for metric in self.counts.collect() for sample in metric.samples]
+        return {
+            sample.labels.get("outcome", "open"): sample.value
+            for sample in samples
+            if not sample.name.endswith("_created")
+        }
 
     @property
     def tables(self) -> Tables:
@@ -56,12 +68,12 @@ class Site(NamedTuple):
 @contextmanager
 def site(filled: FilledSeason, sandbox: str, **play: Any) -> Iterator[Site]:
     changed = {"play": Play(enabled=True, **play), "execution": Execution(sandbox=sandbox)}
-    app = create_app(
-        replace(filled.season, settings=filled.season.settings.model_copy(update=changed)), filled.database
-    )
+    season = replace(filled.season, settings=filled.season.settings.model_copy(update=changed))
+    counts = WebCounts()
+    app = create_app(season, filled.database, counts)
     try:
         with served(app) as address:
-            yield Site(filled, app, address)
+            yield Site(filled, app, address, counts.tables)
     finally:
         app.state.tables.close()
         app.state.renders.close()
@@ -156,6 +168,7 @@ def test_a_page_is_told_when_the_time_is_over(
 ) -> None:
     with site(hostile_season, "process", **play) as served_site:
         table = served_site.open()
+        assert served_site.counted() == {"open": 1}
 
         async def look_on() -> tuple[int, str]:
             async with page_of(f"{served_site.address}{table.path}") as page:
@@ -166,6 +179,7 @@ def test_a_page_is_told_when_the_time_is_over(
 
         assert asyncio.run(look_on()) == (4005, why)
         wait(lambda: table.state == ENDED)
+        assert served_site.counted() == {"open": 0, "over": 1}
 
 
 def test_another_site_cannot_use_a_game_that_is_open(hostile_season: FilledSeason) -> None:
@@ -201,5 +215,6 @@ def test_a_table_that_cannot_be_opened_says_so(hostile_season: FilledSeason) -> 
         table = served_site.tables.open(wish)
         wait(lambda: table.state == ENDED)
         assert table.failed
+        assert served_site.counted() == {"open": 0, "failed": 1}
         assert "the organizers can see" in table.why
         assert str(hostile_season.season.folder) not in table.why
