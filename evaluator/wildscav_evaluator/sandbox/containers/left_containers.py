@@ -130,9 +130,9 @@ def kill_left_processes(entry: str) -> None:
         OSError: Some may still run.
     """
     engine, identity = _engine_and_name(entry)
-    end = time.monotonic() + DYING_TIME
+    end, delete = time.monotonic() + DYING_TIME, _deletion(engine, identity)
     # The monitor may still be creating processes.
-    while not _is_deleted(engine, identity) or processes_of(identity) or _is_monitored(identity):
+    while not _succeeds(delete) or processes_of(identity) or _is_monitored(identity):
         if time.monotonic() > end:
             raise OSError(f"processes of container {identity} could not be killed")
         for process in processes_of(identity):
@@ -141,19 +141,30 @@ def kill_left_processes(entry: str) -> None:
         time.sleep(0.05)
 
 
-def _is_deleted(engine: ContainerEngine, identity: str) -> bool:
-    """Let the OCI runtime kill and forget a container, and return whether it could.
+def _deletion(engine: ContainerEngine, identity: str) -> list[str]:
+    """Return the command by which the OCI runtime kills and forgets a container.
 
     Raises:
-        OSError: It cannot be asked.
+        OSError: The engine does not tell its runtime.
     """
     # Without root, containers live in a namespace of users that only Podman can enter.
     prefix = () if os.getuid() == 0 else (*engine.command, "unshare")
     try:
         runtime = call(engine, "info", "--format", "{{.Host.OCIRuntime.Path}}").stdout.decode().strip()
-        delete = [*prefix, runtime, "delete", "--force", identity]
-        return subprocess.run(delete, capture_output=True, check=False, timeout=PATIENCE).returncode == 0
-    except (SandboxError, subprocess.TimeoutExpired) as error:
+    except SandboxError as error:
+        raise OSError(str(error)) from None
+    return [*prefix, runtime, "delete", "--force", identity]
+
+
+def _succeeds(command: list[str]) -> bool:
+    """Run a command, and return whether it succeeds.
+
+    Raises:
+        OSError: It cannot be run, or takes too long.
+    """
+    try:
+        return subprocess.run(command, capture_output=True, check=False, timeout=PATIENCE).returncode == 0
+    except subprocess.TimeoutExpired as error:
         raise OSError(str(error)) from None
 
 
