@@ -8,8 +8,8 @@ import pytest
 from wildscav_engine.maps.game_map import SUPPLY_SPACING
 from wildscav_engine.simulation.robots.decide import KINDS
 from wildscav_engine.simulation.robots.skill import EASY, HARD, NORMAL, Skill
+from wildscav_engine.simulation.setup.drawn_starts import START_DISTANCE, TARGET_DISTANCE
 from wildscav_engine.simulation.setup.match_setup import SPARE_SLOTS
-from wildscav_engine.simulation.setup.starts import START_DISTANCE, TARGET_DISTANCE
 from wildscav_engine.simulation.systems.damage import RESPAWN_DISTANCE
 from wildscav_engine.simulation.systems.visibility import AGENT_LIMIT, ASPECT, SUPPLY_LIMIT
 from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS, EYE_HEIGHT

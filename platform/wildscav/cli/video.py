@@ -14,7 +14,9 @@ from wildscav.errors import UserError
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from wildscav_engine.view.video.film import View
+    from wildscav_engine.record import Record
+    from wildscav_engine.view.video.encode import Pace
+    from wildscav_engine.view.video.film import Film, Look, View
 
 SUFFIX = ".mp4"
 MP4 = (1280, 720, 25.0)  # pixels across and down, pictures a second
@@ -85,32 +87,43 @@ def video(
     record = found(record, season)
     played = read_of_seat(record, "--seat", seat)
     from wildscav_engine.record import RecordError
-    from wildscav_engine.view.video.encode import Pace, check_encoder, write_poster, write_video
-    from wildscav_engine.view.video.film import DETAIL, Film, Look, VideoError
+    from wildscav_engine.view.video.encode import Pace, check_encoder, write_poster
+    from wildscav_engine.view.video.film import DETAIL, Look, VideoError
 
     width, height, pictures = MP4 if poster or path.suffix.lower() == SUFFIX else ANIMATION
     width, height = _size(size) if size else (width, height)
-    chosen = detail or (1.0 if poster else DETAIL)
+    look = Look(view, seat, width, height, detail or (1.0 if poster else DETAIL))
     try:
         check_encoder(path)
-        with _bar(f"playing {path.stem}", "steps") as report:
-            film = Film(
-                played, Look(view, seat, width, height, chosen), lambda step: report(step, played.steps)
-            )
+        film = _film(played, look, path)
         if poster:
             write_poster(film, path, start)
+            _say(path, "one picture")
         else:
-            pace = Pace(start or 0.0, end, fps or pictures, speed)
-            began = monotonic()
-            with _bar(f"rendering {path.name}", "pictures") as report:
-                write_video(film, path, pace, report=report)
-            shown = (film.seconds if end is None else min(end, film.seconds)) - pace.start
-            return _say(path, f"{shown:.0f} s of the match in {monotonic() - began:.0f} s")
+            _write(film, path, Pace(start or 0.0, end, fps or pictures, speed))
     except VideoError as error:
         raise UserError(str(error)) from None
     except RecordError as error:
         raise UserError(f"{record}: {error}") from None
-    return _say(path, "one picture")
+
+
+def _film(played: "Record", look: "Look", path: Path) -> "Film":
+    """Play a record again, for a file that it will be written to."""
+    from wildscav_engine.view.video.film import Film
+
+    with _bar(f"playing {path.stem}", "steps") as report:
+        return Film(played, look, lambda step: report(step, played.steps))
+
+
+def _write(film: "Film", path: Path, pace: "Pace") -> None:
+    """Render a video, and say how long that took."""
+    from wildscav_engine.view.video.encode import write_video
+
+    began = monotonic()
+    with _bar(f"rendering {path.name}", "pictures") as report:
+        write_video(film, path, pace, report=report)
+    shown = (film.seconds if pace.end is None else min(pace.end, film.seconds)) - pace.start
+    _say(path, f"{shown:.0f} s of the match in {monotonic() - began:.0f} s")
 
 
 def _view(follow: bool, overview: bool, grid: bool) -> "View":

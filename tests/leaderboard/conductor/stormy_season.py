@@ -4,58 +4,37 @@ Several conductors, each with a clock of its own, take the real steps on a real 
 be cut off at any statement, its process may die before or after it, and results come late, twice or never.
 """
 
-import shutil
-import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
+from contextlib import suppress
 from datetime import datetime, timedelta
-from pathlib import Path
 from typing import Any
 
 from hypothesis import strategies as st
-from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
-from sqlalchemy import event, select
+from hypothesis.stateful import initialize, invariant, precondition, rule
+from sqlalchemy import select
 from sqlalchemy.orm import Session
 from tests.leaderboard.conductor.conducted import made_archive
 from tests.leaderboard.conductor.season_promises import check_always, check_faults, check_quiet
+from tests.leaderboard.conductor.storm import CONDUCTORS, NEVER, TEAMS, CutOffError, Process, Storm
 from tests.leaderboard.results_made import made_result
-from tests.leaderboard.seasons_made import NOON, make_season, team_with_member
 
 from wildscav_leaderboard.accounts.models import Account
 from wildscav_leaderboard.boards.models import LadderStep
 from wildscav_leaderboard.boards.service import refresh
 from wildscav_leaderboard.conductor import lease, steps
-from wildscav_leaderboard.conductor.lease import Holding, LeaseLostError
+from wildscav_leaderboard.conductor.lease import Holding
 from wildscav_leaderboard.conductor.models import BUILD, Attempt
 from wildscav_leaderboard.conductor.plans import plan_ladders
-from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import MatchResult
 from wildscav_leaderboard.matches.service import find_match, seats_of
 from wildscav_leaderboard.organizing import service as organizing
-from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import RefusalError
 from wildscav_leaderboard.seasons.state import PAUSED, read_state
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.service import cancel, hand_in
 from wildscav_leaderboard.teams.service import find_team
 
-MORE = """
-matches = 4
-waiting = 2
-
-[deadlines]
-building = 100
-validating = 100
-match = 300
-attempts = 2
-"""
-TEAMS = ("foxes", "owls")
-CONDUCTORS = ("first", "second")
 ACTS = ("disqualify", "run again", "run again", "pause or resume", "ban")
-NOBODY = Holding("nobody", 0)
 ROUNDS = 400  # until a season is quiet, at most; a storm leaves far less work
-NEVER = 10_000  # statements; no transaction has so many
 
 conductors = st.sampled_from(CONDUCTORS)
 whoever_conducts = st.one_of(st.none(), st.none(), conductors)
@@ -64,101 +43,8 @@ fates = st.one_of(st.just(NEVER), st.just(NEVER), st.integers(0, 12))
 chances = st.integers(0, 1 << 16)
 
 
-class CutOffError(Exception):
-    """The process ended in the middle of a transaction."""
-
-
-@dataclass
-class Process:
-    """A conductor's process: its clock, its lease, and the work that it has under way."""
-
-    ahead: timedelta = timedelta()  # its clock, of the right time
-    holding: Holding = NOBODY
-    work: list[int] = field(default_factory=list)  # attempts
-    past: list[int] = field(default_factory=list)  # attempts whose news it brought
-
-
-class Template:
-    """A season with two teams, made once and copied for each example."""
-
-    def __init__(self) -> None:
-        self._folder = tempfile.TemporaryDirectory(prefix="storm-")
-        self.path = Path(self._folder.name) / "season"
-        season = make_season(self.path, MORE)
-        database = season.database()
-        database.upgrade()
-        with database.writing() as session:
-            for name in TEAMS:
-                team_with_member(session, name)
-        database.close()
-
-
-class StormySeason(RuleBasedStateMachine):
+class StormySeason(Storm):
     """Whatever happens, nothing is lost, nothing happens twice, and nothing is stuck."""
-
-    template: Template | None = None
-
-    def __init__(self) -> None:
-        super().__init__()
-        kind = type(self)
-        kind.template = kind.template or Template()
-        self._folder = tempfile.TemporaryDirectory(prefix="storm-")
-        folder = Path(self._folder.name) / "season"
-        shutil.copytree(kind.template.path, folder)
-        self.season = Season.open(folder)
-        self.database: Database = self.season.database()
-        self.processes = {name: Process() for name in CONDUCTORS}
-        self.time, self.number, self.started = NOON, 0, 0
-        self.epoch = 0
-        self.results: dict[int, str] = {}  # digests of the records of the results that were stored
-        self.ladder: list[tuple[int, str, float]] = []
-        self.forgiven: dict[int, int] = {}
-        self._left: list[int] = [NEVER]
-        event.listen(self.database._writers, "before_cursor_execute", self._count)
-
-    def _count(self, *_: Any) -> None:
-        self._left[0] -= 1
-        if self._left[0] < 0:
-            raise CutOffError
-
-    @contextmanager
-    def transaction(self, fate: int = NEVER) -> Iterator[Session]:
-        """Yield a session that writes, and that is cut off after so many statements."""
-        try:
-            with self.database.writing() as session:
-                self._left[0] = fate
-                yield session
-        finally:
-            self._left[0] = NEVER
-
-    def step(self, process: Process, fate: int, act: Callable[[Session, datetime], Any]) -> Any:
-        """Let a conductor do something in a transaction. It dies if that is cut off, or its lease is lost."""
-        current = process.holding.epoch == self.epoch
-        try:
-            with self.transaction(fate) as session:
-                value = act(session, self.time + process.ahead)
-        except CutOffError:
-            self.die(process)
-            return None
-        except LeaseLostError:
-            assert not current, "a conductor with the current epoch holds the lease"
-            self.die(process)
-            return None
-        assert current, "a conductor with an old epoch wrote something"
-        return value
-
-    def process(self, name: str | None) -> Process:
-        """Return a process: of that name, or else the one that holds the lease, if it is alive."""
-        if name is not None:
-            return self.processes[name]
-        alive = (one for one in self.processes.values() if one.holding.epoch == self.epoch)
-        return next(alive, self.processes[CONDUCTORS[0]])
-
-    @staticmethod
-    def die(process: Process) -> None:
-        """End a process; what it had under way may still send news."""
-        process.past += process.work
-        process.work, process.holding = [], NOBODY
 
     # Competitors and organizers.
 

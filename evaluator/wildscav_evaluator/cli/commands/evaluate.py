@@ -11,6 +11,7 @@ import typer
 
 from wildscav.cli.json_option import AsJson
 from wildscav_evaluator.cli.options.evaluation import (
+    DatabaseOption,
     FreshOption,
     JobsOption,
     LogOption,
@@ -42,7 +43,7 @@ def evaluate(
     ] = "first",
     out: OutOption = None,
     fresh: FreshOption = False,
-    db: Annotated[Path, typer.Option(help="The leaderboard's database.")] = Path("out/wildscav.db"),
+    db: DatabaseOption = Path("out/wildscav.db"),
     sandbox: InSandbox = None,
     executor: ExecutorOption = "local",
     address: AddressOption = None,

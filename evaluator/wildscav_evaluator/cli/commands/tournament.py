@@ -1,13 +1,10 @@
 """The command ``wildscav tournament``."""
 
 from pathlib import Path
-from typing import Annotated, Literal
-
-import typer
 
 from wildscav.cli.json_option import AsJson
-from wildscav_evaluator.bounds import MOST_ROUNDS
 from wildscav_evaluator.cli.options.evaluation import (
+    DatabaseOption,
     FreshOption,
     JobsOption,
     LogOption,
@@ -20,82 +17,38 @@ from wildscav_evaluator.cli.options.evaluation import (
 from wildscav_evaluator.cli.options.executor import AddressOption, ExecutorOption, executor_of
 from wildscav_evaluator.cli.options.sandbox import InSandbox, chosen_sandbox
 from wildscav_evaluator.cli.options.signing import SignOption, signing_key, warn_of_open_key
+from wildscav_evaluator.cli.options.tournament_arguments import (
+    Entrants,
+    MeetOwnOption,
+    MixedOption,
+    RepeatsOption,
+    ReplaysOption,
+    RobotsOption,
+    RoundsOption,
+    SeatsOption,
+    TeamSizeOption,
+    TrackOption,
+)
 
 
 def tournament(
-    entrants: Annotated[
-        list[str],
-        typer.Argument(
-            help="Two or more submissions: folders, archives, image:NAME or baselines. robot:NAME enters one "
-            "of the robots.",
-            metavar="ENTRANT",
-            show_default=False,
-        ),
-    ],
-    track: Annotated[
-        str, typer.Option(help="The track to play: battle, royale, gathering, capture or navigation.")
-    ],
+    entrants: Entrants,
+    track: TrackOption,
     suite: SuiteOption = "quick",
-    rounds: Annotated[
-        int,
-        typer.Option(
-            help="How many rounds to play. After each, every entrant has played equally often. In fewer "
-            "than 6 games, no two entrants can be told apart.",
-            min=1,
-            max=MOST_ROUNDS,
-        ),
-    ] = 6,
-    seats: Annotated[
-        int | None,
-        typer.Option(
-            help="Seats of entrants in a match. Default: as many as the suite's matches have, or fewer if "
-            "there are fewer entrants.",
-            min=2,
-            max=1000,
-            show_default=False,
-        ),
-    ] = None,
-    team_size: Annotated[
-        int | None,
-        typer.Option(
-            help="Seats of a team, all filled by one entrant. Default: 2 on capture, otherwise 1.",
-            min=1,
-            max=500,
-            show_default=False,
-        ),
-    ] = None,
-    mixed: Annotated[
-        bool, typer.Option("--mixed", help="Fill the seats of a team with different entrants.")
-    ] = False,
-    repeats: Annotated[
-        int | None,
-        typer.Option(
-            help="How often each map and match seed is played, each time in other seats. Default: 2.",
-            min=1,
-            show_default=False,
-        ),
-    ] = None,
-    robots: Annotated[
-        str | None,
-        typer.Option(
-            help="Robots in further seats, which are not rated: how many, or which, such as "
-            "fighter,gatherer-hard. Default: none.",
-            show_default=False,
-        ),
-    ] = None,
-    meet_own: Annotated[
-        bool, typer.Option("--meet-own", help="Let several entries of one submission meet.")
-    ] = False,
+    rounds: RoundsOption = 6,
+    seats: SeatsOption = None,
+    team_size: TeamSizeOption = None,
+    mixed: MixedOption = False,
+    repeats: RepeatsOption = None,
+    robots: RobotsOption = None,
+    meet_own: MeetOwnOption = False,
     seed: SeedOption = None,
     secret: SecretOption = None,
     jobs: JobsOption = None,
-    replays: Annotated[
-        Literal["none", "first", "all"],
-        typer.Option(help="Which matches to render as Rerun recordings."),
-    ] = "first",
+    replays: ReplaysOption = "first",
     out: OutOption = None,
     fresh: FreshOption = False,
-    db: Annotated[Path, typer.Option(help="The leaderboard's database.")] = Path("out/wildscav.db"),
+    db: DatabaseOption = Path("out/wildscav.db"),
     sandbox: InSandbox = None,
     executor: ExecutorOption = "local",
     address: AddressOption = None,

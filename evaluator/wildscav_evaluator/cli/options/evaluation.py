@@ -1,4 +1,4 @@
-"""The arguments and options that ``evaluate``, ``compare`` and ``play`` share.
+"""The arguments and options that several of ``evaluate``, ``compare``, ``tournament`` and ``play`` have.
 
 The command line imports this module to show its help, so it imports nothing heavy.
 """
@@ -76,3 +76,4 @@ MetricsOption = Annotated[
         show_default=False,
     ),
 ]
+DatabaseOption = Annotated[Path, typer.Option(help="The leaderboard's database.")]

@@ -7,12 +7,8 @@ from tests.builders import box, flat_world, map_from
 
 from wildscav_engine.maps import GameMap, load_map
 from wildscav_engine.simulation.match import Match
-from wildscav_engine.simulation.setup.starts import (
-    START_DISTANCE,
-    MatchSetupError,
-    choose_starts,
-    usable_place,
-)
+from wildscav_engine.simulation.setup.drawn_starts import START_DISTANCE
+from wildscav_engine.simulation.setup.starts import MatchSetupError, choose_starts, usable_place
 from wildscav_engine.specs.actions import no_actions
 from wildscav_engine.specs.body import BODY_RADIUS
 from wildscav_engine.specs.match_spec import MatchSpec
