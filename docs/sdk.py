@@ -52,9 +52,11 @@ MODULES = {
     "wildscav.skills.searching": ("Search", "Boxes", "effort"),
     "wildscav.skills.patience": ("Patience",),
     "wildscav.skills.trained_gathering": ("GatheringPolicyAgent",),
+    "wildscav.skills.trained_fighting": ("FightingPolicyAgent", "thinned"),
     "wildscav.skills.scouting": ("Scouting",),
     "wildscav.skills.aiming": (
         "aim_at",
+        "will_hit",
         "Aim",
         "look_around",
         "enemies_in_sight",

@@ -135,6 +135,19 @@ def test_commando_reloads_before_its_clip_is_empty_once_nobody_is_in_sight() -> 
     assert clips[-1] == 15
 
 
+def test_learned_commando_hits_with_most_of_its_shots_from_wherever_it_looks_first() -> None:
+    shots = hits = 0
+    for seed in range(6):
+        places = ((0.0, 0.0, 0.0), (9.0 - 3.0 * seed, 0.0, 15.0))
+        spec = duel(seed=seed, starts=places, equipment=(None, Equipment(health=500)))
+        (*_, last) = play("learned-commando", spec)
+        shots += int(last.state.agents.shots[0, 0])
+        hits += int(last.state.agents.hits[0, 0])
+
+    assert hits > 60
+    assert hits > 0.7 * shots
+
+
 @pytest.mark.parametrize("enemy", ["commando", "hunter"])
 def test_survivor_is_not_hit_by_those_who_lead_their_target_and_outlives_them(enemy: str) -> None:
     spec = duel(track="royale", seats=(SUBMISSION, SUBMISSION))

@@ -137,6 +137,7 @@ class Observer:
         self._flat = flat
         self.shapes = {str(part["name"]): tuple(part["shape"]) for part in parts}
         self.dtypes = {str(part["name"]): np.dtype(part["dtype"]) for part in parts}
+        self.options = {str(part["name"]): dict(part["sensor"]) for part in parts if "sensor" in part}
         scales = [np.broadcast_to(np.asarray(part["scale"], np.float64), part["shape"]) for part in parts]
         self._factors = (1.0 / np.concatenate([scale.reshape(-1) for scale in scales])).astype(np.float32)
 

@@ -53,15 +53,36 @@ def aim_at(observation: Observation, enemy: VisibleAgent, own_velocity: Vector, 
         own_velocity: The velocity at which the agent will walk in this step, m/s.
         frames: Frames in a step.
     """
-    first, last = (_view_of(observation, enemy, own_velocity, frame) for frame in (1, frames))
+    last = _view_of(observation, enemy, own_velocity, frames)
     turn = _limited(turn_to(observation.yaw, last.direction) / frames)
     look = _limited((last.pitch - observation.pitch) / frames)
-    hits = all(
+    return Aim(turn, look, will_hit(observation, enemy, own_velocity, frames, turn, look))
+
+
+def will_hit(
+    observation: Observation,
+    enemy: VisibleAgent,
+    own_velocity: Vector,
+    frames: int,
+    turn: float,
+    look: float,
+) -> bool:
+    """Return whether an enemy is in the sights in the first and in the last frame of a step.
+
+    Args:
+        observation: The current observation.
+        enemy: The enemy.
+        own_velocity: The velocity at which the agent will walk in this step, m/s.
+        frames: Frames in a step.
+        turn: The turn of the step, degrees per frame.
+        look: How the pitch changes in the step, degrees per frame.
+    """
+    views = [(frame, _view_of(observation, enemy, own_velocity, frame)) for frame in (1, frames)]
+    return all(
         abs(turn_to(observation.yaw + turn * frame, view.direction)) < view.half_width
         and abs(view.pitch - observation.pitch - look * frame) < view.half_height
-        for frame, view in ((1, first), (frames, last))
+        for frame, view in views
     )
-    return Aim(turn, look, hits)
 
 
 def look_around(observation: Observation, frames: int) -> Aim:

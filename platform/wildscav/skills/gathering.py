@@ -36,17 +36,19 @@ LOOK_EVERY_OUTDOORS = 10
 class Gathering:
     """Fetches supplies for one agent in one match."""
 
-    def __init__(self, match: MatchInfo, caution: Caution = USUAL) -> None:
+    def __init__(self, match: MatchInfo, caution: Caution = USUAL, rings: Rings = RINGS) -> None:
         """Begin with nothing known.
 
         Args:
             match: What is known of the match.
             caution: In a royale, how early to go to the next circle.
+            rings: The options of the LIDAR in the submission's manifest.
         """
         self.match = match
         self.caution = caution
+        self.rings = rings
         self.memory = BoxMemory(match)
-        self.surroundings = Surroundings(match.map_size, RINGS)
+        self.surroundings = Surroundings(match.map_size, rings)
         self.prospecting = Prospecting(match)
         self.walker = WayWalker(self.surroundings, match.step_time)
         self.steering = Steering(match.seed)
@@ -72,7 +74,7 @@ class Gathering:
             self.surroundings.see(here, observation.yaw, reading)
             self.roofed = self.surroundings.is_roofed(here)
             if not self.roofed:
-                self.prospecting.note_walls(here, observation.yaw, reading, RINGS)
+                self.prospecting.note_walls(here, observation.yaw, reading, self.rings)
             self.prospecting.visit(here)
 
     def walk(self, observation: Observation) -> Walk:

@@ -35,9 +35,15 @@ class GatheringPolicyAgent(PolicyAgent):
         """Return what the policy does. See ``Agent.act``."""
         boxes = self.patience.boxes(observation)
         readings = with_boxes(observation, boxes)
-        if HOT_SPOT in readings and not readings[HOT_SPOT].any():
+        if HOT_SPOT in readings and not self.knows_hot_spot(observation):
             readings[HOT_SPOT] = self.way_to_search(observation, len(readings[HOT_SPOT]))
         return super().act(replace(observation, supply_boxes=boxes, tensors=readings))
+
+    @staticmethod
+    def knows_hot_spot(observation: Observation) -> bool:
+        """Return whether the match has a hot spot and the sensor ``to_hot_spot`` tells where."""
+        reading = observation.tensors.get(HOT_SPOT)
+        return reading is not None and bool(reading.any())
 
     def way_to_search(self, observation: Observation, numbers: int) -> NDArray[np.float32]:
         """Return a reading of ``to_hot_spot`` in which the hot spot is where the search goes on."""

@@ -13,6 +13,7 @@ from wildscav.skills.aiming import (
     look_around,
     threats_first,
     velocity_of,
+    will_hit,
 )
 
 FRAMES = 5  # 0.1 s
@@ -50,6 +51,21 @@ def test_the_agents_own_motion_counts_as_much_as_the_enemys() -> None:
 )
 def test_it_shoots_only_if_it_hits(yaw: float, shoots: bool) -> None:
     assert aim_at(seen(yaw=yaw), enemy((0.0, 0.0, 10.0)), NOWHERE, FRAMES).shoot is shoots
+
+
+@pytest.mark.parametrize(
+    ("turn", "look", "hits"),
+    [
+        (0.0, 0.0, True),
+        (0.3, 0.0, True),  # 1.5 degrees at the end of the step
+        (0.6, 0.0, False),  # 3 degrees, which is beside it
+        (0.0, 2.0, False),  # 10 degrees below it
+    ],
+)
+def test_a_shot_hits_only_if_the_enemy_stays_in_the_sights_while_they_turn(
+    turn: float, look: float, hits: bool
+) -> None:
+    assert will_hit(seen(), enemy((0.0, 0.0, 10.0)), NOWHERE, FRAMES, turn, look) is hits
 
 
 def test_turns_are_limited() -> None:
