@@ -2,10 +2,11 @@
 
     python benchmarks/aiming.py out/commando-again --out out/commando-aims
 
-The policy plays battles of the suite ``wild``, three copies in each, and a marksman who looks over its
-shoulder says at every step how to turn and look, whether to shoot and whether to reload. From all that has
-been said so far, a second network beside the first learns; the next battles are played with both. This is
-DAgger (Ross, Gordon and Bagnell 2011). What the first network decides besides stays as it is. Afterwards,
+The policy plays battles of the suite ``wild``, three copies in each. At every step, a marksman, who follows
+the rules of ``wildscav.skills.aiming``, says how to turn and look, whether to shoot and whether to reload. A
+second network beside the first learns from all that was said so far, and the next battles are played with
+both. This is DAgger (Ross, Gordon and Bagnell 2011). Whatever else the first network decides stays as it
+is. Afterwards,
 
     python benchmarks/supplies_and_fights.py --track battle --where wild out/commando-aims hunter
 
@@ -44,7 +45,6 @@ from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 FIRST_SEED = 10_000  # of the rounds that are learned from; others are measured
 WALKS, AIMS = ("directions", "speeds"), ("turns", "looks")  # dimensions of the action space, in this order
 SAID = ("shoot", "reload")  # flags that the marksman decides
-FILES = ("policy.json", "agent.py", "submission.toml")  # of a submission, besides its network
 
 
 @dataclass(frozen=True)
@@ -242,7 +242,7 @@ def outputs_of(actions: Mapping[str, Any]) -> tuple[list[int], list[int]]:
 
 
 def write_deterministic(path: Path) -> None:
-    """Let a policy always take its likeliest action: a marksman does not draw lots."""
+    """Let a policy always take its likeliest action."""
     described = json.loads(path.read_text("utf-8"))
     path.write_text(json.dumps({**described, "choose": "deterministic"}, indent=1) + "\n", "utf-8")
 
@@ -254,6 +254,10 @@ def main(
     matches: Annotated[int, typer.Option(help="In each round.", min=1)] = Lessons.matches,
 ) -> None:
     """Teach it, and write the submission."""
+    if out.exists():
+        raise typer.BadParameter(f"{out} exists already", param_hint="--out")
+    if missing := [name for name in ("network.npz", "policy.json") if not (policy / name).is_file()]:
+        raise typer.BadParameter(f"{policy / missing[0]} is missing", param_hint="POLICY")
     torch.set_num_threads(1)
     lessons = Lessons(rounds=rounds, matches=matches)
     torch.manual_seed(lessons.seed)
