@@ -361,7 +361,9 @@ def fill_season(
         entries: The submissions that take part, in the order in which they are handed in.
         more: More settings.
     """
-    make_season(folder / "season", more, current=True)
+    # What took part was handed in on other days, so that the quotas of today are left at any hour.
+    opens = datetime.now(UTC) - timedelta(days=2)
+    make_season(folder / "season", more, current=True, opens=opens)
     (folder / "season" / "tiny.toml").write_text(SUITE)
     season = Season.open(folder / "season")
     database = season.database()
