@@ -32,7 +32,7 @@ from rich.progress import track as progress
 from supplies_and_fights import matches_of
 from torch import Tensor, nn
 
-from wildscav import Action, Agent, MatchInfo, Observation
+from wildscav import Action, Agent, MatchInfo, Observation, VisibleAgent
 from wildscav.opponents.submission import SubmissionOpponent
 from wildscav.policy import PolicyAgent
 from wildscav.skills.aiming import aim_at, enemies_in_sight, look_around, velocity_of, will_hit
@@ -69,6 +69,11 @@ class Said(NamedTuple):
     done: NDArray[np.int64]  # (N, 4) the numbers of the turn and of the look, and whether to shoot and reload
 
 
+def all_of(parts: Sequence[Said]) -> Said:
+    """Return the steps of all parts."""
+    return Said(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+
 class Pupil(Agent):
     """Lets a policy's agent play, and notes what a marksman would have done in its place."""
 
@@ -92,13 +97,15 @@ class Pupil(Agent):
         """Return what the policy does."""
         action = self.agent.act(observation)
         if observation.alive:
-            in_sight = bool(enemies_in_sight(observation, self.match.team))
-            self.noted.append((self.seen, self.said(observation, action), in_sight))
+            enemies = enemies_in_sight(observation, self.match.team)
+            self.noted.append((self.seen, self.said(observation, enemies, action), bool(enemies)))
         return action
 
-    def said(self, observation: Observation, action: Action) -> tuple[int, int, bool, bool]:
+    def said(
+        self, observation: Observation, enemies: Sequence[VisibleAgent], action: Action
+    ) -> tuple[int, int, bool, bool]:
         """Return the numbers of the turn and of the look, and whether to shoot and to reload."""
-        enemies, frames = enemies_in_sight(observation, self.match.team), self.match.frames_per_action
+        frames = self.match.frames_per_action
         reload = wants_reload(observation, self.match.clip_size, bool(enemies))
         velocity = velocity_of(action.walk_direction, action.walk_speed)
         aim = look_around(observation, frames)
@@ -155,7 +162,7 @@ def play_round(folder: Path, number: int, lessons: Lessons) -> Said:
     with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:
         waiting = [pool.submit(play, folder, spec, lessons) for spec in specs]
         played = [one.result() for one in progress(waiting, f"round {number + 1}: playing")]
-    return Said(*(np.concatenate(column) for column in zip(*played, strict=True)))
+    return all_of(played)
 
 
 class Marksman(nn.Module):
@@ -274,7 +281,7 @@ def main(
         found = agreement(marksman, said, sizes)
         heard.append(said)
         epochs = lessons.epochs * (2 if number == lessons.rounds - 1 else 1)
-        learn(marksman, Said(*map(np.concatenate, zip(*heard, strict=True))), sizes, epochs, lessons)
+        learn(marksman, all_of(heard), sizes, epochs, lessons)
         np.savez(out / "network.npz", **joined(first, marksman, rows))
         sys.stdout.write(f"round {number + 1}: {len(said.seen):,} steps, agreement before {found}\n")
         sys.stdout.flush()
