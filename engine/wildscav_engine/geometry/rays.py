@@ -3,8 +3,8 @@
 A ray traverses the grid cell by cell (Amanatides & Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing",
 Eurographics 1987) and skips blocks and cells that it passes above.
 
-Bullets, lines of sight, heights under a roof and pictures of maps use this. Two other ways to cast many rays
-at once give the same answers: ``geometry.ray_fans`` (LIDAR) and ``rendering.trace`` (cameras).
+Bullets, lines of sight, heights under a roof and pictures of maps use this, and steep rays of LIDAR. Casting
+many rays at once gives the same answers: ``rendering.trace`` (cameras) and ``rendering.panorama`` (LIDAR).
 """
 
 from typing import NamedTuple

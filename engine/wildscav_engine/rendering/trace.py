@@ -76,7 +76,8 @@ def allocate_hits(count: int, height: int, width: int) -> Hits:
     return Hits(np.empty(shape, np.float32), np.empty(shape, np.int32), np.empty(shape, np.int32))
 
 
-def _pack(moving: Solids) -> Packed:
+def pack_moving(moving: Solids) -> Packed:
+    """Return moving solids in the form for tracing."""
     if not len(moving.kind):
         return NOTHING_MOVES
     packed: Packed | None = getattr(moving, "packed", None)  # ``DynamicObjects`` keep it
@@ -100,7 +101,7 @@ def trace(scene: Scene, moving: Solids, cameras: Cameras, hits: Hits, *, with_wa
     Returns:
         Whether all numbers of the cameras are finite; if not, nothing is written.
     """
-    others = _pack(moving)
+    others = pack_moving(moving)
     _, height, width = hits.distance.shape
     workspace = scene.workspaces.of(scene.packed, Size(height, width, cameras.half_width, others.most_faces))
     return _trace_hits(with_water, *cameras, others.numbers, others.indices, workspace.addresses, *hits)
@@ -118,7 +119,7 @@ def trace_depths(scene: Scene, moving: Solids, cameras: Cameras, depths: NDArray
     Returns:
         Whether all numbers of the cameras are finite; if not, nothing is written.
     """
-    others = _pack(moving)
+    others = pack_moving(moving)
     _, height, width = depths.shape
     workspace = scene.workspaces.of(scene.packed, Size(height, width, cameras.half_width, others.most_faces))
     tables = workspace.with_moving(others, cameras.viewers) if len(moving.kind) else workspace.tables
@@ -232,7 +233,16 @@ def _trace_image(
     """Trace one image."""
     blocks = unpack_blocks(parts.numbers, parts.indices, parts.float32s)
     solids = unpack_shapes(parts.numbers, parts.indices)
-    scratch = Scratch(
+    scratch = scratch_in(parts)
+    aim_rays(buffer, camera)
+    trace_world(blocks, solids, camera, with_water, scratch, buffer)
+    trace_moving_solids(others, solids.boxes.shape[0], camera, viewer, scratch.outside, buffer)
+
+
+@inlined_kernel
+def scratch_in(parts: Workspace) -> Scratch:
+    """Return the scratch buffers of a workspace."""
+    return Scratch(
         parts.projection,
         parts.boxes,
         parts.outside,
@@ -242,9 +252,6 @@ def _trace_image(
         parts.cells,
         parts.done,
     )
-    aim_rays(buffer, camera)
-    trace_world(blocks, solids, camera, with_water, scratch, buffer)
-    trace_moving_solids(others, solids.boxes.shape[0], camera, viewer, scratch.outside, buffer)
 
 
 @inlined_kernel

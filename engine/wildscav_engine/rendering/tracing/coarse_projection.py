@@ -17,6 +17,10 @@ NEAR = 1.0  # m ahead; nearer boxes are projected in float64
 NEAR_RADII = 1.0 / 16.0  # of its radius, up to which a large box counts as near, because it is rounded more
 ROUNDED = 2e-5  # of the tangent, greatest rounding error for boxes that are not near
 SLACK = 1e-2  # m and pixels, greatest other rounding error
+# Tangents to the right are limited to those of the image and so much beyond; the greatest, about 2000, are
+# rounded by less. Sums of absolute values limit them: with ``min`` and ``max``, or in a function of its own,
+# the loops over boxes and cells would not vectorize, and images would take up to a half longer.
+BESIDE = 1e-2
 NEVER_SEEN = -1e30  # m, the radius of an absent box
 # An array holds a group of boxes and, from these offsets, their projections: first and last columns and rows
 # of pixels; m to the nearest corner ahead; whether a box may be visible; and whether it is near.
@@ -37,9 +41,12 @@ class Float32Camera(NamedTuple):
     slant_y: np.float32
     far: np.float32
     scale: np.float32
+    curve: np.float32
+    scale_up: np.float32
+    spread: np.float32
     last_column: np.float32
     last_row: np.float32
-    left: np.float32  # columns at tangent 0, less and plus the margin for rounding
+    left: np.float32  # columns at tangent 0, less and plus the margin
     right: np.float32
     top: np.float32  # likewise rows
     bottom: np.float32
@@ -48,8 +55,9 @@ class Float32Camera(NamedTuple):
 @inlined_kernel
 def to_float32(camera: Camera) -> Float32Camera:
     """Return a camera in float32."""
-    margin = SLACK + ROUNDED * camera.scale
-    column, row = camera.width * 0.5 - 0.5, camera.height * 0.5 - 0.5
+    margin = SLACK + ROUNDED * camera.scale + camera.margin
+    margin_up = SLACK + ROUNDED * camera.scale_up + camera.margin_up
+    column, row = camera.width * 0.5 - 0.5, camera.level - 0.5
     return Float32Camera(
         np.float32(camera.sin_yaw),
         np.float32(camera.cos_yaw),
@@ -61,12 +69,15 @@ def to_float32(camera: Camera) -> Float32Camera:
         np.float32(camera.slant_y),
         np.float32(camera.far + SLACK),
         np.float32(camera.scale),
+        np.float32(camera.curve),
+        np.float32(camera.scale_up),
+        np.float32(camera.spread),
         np.float32(camera.width - 1),
         np.float32(camera.height - 1),
         np.float32(column - margin),
         np.float32(column + margin),
-        np.float32(row - margin),
-        np.float32(row + margin),
+        np.float32(row - margin_up),
+        np.float32(row + margin_up),
     )
 
 
@@ -101,7 +112,8 @@ def project_boxes(
         camera.sin_pitch,
         camera.cos_pitch,
     )
-    zero, one = np.float32(0.0), np.float32(1.0)
+    zero, one, a_half = np.float32(0.0), np.float32(1.0), np.float32(0.5)
+    limit = camera.half_width + np.float32(BESIDE)
     near, near_radii = np.float32(NEAR), np.float32(NEAR_RADII)
     for lane in range(LANES):
         x, y, z = east + boxes[lane], up + boxes[LANES + lane], north + boxes[2 * LANES + lane]
@@ -131,10 +143,17 @@ def project_boxes(
         d0, d1, d2, d3 = (y0 - rise) * b0, (y1 - rise) * b1, (y2 - rise) * b2, (y3 - rise) * b3
         highest = max(u0, u1, u2, u3, d0, d1, d2, d3)
         lowest = min(u0, u1, u2, u3, d0, d1, d2, d3)
-        first = max(zero, np.ceil(camera.left + least * camera.scale))
-        last = min(camera.last_column, np.floor(camera.right + most * camera.scale))
-        top = max(zero, np.ceil(camera.top - highest * camera.scale))
-        bottom = min(camera.last_row, np.floor(camera.bottom - lowest * camera.scale))
+        least = a_half * (abs(least + limit) - abs(least - limit))
+        first = max(zero, np.ceil(camera.left + least * (camera.scale + camera.curve * least * least)))
+        most = a_half * (abs(most + limit) - abs(most - limit))
+        last = min(
+            camera.last_column, np.floor(camera.right + most * (camera.scale + camera.curve * most * most))
+        )
+        top = max(zero, np.ceil(camera.top - (highest * camera.scale_up + abs(highest) * camera.spread)))
+        bottom = min(
+            camera.last_row,
+            np.floor(camera.bottom - (lowest * camera.scale_up - abs(lowest) * camera.spread)),
+        )
         is_near = nearest <= max(near, near_radii * radius)
         has_pixels = (first <= last) & (top <= bottom)
         shows = sphere_may_show(camera, right, above, ahead, radius)

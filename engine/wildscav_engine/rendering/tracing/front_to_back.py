@@ -26,7 +26,6 @@ from wildscav_engine.rendering.tracing.frustum import (
     nonnegative,
     outline_of_box,
     pixels_of,
-    pixels_of_block,
 )
 from wildscav_engine.rendering.tracing.hit_buffer import (
     HitBuffer,
@@ -159,10 +158,10 @@ def _trace_blocks(
             break
         ring = apart
         square = _square_at(blocks, r, c, camera)
-        ground = _pixels_of_layer(blocks, square, 0, item % LANES, camera, scratch, buffer)
+        ground = _pixels_of_layer(square, 0, item % LANES, camera, scratch, buffer)
         if ground.left < ground.right:
             trace_terrain(blocks, square, camera, camera32, scratch.projection, scratch.cells, buffer)
-        members = _pixels_of_layer(blocks, square, 1, item % LANES, camera, scratch, buffer)
+        members = _pixels_of_layer(square, 1, item % LANES, camera, scratch, buffer)
         if members.left < members.right:
             _trace_members(blocks, solids, square, camera, camera32, scratch, buffer)
         if with_water:
@@ -283,7 +282,7 @@ def _place_blocks(
 
 @inlined_kernel
 def _pixels_of_layer(
-    blocks: Blocks, square: Square, layer: int, lane: int, camera: Camera, scratch: Scratch, buffer: HitBuffer
+    square: Square, layer: int, lane: int, camera: Camera, scratch: Scratch, buffer: HitBuffer
 ) -> Rectangle:
     """Return the pixels that a block's ground (0) or members (1) may cover; none if all have nearer hits."""
     none = Rectangle(0, 0, 0, 0)
@@ -291,8 +290,7 @@ def _pixels_of_layer(
         return none
     pixels = pixels_at(scratch.boxes[layer], lane)
     if is_near(scratch.boxes[layer], lane):
-        low, high = blocks.spans[square.block, 2 * layer], blocks.spans[square.block, 2 * layer + 1]
-        pixels = pixels_of_block(camera, square.east, square.north, SIDE, low, high)
+        pixels = Rectangle(0, camera.width, 0, camera.height)
     east, north = max(0.0, square.east, -square.east - SIDE), max(0.0, square.north, -square.north - SIDE)
     nearest = np.sqrt(east * east + north * north)
     return pixels if nearest <= camera.far and reaches_beyond(buffer, pixels, nearest) else none

@@ -13,14 +13,19 @@ from wildscav_engine.compilation.kernel import inlined_kernel
 
 NEAREST = 1e-9  # m ahead of the camera; nearer points and points behind have no position on the image
 TOUCH = 1e-6  # m
-MARGIN = 1e-3  # pixels by which everything is enlarged to allow for rounding
+MARGIN = 1e-3  # pixels by which everything is enlarged at least, to allow for rounding
 
 
 Point = tuple[float, float, float]  # m
 
 
 class Camera(NamedTuple):
-    """A pinhole camera at one place, looking in one direction."""
+    """A camera at one place, looking in one direction: a pinhole, or one that sees a sector of a panorama.
+
+    A ray with the tangent x to its right belongs to the column at x (scale + curve x²) from the middle of the
+    image. One with the tangent y upwards belongs to a row above ``level`` by y scale_up, give or take
+    |y| spread. The centres of columns and rows differ from that by less than the margins.
+    """
 
     x: float  # m
     y: float
@@ -29,7 +34,11 @@ class Camera(NamedTuple):
     cos_yaw: float
     sin_pitch: float
     cos_pitch: float
-    scale: float  # pixels per unit of tangent
+    scale: float  # columns per unit of tangent
+    curve: float  # 0 for a pinhole
+    scale_up: float  # rows per unit of tangent
+    spread: float  # rows per unit of tangent, 0 for a pinhole
+    level: float  # rows from the top of the image to where the tangent is 0
     width: int  # pixels
     height: int
     half_width: float  # tangents of half the fields of view
@@ -37,6 +46,8 @@ class Camera(NamedTuple):
     slant_x: float  # how much wider a sphere seems at the left and right edges of the image
     slant_y: float  # the same at the top and bottom
     far: float  # m along a ray, the greatest distance of a hit
+    margin: float  # columns by which everything is enlarged
+    margin_up: float  # rows by which everything is enlarged
 
 
 class Rectangle(NamedTuple):
@@ -93,6 +104,10 @@ def camera_at(
         sine(pitch),
         cosine(pitch),
         width / (2.0 * half_width),
+        0.0,
+        width / (2.0 * half_width),
+        0.0,
+        height * 0.5,
         width,
         height,
         half_width,
@@ -100,6 +115,8 @@ def camera_at(
         np.sqrt(1.0 + half_width * half_width),
         np.sqrt(1.0 + half_height * half_height),
         far,
+        MARGIN,
+        MARGIN,
     )
 
 
@@ -222,34 +239,17 @@ def _is_around_eye(outline: Outline) -> bool:
 @inlined_kernel
 def pixels_between(camera: Camera, left: float, right: float, lowest: float, highest: float) -> Rectangle:
     """Return the pixels whose centres lie between some tangents."""
-    half_width, half_height = camera.width * 0.5, camera.height * 0.5
-    first = max(0.0, np.ceil(half_width + left * camera.scale - 0.5 - MARGIN))
-    last = min(camera.width - 1.0, np.floor(half_width + right * camera.scale - 0.5 + MARGIN))
-    top = max(0.0, np.ceil(half_height - highest * camera.scale - 0.5 - MARGIN))
-    bottom = min(camera.height - 1.0, np.floor(half_height - lowest * camera.scale - 0.5 + MARGIN))
+    half_width = camera.width * 0.5
+    left, right = max(-camera.half_width, left), min(camera.half_width, right)
+    left = left * (camera.scale + camera.curve * left * left)
+    right = right * (camera.scale + camera.curve * right * right)
+    first = max(0.0, np.ceil(half_width + left - 0.5 - camera.margin))
+    last = min(camera.width - 1.0, np.floor(half_width + right - 0.5 + camera.margin))
+    level = camera.level - 0.5
+    highest = highest * camera.scale_up + abs(highest) * camera.spread
+    lowest = lowest * camera.scale_up - abs(lowest) * camera.spread
+    top = max(0.0, np.ceil(level - highest - camera.margin_up))
+    bottom = min(camera.height - 1.0, np.floor(level - lowest + camera.margin_up))
     if first > last or top > bottom:
         return Rectangle(0, 0, 0, 0)
     return Rectangle(int(first), int(last) + 1, int(top), int(bottom) + 1)
-
-
-@inlined_kernel
-def pixels_of_block(
-    camera: Camera, east: float, north: float, side: float, low: float, high: float
-) -> Rectangle:
-    """Return the pixels that an axis-aligned square prism may cover.
-
-    Args:
-        camera: The camera.
-        east: m from it to the prism's south-western corner.
-        north: m.
-        side: m, side of the square.
-        low: m, height of its bottom in the world.
-        high: m, of its top.
-    """
-    up, half = 0.5 * (low + high) - camera.y, 0.5 * (high - low)
-    outline = empty_outline()
-    for corner in range(4):
-        x = east + side if corner & 1 else east
-        z = north + side if corner & 2 else north
-        outline = _with_edge(camera, outline, x, z, up, half)
-    return pixels_of(camera, outline)

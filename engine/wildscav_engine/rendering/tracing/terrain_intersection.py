@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.geometry.world import BLOCK, CELL
-from wildscav_engine.rendering.tracing.coarse_projection import NEAR, Float32Camera
+from wildscav_engine.rendering.tracing.coarse_projection import BESIDE, NEAR, Float32Camera
 from wildscav_engine.rendering.tracing.frustum import (
     Camera,
     Rectangle,
@@ -25,7 +25,7 @@ from wildscav_engine.rendering.tracing.frustum import (
 from wildscav_engine.rendering.tracing.hit_buffer import HitBuffer, code_of_triangle, code_of_water
 from wildscav_engine.rendering.tracing.packing import CORNERS, SQUARE, Blocks
 
-NARROW = 8  # columns; up to this many, a loop over single rays is faster than a loop over rows
+NARROW = 3  # columns; up to this many, a loop over single rays is faster than a loop over rows
 CELLS = 80  # of which 72 count; padded so that loops over them vectorize evenly
 OVERLAP = 1e-8  # m that a triangle reaches beyond its edges, so that no ray slips between two
 # The projection of a block holds the positions of its cells' corners, and of the cells, on an image; row
@@ -161,19 +161,29 @@ def _project_corners(
 
 @inlined_kernel
 def _find_pixels_of_cells(camera: Float32Camera, projection: NDArray[np.float32]) -> None:
-    """Write the pixels of each cell; those of cells near the camera are computed later."""
-    zero, near = np.float32(0.0), np.float32(NEAR)
+    """Write the pixels of each cell; those of cells near the camera are computed later.
+
+    As in ``pixels_between``; see ``BESIDE`` for how.
+    """
+    zero, near, a_half = np.float32(0.0), np.float32(NEAR), np.float32(0.5)
+    limit = camera.half_width + np.float32(BESIDE)
     for at in range(CELLS):
         a, b = RIGHT + at, RIGHT + at + CORNERS
         least = min(projection[a], projection[a + 1], projection[b], projection[b + 1])
         most = max(projection[a], projection[a + 1], projection[b], projection[b + 1])
-        first = max(zero, np.ceil(camera.left + least * camera.scale))
-        last = min(camera.last_column, np.floor(camera.right + most * camera.scale))
+        least = a_half * (abs(least + limit) - abs(least - limit))
+        first = max(zero, np.ceil(camera.left + least * (camera.scale + camera.curve * least * least)))
+        most = a_half * (abs(most + limit) - abs(most - limit))
+        last = min(
+            camera.last_column, np.floor(camera.right + most * (camera.scale + camera.curve * most * most))
+        )
         a, b = ABOVE + at, ABOVE + at + CORNERS
         least = min(projection[a], projection[a + 1], projection[b], projection[b + 1])
         most = max(projection[a], projection[a + 1], projection[b], projection[b + 1])
-        top = max(zero, np.ceil(camera.top - most * camera.scale))
-        bottom = min(camera.last_row, np.floor(camera.bottom - least * camera.scale))
+        top = max(zero, np.ceil(camera.top - (most * camera.scale_up + abs(most) * camera.spread)))
+        bottom = min(
+            camera.last_row, np.floor(camera.bottom - (least * camera.scale_up - abs(least) * camera.spread))
+        )
         a, b = AHEAD + at, AHEAD + at + CORNERS
         nearest = min(projection[a], projection[a + 1], projection[b], projection[b + 1])
         farthest = max(projection[a], projection[a + 1], projection[b], projection[b + 1])
