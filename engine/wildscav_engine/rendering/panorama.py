@@ -138,9 +138,9 @@ def _trace_sectors(
                 others, solids.boxes.shape[0], camera, viewers[image], scratch.outside, buffer
             )
             for ring in range(rings.levels.shape[0]):
-                line = images[image, above + ring]
-                for column in range(first, last):
-                    line[column] = buffer.distance[ring * columns + column - first]
+                line, distance = images[image, above + ring, first:last], buffer.distance[ring * columns :]
+                for column in range(last - first):
+                    line[column] = distance[column]
 
 
 @inlined_kernel

@@ -20,6 +20,7 @@ from wildscav_engine.rendering.tracing.coarse_projection import (
     to_float32,
 )
 from wildscav_engine.rendering.tracing.frustum import (
+    TOUCH,
     Camera,
     Rectangle,
     may_show,
@@ -191,8 +192,13 @@ def _queue_blocks(
     """
     rows, columns = (blocks.rows + BLOCK - 1) // BLOCK, (blocks.columns + BLOCK - 1) // BLOCK
     rings = min(int(camera.far / SIDE) + 1, max(rows, columns))
-    south, north = max(0, row - rings), min(rows - 1, row + rings)
-    west, east = max(0, column - rings), min(columns - 1, column + rings)
+    ahead = camera.cos_pitch
+    goes_south, goes_north = _ways(camera, camera.cos_yaw * ahead, camera.cos_yaw, camera.sin_yaw)
+    goes_west, goes_east = _ways(camera, camera.sin_yaw * ahead, camera.sin_yaw, camera.cos_yaw)
+    south = max(0, row - rings) if goes_south else row
+    north = min(rows - 1, row + rings) if goes_north else row
+    west = max(0, column - rings) if goes_west else column
+    east = min(columns - 1, column + rings) if goes_east else column
     scratch.rings[: rings + 2] = 0
     count = 0
     for r in range(south, north + 1):
@@ -222,6 +228,20 @@ def _queue_blocks(
         scratch.queue[2, place], scratch.queue[3, place] = r, c
         scratch.rings[ring] = place + 1
     return count
+
+
+@inlined_kernel
+def _ways(camera: Camera, ahead: float, above: float, right: float) -> tuple[bool, bool]:
+    """Return whether any ray of a camera may go down along an axis of the map, and whether any may go up.
+
+    Args:
+        camera: The camera.
+        ahead: Component of the view axis along that axis; so above and right, per unit of tangent.
+        above: See ahead; before it is multiplied by the sine of the pitch.
+        right: See ahead; its sign does not count.
+    """
+    give = abs(above * camera.sin_pitch) * camera.half_height + abs(right) * camera.half_width
+    return ahead - give < TOUCH, ahead + give > -TOUCH
 
 
 @inlined_kernel
