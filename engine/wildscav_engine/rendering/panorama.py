@@ -218,11 +218,17 @@ def _cast_steep_rays(
                 ray = make_ray(world, x, y, z, dx, dy, dz)
                 nearest = cast_ray(world, x, y, z, dx, dy, dz, cameras.far).distance
                 nearest = nearest if nearest <= _to_edge(world, ray) else cameras.far
-                for solid in range(moving.kind.shape[0]):
-                    if moving.owner[solid] != cameras.viewers[image] and _passes(ray, moving, solid):
-                        start, end = moving.face_start[solid], moving.face_start[solid + 1]
-                        nearest = min(nearest, meet_faces(moving.faces, start, end, ray, nearest)[0])
-                images[image, ring, column] = nearest
+                images[image, ring, column] = _nearest(moving, cameras.viewers[image], ray, nearest)
+
+
+@inlined_kernel
+def _nearest(moving: Solids, viewer: int, ray: Ray, nearest: float) -> float:
+    """Return the least of a distance in m and those where a ray enters moving solids not of its viewer."""
+    for solid in range(moving.kind.shape[0]):
+        if moving.owner[solid] != viewer and _passes(ray, moving, solid):
+            start, end = moving.face_start[solid], moving.face_start[solid + 1]
+            nearest = min(nearest, meet_faces(moving.faces, start, end, ray, nearest)[0])
+    return nearest
 
 
 @inlined_kernel
