@@ -12,6 +12,7 @@ from wildscav_engine.rendering.tracing.frustum import Camera, Rectangle, nonnega
 # triangles of the terrain (numbered twice the cell, plus one for the north-western) and the cells of water.
 NOTHING = -1
 FEW = 256  # rays; an image with at most this many is processed as one strip
+LANES = 8  # rays that a processor intersects at once, at most
 
 
 class HitBuffer(NamedTuple):
@@ -50,7 +51,7 @@ def allocate_rays(height: int, width: int, half_width: float) -> NDArray[np.floa
 
 def allocate_strips(height: int, width: int) -> NDArray[np.float64]:
     """Return (3, strip): scratch buffers for the rays that are processed together, a row or a small image."""
-    return np.empty((3, max(width, min(height * width, FEW))))
+    return np.empty((3, max(width + LANES, min(height * width, FEW))))
 
 
 @inlined_kernel
@@ -146,6 +147,22 @@ def end_at_edges(
         if buffer.distance[ray] > min(out_x, out_z):
             buffer.distance[ray] = camera.far
             buffer.met[ray] = NOTHING
+
+
+@inlined_kernel
+def even_count(buffer: HitBuffer, pixels: Rectangle) -> int:
+    """Return how many rays of each row to process for some pixels: whole groups of LANES.
+
+    The processor computes a group as fast as one ray. Any rays left over would be computed one by one, which
+    takes longer than the few further rays of the image that the last group contains.
+    """
+    return int(min(buffer.met.shape[0], -(-(pixels.right - pixels.left) // LANES) * LANES))
+
+
+@inlined_kernel
+def start_in_row(buffer: HitBuffer, pixels: Rectangle, row: int, count: int) -> int:
+    """Return the first of ``even_count`` rays that contain those of some pixels in a row."""
+    return nonnegative(min(row * buffer.width + pixels.left, buffer.met.shape[0] - count))
 
 
 @inlined_kernel

@@ -5,10 +5,8 @@ from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.rendering.tracing.frustum import Camera, Rectangle, nonnegative
-from wildscav_engine.rendering.tracing.hit_buffer import FEW, HitBuffer
+from wildscav_engine.rendering.tracing.hit_buffer import FEW, HitBuffer, even_count, start_in_row
 from wildscav_engine.rendering.tracing.packing import Shapes
-
-NARROW = 4  # columns; up to this many, looping over rays is faster than looping over faces
 
 
 @kernel
@@ -37,55 +35,16 @@ def trace_solid(
     for face in range(last - first):
         plane = faces[face]
         outside[face] = plane[0] * camera.x + plane[1] * camera.y + plane[2] * camera.z - plane[3]
-    top, bottom, width = pixels.top * buffer.width, pixels.bottom * buffer.width, buffer.width
-    if pixels.right - pixels.left <= NARROW:
-        for row in range(top, bottom, width):
-            _meet_one_by_one(faces, outside, met, row + pixels.left, row + pixels.right, buffer)
-    elif buffer.met.shape[0] <= FEW:
+    beyond = 2.0 * camera.far
+    if buffer.met.shape[0] <= FEW:
         # All rays from the first to the last: the few extra rays cost less than many short loops.
-        first, last = top + pixels.left, bottom - width + pixels.right
-        _meet_together(faces, outside, met, first, last, 2.0 * camera.far, buffer)
-    else:
-        for row in range(top, bottom, width):
-            first, last = row + pixels.left, row + pixels.right
-            _meet_together(faces, outside, met, first, last, 2.0 * camera.far, buffer)
-
-
-@inlined_kernel
-def _meet_one_by_one(
-    faces: NDArray[np.float64],
-    outside: NDArray[np.float64],
-    met: int,
-    first: int,
-    last: int,
-    buffer: HitBuffer,
-) -> None:
-    for place in range(first, last):
-        ray = nonnegative(place)
-        nearest = buffer.distance[ray]
-        direction = (buffer.east[ray], buffer.up[ray], buffer.north[ray])
-        distance = _meet(faces, outside, direction, nearest)
-        if distance < nearest:
-            buffer.distance[ray] = distance
-            buffer.met[ray] = met
-
-
-@inlined_kernel
-def _meet(
-    faces: NDArray[np.float64],
-    outside: NDArray[np.float64],
-    ray: tuple[float, float, float],
-    nearest: float,
-) -> float:
-    """Return where a ray enters a solid, m; inf if not before ``nearest``. See ``rays.meet_solid``."""
-    enter, leave = 0.0, nearest
-    for face in range(faces.shape[0]):
-        speed = faces[face, 0] * ray[0] + faces[face, 1] * ray[1] + faces[face, 2] * ray[2]
-        crossing = -outside[face] / speed
-        is_front = outside[face] > 0.0
-        enter = max(enter, (crossing if speed < 0.0 else np.inf) if is_front else 0.0)
-        leave = min(leave, crossing if (speed > 0.0) & (not is_front) else np.inf)
-    return enter if enter <= leave else np.inf
+        top, bottom = pixels.top * buffer.width, (pixels.bottom - 1) * buffer.width
+        _meet_together(faces, outside, met, top + pixels.left, bottom + pixels.right, beyond, buffer)
+        return
+    count = even_count(buffer, pixels)
+    for row in range(pixels.top, pixels.bottom):
+        start = start_in_row(buffer, pixels, row, count)
+        _meet_together(faces, outside, met, start, start + count, beyond, buffer)
 
 
 @kernel
@@ -98,7 +57,7 @@ def _meet_together(
     beyond: float,
     buffer: HitBuffer,
 ) -> None:
-    """Do for many rays what ``_meet`` does for one, in branch-free loops that the compiler can vectorize."""
+    """Do for many rays what ``rays.meet_solid`` does for one, in loops that vectorize."""
     # Slices that start at 0 make indices provably non-negative; a check for negative ones would prevent
     # vectorization. No loop writes an array that it reads, which would also prevent it.
     count = last - first

@@ -22,10 +22,15 @@ from wildscav_engine.rendering.tracing.frustum import (
     pixels_of,
     to_camera_axes,
 )
-from wildscav_engine.rendering.tracing.hit_buffer import HitBuffer, code_of_triangle, code_of_water
+from wildscav_engine.rendering.tracing.hit_buffer import (
+    HitBuffer,
+    code_of_triangle,
+    code_of_water,
+    even_count,
+    start_in_row,
+)
 from wildscav_engine.rendering.tracing.packing import CORNERS, SQUARE, Blocks
 
-NARROW = 3  # columns; up to this many, a loop over single rays is faster than a loop over rows
 CELLS = 80  # of which 72 count; padded so that loops over them vectorize evenly
 OVERLAP = 1e-8  # m that a triangle reaches beyond its edges, so that no ray slips between two
 # The projection of a block holds the positions of its cells' corners, and of the cells, on an image; row
@@ -256,7 +261,7 @@ def _trace_cell(
 def _meet_triangle(
     cell: Cell, half: Triangle, towards: float, east: float, up: float, north: float
 ) -> tuple[bool, float]:
-    """Return whether a ray hits a triangle of a cell from above, and the distance in m.
+    """Return whether a ray hits a triangle of a cell from above, and how far it sinks towards it per metre.
 
     Args:
         cell: The cell.
@@ -267,55 +272,38 @@ def _meet_triangle(
         north: See east.
     """
     sinking = half.slope_east * east + half.slope_north * north - up
-    distance = half.above / sinking
-    x, z = cell.east + distance * east, cell.north + distance * north
-    is_in = (
+    # Where the ray meets the plane, m from the corner of the cell; times ``sinking``, to save a division.
+    x, z = cell.east * sinking + half.above * east, cell.north * sinking + half.above * north
+    overlap = OVERLAP * sinking
+    is_met = (
         (half.above > 0.0)
         & (sinking > 0.0)
-        & (min(x, z) >= -OVERLAP)
-        & (max(x, z) <= CELL + OVERLAP)
-        & ((x - z) * towards >= -OVERLAP)
+        & (min(x, z) >= -overlap)
+        & (max(x, z) <= CELL * sinking + overlap)
+        & ((x - z) * towards >= -overlap)
     )
-    return is_in, distance
-
-
-@inlined_kernel
-def _trace_pixels(cell: Cell, pixels: Rectangle, buffer: HitBuffer) -> None:
-    """Intersect the rays of some pixels with a cell."""
-    if pixels.right - pixels.left > NARROW:
-        _trace_rows(cell, pixels, buffer)
-        return
-    for row in range(pixels.top, pixels.bottom):
-        for column in range(pixels.left, pixels.right):
-            ray = nonnegative(row * buffer.width + column)
-            east, up, north = buffer.east[ray], buffer.up[ray], buffer.north[ray]
-            nearest, met = buffer.distance[ray], buffer.met[ray]
-            is_in, distance = _meet_triangle(cell, cell.south_east, 1.0, east, up, north)
-            nearer = is_in & (distance < nearest)
-            nearest, met = distance if nearer else nearest, cell.south_east.met if nearer else met
-            is_in, distance = _meet_triangle(cell, cell.north_west, -1.0, east, up, north)
-            nearer = is_in & (distance < nearest)
-            buffer.distance[ray] = distance if nearer else nearest
-            buffer.met[ray] = cell.north_west.met if nearer else met
+    return is_met, sinking
 
 
 @kernel
-def _trace_rows(cell: Cell, pixels: Rectangle, buffer: HitBuffer) -> None:
-    """Do for whole rows what ``_trace_pixels`` does for single rays, in loops that vectorize."""
+def _trace_pixels(cell: Cell, pixels: Rectangle, buffer: HitBuffer) -> None:
+    """Intersect the rays of some pixels with a cell, in loops that vectorize."""
+    count = even_count(buffer, pixels)
     for row in range(pixels.top, pixels.bottom):
-        first, last = row * buffer.width + pixels.left, row * buffer.width + pixels.right
+        first = start_in_row(buffer, pixels, row, count)
+        last = first + count
         easts, ups, norths = buffer.east[first:last], buffer.up[first:last], buffer.north[first:last]
         distances, mets = buffer.distance[first:last], buffer.met[first:last]
-        for ray in range(last - first):
+        for ray in range(count):
             east, up, north = easts[ray], ups[ray], norths[ray]
-            nearest, met = distances[ray], mets[ray]
-            is_in, distance = _meet_triangle(cell, cell.south_east, 1.0, east, up, north)
-            nearer = is_in & (distance < nearest)
-            nearest, met = distance if nearer else nearest, cell.south_east.met if nearer else met
-            is_in, distance = _meet_triangle(cell, cell.north_west, -1.0, east, up, north)
-            nearer = is_in & (distance < nearest)
-            distances[ray] = distance if nearer else nearest
-            mets[ray] = cell.north_west.met if nearer else met
+            is_first, sinking = _meet_triangle(cell, cell.south_east, 1.0, east, up, north)
+            is_second, sinking_2 = _meet_triangle(cell, cell.north_west, -1.0, east, up, north)
+            above = cell.south_east.above if is_first else cell.north_west.above
+            distance = above / (sinking if is_first else sinking_2)
+            is_nearer = (is_first | is_second) & (distance < distances[ray])
+            met = cell.south_east.met if is_first else cell.north_west.met
+            distances[ray] = distance if is_nearer else distances[ray]
+            mets[ray] = met if is_nearer else mets[ray]
 
 
 @kernel
