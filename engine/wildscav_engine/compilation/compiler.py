@@ -18,7 +18,13 @@ from numba.core.compiler_lock import global_compiler_lock
 
 from wildscav_engine.compilation.cache_folders import cache_folder
 from wildscav_engine.compilation.kernel_cache import KernelCache
-from wildscav_engine.compilation.linking import PartCache, PartCompiler, WholeCompiler, for_all_numbers
+from wildscav_engine.compilation.linking import (
+    DisjointPartCompiler,
+    PartCache,
+    PartCompiler,
+    WholeCompiler,
+    for_all_numbers,
+)
 from wildscav_engine.compilation.locks import locked
 from wildscav_engine.compilation.notice import notice
 
@@ -32,7 +38,7 @@ GC_THRESHOLDS = (100_000, 50, 1000)  # as in ``gc.set_threshold``
 EXACT_OPTIONS = {"fastmath": False, "nogil": True, "error_model": "numpy"}
 
 
-def compile_whole(function: Callable[..., Any], **options: Any) -> Any:
+def compile_whole(function: Callable[..., Any], *, disjoint: bool = False, **options: Any) -> Any:  # noqa: ARG001
     """Return a function that compiles itself when it is first called from Python."""
     options = {"no_cfunc_wrapper": True, **options}
     folder = _folder_of(function, "-".join(sorted(options)))
@@ -41,11 +47,11 @@ def compile_whole(function: Callable[..., Any], **options: Any) -> Any:
     return _with_cache(njit(**EXACT_OPTIONS, **options, **whole)(function), KernelCache(function, folder))
 
 
-def compile_part(function: Callable[..., Any], **options: bool) -> Any:
+def compile_part(function: Callable[..., Any], *, disjoint: bool = False, **options: bool) -> Any:
     """Return a function that compiles itself when it is first called from a kernel."""
-    folder = _folder_of(function, "-".join(["part", *sorted(options)]))
+    folder = _folder_of(function, "-".join(["part", *sorted(options), *["disjoint"] * disjoint]))
     part = njit(
-        pipeline_class=PartCompiler,
+        pipeline_class=DisjointPartCompiler if disjoint else PartCompiler,
         no_cpython_wrapper=True,
         no_cfunc_wrapper=True,
         **EXACT_OPTIONS,

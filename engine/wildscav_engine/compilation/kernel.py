@@ -94,6 +94,18 @@ def inlined_kernel(function: Callable[Params, Returned]) -> Callable[Params, Ret
     return cast(Callable[Params, Returned], Kernel(function, _nrt=False, forceinline=True))
 
 
+def disjoint_kernel(function: Callable[Params, Returned]) -> Callable[Params, Returned]:
+    """Compile a function like ``kernel`` whose array arguments never share memory.
+
+    Loops that read some arrays and write others then vectorize in every kernel that calls it. Otherwise the
+    compiler would add checks for shared memory, and whether these let the fast loop run depends on what else
+    is inlined around it. As the compiler relies on this, wrong results follow if two arrays do share memory.
+    """
+    if PLAIN:
+        return function
+    return cast(Callable[Params, Returned], Kernel(function, _nrt=False, disjoint=True))
+
+
 def array_kernel(function: Callable[Params, Returned]) -> Callable[Params, Returned]:
     """Compile a function that creates or returns arrays, including views."""
     if PLAIN:

@@ -171,6 +171,15 @@ class PartCompiler(Compiler):  # type: ignore[misc]
         return [passes]
 
 
+class DisjointPartCompiler(PartCompiler):
+    """The same for functions whose array arguments never share memory."""
+
+    def define_pipelines(self) -> list[Any]:
+        """Return the passes to run."""
+        self.state.flags.noalias = True
+        return super().define_pipelines()
+
+
 class WholeCompiler(PartCompiler):
     """Numba's compiler with wholes as its output."""
 

@@ -15,6 +15,7 @@ from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 if TYPE_CHECKING:
     from wildscav_engine.maps.walk import WalkGraph
     from wildscav_engine.maps.walk.paths import Place
+    from wildscav_engine.rendering.shading.appearance import Appearance
     from wildscav_engine.rendering.shading.materials import Materials
     from wildscav_engine.rendering.trace import Scene
 
@@ -109,6 +110,13 @@ class GameMap:
         from wildscav_engine.rendering.shading.materials import materials_of
 
         return materials_of(self.world, self.solid_house)
+
+    @cached_property
+    def appearance(self) -> "Appearance":
+        """The world and the materials of this map in the form for pictures, created on first use."""
+        from wildscav_engine.rendering.shading.appearance import Appearance
+
+        return Appearance(self.world, self.materials)
 
     @cached_property
     def digest(self) -> str:

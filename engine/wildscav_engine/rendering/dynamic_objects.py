@@ -1,13 +1,63 @@
 """Moving objects as images show them: solids with their instance and colour."""
 
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.rendering.tracing.packing import Packed, pack_shapes
+from wildscav_engine.compilation.array_tables import ArrayTable, reader
+from wildscav_engine.compilation.kernel import inlined_kernel
+from wildscav_engine.rendering.tracing.packing import Packed, Shapes, pack_shapes
 from wildscav_engine.rendering.tracing.solids import Solids, all_shapes_of
+
+
+class ObjectArrays(NamedTuple):
+    """S solids in the forms for tracing and for shading; see ``Solids`` and ``Shapes``."""
+
+    kind: NDArray[np.int8]
+    owner: NDArray[np.int32]
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+    face_start: NDArray[np.int64]
+    faces: NDArray[np.float64]
+    corner_start: NDArray[np.int64]
+    corners: NDArray[np.float64]
+    boxes: NDArray[np.float64]
+    names: NDArray[np.int64]
+    color: NDArray[np.float64]  # (S, 3) red, green, blue 0-255
+
+
+class ObjectSets:
+    """The moving objects of M matches, one match after another; nobody changes them.
+
+    Attributes:
+        arrays: All objects.
+        start: (M + 1,) where the objects of each match start.
+        most: The number of objects of the match that has most.
+        most_faces: The number of faces of the object that has most.
+        addresses: (F, 6) the table of the arrays of all objects, for ``read_objects``.
+    """
+
+    def __init__(self, arrays: ObjectArrays, start: NDArray[np.int64]) -> None:
+        """Build the table."""
+        self.arrays, self.start, self.addresses = arrays, start, ArrayTable(arrays).addresses
+        self.most = int(np.diff(start).max(initial=0))
+        self.most_faces = int(np.diff(arrays.face_start).max(initial=0))
+
+
+def solids_in(objects: ObjectArrays) -> Solids:
+    """Return the objects without what shading and tracing need in addition."""
+    return Solids(
+        objects.kind,
+        objects.owner,
+        objects.low,
+        objects.high,
+        objects.face_start,
+        objects.faces,
+        objects.corner_start,
+        objects.corners,
+    )
 
 
 class DynamicObjects(Solids):
@@ -24,6 +74,14 @@ class DynamicObjects(Solids):
         objects.instance, objects.color = instance, color
         return objects
 
+    @classmethod
+    def of(cls, arrays: ObjectArrays, instance: NDArray[np.int32]) -> "DynamicObjects":
+        """Return the objects in some arrays, given their instances."""
+        objects = cls(solids_in(arrays), instance, arrays.color)
+        starts = arrays.face_start
+        objects.shapes = Shapes(arrays.boxes, starts, arrays.faces, arrays.names, starts[:-1])
+        return objects
+
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.solids, self.instance, self.color)
 
@@ -36,6 +94,63 @@ class DynamicObjects(Solids):
         return Solids(*self)
 
     @cached_property
+    def shapes(self) -> Shapes:
+        """The solids as they are traced."""
+        return all_shapes_of(self.solids)
+
+    @cached_property
     def packed(self) -> Packed:
         """The solids in the form for tracing, for all images that show these objects."""
-        return pack_shapes(all_shapes_of(self.solids))
+        return pack_shapes(self.shapes)
+
+    @cached_property
+    def sets(self) -> ObjectSets:
+        """The objects as those of one match."""
+        arrays = ObjectArrays(*self, self.shapes.boxes, self.shapes.names, self.color)
+        return ObjectSets(arrays, np.array([0, len(self.kind)]))
+
+
+_ROWS, _STARTS = np.zeros((0, 3)), np.zeros(1, np.int64)
+# A kernel that returns the arrays of ``ObjectSets`` from their table.
+read_objects = reader(
+    ObjectArrays(
+        np.zeros(0, np.int8),
+        np.zeros(0, np.int32),
+        _ROWS,
+        _ROWS,
+        _STARTS,
+        np.zeros((0, 4)),
+        _STARTS,
+        _ROWS,
+        np.zeros((0, 9)),
+        _STARTS,
+        _ROWS,
+    )
+)
+
+
+@inlined_kernel
+def solids_between(objects: ObjectArrays, first: int, last: int) -> Solids:
+    """Return the objects from one index to before another, as views."""
+    return Solids(
+        objects.kind[first:last],
+        objects.owner[first:last],
+        objects.low[first:last],
+        objects.high[first:last],
+        objects.face_start[first : last + 1],
+        objects.faces,
+        objects.corner_start[first : last + 1],
+        objects.corners,
+    )
+
+
+@inlined_kernel
+def shapes_between(objects: ObjectArrays, first: int, last: int) -> Shapes:
+    """Return the same objects in the form for tracing."""
+    return Shapes(
+        objects.boxes[first:last],
+        objects.face_start[first : last + 1],
+        objects.faces,
+        objects.names[first:last],
+        objects.face_start[first:last],
+    )

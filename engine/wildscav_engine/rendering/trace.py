@@ -173,9 +173,9 @@ def _trace_hits(
     buffer = hit_buffer_in(width, parts.rays, parts.met, parts.strips)
     for image in range(yaws.shape[0]):
         camera = camera_at(eyes[image], yaws[image], pitches[image], half_width, width, height, far)
-        _trace_image(parts, others, camera, viewers[image], with_water, buffer)
+        trace_image(parts, others, camera, viewers[image], with_water, buffer)
         hit = Hits(distance[image], solid[image], face[image])
-        _write_hits(solids, others, camera, buffer, hit)
+        write_hits(solids, others, camera, buffer, hit)
     return True
 
 
@@ -203,7 +203,7 @@ def _trace_depths(
         camera = camera_at(eyes[image], yaws[image], pitches[image], half_width, width, height, far)
         others = unpack_shapes(parts.moving_numbers, parts.moving_indices)
         viewer = parts.viewers[image] if others.boxes.shape[0] > 0 else NO_VIEWER
-        _trace_image(parts, others, camera, viewer, False, buffer)
+        trace_image(parts, others, camera, viewer, False, buffer)
         _write_depths(buffer, depths[image])
     return True
 
@@ -227,7 +227,7 @@ def depths_tracer() -> Callable[..., bool]:
 
 
 @inlined_kernel
-def _trace_image(
+def trace_image(
     parts: Workspace, others: Shapes, camera: Camera, viewer: int, with_water: bool, buffer: HitBuffer
 ) -> None:
     """Trace one image."""
@@ -265,7 +265,7 @@ def _write_depths(buffer: HitBuffer, depths: NDArray[np.float32]) -> None:
 
 
 @kernel
-def _write_hits(solids: Shapes, others: Shapes, camera: Camera, buffer: HitBuffer, hit: Hits) -> None:
+def write_hits(solids: Shapes, others: Shapes, camera: Camera, buffer: HitBuffer, hit: Hits) -> None:
     """Write what each ray of an image hit, in the terms of ``Hits``, all (H, W)."""
     height, width = hit.distance.shape
     for row in range(height):

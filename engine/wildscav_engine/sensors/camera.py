@@ -4,6 +4,7 @@ They show the sky, sunlight and shadows, the materials of surfaces, water, and h
 ``far``. Agents and supply boxes are visible. Of the viewer's own body, only the shadow is.
 """
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
@@ -11,12 +12,14 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from wildscav_engine.rendering.cameras import Cameras
-from wildscav_engine.rendering.shading.pictures import shade
-from wildscav_engine.rendering.trace import Hits
+from wildscav_engine.rendering.dynamic_objects import ObjectSets
+from wildscav_engine.rendering.shading.render import render_pictures
 from wildscav_engine.rendering.tracing.solids import Solids
+from wildscav_engine.rendering.tracing.workspace import LARGEST_CACHED
 from wildscav_engine.sensors.base import sensor
 from wildscav_engine.sensors.optics.dynamic_objects import as_dynamic_objects, dynamic_objects_of
-from wildscav_engine.sensors.optics.pinhole import RayHitCamera
+from wildscav_engine.sensors.optics.optical import BatchedOpticalSensor, select_cameras
+from wildscav_engine.sensors.optics.pinhole import PinholeCamera
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
@@ -26,7 +29,7 @@ if TYPE_CHECKING:
 
 
 @sensor
-class ColorCamera(RayHitCamera):
+class ColorCamera(BatchedOpticalSensor, PinholeCamera):
     """Images in red, green and blue."""
 
     width: Annotated[int, Field(ge=1, le=1920)] = 160  # pixels
@@ -38,9 +41,8 @@ class ColorCamera(RayHitCamera):
     name: ClassVar[str] = "camera"
     title: ClassVar[str] = "image in red, green and blue, 0-255"
     dtype: ClassVar[type[np.generic]] = np.uint8
-    ray_time: ClassVar[int] = 100
+    ray_time: ClassVar[int] = 50
     channels: ClassVar[tuple[int, ...]] = (3,)
-    sees_water: ClassVar[bool] = True
 
     @property
     def space(self) -> "Box":
@@ -52,15 +54,39 @@ class ColorCamera(RayHitCamera):
     def prepare(self, game_map: "GameMap") -> None:
         """Compute what images of a map are made from, including its colours."""
         super().prepare(game_map)
-        _ = game_map.materials
+        _ = game_map.appearance
 
     def moving_in(self, match: "MatchView") -> Solids:
         """Return the living agents and the supply boxes of the match."""
         return dynamic_objects_of(match)
 
-    def write_pixels(
-        self, game_map: "GameMap", moving: Solids, cameras: Cameras, hits: Hits, images: NDArray[np.uint8]
-    ) -> None:
-        """Shade the surfaces that the rays hit."""
-        objects = as_dynamic_objects(moving)
-        shade(game_map.world, game_map.materials, objects, cameras, hits, images, shadows=self.shadows)
+    def render_into(
+        self, game_map: "GameMap", moving: Solids, cameras: Cameras, images: NDArray[np.uint8]
+    ) -> bool:
+        """Render the images of some cameras."""
+        matches = np.zeros(len(images), np.int64)
+        return self.render_matches_into([game_map], as_dynamic_objects(moving).sets, matches, cameras, images)
+
+    def render_matches_into(
+        self,
+        maps: "Sequence[GameMap]",
+        objects: ObjectSets,
+        matches: NDArray[np.int64],
+        cameras: Cameras,
+        images: NDArray[np.uint8],
+    ) -> bool:
+        """Render the images of cameras in different matches."""
+        if len(maps) > 1 and self.rays > LARGEST_CACHED:
+            # What one of them is traced in is large, so only one is used at a time.
+            return all(
+                self.render_matches_into(
+                    maps[row : row + 1],
+                    objects,
+                    matches[row : row + 1],
+                    select_cameras(cameras, slice(row, row + 1)),
+                    images[row : row + 1],
+                )
+                for row in range(len(maps))
+            )
+        scenes, appearances = [one.scene for one in maps], [one.appearance for one in maps]
+        return render_pictures(scenes, appearances, objects, matches, cameras, images, shadows=self.shadows)

@@ -8,7 +8,7 @@ import pytest
 from numba import types
 
 from wildscav_engine.compilation import compiler
-from wildscav_engine.compilation.kernel import PLAIN, array_kernel, kernel
+from wildscav_engine.compilation.kernel import PLAIN, array_kernel, disjoint_kernel, kernel
 from wildscav_engine.compilation.linking import Part
 
 pytestmark = pytest.mark.skipif(PLAIN, reason="nothing is compiled")
@@ -78,3 +78,30 @@ def test_a_part_is_compiled_for_each_kind_of_argument() -> None:
     assert kernel(quarter)(8) == 2.0
     assert kernel(quarter)(8.0) == 2.0
     assert set(_half.inner.overloads) == {(types.int64,), (types.float64,)}
+
+
+def add_one(numbers, sums):
+    for place in range(numbers.shape[0]):
+        sums[place] = numbers[place] + 1.0
+
+
+_add_one = kernel(add_one)
+
+
+def add_two(numbers, sums, between):
+    _add_one(numbers, between)
+    _add_one(between, sums)
+
+
+@pytest.mark.parametrize("kind", [kernel, disjoint_kernel])
+def test_only_disjoint_kernels_tell_the_compiler_that_arrays_share_no_memory(
+    kind: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sums = np.zeros(40)
+    monkeypatch.setitem(globals(), "_add_one", kind(add_one))
+    kernel(add_two)(np.arange(40.0), sums, np.zeros(40))
+    assert sums.tolist() == list(range(2, 42))
+    (result,) = _add_one.inner.overloads.values()
+    lines = str(result.library._final_module).splitlines()
+    (head,) = [line for line in lines if line.startswith("define") and result.fndesc.mangled_name in line]
+    assert ("noalias captures(none) %arg" in head) == (kind is disjoint_kernel), head

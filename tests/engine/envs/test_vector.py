@@ -11,8 +11,10 @@ import pytest
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 from tests.engine.envs.common import SMALL, TRACK_NAMES, digest, env_id, options
 
+from wildscav_engine.envs.batched import BatchedArena
 from wildscav_engine.envs.vector import VectorArena
-from wildscav_engine.sensors import ColorCamera
+from wildscav_engine.sensors import ColorCamera, SegmentationCamera
+from wildscav_engine.sensors.base import Sensor
 
 SENSORS = {"depth": {"width": 4, "height": 3}, "visible_agents": {}}
 ENVS = 3
@@ -81,12 +83,17 @@ def test_neither_the_number_of_environments_nor_of_threads_matters(track: str) -
     assert told_by(track, 5) == two
 
 
-def test_threads_that_share_images_of_what_moves_change_no_bit(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("kind", "method"), [(ColorCamera, "render_matches_into"), (SegmentationCamera, "read")]
+)
+def test_threads_that_share_images_of_what_moves_change_no_bit(
+    kind: type[Sensor], method: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("wildscav_engine.sensors.optics.optical.MIN_THREAD_TIME", 1)
     names: set[str] = set()
 
     def told(threads: int) -> list[Any]:
-        sensors = {"camera": {"width": 8, "height": 6}, "depth": {"width": 4, "height": 3}}
+        sensors = {kind.name: {"width": 8, "height": 6}, "depth": {"width": 4, "height": 3}}
         env = VectorArena(
             "battle", 6, **options("battle", sensors=sensors, action_mode="box", threads=threads)
         )
@@ -95,7 +102,7 @@ def test_threads_that_share_images_of_what_moves_change_no_bit(monkeypatch: pyte
         found += [env.step(env.action_space.sample())[0] for _ in range(5)]
         return [digest(observation) for observation in found]
 
-    read, main, helper_reads = ColorCamera.read, threading.current_thread(), threading.Event()
+    read, main, helper_reads = getattr(kind, method), threading.current_thread(), threading.Event()
 
     def noted(*given: Any) -> Any:
         thread = threading.current_thread()
@@ -108,13 +115,21 @@ def test_threads_that_share_images_of_what_moves_change_no_bit(monkeypatch: pyte
             )  # the main thread leaves something to the others, however busy they are
         return read(*given)
 
-    monkeypatch.setattr(ColorCamera, "read", noted)
+    monkeypatch.setattr(kind, method, noted)
     shared = False
     alone = told(1)
     assert names == {main.name}
     shared = True
     assert told(3) == alone
     assert len(names) > 1
+
+
+def test_a_picture_of_many_matches_shows_each_learner_what_it_sees_in_its_own() -> None:
+    sensors = {"camera": {"width": 24, "height": 16}}
+    arena = BatchedArena("battle", 3, **options("battle", sensors=sensors, action_mode="box", agents=2))
+    pictures = arena.reset(seed=4)["camera"]
+    camera, views = ColorCamera(width=24, height=16), [arena.arena.view(match) for match in range(3)]
+    assert np.stack([camera.read(view, [0, 1]) for view in views]).tobytes() == pictures.tobytes()
 
 
 @pytest.mark.slow

@@ -28,10 +28,20 @@ def test_scenes_share_the_arrays_for_images_of_a_size_and_threads_do_not() -> No
     one, other = scene(), scene()
     first, second = (each.workspaces.of(each.packed, SMALL).arrays for each in (one, other))
     assert first.rays is second.rays
-    assert first.done is not second.done
+    assert first.numbers is not second.numbers
     with ThreadPoolExecutor(1) as thread:
         elsewhere = thread.submit(lambda: one.workspaces.of(one.packed, SMALL).arrays).result()
     assert elsewhere.rays is not first.rays
+
+
+def test_scenes_of_about_one_size_share_scratch_buffers_that_suffice_for_each() -> None:
+    one, other, large = scene(), scene(), scene_of(flat_world(400))
+    first, second, third = (each.workspaces.of(each.packed, SMALL).arrays for each in (one, other, large))
+    assert first.queue is second.queue
+    assert third.queue is not first.queue
+    assert third.shown.shape[0] >= large.packed.blocks
+    assert first.done.shape[0] > one.packed.solids
+    assert first.outside.shape[0] >= one.packed.most_faces
 
 
 def test_small_images_of_two_maps_in_one_call_are_those_of_each_alone() -> None:

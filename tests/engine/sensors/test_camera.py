@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from tests.builders import act, box, flat_world, make_match, map_from, place
 
 from wildscav_engine.geometry.world import Solid
+from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.palette import of_seat
 from wildscav_engine.sensors import ColorCamera
 from wildscav_engine.sensors.optics.dynamic_objects import dynamic_objects_of
@@ -118,3 +119,23 @@ def test_the_objects_of_a_state_are_made_once_and_anew_for_every_change_of_it() 
     assert (dynamic_objects_of(match).color != turned.color).any()
     agents.health[0, 1] = 0
     assert len(dynamic_objects_of(match).kind) < len(turned.kind)
+
+
+@pytest.mark.parametrize("size", [(9, 7), (300, 220), (640, 420)])
+def test_pictures_of_matches_on_two_maps_are_those_of_each_alone(size: tuple[int, int]) -> None:
+    matches = [duel(box((-5, -1, 2), (5, height, 3))) for height in (0.5, 3.0)]
+    camera, every = ColorCamera(*size), [matches[0], matches[1], matches[0]]
+    things = [dynamic_objects_of(match) for match in every]
+    eyes, looks = np.tile([0.0, 1.5, 0.0], (3, 1)), np.zeros(3)
+    alone = [
+        camera.render(match.game_map, eyes[:1], [0.0], [0.0], moving=thing, viewers=[0])[0]
+        for match, thing in zip(every, things, strict=True)
+    ]
+
+    together = np.empty((3, *camera.shape), np.uint8)
+    maps = [match.game_map for match in every]
+    cameras = Cameras(eyes, looks, looks, np.zeros(3, np.int32), *camera.lens)
+    assert camera.render_matches_into(maps, things[0].sets, np.zeros(3, np.int64), cameras, together)
+
+    assert together.tobytes() == np.stack(alone).tobytes()
+    assert (together[0] != together[1]).any()

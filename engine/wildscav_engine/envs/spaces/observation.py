@@ -15,7 +15,13 @@ from wildscav_engine.parallel.threads import share
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.sensors.base import Sensor
 from wildscav_engine.sensors.batched import BatchedSensor
-from wildscav_engine.sensors.optics.optical import MovingOption, OpticalSensor, select_cameras
+from wildscav_engine.sensors.optics.dynamic_objects import objects_of_matches
+from wildscav_engine.sensors.optics.optical import (
+    BatchedOpticalSensor,
+    MovingOption,
+    OpticalSensor,
+    select_cameras,
+)
 from wildscav_engine.sensors.scalars import ScalarSensor
 from wildscav_engine.specs.body import EYE_HEIGHT
 from wildscav_engine.tracks import TRACKS
@@ -103,14 +109,15 @@ class SensorReader:
     """Reads the chosen sensors of some seats of all matches of a batch."""
 
     def __init__(self, sensors: Mapping[str, Sensor], seats: Sequence[int], threads: int) -> None:
-        self._static = {
+        self._optical = [sensor for sensor in sensors.values() if isinstance(sensor, OpticalSensor)]
+        self._together = {
             name: sensor
             for name, sensor in sensors.items()
-            if isinstance(sensor, OpticalSensor) and _sees_map_only(sensor)
+            if isinstance(sensor, BatchedOpticalSensor)
+            or (isinstance(sensor, OpticalSensor) and _sees_map_only(sensor))
         }
-        self._others = {name: sensor for name, sensor in sensors.items() if name not in self._static}
-        self._optical = [sensor for sensor in sensors.values() if isinstance(sensor, OpticalSensor)]
-        self._lenses = {name: sensor.lens for name, sensor in self._static.items()}
+        self._others = {name: sensor for name, sensor in sensors.items() if name not in self._together}
+        self._lenses = {name: sensor.lens for name, sensor in self._together.items()}
         self._seats, self._threads = list(seats), threads
         self._rows = np.array(self._seats, np.int64)
         self._maps: list[GameMap] = []  # the map of every seat that is read
@@ -126,8 +133,8 @@ class SensorReader:
 
     def read(self, batch: "Batch", view: Callable[[int], MatchInBatch], found: Readings) -> None:
         """Add (B, L, *shape) readings of all sensors to an observation, by their names."""
-        if self._static:
-            self._read_static(batch, found)
+        if self._together:
+            self._read_together(batch, found)
         for name, sensor in self._others.items():
             if isinstance(sensor, ScalarSensor):
                 found[name] = sensor.read_all(batch.state, self._rows)
@@ -153,13 +160,17 @@ class SensorReader:
         share(read, len(matches), self._threads, least)
         return [readings[match] for match in range(len(matches))]
 
-    def _read_static(self, batch: "Batch", found: Readings) -> None:
-        """Render sensors that see only the map, which need only the poses of the seats."""
+    def _read_together(self, batch: "Batch", found: Readings) -> None:
+        """Render the images of all matches in one call for each sensor, or in few for each thread."""
         agents, count, seats = batch.state.agents, len(self._seats), self._rows
         eyes = (agents.position[:, seats] + EYES).reshape(-1, 3)
         yaws, pitches = agents.yaw[:, seats].flatten(), agents.pitch[:, seats].flatten()
-        for name, sensor in self._static.items():
-            images = self._render(sensor, Cameras(eyes, yaws, pitches, self._viewers, *self._lenses[name]))
+        for name, sensor in self._together.items():
+            cameras = Cameras(eyes, yaws, pitches, self._viewers, *self._lenses[name])
+            if isinstance(sensor, BatchedOpticalSensor):
+                images = self._render_matches(sensor, cameras, batch)
+            else:
+                images = self._render(sensor, cameras)
             found[name] = images.reshape(-1, count, *sensor.shape)
 
     def _render(self, sensor: OpticalSensor, cameras: Cameras) -> NDArray[Any]:
@@ -171,6 +182,18 @@ class SensorReader:
 
         def render_part(part: slice) -> bool:
             return sensor.render_maps_into(self._maps[part], select_cameras(cameras, part), images[part])
+
+        share(render_part, len(images), self._threads, sensor.min_images_per_thread)
+        return images
+
+    def _render_matches(self, sensor: BatchedOpticalSensor, cameras: Cameras, batch: "Batch") -> NDArray[Any]:
+        """Return (N, *shape) images of the matches, each with what moves in it."""
+        images, count = np.empty((len(self._maps), *sensor.shape), sensor.dtype), len(self._seats)
+        objects, matches = objects_of_matches(batch.state), np.arange(len(images)) // count
+
+        def render_part(part: slice) -> bool:
+            some = select_cameras(cameras, part)
+            return sensor.render_matches_into(self._maps[part], objects, matches[part], some, images[part])
 
         share(render_part, len(images), self._threads, sensor.min_images_per_thread)
         return images

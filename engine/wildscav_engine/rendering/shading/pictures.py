@@ -1,4 +1,4 @@
-"""Pictures: the colour of what each ray hit, in the light of the sun and the sky."""
+"""Shading one picture: the colour of what each ray hit, in the light of the sun and the sky."""
 
 from typing import NamedTuple
 
@@ -10,34 +10,23 @@ from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.geometry.terrain import water_at
 from wildscav_engine.geometry.world import World
 from wildscav_engine.rendering.cameras import Cameras
-from wildscav_engine.rendering.dynamic_objects import DynamicObjects
 from wildscav_engine.rendering.shading.ambient_light import end_of_surface, off_surface, write_ambient
 from wildscav_engine.rendering.shading.ambient_occlusion import write_depths
 from wildscav_engine.rendering.shading.color_arithmetic import Color, Vector
-from wildscav_engine.rendering.shading.ground_along_rows import (
-    GroundScratch,
-    allocate_ground_scratch,
-    write_ground,
-)
+from wildscav_engine.rendering.shading.ground_along_rows import GroundScratch, write_ground
 from wildscav_engine.rendering.shading.haze import write_fog, write_hazy, write_murky
 from wildscav_engine.rendering.shading.light import DIRECT, SKY_COLOR, SUN_COLOR, sun_shines
 from wildscav_engine.rendering.shading.materials import Materials
-from wildscav_engine.rendering.shading.moving_shadows import (
-    Casters,
-    allocate_casters,
-    find_casters,
-    is_shaded_by,
-)
+from wildscav_engine.rendering.shading.moving_shadows import Casters, find_casters, is_shaded_by
 from wildscav_engine.rendering.shading.pixel_rays import (
     View,
-    cosines_of,
     footprint,
     point_along,
     view_of,
     way_of,
     write_ways,
 )
-from wildscav_engine.rendering.shading.pixel_rows import Channels, Normals, RowOfPixels, allocate_rows, row_in
+from wildscav_engine.rendering.shading.pixel_rows import Channels, Normals, RowOfPixels, row_in
 from wildscav_engine.rendering.shading.sky import SUN_DIRECTION, write_sky
 from wildscav_engine.rendering.shading.surfaces import textured
 from wildscav_engine.rendering.shading.water import water_color
@@ -60,78 +49,52 @@ class ShadedScene(NamedTuple):
     shadows: bool  # whether solids cast shadows
 
 
-def shade(
-    world: World,
-    materials: Materials,
-    moving: DynamicObjects,
-    cameras: Cameras,
-    hits: Hits,
-    images: NDArray[np.uint8],
-    *,
-    shadows: bool,
-) -> None:
-    """Shade the hits of rays.
+class Canvas(NamedTuple):
+    """Scratch buffers for shading an image."""
 
-    Args:
-        world: The static world.
-        materials: Its appearance.
-        moving: The moving objects in it.
-        cameras: N cameras.
-        hits: Of N images, water included.
-        images: (N, H, W, 3) red, green, blue, written.
-        shadows: Whether solids cast shadows.
-    """
-    height, width = images.shape[1:3]
-    casters = allocate_casters(len(moving.kind))
-    scene = ShadedScene(world, materials, moving.solids, moving.color, casters, shadows)
-    cosines = cosines_of(cameras.half_width, height, width)
-    _shade(
-        scene,
-        cameras,
-        hits,
-        cosines,
-        np.empty_like(cosines),
-        allocate_rows(width),
-        allocate_ground_scratch(),
-        images,
-    )
+    depths: NDArray[np.float32]  # (H, W) m
+    rows: NDArray[np.float32]  # as of ``allocate_rows``
+    ground: GroundScratch
 
 
 @kernel
-def _shade(
+def shade(
     scene: ShadedScene,
     cameras: Cameras,
-    hits: Hits,
+    number: int,
+    hit: Hits,
+    canvas: Canvas,
     cosines: NDArray[np.float32],
-    depths: NDArray[np.float32],
-    space: NDArray[np.float32],
-    scratch: GroundScratch,
-    images: NDArray[np.uint8],
+    image: NDArray[np.uint8],
 ) -> None:
-    """Write pictures.
+    """Shade the hits of the rays of one image.
 
-    ``cosines`` (H, W) are those of the angles between the rays and the view axis; ``depths`` (H, W) and
-    ``space``, as of ``allocate_rows``, are scratch buffers.
+    Args:
+        scene: What there is to see.
+        cameras: N cameras.
+        number: Which of them made the image.
+        hit: What its rays hit, water included, (H, W) each.
+        canvas: Scratch buffers.
+        cosines: (H, W) of the angles between the rays and the view axis.
+        image: (H, W, 3) red, green, blue, written.
     """
-    for image in range(images.shape[0]):
-        view = view_of(cameras, image, images.shape[1], images.shape[2])
-        count = find_casters(scene.moving, view.eye, scene.casters) if scene.shadows else 0
-        write_depths(hits.distance[image], cosines, depths)
-        is_under_water = water_at(scene.world, view.eye[0], view.eye[2]) > view.eye[1]
-        hit = Hits(hits.distance[image], hits.solid[image], hits.face[image])
-        for row in range(view.height):
-            pixels = row_in(space, row)
-            write_ways(view, row, cosines[row], pixels.ways)
-            write_fog(hit.distance[row], cameras.far, pixels.fog)
-            if not _is_sky(hit, row):
-                _write_surfaces(scene, view, hit, row, scratch, pixels)
-                _light_surfaces(scene, view, hit, depths, row, count, pixels)
-                _write_water(scene, view, hit, row, pixels)
-            _write_sky(scene, hit, row, pixels)
-            if is_under_water:
-                write_murky(hit.distance[row], pixels, images[image, row])
-            else:
-                write_hazy(pixels, images[image, row])
+    view = view_of(cameras, number, image.shape[0], image.shape[1])
+    count = find_casters(scene.moving, view.eye, scene.casters) if scene.shadows else 0
+    write_depths(hit.distance, cosines, canvas.depths)
+    is_under_water = water_at(scene.world, view.eye[0], view.eye[2]) > view.eye[1]
+    for row in range(view.height):
+        pixels = row_in(canvas.rows, row)
+        write_ways(view, row, cosines[row], pixels.ways)
+        write_fog(hit.distance[row], cameras.far, pixels.fog)
+        if not _is_sky(hit, row):
+            _write_surfaces(scene, view, hit, row, canvas.ground, pixels)
+            _light_surfaces(scene, view, hit, canvas.depths, row, count, pixels)
+            _write_water(scene, view, hit, row, pixels)
+        _write_sky(scene, hit, row, pixels)
+        if is_under_water:
+            write_murky(hit.distance[row], pixels, image[row])
+        else:
+            write_hazy(pixels, image[row])
 
 
 @inlined_kernel

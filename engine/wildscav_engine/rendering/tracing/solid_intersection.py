@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.kernel import inlined_kernel, kernel
+from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel, kernel
 from wildscav_engine.rendering.tracing.frustum import Camera, Rectangle, nonnegative
 from wildscav_engine.rendering.tracing.hit_buffer import FEW, HitBuffer, even_count, start_in_row
 from wildscav_engine.rendering.tracing.packing import Shapes
@@ -47,7 +47,7 @@ def trace_solid(
         _meet_together(faces, outside, met, start, start + count, beyond, buffer)
 
 
-@kernel
+@disjoint_kernel
 def _meet_together(
     faces: NDArray[np.float64],
     outside: NDArray[np.float64],

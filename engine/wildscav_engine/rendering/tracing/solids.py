@@ -81,12 +81,12 @@ def all_shapes_of(solids: Solids) -> Shapes:
 
 def _as_shapes(solids: Solids, names: NDArray[np.int64], face_names: NDArray[np.int64]) -> Shapes:
     boxes = np.empty((len(names), 9))
-    _box_in(solids.faces, solids.face_start, solids.corners, solids.corner_start, boxes)
+    write_boxes(solids.faces, solids.face_start, solids.corners, solids.corner_start, boxes)
     return Shapes(boxes, solids.face_start, solids.faces, names, face_names)
 
 
 @kernel
-def _box_in(
+def write_boxes(
     faces: NDArray[np.float64],
     face_start: NDArray[np.int64],
     corners: NDArray[np.float64],

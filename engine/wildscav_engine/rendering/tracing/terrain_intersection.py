@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.kernel import inlined_kernel, kernel
+from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel, kernel
 from wildscav_engine.geometry.world import BLOCK, CELL
 from wildscav_engine.rendering.tracing.coarse_projection import BESIDE, NEAR, Float32Camera
 from wildscav_engine.rendering.tracing.frustum import (
@@ -285,7 +285,7 @@ def _meet_triangle(
     return is_met, sinking
 
 
-@kernel
+@disjoint_kernel
 def _trace_pixels(cell: Cell, pixels: Rectangle, buffer: HitBuffer) -> None:
     """Intersect the rays of some pixels with a cell, in loops that vectorize."""
     count = even_count(buffer, pixels)

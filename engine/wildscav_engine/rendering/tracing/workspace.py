@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.array_tables import ArrayTable, addresses_of, expect, reader
-from wildscav_engine.rendering.tracing.front_to_back import allocate_scratch
+from wildscav_engine.rendering.tracing.front_to_back import Scratch, allocate_scratch
 from wildscav_engine.rendering.tracing.hit_buffer import allocate_rays, allocate_strips
 from wildscav_engine.rendering.tracing.packing import Packed, pack_nothing
 
@@ -63,6 +63,28 @@ def allocate_image(size: Size) -> ImageArrays:
     )
 
 
+class Scratches(threading.local):
+    """The scratch buffers of each thread, for scenes up to the next powers of two of their sizes.
+
+    Scenes of about the same size share them for the same reason as the arrays for images.
+    """
+
+    def __init__(self) -> None:
+        self._cached: dict[tuple[int, ...], Scratch] = {}
+
+    def of(self, *sizes: int) -> Scratch:
+        """Return buffers for a scene of at least these sizes, see ``allocate_scratch``."""
+        rounded = tuple(1 << size.bit_length() for size in sizes)
+        if rounded not in self._cached:
+            if len(self._cached) >= MOST_CACHED:
+                self._cached.clear()
+            self._cached[rounded] = allocate_scratch(*rounded)
+        return self._cached[rounded]
+
+
+scratches = Scratches()
+
+
 def allocate_workspace(scene: Packed, size: Size, image: ImageArrays) -> Workspace:
     """Return a workspace for images of a size, without moving solids."""
     nothing = pack_nothing()
@@ -73,7 +95,7 @@ def allocate_workspace(scene: Packed, size: Size, image: ImageArrays) -> Workspa
         image.rays,
         image.met,
         image.strips,
-        *allocate_scratch(scene.blocks, scene.solids, max(scene.most_faces, size.most_faces)),
+        *scratches.of(scene.blocks, scene.solids, max(scene.most_faces, size.most_faces)),
         nothing.numbers,
         nothing.indices,
         np.zeros(0, np.int32),

@@ -1,58 +1,31 @@
 """The dynamic objects of a match as images show them: living agents and supply boxes.
 
-Each consists of a few convex parts. Those of an agent lie within the cylinder that collisions and shots use:
-legs, a torso in the colour of its team, a helmet with a dark visor, a rifle and a pack. They show which way
-the agent faces.
+Each consists of a few convex parts; see ``object_parts.py``.
 """
 
 import threading
-from functools import lru_cache
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
-from wildscav_engine.geometry.world import Kind, write_plane
-from wildscav_engine.rendering.dynamic_objects import DynamicObjects
-from wildscav_engine.rendering.palette import SUPPLY_BOX, of_seat
-from wildscav_engine.rendering.tracing.solids import NO_OWNER, Solids
+from wildscav_engine.rendering.dynamic_objects import DynamicObjects, ObjectArrays, ObjectSets
+from wildscav_engine.rendering.palette import of_seat
+from wildscav_engine.rendering.tracing.solids import NO_OWNER, Solids, write_boxes
+from wildscav_engine.sensors.optics.object_parts import (
+    AGENT,
+    BODY,
+    BOX,
+    CRATE,
+    CRATE_COLORS,
+    allocate_parts,
+    colors_of_bodies,
+    write_object,
+)
 from wildscav_engine.simulation.state import Agents, State, Supplies
 from wildscav_engine.simulation.systems.supplies import is_present
 
-FACES, CORNERS = 6, 8  # of a part
-AGENT, BOX = int(Kind.AGENT), int(Kind.SUPPLY_BOX)
-
-# A part is a box that may taper. Each row has the height, left, back, right and front of its bottom, then the
-# same of its top. All are in m from the point between the soles, to the right and along the view.
-BODY = np.array(
-    [
-        [0.00, -0.27, -0.15, -0.05, 0.21, 0.86, -0.25, -0.15, -0.02, 0.14],  # left leg
-        [0.00, 0.05, -0.15, 0.27, 0.21, 0.86, 0.02, -0.15, 0.25, 0.14],  # right leg
-        [0.80, -0.26, -0.17, 0.26, 0.16, 1.46, -0.38, -0.19, 0.38, 0.19],  # torso
-        [1.46, -0.15, -0.17, 0.15, 0.14, 1.78, -0.12, -0.14, 0.12, 0.12],  # helmet
-        [1.54, -0.12, 0.10, 0.12, 0.18, 1.67, -0.12, 0.10, 0.12, 0.17],  # visor
-        [1.16, 0.06, 0.00, 0.15, 0.42, 1.29, 0.06, 0.00, 0.15, 0.42],  # rifle
-        [0.92, -0.20, -0.37, 0.20, -0.16, 1.40, -0.22, -0.34, 0.22, -0.16],  # pack
-    ]
-)
-LEGS = (52, 54, 60)
-BODY_COLORS = np.array(
-    [LEGS, LEGS, (0, 0, 0), (40, 42, 46), (16, 18, 24), (34, 34, 38), (58, 56, 50)], np.float64
-)
-TEAM_SHARE = np.array(
-    [0.30, 0.30, 1.0, 0.75, 0.0, 0.0, 0.45]
-)  # weight of the team's colour in the colour of each part
-# A crate reaches a little into the ground, which may be sloped. Its band protrudes from its sides.
-CRATE = np.array(
-    [
-        [-0.10, -0.28, -0.28, 0.28, 0.28, 0.44, -0.30, -0.30, 0.30, 0.30],  # crate
-        [0.44, -0.33, -0.33, 0.33, 0.33, 0.56, -0.31, -0.31, 0.31, 0.31],  # lid
-        [-0.10, -0.07, -0.31, 0.07, 0.31, 0.58, -0.07, -0.34, 0.07, 0.34],  # band
-    ]
-)
-CRATE_COLORS = np.array([SUPPLY_BOX, (206, 240, 255), (30, 74, 128)], np.float64)
 BOX_YAW_STEP = 137.5  # degrees between the yaws of successive boxes, so that they do not line up
 INVINCIBLE_WHITE = 0.5  # weight of white in the colours of an invincible agent
 
@@ -90,8 +63,7 @@ def dynamic_objects_of(match: DrawableMatch) -> DynamicObjects:
         supplies.serial.tobytes(),
     )
     if latest.state != state:
-        slots = Supplies(*(array[0] for array in supplies))
-        latest.state, latest.objects = state, _make_objects(agents, slots, match.frame)
+        latest.state, latest.objects = state, _make_objects(agents, supplies, match.frame)
     return latest.objects
 
 
@@ -107,20 +79,146 @@ latest = Latest()
 
 
 def _make_objects(agents: Agents, supplies: Supplies, frame: int) -> DynamicObjects:
-    seats = np.nonzero(agents.present[0] & (agents.health[0] > 0))[0]
-    slots = np.empty(len(supplies.quantity), np.int64)
-    slots = slots[: _find_boxes(supplies, frame, slots)]
-    bodies, crates = len(seats) * len(BODY), len(slots) * len(CRATE)
-    solids = allocate_parts(bodies + crates)
-    write_parts(AGENT, BODY, agents.position[0], agents.yaw[0], seats, 0, solids)
-    yaws = BOX_YAW_STEP * supplies.serial.astype(np.float64)
-    write_parts(BOX, CRATE, supplies.position.astype(np.float64), yaws, slots, bodies, solids)
-    instance, color = np.empty(bodies + crates, np.int32), np.empty((bodies + crates, 3))
-    teams, invincible_left = agents.team[0], agents.invincible_left[0]
-    body_colors = colors_of_bodies(int(teams.max(initial=0)) + 1)
-    _write_agent_colors(seats, body_colors, teams, invincible_left, instance[:bodies], color[:bodies])
-    _write_box_colors(supplies.serial, slots, instance[bodies:], color[bodies:])
-    return DynamicObjects(solids, instance, color)
+    arrays, instance, _ = _gather(_bodies_of(agents), supplies, np.array([frame]))
+    return DynamicObjects.of(arrays, instance)
+
+
+def objects_of_matches(state: State) -> ObjectSets:
+    """Return the living agents and the present boxes of all matches, each as ``dynamic_objects_of`` does."""
+    arrays, _, start = _gather(_bodies_of(state.agents), state.supplies, state.matches.frame)
+    return ObjectSets(arrays, start)
+
+
+class Bodies(NamedTuple):
+    """What images show of the agents of B matches, (B, A) each; see ``Agents``."""
+
+    present: NDArray[np.bool_]
+    health: NDArray[np.int32]
+    team: NDArray[np.int32]
+    invincible_left: NDArray[np.int32]
+    position: NDArray[np.float64]  # (B, A, 3)
+    yaw: NDArray[np.float64]
+
+
+def _bodies_of(agents: Agents) -> Bodies:
+    return Bodies(
+        agents.present, agents.health, agents.team, agents.invincible_left, agents.position, agents.yaw
+    )
+
+
+def _gather(
+    bodies: Bodies, supplies: Supplies, frames: NDArray[np.int64]
+) -> tuple[ObjectArrays, NDArray[np.int32], NDArray[np.int64]]:
+    """Return the parts of what is in B matches.
+
+    Args:
+        bodies: Of B matches.
+        supplies: Of B matches.
+        frames: (B,) frames that each has played.
+
+    Returns:
+        The parts, match after match, those of agents first; (S,) their instances; and (B + 1,) where the
+        parts of each match start.
+    """
+    start = np.zeros(len(frames) + 1, np.int64)
+    _count_parts(bodies, supplies, frames, start)
+    count = int(start[-1])
+    solids = allocate_parts(count)
+    arrays = ObjectArrays(*solids, np.empty((count, 9)), np.empty(count, np.int64), np.empty((count, 3)))
+    instance = np.empty(count, np.int32)
+    body_colors = colors_of_bodies(int(bodies.team.max(initial=0)) + 1)
+    _write_objects(bodies, supplies, frames, body_colors, solids, arrays, instance)
+    return arrays, instance, start
+
+
+@kernel
+def _count_parts(
+    bodies: Bodies, supplies: Supplies, frames: NDArray[np.int64], start: NDArray[np.int64]
+) -> None:
+    """Write where the parts of each match start."""
+    for match in range(frames.shape[0]):
+        count = 0
+        for seat in range(bodies.present.shape[1]):
+            if bodies.present[match, seat] and bodies.health[match, seat] > 0:
+                count += BODY.shape[0]
+        boxes = _boxes_of(supplies, match)
+        for slot in range(boxes.quantity.shape[0]):
+            if is_present(boxes, slot, frames[match]):
+                count += CRATE.shape[0]
+        start[match + 1] = start[match] + count
+
+
+@kernel
+def _write_objects(
+    bodies: Bodies,
+    supplies: Supplies,
+    frames: NDArray[np.int64],
+    body_colors: NDArray[np.float64],
+    solids: Solids,
+    arrays: ObjectArrays,
+    instance: NDArray[np.int32],
+) -> None:
+    """Write the parts of everything in B matches.
+
+    Args:
+        bodies: Of B matches.
+        supplies: Of B matches.
+        frames: (B,) frames that each has played.
+        body_colors: As of ``colors_of_bodies``.
+        solids: (S,) the parts, written.
+        arrays: The same arrays and further ones, written.
+        instance: (S,) written.
+    """
+    first = 0
+    for match in range(frames.shape[0]):
+        for seat in range(bodies.present.shape[1]):
+            if bodies.present[match, seat] and bodies.health[match, seat] > 0:
+                place = bodies.position[match, seat]
+                spot = (place[0], place[1], place[2])
+                write_object(AGENT, BODY, spot, bodies.yaw[match, seat], seat, first, solids)
+                white = INVINCIBLE_WHITE if bodies.invincible_left[match, seat] > 0 else 0.0
+                _paint(body_colors[bodies.team[match, seat]], white, seat, first, arrays.color, instance)
+                first += BODY.shape[0]
+        boxes = _boxes_of(supplies, match)
+        for slot in range(boxes.quantity.shape[0]):
+            if is_present(boxes, slot, frames[match]):
+                at = boxes.position[slot]
+                spot = (np.float64(at[0]), np.float64(at[1]), np.float64(at[2]))
+                serial = boxes.serial[slot]
+                write_object(BOX, CRATE, spot, BOX_YAW_STEP * serial, NO_OWNER, first, solids)
+                _paint(CRATE_COLORS, 0.0, serial, first, arrays.color, instance)
+                first += CRATE.shape[0]
+    write_boxes(solids.faces, solids.face_start, solids.corners, solids.corner_start, arrays.boxes)
+    for part in range(first):
+        arrays.names[part] = arrays.owner[part]
+
+
+@inlined_kernel
+def _boxes_of(supplies: Supplies, match: int) -> Supplies:
+    """Return the supply boxes of one match."""
+    return Supplies(
+        supplies.position[match],
+        supplies.quantity[match],
+        supplies.appears[match],
+        supplies.serial[match],
+        supplies.next_in_square[match],
+    )
+
+
+@inlined_kernel
+def _paint(
+    own: NDArray[np.float64],
+    white: float,
+    number: int,
+    first: int,
+    color: NDArray[np.float64],
+    instance: NDArray[np.int32],
+) -> None:
+    """Write the instance number and the (P, 3) own colours of an object's parts, with some white in them."""
+    for part in range(own.shape[0]):
+        instance[first + part] = number
+        for channel in range(3):
+            color[first + part, channel] = own[part, channel] + (255.0 - own[part, channel]) * white
 
 
 def as_dynamic_objects(solids: Solids) -> DynamicObjects:
@@ -135,140 +233,3 @@ def as_dynamic_objects(solids: Solids) -> DynamicObjects:
     color[owned] = [of_seat(seat) for seat in solids.owner[owned].tolist()] or np.zeros((0, 3))
     instance = np.where(owned, solids.owner, np.arange(len(solids.kind)))
     return DynamicObjects(solids, instance.astype(np.int32), color)
-
-
-@lru_cache(maxsize=8)
-def colors_of_bodies(teams: int) -> NDArray[np.float64]:
-    """Return (T, P, 3) the colours of the body parts of each team."""
-    colors = np.array([of_seat(team) for team in range(teams)], np.float64)[:, None]
-    return np.asarray(BODY_COLORS + (colors - BODY_COLORS) * TEAM_SHARE[:, None])
-
-
-@kernel
-def _write_agent_colors(
-    seats: NDArray[np.int64],
-    body_colors: NDArray[np.float64],
-    teams: NDArray[np.int32],
-    invincible_left: NDArray[np.int32],
-    instance: NDArray[np.int32],
-    color: NDArray[np.float64],
-) -> None:
-    """Write the seat and the colour of each part of some agents, from the (T, P, 3) colours of teams."""
-    parts = body_colors.shape[1]
-    for part in range(instance.shape[0]):
-        seat = seats[part // parts]
-        instance[part] = seat
-        white = INVINCIBLE_WHITE if invincible_left[seat] > 0 else 0.0
-        for channel in range(3):
-            own = body_colors[teams[seat], part % parts, channel]
-            color[part, channel] = own + (255.0 - own) * white
-
-
-@kernel
-def _write_box_colors(
-    serials: NDArray[np.int32],
-    slots: NDArray[np.int64],
-    instance: NDArray[np.int32],
-    color: NDArray[np.float64],
-) -> None:
-    """Write the serial number and the colour of each part of some boxes."""
-    parts = CRATE_COLORS.shape[0]
-    for part in range(instance.shape[0]):
-        instance[part] = serials[slots[part // parts]]
-        for channel in range(3):
-            color[part, channel] = CRATE_COLORS[part % parts, channel]
-
-
-@kernel
-def _find_boxes(supplies: Supplies, frame: int, slots: NDArray[np.int64]) -> int:
-    count = 0
-    for slot in range(supplies.quantity.shape[0]):
-        if is_present(supplies, slot, frame):
-            slots[count] = slot
-            count += 1
-    return count
-
-
-def allocate_parts(count: int) -> Solids:
-    """Return arrays for ``count`` parts."""
-    return Solids(
-        np.empty(count, np.int8),
-        np.empty(count, np.int32),
-        np.empty((count, 3)),
-        np.empty((count, 3)),
-        np.arange(count + 1, dtype=np.int64) * FACES,
-        np.empty((count * FACES, 4)),
-        np.arange(count + 1, dtype=np.int64) * CORNERS,
-        np.empty((count * CORNERS, 3)),
-    )
-
-
-@kernel
-def write_parts(
-    kind: int,
-    shapes: NDArray[np.float64],
-    places: NDArray[np.float64],
-    yaws: NDArray[np.float64],
-    rows: NDArray[np.int64],
-    first: int,
-    solids: Solids,
-) -> None:
-    """Write the parts of some objects of the same shape.
-
-    Args:
-        kind: The ``Kind`` of the objects.
-        shapes: (P, 10) m, the parts of each object, as in ``BODY``.
-        places: (A, 3) m, the positions of all objects of this kind.
-        yaws: (A,) degrees, their directions.
-        rows: (N,) the indices of the objects to write; agents own their bodies.
-        first: The index of the first part to write.
-        solids: The parts; N * P of them are written.
-    """
-    part = first
-    for index in rows:
-        turn = (sine(yaws[index]), cosine(yaws[index]))
-        for shape in range(shapes.shape[0]):
-            solids.kind[part], solids.owner[part] = kind, index if kind == AGENT else NO_OWNER
-            _write_corners(shapes[shape], places[index], turn, part, solids)
-            _write_faces(part, solids)
-            part += 1
-
-
-@inlined_kernel
-def _write_corners(
-    shape: NDArray[np.float64],
-    place: NDArray[np.float64],
-    turn: tuple[float, float],
-    part: int,
-    solids: Solids,
-) -> None:
-    """Write the corners of a part, numbered by the bits (along, up, across), and its bounding box."""
-    low, high = solids.low[part], solids.high[part]
-    for corner in range(8):
-        side = 5 * (corner >> 1 & 1)
-        across, along = shape[side + 1 + 2 * (corner & 1)], shape[side + 2 + 2 * (corner >> 2)]
-        at = solids.corners[solids.corner_start[part] + corner]
-        at[0] = place[0] + across * turn[1] + along * turn[0]
-        at[1] = place[1] + shape[side]
-        at[2] = place[2] - across * turn[0] + along * turn[1]
-        for axis in range(3):
-            low[axis] = at[axis] if corner == 0 else min(low[axis], at[axis])
-            high[axis] = at[axis] if corner == 0 else max(high[axis], at[axis])
-
-
-@inlined_kernel
-def _write_faces(part: int, solids: Solids) -> None:
-    """Write the faces of a part: bottom, top, left, right, back, front."""
-    corner, face = solids.corner_start[part], solids.face_start[part]
-    behind = (
-        0.5 * (solids.low[part, 0] + solids.high[part, 0]),
-        0.5 * (solids.low[part, 1] + solids.high[part, 1]),
-        0.5 * (solids.low[part, 2] + solids.high[part, 2]),
-    )
-    corners, faces = solids.corners, solids.faces
-    faces[face] = (0.0, -1.0, 0.0, -corners[corner, 1])
-    faces[face + 1] = (0.0, 1.0, 0.0, corners[corner + 2, 1])
-    write_plane(corners[corner], corners[corner + 2], corners[corner + 4], behind, faces[face + 2])
-    write_plane(corners[corner + 1], corners[corner + 3], corners[corner + 5], behind, faces[face + 3])
-    write_plane(corners[corner], corners[corner + 1], corners[corner + 2], behind, faces[face + 4])
-    write_plane(corners[corner + 4], corners[corner + 5], corners[corner + 6], behind, faces[face + 5])

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from wildscav_engine.parallel.threads import share
 from wildscav_engine.rendering.cameras import Cameras
+from wildscav_engine.rendering.dynamic_objects import ObjectSets
 from wildscav_engine.rendering.tracing.solids import Solids, gather_solids
 from wildscav_engine.sensors.base import Sensor, rows_of
 from wildscav_engine.sensors.optics.dynamic_objects import dynamic_objects_of
@@ -211,6 +212,32 @@ def _seats_of(viewers: ArrayLike, count: int) -> NDArray[np.int32]:
             f"viewers hold {seats[(seats < 0) | (seats > MAX_SEAT)][0]}, must be seats, 0 or more"
         )
     return seats.astype(np.int32)
+
+
+class BatchedOpticalSensor(OpticalSensor):
+    """A sensor that reads many matches in one call, each with what moves in it."""
+
+    @abstractmethod
+    def render_matches_into(
+        self,
+        maps: "Sequence[GameMap]",
+        objects: ObjectSets,
+        matches: NDArray[np.int64],
+        cameras: Cameras,
+        images: NDArray[Any],
+    ) -> bool:
+        """Render the images of cameras in different matches.
+
+        Args:
+            maps: N maps, or one for all cameras, whose scenes have been prepared.
+            objects: The dynamic objects of some matches.
+            matches: (N,) the index in ``objects`` of the match that each camera is in.
+            cameras: N cameras.
+            images: (N, *shape), written.
+
+        Returns:
+            Whether all numbers of the cameras are finite; if not, nothing is written.
+        """
 
 
 class MovingOption(OpticalSensor):

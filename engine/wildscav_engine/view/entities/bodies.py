@@ -6,13 +6,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.sensors.optics.dynamic_objects import (
+from wildscav_engine.sensors.optics.dynamic_objects import INVINCIBLE_WHITE
+from wildscav_engine.sensors.optics.object_parts import (
     AGENT,
     BODY,
-    INVINCIBLE_WHITE,
     allocate_parts,
     colors_of_bodies,
-    write_parts,
+    write_object,
 )
 from wildscav_engine.view.recording import colors, coordinates
 
@@ -42,7 +42,7 @@ class BodyColors(NamedTuple):
 def body_mesh() -> BodyMesh:
     """Return the body of an agent."""
     parts = allocate_parts(len(BODY))
-    write_parts(AGENT, BODY, np.zeros((1, 3)), np.zeros(1), np.zeros(1, np.int64), 0, parts)
+    write_object(AGENT, BODY, (0.0, 0.0, 0.0), 0.0, 0, 0, parts)
     corners = parts.corners.reshape(len(BODY), 8, 3)[:, SIDES]  # (P, 6, 4, 3)
     normals = np.cross(corners[:, :, 1] - corners[:, :, 0], corners[:, :, 3] - corners[:, :, 0])
     outwards = corners.mean(axis=2) - corners.mean(axis=(1, 2))[:, None]

@@ -6,14 +6,23 @@ import numpy as np
 import pytest
 from tests.builders import act, box, make_match, place
 
+from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
 from wildscav_engine.geometry.polyhedra import polyhedron
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.rendering.dynamic_objects import DynamicObjects
 from wildscav_engine.rendering.palette import of_seat
 from wildscav_engine.rendering.tracing.solids import NO_OWNER, gather_solids
-from wildscav_engine.sensors.optics.dynamic_objects import BODY, CRATE, as_dynamic_objects, dynamic_objects_of
+from wildscav_engine.sensors.optics.dynamic_objects import (
+    BODY,
+    CRATE,
+    as_dynamic_objects,
+    dynamic_objects_of,
+    objects_of_matches,
+)
+from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS
+from wildscav_engine.specs.match_spec import MatchSpec
 
 TORSO, VISOR = 2, 4
 
@@ -152,6 +161,28 @@ def test_a_match_without_anything_has_no_things() -> None:
     match = battle(1)
     match.state.agents.health[:] = 0
     assert len(dynamic_objects_of(match).kind) == 0
+
+
+def test_matches_of_a_batch_have_the_things_that_each_has_alone() -> None:
+    specs = [MatchSpec(track="battle", seats=("submission",) * seats, seed=seats) for seats in (2, 1, 4)]
+    batch = Batch(specs, [make_match().game_map] * 3)
+    batch.state.agents.health[0, 1] = 0
+    batch.state.agents.invincible_left[2, 3] = 5
+    batch.state.supplies.appears[1] = 10_000
+
+    sets = objects_of_matches(batch.state)
+
+    assert len(sets.start) == 4
+    for row in range(3):
+        things = dynamic_objects_of(MatchInBatch(batch, row))
+        some = slice(sets.start[row], sets.start[row + 1])
+        assert len(things.kind) == sets.start[row + 1] - sets.start[row] > 0
+        for name in ("kind", "owner", "low", "high"):
+            assert getattr(sets.arrays, name)[some].tobytes() == getattr(things, name).tobytes()
+        assert sets.arrays.color[some].tobytes() == things.color.tobytes()
+        assert sets.arrays.boxes[some].tobytes() == things.sets.arrays.boxes.tobytes()
+        faces = sets.arrays.face_start[sets.start[[row, row + 1]]]
+        assert sets.arrays.faces[slice(*faces)].tobytes() == things.faces.tobytes()
 
 
 def test_things_can_be_sent_to_other_processes() -> None:

@@ -1,0 +1,105 @@
+"""The static world of a map and its materials as one table of addresses, for kernels that render pictures."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.compilation.array_tables import Addresses, ArrayTable, reader
+from wildscav_engine.compilation.kernel import inlined_kernel
+from wildscav_engine.geometry.world import World, empty_world
+from wildscav_engine.rendering.shading.columns import Columns
+from wildscav_engine.rendering.shading.materials import Materials
+
+
+class Surfaces(NamedTuple):
+    """The arrays of ``Materials``."""
+
+    color: NDArray[np.float64]
+    axis: NDArray[np.float64]
+    ground: NDArray[np.float32]
+    clouds: NDArray[np.float32]
+
+
+class ColumnArrays(NamedTuple):
+    """The fields of ``Columns`` as arrays."""
+
+    numbers: NDArray[np.float64]  # (5,) lean_x, lean_z, west, south, per_side
+    record: NDArray[np.int32]
+    clear: NDArray[np.float32]
+    closed: NDArray[np.float32]
+    start: NDArray[np.int32]
+    solids: NDArray[np.int32]
+
+
+_FLOATS, _INTEGERS = np.zeros(0, np.float32), np.zeros(0, np.int32)
+# A kernel that returns the static world in the table of an ``Appearance``.
+world_of = reader(empty_world())
+_read_surfaces = reader(
+    Surfaces(
+        np.zeros((0, 3)), np.zeros((0, 2)), np.zeros((1, 1, 8), np.float32), np.zeros((0, 0), np.float32)
+    )
+)
+_read_columns = reader(
+    ColumnArrays(np.zeros(5), np.zeros((0, 0), np.int32), _FLOATS, _FLOATS, _INTEGERS, _INTEGERS)
+)
+SURFACES = len(World._fields)  # the row of a table where the surfaces begin; see ``Appearance``
+TO_SUN = SURFACES + len(Surfaces._fields)
+UPWARDS = TO_SUN + len(ColumnArrays._fields)
+
+
+class Appearance:
+    """The world of a map and its materials.
+
+    Attributes:
+        world: The static world.
+        materials: Its materials.
+        tables: (1, F, 6) the table of their arrays: the world, the surfaces, and both directions of columns.
+    """
+
+    def __init__(self, world: World, materials: Materials) -> None:
+        """Build the table."""
+        self.world, self.materials = world, materials
+        surfaces = Surfaces(materials.color, materials.axis, materials.ground, materials.clouds)
+        parts = (world, surfaces, _arrays_of(materials.to_sun), _arrays_of(materials.upwards))
+        self._parts = [ArrayTable(part) for part in parts]  # keep the arrays alive
+        self.tables = np.concatenate([part.addresses for part in self._parts])[np.newaxis]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copy and pickle only the arrays: the copies have other addresses."""
+        return Appearance, (self.world, self.materials)
+
+
+def _arrays_of(columns: Columns) -> ColumnArrays:
+    return ColumnArrays(np.array(columns[:5], np.float64), *columns[5:])
+
+
+@inlined_kernel
+def materials_in(appearance: Addresses) -> Materials:
+    """Return the materials in the table of an ``Appearance``."""
+    surfaces = _read_surfaces(appearance[SURFACES:TO_SUN])
+    return Materials(
+        surfaces.color,
+        surfaces.axis,
+        surfaces.ground,
+        _columns_in(_read_columns(appearance[TO_SUN:UPWARDS])),
+        _columns_in(_read_columns(appearance[UPWARDS:])),
+        surfaces.clouds,
+    )
+
+
+@inlined_kernel
+def _columns_in(arrays: ColumnArrays) -> Columns:
+    numbers = arrays.numbers
+    return Columns(
+        numbers[0],
+        numbers[1],
+        numbers[2],
+        numbers[3],
+        numbers[4],
+        arrays.record,
+        arrays.clear,
+        arrays.closed,
+        arrays.start,
+        arrays.solids,
+    )

@@ -1,0 +1,188 @@
+"""Rendering pictures: the rays of each are traced, and what they hit is shaded.
+
+One kernel renders the pictures of many cameras on many maps, because every call from Python waits for the
+other threads that are in Python.
+"""
+
+import threading
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.compilation.array_tables import Addresses, ArrayTable, reader
+from wildscav_engine.compilation.kernel import inlined_kernel, kernel
+from wildscav_engine.rendering.cameras import Cameras, are_finite
+from wildscav_engine.rendering.dynamic_objects import ObjectSets, read_objects, shapes_between, solids_between
+from wildscav_engine.rendering.shading.appearance import Appearance, materials_in, world_of
+from wildscav_engine.rendering.shading.ground_along_rows import GroundScratch, allocate_ground_scratch
+from wildscav_engine.rendering.shading.moving_shadows import Casters, allocate_casters
+from wildscav_engine.rendering.shading.pictures import Canvas, ShadedScene, shade
+from wildscav_engine.rendering.shading.pixel_rays import cosines_of
+from wildscav_engine.rendering.shading.pixel_rows import allocate_rows
+from wildscav_engine.rendering.trace import Hits, Scene, trace_image, write_hits
+from wildscav_engine.rendering.tracing.frustum import camera_at
+from wildscav_engine.rendering.tracing.hit_buffer import hit_buffer_in
+from wildscav_engine.rendering.tracing.packing import unpack_shapes
+from wildscav_engine.rendering.tracing.workspace import Size, read_workspace
+
+MOST_KEPT = 2**18  # pixels of the largest picture whose scratch buffers are kept for the next one
+
+
+def render_pictures(
+    scenes: Sequence[Scene],
+    appearances: Sequence[Appearance],
+    objects: ObjectSets,
+    matches: NDArray[np.int64],
+    cameras: Cameras,
+    images: NDArray[np.uint8],
+    *,
+    shadows: bool,
+) -> bool:
+    """Render pictures.
+
+    Args:
+        scenes: The static worlds of N cameras, or one for all.
+        appearances: Their appearances.
+        objects: The moving objects of some matches.
+        matches: (N,) the match in ``objects`` that each camera is in.
+        cameras: N cameras.
+        images: (N, H, W, 3) red, green, blue, written.
+        shadows: Whether solids cast shadows.
+
+    Returns:
+        Whether all numbers of the cameras are finite; if not, nothing is written.
+    """
+    _, height, width, _ = images.shape
+    size = Size(height, width, cameras.half_width, objects.most_faces)
+    # The kernel reads the arrays at their addresses, so references to them are held until it returns.
+    workspaces = [scene.workspaces.of(scene.packed, size) for scene in scenes]
+    scratch = latest_scratch.of(height, width)
+    return _render(
+        *cameras,
+        np.concatenate([workspace.tables for workspace in workspaces]),
+        np.concatenate([appearance.tables for appearance in appearances]),
+        objects.addresses,
+        objects.start,
+        matches,
+        allocate_casters(objects.most),
+        cosines_of(cameras.half_width, height, width),
+        scratch.addresses,
+        images,
+        shadows,
+    )
+
+
+class Scratch(NamedTuple):
+    """Buffers for one picture: what its rays hit, then a ``Canvas``."""
+
+    distance: NDArray[np.float32]
+    solid: NDArray[np.int32]
+    face: NDArray[np.int32]
+    depths: NDArray[np.float32]
+    rows: NDArray[np.float32]
+    ground: NDArray[np.float32]  # (7, …) the float32 buffers of ``GroundScratch``
+    ground_places: NDArray[np.int32]  # (3, …) the other ones
+
+
+def _allocate(height: int, width: int) -> Scratch:
+    shape = height, width
+    ground = allocate_ground_scratch()
+    return Scratch(
+        np.empty(shape, np.float32),
+        np.empty(shape, np.int32),
+        np.empty(shape, np.int32),
+        np.empty(shape, np.float32),
+        allocate_rows(width),
+        np.stack(ground[:7]),
+        np.stack(ground[7:]),
+    )
+
+
+_read_scratch = reader(_allocate(1, 1))
+
+
+class LatestScratch(threading.local):
+    """The buffers that each thread used last, kept because fresh memory takes longer than used one."""
+
+    def __init__(self) -> None:
+        self._size = (0, 0)
+        self._table: ArrayTable
+
+    def of(self, height: int, width: int) -> ArrayTable:
+        """Return the buffers for a picture."""
+        if self._size == (height, width):
+            return self._table
+        table = ArrayTable(_allocate(height, width))
+        if height * width <= MOST_KEPT:
+            self._size, self._table = (height, width), table
+        return table
+
+
+latest_scratch = LatestScratch()
+
+
+@kernel
+def _render(
+    eyes: NDArray[np.float64],
+    yaws: NDArray[np.float64],
+    pitches: NDArray[np.float64],
+    viewers: NDArray[np.int32],
+    half_width: float,
+    far: float,
+    workspaces: NDArray[np.int64],
+    appearances: NDArray[np.int64],
+    objects: Addresses,
+    start: NDArray[np.int64],
+    matches: NDArray[np.int64],
+    casters: Casters,
+    cosines: NDArray[np.float32],
+    scratch: Addresses,
+    images: NDArray[np.uint8],
+    shadows: bool,
+) -> bool:
+    """Implement ``render_pictures``."""
+    if not are_finite(eyes, yaws, pitches):
+        return False
+    cameras = Cameras(eyes, yaws, pitches, viewers, half_width, far)
+    buffers, parts = _read_scratch(scratch), read_objects(objects)
+    hit, canvas = Hits(buffers.distance, buffers.solid, buffers.face), _canvas_in(buffers)
+    count, height, width = images.shape[:3]
+    for image in range(count):
+        place = image if workspaces.shape[0] > 1 else 0
+        first, last = start[matches[image]], start[matches[image] + 1]
+        workspace, others = read_workspace(workspaces[place]), shapes_between(parts, first, last)
+        buffer = hit_buffer_in(width, workspace.rays, workspace.met, workspace.strips)
+        camera = camera_at(eyes[image], yaws[image], pitches[image], half_width, width, height, far)
+        trace_image(workspace, others, camera, viewers[image], True, buffer)
+        solids = unpack_shapes(workspace.numbers, workspace.indices)
+        write_hits(solids, others, camera, buffer, hit)
+        scene = ShadedScene(
+            world_of(appearances[place]),
+            materials_in(appearances[place]),
+            solids_between(parts, first, last),
+            parts.color[first:last],
+            casters,
+            shadows,
+        )
+        shade(scene, cameras, image, hit, canvas, cosines, images[image])
+    return True
+
+
+@inlined_kernel
+def _canvas_in(buffers: Scratch) -> Canvas:
+    numbers, places = buffers.ground, buffers.ground_places
+    ground = GroundScratch(
+        numbers[0],
+        numbers[1],
+        numbers[2],
+        numbers[3],
+        numbers[4],
+        numbers[5],
+        numbers[6],
+        places[0],
+        places[1],
+        places[2],
+    )
+    return Canvas(buffers.depths, buffers.rows, ground)
