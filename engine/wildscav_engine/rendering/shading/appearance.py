@@ -33,8 +33,7 @@ class ColumnArrays(NamedTuple):
 
 
 _FLOATS, _INTEGERS = np.zeros(0, np.float32), np.zeros(0, np.int32)
-# A kernel that returns the static world in the table of an ``Appearance``.
-world_of = reader(empty_world())
+_read_world = reader(empty_world())
 _read_surfaces = reader(
     Surfaces(
         np.zeros((0, 3)), np.zeros((0, 2)), np.zeros((1, 1, 8), np.float32), np.zeros((0, 0), np.float32)
@@ -72,6 +71,13 @@ class Appearance:
 
 def _arrays_of(columns: Columns) -> ColumnArrays:
     return ColumnArrays(np.array(columns[:5], np.float64), *columns[5:])
+
+
+@inlined_kernel
+def world_in(appearance: Addresses) -> World:
+    """Return the static world in the table of an ``Appearance``."""
+    world: World = _read_world(appearance[:SURFACES])
+    return world
 
 
 @inlined_kernel

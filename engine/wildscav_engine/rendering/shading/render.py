@@ -15,7 +15,7 @@ from wildscav_engine.compilation.array_tables import Addresses, ArrayTable, read
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.rendering.cameras import Cameras, are_finite
 from wildscav_engine.rendering.dynamic_objects import ObjectSets, read_objects, shapes_between, solids_between
-from wildscav_engine.rendering.shading.appearance import Appearance, materials_in, world_of
+from wildscav_engine.rendering.shading.appearance import Appearance, materials_in, world_in
 from wildscav_engine.rendering.shading.ground_along_rows import GroundScratch, allocate_ground_scratch
 from wildscav_engine.rendering.shading.moving_shadows import Casters, allocate_casters
 from wildscav_engine.rendering.shading.pictures import Canvas, ShadedScene, shade
@@ -159,7 +159,7 @@ def _render(
         solids = unpack_shapes(workspace.numbers, workspace.indices)
         write_hits(solids, others, camera, buffer, hit)
         scene = ShadedScene(
-            world_of(appearances[place]),
+            world_in(appearances[place]),
             materials_in(appearances[place]),
             solids_between(parts, first, last),
             parts.color[first:last],
