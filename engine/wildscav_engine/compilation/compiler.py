@@ -39,7 +39,10 @@ EXACT_OPTIONS = {"fastmath": False, "nogil": True, "error_model": "numpy"}
 
 
 def compile_whole(function: Callable[..., Any], *, disjoint: bool = False, **options: Any) -> Any:  # noqa: ARG001
-    """Return a function that compiles itself when it is first called from Python."""
+    """Return a function that compiles itself when it is first called from Python.
+
+    ``disjoint`` does not matter then: it helps where other kernels inline the function.
+    """
     options = {"no_cfunc_wrapper": True, **options}
     folder = _folder_of(function, "-".join(sorted(options)))
     # Without reference counting, no second pass is needed to find references that can be removed.

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from wildscav_engine.rendering.tracing.frustum import Rectangle
 from wildscav_engine.rendering.tracing.hit_buffer import (
-    LANES,
+    RAYS_PER_VECTOR,
     allocate_rays,
     allocate_strips,
     even_count,
@@ -32,4 +32,4 @@ def test_groups_of_rays_contain_the_pixels_of_a_row(width: int, height: int, dat
     assert 0 <= start <= row * width + pixels.left
     assert row * width + pixels.right <= start + count <= width * height
     assert count <= strips.shape[1]
-    assert count % LANES == 0 or count == width * height
+    assert count % RAYS_PER_VECTOR == 0 or count == width * height

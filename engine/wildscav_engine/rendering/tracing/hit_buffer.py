@@ -12,7 +12,7 @@ from wildscav_engine.rendering.tracing.frustum import Camera, Rectangle, nonnega
 # triangles of the terrain (numbered twice the cell, plus one for the north-western) and the cells of water.
 NOTHING = -1
 FEW = 256  # rays; an image with at most this many is processed as one strip
-LANES = 8  # rays that a processor intersects at once, at most
+RAYS_PER_VECTOR = 8  # rays that a processor intersects at once, at most
 
 
 class HitBuffer(NamedTuple):
@@ -51,7 +51,7 @@ def allocate_rays(height: int, width: int, half_width: float) -> NDArray[np.floa
 
 def allocate_strips(height: int, width: int) -> NDArray[np.float64]:
     """Return (3, strip): scratch buffers for the rays that are processed together, a row or a small image."""
-    return np.empty((3, max(width + LANES, min(height * width, FEW))))
+    return np.empty((3, max(width + RAYS_PER_VECTOR, min(height * width, FEW))))
 
 
 @inlined_kernel
@@ -151,12 +151,14 @@ def end_at_edges(
 
 @inlined_kernel
 def even_count(buffer: HitBuffer, pixels: Rectangle) -> int:
-    """Return how many rays of each row to process for some pixels: whole groups of LANES.
+    """Return how many rays of each row to process for some pixels: whole groups of RAYS_PER_VECTOR.
 
     The processor computes a group as fast as one ray. Any rays left over would be computed one by one, which
     takes longer than the few further rays of the image that the last group contains.
     """
-    return int(min(buffer.met.shape[0], -(-(pixels.right - pixels.left) // LANES) * LANES))
+    return int(
+        min(buffer.met.shape[0], -(-(pixels.right - pixels.left) // RAYS_PER_VECTOR) * RAYS_PER_VECTOR)
+    )
 
 
 @inlined_kernel

@@ -10,7 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
-from wildscav_engine.rendering.dynamic_objects import DynamicObjects, ObjectArrays, ObjectSets
+from wildscav_engine.rendering.dynamic_objects import (
+    DynamicObjects,
+    ObjectArrays,
+    ObjectSets,
+    solids_between,
+)
 from wildscav_engine.rendering.palette import of_seat
 from wildscav_engine.rendering.tracing.solids import NO_OWNER, Solids, write_boxes
 from wildscav_engine.sensors.optics.object_parts import (
@@ -123,11 +128,11 @@ def _gather(
     start = np.zeros(len(frames) + 1, np.int64)
     _count_parts(bodies, supplies, frames, start)
     count = int(start[-1])
-    solids = allocate_parts(count)
-    arrays = ObjectArrays(*solids, np.empty((count, 9)), np.empty(count, np.int64), np.empty((count, 3)))
+    shapes = np.empty((count, 9)), np.empty(count, np.int64)
+    arrays = ObjectArrays(*allocate_parts(count), *shapes, np.empty((count, 3)))
     instance = np.empty(count, np.int32)
     body_colors = colors_of_bodies(int(bodies.team.max(initial=0)) + 1)
-    _write_objects(bodies, supplies, frames, body_colors, solids, arrays, instance)
+    _write_objects(bodies, supplies, frames, body_colors, arrays, instance)
     return arrays, instance, start
 
 
@@ -139,7 +144,7 @@ def _count_parts(
     for match in range(frames.shape[0]):
         count = 0
         for seat in range(bodies.present.shape[1]):
-            if bodies.present[match, seat] and bodies.health[match, seat] > 0:
+            if _is_shown(bodies, match, seat):
                 count += BODY.shape[0]
         boxes = _boxes_of(supplies, match)
         for slot in range(boxes.quantity.shape[0]):
@@ -154,7 +159,6 @@ def _write_objects(
     supplies: Supplies,
     frames: NDArray[np.int64],
     body_colors: NDArray[np.float64],
-    solids: Solids,
     arrays: ObjectArrays,
     instance: NDArray[np.int32],
 ) -> None:
@@ -165,14 +169,13 @@ def _write_objects(
         supplies: Of B matches.
         frames: (B,) frames that each has played.
         body_colors: As of ``colors_of_bodies``.
-        solids: (S,) the parts, written.
-        arrays: The same arrays and further ones, written.
+        arrays: S parts, written.
         instance: (S,) written.
     """
-    first = 0
+    solids, first = solids_between(arrays, 0, instance.shape[0]), 0
     for match in range(frames.shape[0]):
         for seat in range(bodies.present.shape[1]):
-            if bodies.present[match, seat] and bodies.health[match, seat] > 0:
+            if _is_shown(bodies, match, seat):
                 place = bodies.position[match, seat]
                 spot = (place[0], place[1], place[2])
                 write_object(AGENT, BODY, spot, bodies.yaw[match, seat], seat, first, solids)
@@ -191,6 +194,12 @@ def _write_objects(
     write_boxes(solids.faces, solids.face_start, solids.corners, solids.corner_start, arrays.boxes)
     for part in range(first):
         arrays.names[part] = arrays.owner[part]
+
+
+@inlined_kernel
+def _is_shown(bodies: Bodies, match: int, seat: int) -> bool:
+    """Return whether a seat has a living agent."""
+    return bool(bodies.present[match, seat] and bodies.health[match, seat] > 0)
 
 
 @inlined_kernel
