@@ -43,8 +43,12 @@ class EvaluationProgress:
         if not self._console.is_terminal or self._quiet:
             yield
             return
-        with self._live:
+        # Drawn before anything else is printed: a print that finds no table does not expect one to appear.
+        self._live.start(refresh=True)
+        try:
             yield
+        finally:
+            self._live.stop()
 
     def note_broken(self, job: Job, reason: str) -> None:
         """Print at once that the platform broke a match, which is played again."""
