@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.array_tables import Addresses
-from wildscav_engine.compilation.kernel import inlined_kernel, kernel, only_for
+from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel, kernel, only_for
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.rendering.cameras import Cameras, are_finite
 from wildscav_engine.rendering.tracing.front_to_back import Scratch, trace_moving_solids, trace_world
-from wildscav_engine.rendering.tracing.frustum import Camera, camera_at
+from wildscav_engine.rendering.tracing.frustum import Camera, camera_at, nonnegative
 from wildscav_engine.rendering.tracing.hit_buffer import (
     NOTHING,
     HitBuffer,
@@ -37,7 +37,7 @@ from wildscav_engine.rendering.tracing.packing import (
     unpack_shapes,
 )
 from wildscav_engine.rendering.tracing.scene import Scene, scene_of
-from wildscav_engine.rendering.tracing.solid_intersection import entered_face
+from wildscav_engine.rendering.tracing.solid_intersection import write_entered_faces
 from wildscav_engine.rendering.tracing.solids import Solids, all_shapes_of
 from wildscav_engine.rendering.tracing.workspace import Size, Workspace, read_workspace
 
@@ -269,26 +269,50 @@ def write_hits(solids: Shapes, others: Shapes, camera: Camera, buffer: HitBuffer
     """Write what each ray of an image hit, in the terms of ``Hits``, all (H, W)."""
     height, width = hit.distance.shape
     for row in range(height):
-        for column in range(width):
-            ray = row * width + column
-            met = buffer.met[ray]
-            distance, solid, face = buffer.distance[ray], NOTHING_HIT, 0
-            if met == NOTHING:
-                distance = np.inf
-            elif met < NOTHING:
-                solid = TERRAIN_HIT if is_terrain_code(met) else WATER_HIT
-                face = index_in_code(met)
-            else:
-                direction = (buffer.east[ray], buffer.up[ray], buffer.north[ray])
-                if met < solids.boxes.shape[0]:
-                    solid = solids.names[met]
-                    face = solids.face_names[met] + entered_face(solids, met, camera, direction)
-                else:
-                    moving_solid = met - solids.boxes.shape[0]
-                    solid = solids.boxes.shape[0] + moving_solid
-                    face = others.face_names[moving_solid] + entered_face(
-                        others, moving_solid, camera, direction
-                    )
-            hit.distance[row, column] = distance
-            hit.solid[row, column] = solid
-            hit.face[row, column] = face
+        line = Hits(hit.distance[row], hit.solid[row], hit.face[row])
+        start = nonnegative(row * width)
+        _write_terrain(buffer.distance[start : start + width], buffer.met[start : start + width], line)
+        first = 0
+        while first < width:
+            met, last = buffer.met[start + first], first + 1
+            if met > NOTHING:
+                while last < width and buffer.met[start + last] == met:
+                    last += 1
+                _write_solid(solids, others, met, camera, buffer, start, first, last, line)
+            first = last
+
+
+@disjoint_kernel
+def _write_terrain(distances: NDArray[np.float64], mets: NDArray[np.int32], line: Hits) -> None:
+    """Write the distances of a row, and everything about rays that hit no solid."""
+    distance, solid, face = line
+    for column in range(distance.shape[0]):
+        distance[column] = np.inf if mets[column] == NOTHING else distances[column]
+    for column in range(distance.shape[0]):
+        met = mets[column]
+        ground = TERRAIN_HIT if is_terrain_code(met) else WATER_HIT
+        solid[column] = ground if met < NOTHING else NOTHING_HIT
+        face[column] = index_in_code(met) if met < NOTHING else 0
+
+
+@inlined_kernel
+def _write_solid(
+    solids: Shapes,
+    others: Shapes,
+    met: int,
+    camera: Camera,
+    buffer: HitBuffer,
+    start: int,
+    first: int,
+    last: int,
+    line: Hits,
+) -> None:
+    """Write the solid that some successive rays of a row hit, and its faces; the row begins at ``start``."""
+    statics, faces = solids.boxes.shape[0], line.face[first:last]
+    if met < statics:
+        line.solid[first:last] = solids.names[met]
+        write_entered_faces(solids, met, camera, start + first, solids.face_names[met], buffer, faces)
+    else:
+        line.solid[first:last] = met
+        moving = met - statics
+        write_entered_faces(others, moving, camera, start + first, others.face_names[moving], buffer, faces)

@@ -3,19 +3,23 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.kernel import inlined_kernel
+from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.geometry.world import World
-from wildscav_engine.rendering.shading.ambient_occlusion import REACH, reach_of, unoccluded_share
+from wildscav_engine.rendering.shading.ambient_occlusion import REACH, Around, reach_of, unoccluded_share
 from wildscav_engine.rendering.shading.color_arithmetic import Vector
 from wildscav_engine.rendering.shading.columns import Columns
-from wildscav_engine.rendering.shading.light import is_roofed, skylight
+from wildscav_engine.rendering.shading.light import is_roofed, write_skylight
 from wildscav_engine.rendering.shading.occlusion_along_rows import are_alike_far, write_shares, write_tilts
-from wildscav_engine.rendering.shading.pixel_rays import View, point_along, way_of
-from wildscav_engine.rendering.shading.pixel_rows import RowOfPixels
+from wildscav_engine.rendering.shading.pixel_rays import View, Ways
+from wildscav_engine.rendering.shading.pixel_rows import Normals, Places, RowOfPixels
 from wildscav_engine.rendering.trace import WATER_HIT, Hits
 
-LIFT, LIFT_SHARE = 0.004, 2e-4  # m, and m per m of distance, off the surface, where a ray to the light starts
+LIFT, LIFT_SHARE = (
+    np.float32(0.004),
+    np.float32(2e-4),
+)  # m, and m per m of distance, off the surface, where a ray to the light starts
+FARTHEST = np.float32(2000.0)  # m, the greatest range of cameras
 WIDE = 2.0  # pixels, within which nearby surfaces occlude, from where on four pixels share the result
 SPAN, FEWEST = 32, 8  # pixels of a row that are looked at together, at most and at least
 MARGIN = 1.2  # how much farther around others than the first of them may be looked at
@@ -29,22 +33,39 @@ def write_ambient(
     hit: Hits,
     depths: NDArray[np.float32],
     row: int,
+    pieces: NDArray[np.int32],
+    count: int,
+    around: Around,
     pixels: RowOfPixels,
 ) -> None:
-    """Write the ambient light on the surfaces of a row, given what the rays of an image hit, all (H, W)."""
-    _write_skylight(upwards, world, view, hit, row, pixels)
+    """Write the ambient light on the surfaces of a row.
+
+    Args:
+        upwards: The columns of floors and roofs.
+        world: The static world.
+        view: The camera of the image.
+        hit: What its rays hit, (H, W) each.
+        depths: (H, W) m along the view axis.
+        row: The row.
+        pieces: Of the row; see ``find_pieces``.
+        count: Of pieces.
+        around: Scratch buffers.
+        pixels: The row, with its colours, normals and places.
+    """
+    _write_skylight(upwards, world, hit.solid[row], pieces, count, pixels)
     write_tilts(view, row, pixels.normal, pixels.tilt)
     distances = hit.distance[row]
     for first in range(0, view.width, SPAN):
         last = min(view.width, first + SPAN)
-        if hit.solid[row, first] == NOTHING_HIT and end_of_surface(hit, row, first, last) == last:
+        are_alike = are_alike_far(distances[first:last])
+        if are_alike and hit.solid[row, first] == NOTHING_HIT:
             continue
-        low, high = _together(view, hit, row, first, last)
-        _write_each(view, hit, depths, row, first, low, pixels)
+        low, high = _together(view, hit, row, first, last) if are_alike else (last, last)
+        _write_each(view, hit, depths, row, first, low, around, pixels)
         if low < high:
             shares, distance = pixels.unoccluded[low:high], float(distances[low])
             write_shares(depths, view, row, low, distance, pixels.tilt, shares)
-        _write_each(view, hit, depths, row, high, last, pixels)
+        _write_each(view, hit, depths, row, high, last, around, pixels)
     for column in range(view.width):
         pixels.ambient[column] *= pixels.unoccluded[column]
 
@@ -53,9 +74,9 @@ def write_ambient(
 def _together(view: View, hit: Hits, row: int, first: int, last: int) -> tuple[int, int]:
     """Return which of the columns from ``first`` to before ``last`` are looked at together, possibly none.
 
-    All must be about as far, and the pixels around them in the image. Nothing takes light from water.
+    All are about as far. The pixels around them must be in the image, and nothing takes light from water.
     """
-    if hit.solid[row, first] == WATER_HIT or not are_alike_far(hit.distance[row][first:last]):
+    if hit.solid[row, first] == WATER_HIT:
         return last, last
     far = int(reach_of(view, float(hit.distance[row, first])) * MARGIN + 1.0)
     low, high = max(first, far), min(last, view.width - far)
@@ -64,55 +85,59 @@ def _together(view: View, hit: Hits, row: int, first: int, last: int) -> tuple[i
 
 @inlined_kernel
 def _write_skylight(
-    upwards: Columns, world: World, view: View, hit: Hits, row: int, pixels: RowOfPixels
+    upwards: Columns,
+    world: World,
+    solids: NDArray[np.int32],
+    pieces: NDArray[np.int32],
+    count: int,
+    pixels: RowOfPixels,
 ) -> None:
     """Write the light from the sky on the surfaces of a row, as if nothing were near.
 
     Where both ends of a short piece of one surface are under a roof, or neither is, so is the rest.
     """
-    first = 0
-    while first < view.width:
-        last = end_of_surface(hit, row, first, min(view.width, first + SPAN))
-        if hit.solid[row, first] != NOTHING_HIT:
-            roofed = _is_under_roof(upwards, world, view, hit, row, first, pixels)
-            if roofed == _is_under_roof(upwards, world, view, hit, row, last - 1, pixels):
+    write_skylight(pixels.normal, False, pixels.ambient)
+    for piece in range(count):
+        if solids[pieces[piece]] == NOTHING_HIT:
+            continue
+        for first in range(pieces[piece], pieces[piece + 1], SPAN):
+            last = min(pieces[piece + 1], first + SPAN)
+            begins_roofed = is_roofed(upwards, world, place_of(pixels.place, first))
+            ends_roofed = is_roofed(upwards, world, place_of(pixels.place, last - 1))
+            if begins_roofed & ends_roofed:
+                _write_roofed(first, last, pixels)
+            elif begins_roofed | ends_roofed:
                 for column in range(first, last):
-                    pixels.ambient[column] = skylight(_normal(pixels, column), roofed)
-            else:
-                for column in range(first, last):
-                    roofed = _is_under_roof(upwards, world, view, hit, row, column, pixels)
-                    pixels.ambient[column] = skylight(_normal(pixels, column), roofed)
-        first = last
+                    if is_roofed(upwards, world, place_of(pixels.place, column)):
+                        _write_roofed(column, column + 1, pixels)
 
 
 @inlined_kernel
-def end_of_surface(hit: Hits, row: int, first: int, limit: int) -> int:
-    """Return the first column after ``first`` that does not show the same surface, at most ``limit``."""
-    last = first + 1
-    while last < limit and _is_same(hit, row, last, row, first):
-        last += 1
-    return last
-
-
-@inlined_kernel
-def _normal(pixels: RowOfPixels, column: int) -> Vector:
+def _write_roofed(first: int, last: int, pixels: RowOfPixels) -> None:
+    """Write the ambient light from one column to before another, all under a roof."""
     normal = pixels.normal
-    return float(normal.east[column]), float(normal.up[column]), float(normal.north[column])
+    some = Normals(normal.east[first:last], normal.up[first:last], normal.north[first:last])
+    write_skylight(some, True, pixels.ambient[first:last])
+
+
+@disjoint_kernel
+def write_places(
+    view: View, ways: Ways, normal: Normals, distances: NDArray[np.float32], place: Places
+) -> None:
+    """Write the places slightly off the surfaces of a row, where rays to the light start."""
+    x, y, z = np.float32(view.eye[0]), np.float32(view.eye[1]), np.float32(view.eye[2])
+    for column in range(distances.shape[0]):
+        distance = min(FARTHEST, distances[column])
+        lift = LIFT + LIFT_SHARE * distance
+        place.x[column] = x + (ways.east[column] * distance + normal.east[column] * lift)
+        place.y[column] = y + (ways.up[column] * distance + normal.up[column] * lift)
+        place.z[column] = z + (ways.north[column] * distance + normal.north[column] * lift)
 
 
 @inlined_kernel
-def off_surface(view: View, distance: float, column: int, pixels: RowOfPixels) -> Vector:
-    """Return the place slightly off the surface that a pixel shows, where a ray to the light starts."""
-    place = point_along(view.eye, way_of(pixels.ways, column), distance)
-    return point_along(place, _normal(pixels, column), LIFT + LIFT_SHARE * distance)
-
-
-@inlined_kernel
-def _is_under_roof(
-    upwards: Columns, world: World, view: View, hit: Hits, row: int, column: int, pixels: RowOfPixels
-) -> bool:
-    """Return whether there is a floor or a roof above the place that a pixel shows."""
-    return is_roofed(upwards, world, off_surface(view, float(hit.distance[row, column]), column, pixels))
+def place_of(place: Places, column: int) -> Vector:
+    """Return one of the places of a row."""
+    return float(place.x[column]), float(place.y[column]), float(place.z[column])
 
 
 @inlined_kernel
@@ -123,6 +148,7 @@ def _write_each(
     row: int,
     first: int,
     last: int,
+    around: Around,
     pixels: RowOfPixels,
 ) -> None:
     """Write the shares of light that nearby surfaces leave of some columns one by one.
@@ -140,8 +166,7 @@ def _write_each(
         elif is_wide and row & 1 and _is_same(hit, row, column, row - 1, column):
             shares[column] = pixels.unoccluded_above[column]
         else:
-            normal = _normal(pixels, column)
-            shares[column] = unoccluded_share(depths, row, column, view, distance, normal)
+            shares[column] = unoccluded_share(depths, row, column, view, distance, pixels.tilt, around)
 
 
 @inlined_kernel

@@ -11,11 +11,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.kernel import inlined_kernel
+from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel
 from wildscav_engine.geometry.world import World
 from wildscav_engine.rendering.shading.color_arithmetic import Vector
+from wildscav_engine.rendering.shading.pixel_rows import Places
+from wildscav_engine.rendering.tracing.frustum import nonnegative
 
 CLEAR, BLOCKED, UNKNOWN = 0, 1, 2  # what is known about the way from a place
+OUTSIDE, NONE = np.float32(-1.0), np.float32(0.0)  # the row of places that belong to no column
 STEEP = -1  # stands for ground that may shade itself, among the solids of a column
 
 
@@ -55,7 +58,29 @@ def is_blocked(columns: Columns, world: World, place: Vector) -> int:
     rows, width = columns.record.shape
     if not (0.0 <= across < width and 0.0 <= along < rows):
         return CLEAR
-    record = columns.record[int(along), int(across)]
+    return blocked_in(columns, world, int(along), int(across), place)
+
+
+@disjoint_kernel
+def write_columns(
+    columns: Columns, places: Places, rows: NDArray[np.int32], numbers: NDArray[np.int32]
+) -> None:
+    """Write which columns places belong to, as rows, OUTSIDE for none, and numbers in them."""
+    lean_x, lean_z = np.float32(columns.lean_x), np.float32(columns.lean_z)
+    west, south, per_side = np.float32(columns.west), np.float32(columns.south), np.float32(columns.per_side)
+    height, width = np.float32(columns.record.shape[0]), np.float32(columns.record.shape[1])
+    for place in range(rows.shape[0]):
+        x, y, z = places.x[place], places.y[place], places.z[place]
+        across, along = (x - lean_x * y - west) * per_side, (z - lean_z * y - south) * per_side
+        is_in = (across >= NONE) & (across < width) & (along >= NONE) & (along < height)
+        rows[place] = np.int32(along if is_in else OUTSIDE)
+        numbers[place] = np.int32(across if is_in else NONE)
+
+
+@inlined_kernel
+def blocked_in(columns: Columns, world: World, row: int, number: int, place: Vector) -> int:
+    """Return the same as ``is_blocked``, given the row and the number of the column of the place."""
+    y, record = place[1], columns.record[nonnegative(row), nonnegative(number)]
     if record == 0 or y >= columns.clear[record]:
         return CLEAR
     if y < columns.closed[record]:

@@ -1,46 +1,20 @@
 """The appearance of the ground along a row of pixels: that of ``ground``, in loops that are vectorized."""
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import inlined_kernel
 from wildscav_engine.geometry.world import CELL, World
 from wildscav_engine.rendering.shading.ground import COARSE, FINE, MEDIUM, blend, corners_of
-from wildscav_engine.rendering.shading.noise import LATTICE, PERIOD, eased32
+from wildscav_engine.rendering.shading.noise import FOURS, between, corner_of, eased32
 from wildscav_engine.rendering.shading.pixel_rays import LEAST_FACING, View, Ways
 from wildscav_engine.rendering.shading.pixel_rows import Channels, Normals, RowOfPixels
 from wildscav_engine.rendering.shading.surfaces import BLUR, SHARPEST
+from wildscav_engine.rendering.shading.texture_scratch import AT_ONCE, TextureScratch
 from wildscav_engine.rendering.tracing.frustum import nonnegative
 
-AT_ONCE = 128  # pixels, whose numbers stay in the fastest cache
 NONE, HALF, ONE, ONE_AND_HALF = (np.float32(number) for number in (0.0, 0.5, 1.0, 1.5))
 SHARPEST_32, LEAST_FACING_32 = np.float32(SHARPEST), np.float32(LEAST_FACING)
-NOISE = LATTICE.ravel()
-NEXT = PERIOD + 1  # from a row of the noise to the next
-
-
-class GroundScratch(NamedTuple):
-    """Buffers for the ground along a row, (AT_ONCE,) each."""
-
-    x: NDArray[np.float32]  # m
-    z: NDArray[np.float32]
-    pixel: NDArray[np.float32]  # m, size on the ground
-    grain: NDArray[np.float32]  # brightness
-    seen: NDArray[np.float32]  # how visible details of one size are
-    east: NDArray[np.float32]  # position in a cell, or among four numbers of the noise, 0-1
-    north: NDArray[np.float32]
-    row: NDArray[np.int32]  # of the cell
-    column: NDArray[np.int32]
-    corner: NDArray[np.int32]  # index of the south-western of the four numbers
-
-
-def allocate_ground_scratch() -> GroundScratch:
-    """Return uninitialized buffers."""
-    x, z, pixel, grain, seen, east, north = np.empty((7, AT_ONCE), np.float32)
-    row, column, corner = np.empty((3, AT_ONCE), np.int32)
-    return GroundScratch(x, z, pixel, grain, seen, east, north, row, column, corner)
 
 
 @inlined_kernel
@@ -51,7 +25,7 @@ def write_ground(
     distances: NDArray[np.float32],
     first: int,
     last: int,
-    scratch: GroundScratch,
+    scratch: TextureScratch,
     pixels: RowOfPixels,
 ) -> None:
     """Write the colours without light, and the normals, of the ground from one column to before another.
@@ -85,7 +59,7 @@ def write_ground(
 
 
 @inlined_kernel
-def _write_places(view: View, ways: Ways, distances: NDArray[np.float32], scratch: GroundScratch) -> None:
+def _write_places(view: View, ways: Ways, distances: NDArray[np.float32], scratch: TextureScratch) -> None:
     x, z = np.float32(view.eye[0]), np.float32(view.eye[2])
     for column in range(distances.shape[0]):
         scratch.x[column] = x + ways.east[column] * distances[column]
@@ -93,7 +67,7 @@ def _write_places(view: View, ways: Ways, distances: NDArray[np.float32], scratc
 
 
 @inlined_kernel
-def _write_cells(world: World, count: int, scratch: GroundScratch) -> None:
+def _write_cells(world: World, count: int, scratch: TextureScratch) -> None:
     """Write the cells of places and the positions in them, as ``ground.cell_at`` does."""
     rows, columns = world.water.shape
     west, south, per_m = np.float32(world.corner[0]), np.float32(world.corner[1]), np.float32(1.0 / CELL)
@@ -112,7 +86,7 @@ def _write_cells(world: World, count: int, scratch: GroundScratch) -> None:
 
 @inlined_kernel
 def _write_smooth(
-    ground: NDArray[np.float32], scratch: GroundScratch, color: Channels, normal: Normals
+    ground: NDArray[np.float32], scratch: TextureScratch, color: Channels, normal: Normals
 ) -> None:
     """Write colours without grain, and unit normals, which are smooth across the edges of triangles."""
     for column in range(color.red.shape[0]):
@@ -134,7 +108,7 @@ def _write_smooth(
 
 @inlined_kernel
 def _write_footprints(
-    view: View, ways: Ways, distances: NDArray[np.float32], normal: Normals, scratch: GroundScratch
+    view: View, ways: Ways, distances: NDArray[np.float32], normal: Normals, scratch: TextureScratch
 ) -> None:
     """Write the sizes of pixels on the ground, as ``pixel_rays.footprint`` does."""
     pixel = np.float32(view.pixel)
@@ -145,7 +119,7 @@ def _write_footprints(
 
 
 @inlined_kernel
-def _write_grain(count: int, scratch: GroundScratch) -> None:
+def _write_grain(count: int, scratch: TextureScratch) -> None:
     """Write how bright the ground is for its grain."""
     for column in range(count):
         scratch.grain[column] = ONE
@@ -155,7 +129,7 @@ def _write_grain(count: int, scratch: GroundScratch) -> None:
 
 
 @inlined_kernel
-def _add_grain(details: tuple[float, float], count: int, scratch: GroundScratch) -> None:
+def _add_grain(details: tuple[float, float], count: int, scratch: TextureScratch) -> None:
     """Add the grain of one size, unless no pixel shows it."""
     size, strength = details
     blur, most, seen = np.float32(BLUR / size), np.float32(strength), scratch.seen
@@ -168,19 +142,18 @@ def _add_grain(details: tuple[float, float], count: int, scratch: GroundScratch)
         return
     _place_in_noise(np.float32(1.0 / size), count, scratch)
     for column in range(count):
-        at = nonnegative(scratch.corner[column])
-        east = scratch.east[column]
-        south = NOISE[at] + (NOISE[at + 1] - NOISE[at]) * east
-        top = NOISE[at + NEXT] + (NOISE[at + NEXT + 1] - NOISE[at + NEXT]) * east
-        scratch.grain[column] += seen[column] * (south + (top - south) * scratch.north[column] - HALF)
+        scratch.corner[column] = FOURS[nonnegative(scratch.corner[column])]
+    for column in range(count):
+        bright = between(scratch.corner[column], scratch.east[column], scratch.north[column])
+        scratch.grain[column] += seen[column] * (bright - HALF)
 
 
 @inlined_kernel
-def _place_in_noise(per_m: np.float32, count: int, scratch: GroundScratch) -> None:
+def _place_in_noise(per_m: np.float32, count: int, scratch: TextureScratch) -> None:
     """Write where places are in the noise, of which so much is in a metre; see ``noise.noise``."""
     for column in range(count):
         x, z = scratch.x[column] * per_m, scratch.z[column] * per_m
         west, south = np.floor(x), np.floor(z)
         scratch.east[column] = eased32(x - west)
         scratch.north[column] = eased32(z - south)
-        scratch.corner[column] = (np.int32(south) & PERIOD - 1) * NEXT + (np.int32(west) & PERIOD - 1)
+        scratch.corner[column] = corner_of(int(np.int32(west)), int(np.int32(south)))

@@ -1,8 +1,9 @@
 """Light on a surface: from the sun and the sky, and what blocks it."""
 
 import numpy as np
+from numpy.typing import NDArray
 
-from wildscav_engine.compilation.kernel import inlined_kernel, kernel
+from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel, kernel
 from wildscav_engine.geometry.rays import (
     Ray,
     Step,
@@ -14,7 +15,15 @@ from wildscav_engine.geometry.rays import (
 from wildscav_engine.geometry.world import BLOCK, World
 from wildscav_engine.rendering.palette import SKYLIGHT, SUNLIGHT
 from wildscav_engine.rendering.shading.color_arithmetic import Color, Vector, dot
-from wildscav_engine.rendering.shading.columns import BLOCKED, CLEAR, UNKNOWN, Columns, is_blocked
+from wildscav_engine.rendering.shading.columns import (
+    BLOCKED,
+    CLEAR,
+    UNKNOWN,
+    Columns,
+    blocked_in,
+    is_blocked,
+)
+from wildscav_engine.rendering.shading.pixel_rows import Normals
 from wildscav_engine.rendering.shading.sky import SUN_DIRECTION
 
 SUN_COLOR = (float(SUNLIGHT[0]), float(SUNLIGHT[1]), float(SUNLIGHT[2]))
@@ -42,17 +51,17 @@ def lit(base: Color, normal: Vector, sun: float, sky: float) -> Color:
     )
 
 
-@inlined_kernel
-def skylight(normal: Vector, roofed: bool) -> float:
-    """Return the ambient light on a surface.
+@disjoint_kernel
+def write_skylight(normal: Normals, roofed: bool, ambient: NDArray[np.float32]) -> None:
+    """Write the ambient light on surfaces.
 
     Under the open sky most of it comes from above, in a house from all walls. It is slightly brighter on one
     side, so that the edge between two walls is visible.
     """
-    aside = SIDE_LIGHT[0] * normal[0] + SIDE_LIGHT[1] * normal[2]
-    if roofed:
-        return 0.94 + 0.06 * normal[1] + aside
-    return 0.90 + 0.30 * normal[1] + aside
+    level, rise = (0.94, 0.06) if roofed else (0.90, 0.30)
+    for column in range(ambient.shape[0]):
+        east, up, north = float(normal.east[column]), float(normal.up[column]), float(normal.north[column])
+        ambient[column] = level + rise * up + (SIDE_LIGHT[0] * east + SIDE_LIGHT[1] * north)
 
 
 @kernel
@@ -97,9 +106,19 @@ def is_roofed(upwards: Columns, world: World, place: Vector) -> bool:
 
 
 @inlined_kernel
-def sun_shines(to_sun: Columns, world: World, place: Vector) -> bool:
-    """Return the same as ``sun_is_clear`` for a place above the ground, given the columns towards the sun."""
-    found = is_blocked(to_sun, world, place)
+def sun_shines(to_sun: Columns, world: World, row: int, number: int, place: Vector) -> bool:
+    """Return the same as ``sun_is_clear`` for a place above the ground.
+
+    Args:
+        to_sun: The columns towards the sun.
+        world: The static world.
+        row: Of the column that the place belongs to, as of ``write_columns``.
+        number: Of that column.
+        place: m.
+    """
+    if row < 0:
+        return True
+    found = blocked_in(to_sun, world, row, number, place)
     if found == UNKNOWN:
         return sun_is_clear(world, place)
     return found == CLEAR

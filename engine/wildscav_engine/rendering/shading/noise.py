@@ -5,10 +5,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 
 LOW_32 = 0xFFFFFFFF
 PERIOD = 128  # after which smooth noise repeats; a power of two
+BYTE, PER_BYTE = np.int32(255), np.float32(1.0 / 255.0)
 BEYOND = 2.0**20  # a multiple of the period that no coordinate of a map exceeds
 TWO, THREE = np.float32(2.0), np.float32(3.0)
 FACTORS = (374761393, 668265263, 974634533, 1274126177)
@@ -22,15 +23,26 @@ def grain(x: int, y: int, z: int) -> float:
     return (mixed ^ mixed >> 16) / 4294967296.0
 
 
-def _lattice() -> NDArray[np.float32]:
-    """Return (129, 129) ``grain`` at each row and column, repeated after 128."""
+def _lattice() -> NDArray[np.int64]:
+    """Return (129, 129) ``grain`` at each row and column, 0-255, repeated after 128."""
     at = np.arange(PERIOD + 1) % PERIOD
     mixed = at[None, :] * FACTORS[0] + at[:, None] * FACTORS[1] & LOW_32
     mixed = (mixed ^ mixed >> 13) * FACTORS[3] & LOW_32
-    return ((mixed ^ mixed >> 16) / 4294967296.0).astype(np.float32)
+    return (mixed ^ mixed >> 16) >> 24
 
 
-LATTICE = _lattice()
+def _fours(lattice: NDArray[np.int64]) -> NDArray[np.int32]:
+    """Return (128 * 128,) what is needed between four numbers of the lattice, packed for a single look-up.
+
+    From the lowest byte on: the south-western, the south-eastern, the north-western, the north-eastern one.
+    """
+    south, north = lattice[:-1], lattice[1:]
+    packed = south[:, :-1] | south[:, 1:] << 8 | north[:, :-1] << 16 | north[:, 1:] << 24
+    return packed.astype(np.uint32).view(np.int32).ravel()
+
+
+LATTICE = (_lattice() / 255.0).astype(np.float32)
+FOURS = _fours(_lattice())
 
 
 @kernel
@@ -55,14 +67,20 @@ def noise(x: float, z: float) -> float:
     return float(south + (top - south) * north)
 
 
-@kernel
-def noise_in_space(x: float, y: float, z: float) -> float:
-    """Return smooth noise in [0, 1) in space, with features of length 1."""
-    level = math.floor(y)
-    # Interpolates between two planes of noise taken from distant parts of the plane.
-    below = noise(x + 57.0 * (level & 63), z + 113.0 * (level & 31))
-    above = noise(x + 57.0 * (level + 1 & 63), z + 113.0 * (level + 1 & 31))
-    return below + (above - below) * _eased(y - level)
+@inlined_kernel
+def corner_of(column: int, row: int) -> int:
+    """Return where in ``FOURS`` the numbers around a place are, given its coordinates rounded down."""
+    return (row & PERIOD - 1) * PERIOD + (column & PERIOD - 1)
+
+
+@inlined_kernel
+def between(four: np.int32, east: np.float32, north: np.float32) -> np.float32:
+    """Return ``noise`` between four of its numbers, at a position that is already ``eased32``."""
+    west_low, east_low = np.float32(four & BYTE), np.float32(four >> 8 & BYTE)
+    west_high, east_high = np.float32(four >> 16 & BYTE), np.float32(four >> 24 & BYTE)
+    low = west_low + (east_low - west_low) * east
+    high = west_high + (east_high - west_high) * east
+    return np.float32((low + (high - low) * north) * PER_BYTE)
 
 
 @kernel

@@ -5,31 +5,30 @@ the compiler can vectorize it. Most surfaces are even, and nothing around rises 
 first.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.kernel import inlined_kernel
+from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel
 from wildscav_engine.rendering.shading.ambient_occlusion import (
-    LEAST_RISE,
     NEARER,
-    REACH,
+    NONE,
+    ONE,
     STRENGTH,
     Samples,
+    Span,
+    height_and_square,
+    occludes,
+    occlusion,
     reach_of,
     samples_around,
 )
 from wildscav_engine.rendering.shading.pixel_rays import View
 from wildscav_engine.rendering.shading.pixel_rows import Normals, Tilts
 
-NONE, ONE = np.float32(0.0), np.float32(1.0)
 LEAST, MOST = np.float32(0.87), np.float32(1.15)  # how far the others may be, in distances of the first
-RISE, SQUARE_OF_RISE = np.float32(LEAST_RISE), np.float32(LEAST_RISE * LEAST_RISE)
-WIDTH, SQUARE_OF_WIDTH = np.float32(1.0 / (2.0 * REACH)), np.float32(4.0 * REACH * REACH)
 
 
-@inlined_kernel
+@disjoint_kernel
 def write_tilts(view: View, row: int, normal: Normals, tilt: Tilts) -> None:
     """Write the planes of the surfaces of a row on the camera's axes."""
     sin_yaw, cos_yaw = np.float32(view.sin_yaw), np.float32(view.cos_yaw)
@@ -57,18 +56,6 @@ def are_alike_far(distances: NDArray[np.float32]) -> bool:
     for column in range(distances.shape[0]):
         is_other |= np.int32(distances[column] < near) | np.int32(distances[column] > far)
     return bool(is_other == 0)
-
-
-class Span(NamedTuple):
-    """Successive pixels of a row, C of them."""
-
-    row: int
-    first: int  # column
-    depth: NDArray[np.float32]  # (C,) m along the view axis
-    tilt: Tilts  # (C,)
-    u: np.float32  # tangent of the angle to the right of the view axis, of the first
-    v: np.float32  # the same upwards
-    pixel: np.float32  # side of a pixel at distance 1 m
 
 
 @inlined_kernel
@@ -117,7 +104,7 @@ def write_shares(
         shares[column] = max(NONE, ONE - strength * shares[column])
 
 
-@inlined_kernel
+@disjoint_kernel
 def _rise_around(depths: NDArray[np.float32], span: Span, at: Samples) -> bool:
     """Return whether any of the pixels around occludes any of a span."""
     own, count, none = span.first, span.depth.shape[0], NONE
@@ -160,32 +147,16 @@ def _aside(span: Span, column: int) -> np.float32:
 @inlined_kernel
 def _rises(span: Span, column: int, depth: np.float32, aside: np.float32, above: np.float32) -> np.int32:
     """Return 1 if what another pixel shows, so far aside and above, occludes a pixel of a span."""
-    height, square = _height_and_square(span, column, depth, aside, above)
-    is_near = np.int32(height > NONE) & np.int32(square < SQUARE_OF_WIDTH)
-    return is_near & np.int32(height * height > SQUARE_OF_RISE * square)
+    height, square = height_and_square(span, column, depth, aside, above)
+    return occludes(height, square)
 
 
-@inlined_kernel
-def _height_and_square(
-    span: Span, column: int, depth: np.float32, aside: np.float32, above: np.float32
-) -> tuple[np.float32, np.float32]:
-    """Return how high in m what another pixel shows is above the surface, and the square of its distance."""
-    here, tilt = span.depth[column], span.tilt
-    plane = tilt.facing[column]
-    height = depth * (plane + tilt.right[column] * aside + tilt.above[column] * above) - here * plane
-    z, u = depth - here, span.u + np.float32(np.int32(column)) * span.pixel
-    x, y = z * u + depth * aside, z * span.v + depth * above
-    return height, x * x + y * y + z * z
-
-
-@inlined_kernel
+@disjoint_kernel
 def _add_occlusion(
     depths: NDArray[np.float32], span: Span, row: int, first: int, taken: NDArray[np.float32]
 ) -> None:
     """Add how much the pixels from one on occlude those of a span, as ``ambient_occlusion`` has it."""
     others, aside, above = depths[row][first : first + taken.shape[0]], _aside(span, first), _above(span, row)
     for column in range(taken.shape[0]):
-        height, square = _height_and_square(span, column, others[column], aside, above)
-        length = np.sqrt(min(SQUARE_OF_WIDTH, square))  # as far away, nothing occludes
-        steep = max(NONE, height / max(np.float32(1e-6), length) - RISE)
-        taken[column] += steep * (ONE - length * WIDTH)
+        height, square = height_and_square(span, column, others[column], aside, above)
+        taken[column] += occlusion(height, square)

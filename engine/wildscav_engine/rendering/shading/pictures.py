@@ -10,25 +10,31 @@ from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.geometry.terrain import water_at
 from wildscav_engine.geometry.world import World
 from wildscav_engine.rendering.cameras import Cameras
-from wildscav_engine.rendering.shading.ambient_light import end_of_surface, off_surface, write_ambient
-from wildscav_engine.rendering.shading.ambient_occlusion import write_depths
+from wildscav_engine.rendering.shading.ambient_light import place_of, write_ambient, write_places
+from wildscav_engine.rendering.shading.ambient_occlusion import Around, write_depths
 from wildscav_engine.rendering.shading.color_arithmetic import Color, Vector
-from wildscav_engine.rendering.shading.ground_along_rows import GroundScratch, write_ground
+from wildscav_engine.rendering.shading.columns import write_columns
+from wildscav_engine.rendering.shading.ground_along_rows import write_ground
 from wildscav_engine.rendering.shading.haze import write_fog, write_hazy, write_murky
 from wildscav_engine.rendering.shading.light import DIRECT, SKY_COLOR, SUN_COLOR, sun_shines
 from wildscav_engine.rendering.shading.materials import Materials
 from wildscav_engine.rendering.shading.moving_shadows import Casters, find_casters, is_shaded_by
+from wildscav_engine.rendering.shading.pieces import find_pieces
 from wildscav_engine.rendering.shading.pixel_rays import (
     View,
+    Ways,
     footprint,
     point_along,
     view_of,
     way_of,
     write_ways,
 )
-from wildscav_engine.rendering.shading.pixel_rows import Channels, Normals, RowOfPixels, row_in
-from wildscav_engine.rendering.shading.sky import SUN_DIRECTION, write_sky
+from wildscav_engine.rendering.shading.pixel_rows import Channels, Normals, Places, RowOfPixels, row_in
+from wildscav_engine.rendering.shading.sky import SUN_DIRECTION
+from wildscav_engine.rendering.shading.sky_along_rows import write_sky
 from wildscav_engine.rendering.shading.surfaces import textured
+from wildscav_engine.rendering.shading.surfaces_along_rows import has_spots, write_spotted
+from wildscav_engine.rendering.shading.texture_scratch import AT_ONCE, TextureScratch
 from wildscav_engine.rendering.shading.water import water_color
 from wildscav_engine.rendering.trace import WATER_HIT, Hits
 from wildscav_engine.rendering.tracing.solids import Solids
@@ -54,7 +60,9 @@ class Canvas(NamedTuple):
 
     depths: NDArray[np.float32]  # (H, W) m
     rows: NDArray[np.float32]  # as of ``allocate_rows``
-    ground: GroundScratch
+    pieces: NDArray[np.int32]  # (W + 1,)
+    around: Around
+    texture: TextureScratch
 
 
 @kernel
@@ -86,11 +94,12 @@ def shade(
         pixels = row_in(canvas.rows, row)
         write_ways(view, row, cosines[row], pixels.ways)
         write_fog(hit.distance[row], cameras.far, pixels.fog)
-        if not _is_sky(hit, row):
-            _write_surfaces(scene, view, hit, row, canvas.ground, pixels)
-            _light_surfaces(scene, view, hit, canvas.depths, row, count, pixels)
+        pieces = find_pieces(hit.solid[row], hit.face[row], canvas.pieces)
+        if pieces > 1 or hit.solid[row, 0] != NOTHING_HIT:
+            _write_surfaces(scene, view, hit, row, pieces, canvas, pixels)
+            _light_surfaces(scene, view, hit, row, pieces, count, canvas, pixels)
             _write_water(scene, view, hit, row, pixels)
-        _write_sky(scene, hit, row, pixels)
+        _write_sky(scene.materials.clouds, hit.solid[row], pieces, canvas, pixels)
         if is_under_water:
             write_murky(hit.distance[row], pixels, image[row])
         else:
@@ -98,30 +107,25 @@ def shade(
 
 
 @inlined_kernel
-def _is_sky(hit: Hits, row: int) -> bool:
-    """Return whether a row shows nothing but the sky."""
-    width = hit.solid.shape[1]
-    return bool(hit.solid[row, 0] == NOTHING_HIT and end_of_surface(hit, row, 0, width) == width)
-
-
-@inlined_kernel
 def _write_surfaces(
-    scene: ShadedScene, view: View, hit: Hits, row: int, scratch: GroundScratch, pixels: RowOfPixels
+    scene: ShadedScene, view: View, hit: Hits, row: int, pieces: int, canvas: Canvas, pixels: RowOfPixels
 ) -> None:
     """Write the colours without light, and the normals, of what the rays of a row hit."""
     ground, statics = scene.materials.ground, scene.world.solid_kind.shape[0]
-    first = 0
-    while first < view.width:
-        solid, last = hit.solid[row, first], end_of_surface(hit, row, first, view.width)
+    scratch = canvas.texture
+    for piece in range(pieces):
+        first, last = canvas.pieces[piece], canvas.pieces[piece + 1]
+        solid = hit.solid[row, first]
         if solid == TERRAIN_HIT:
             write_ground(scene.world, ground, view, hit.distance[row], first, last, scratch, pixels)
         elif solid >= statics:
             _write_moving(scene, solid - statics, hit.face[row, first], first, last, pixels)
         elif solid >= 0:
-            _write_solid(scene, solid, hit.face[row, first], view, hit.distance[row], first, last, pixels)
+            _write_solid(
+                scene, solid, hit.face[row, first], view, hit.distance[row], first, last, scratch, pixels
+            )
         else:
             _write_plain((0.0, 0.0, 0.0), (0.0, 1.0, 0.0), first, last, pixels)
-        first = last
 
 
 @inlined_kernel
@@ -157,6 +161,7 @@ def _write_solid(
     distances: NDArray[np.float32],
     first: int,
     last: int,
+    scratch: TextureScratch,
     pixels: RowOfPixels,
 ) -> None:
     """Write what shows a face of a static solid."""
@@ -165,13 +170,19 @@ def _write_solid(
     base = (colors[solid, 0], colors[solid, 1], colors[solid, 2])
     axis, ways, color = (axes[solid, 0], 0.0, axes[solid, 1]), pixels.ways, pixels.color
     _fill(pixels.normal, normal, first, last)
+    if has_spots(kind, normal):
+        some = Ways(ways.east[first:last], ways.up[first:last], ways.north[first:last])
+        shown = Channels(color.red[first:last], color.green[first:last], color.blue[first:last])
+        write_spotted(kind, base, normal, view, some, distances[first:last], scratch, shown)
+        return
     for column in range(first, last):
         direction = way_of(ways, column)
         distance = float(distances[column])
         place = point_along(view.eye, direction, distance)
         pixel = footprint(view, direction, distance, normal)
-        shown = textured(kind, base, normal, place, axis, pixel)
-        color.red[column], color.green[column], color.blue[column] = shown
+        color.red[column], color.green[column], color.blue[column] = textured(
+            kind, base, normal, place, axis, pixel
+        )
 
 
 @inlined_kernel
@@ -179,16 +190,19 @@ def _light_surfaces(
     scene: ShadedScene,
     view: View,
     hit: Hits,
-    depths: NDArray[np.float32],
     row: int,
+    pieces: int,
     count: int,
+    canvas: Canvas,
     pixels: RowOfPixels,
 ) -> None:
     """Apply the light of the sky and the sun to the colours of a row."""
-    write_ambient(scene.materials.upwards, scene.world, view, hit, depths, row, pixels)
+    write_places(view, pixels.ways, pixels.normal, hit.distance[row], pixels.place)
+    upwards, starts = scene.materials.upwards, canvas.pieces
+    write_ambient(upwards, scene.world, view, hit, canvas.depths, row, starts, pieces, canvas.around, pixels)
     _write_direct(pixels.normal, pixels.direct)
     if scene.shadows:
-        _write_shadows(scene, view, hit, row, count, pixels)
+        _write_shadows(scene, hit, row, count, canvas.texture, pixels)
     _light(pixels, 0, pixels.color.red)
     _light(pixels, 1, pixels.color.green)
     _light(pixels, 2, pixels.color.blue)
@@ -205,15 +219,23 @@ def _write_direct(normal: Normals, direct: NDArray[np.float32]) -> None:
 
 @inlined_kernel
 def _write_shadows(
-    scene: ShadedScene, view: View, hit: Hits, row: int, count: int, pixels: RowOfPixels
+    scene: ShadedScene, hit: Hits, row: int, count: int, scratch: TextureScratch, pixels: RowOfPixels
 ) -> None:
     """Take the sun's light from the surfaces of a row that are in a shadow."""
-    for column in range(view.width):
-        if hit.solid[row, column] != NOTHING_HIT and pixels.direct[column] > NONE:
-            place = off_surface(view, float(hit.distance[row, column]), column, pixels)
-            is_shaded = is_shaded_by(scene.moving, scene.casters, count, place)
-            if is_shaded or not sun_shines(scene.materials.to_sun, scene.world, place):
-                pixels.direct[column] = NONE
+    to_sun, own, direct = scene.materials.to_sun, pixels.place, pixels.direct
+    for start in range(0, direct.shape[0], AT_ONCE):
+        end = min(direct.shape[0], start + AT_ONCE)
+        places = Places(own.x[start:end], own.y[start:end], own.z[start:end])
+        write_columns(to_sun, places, scratch.row[: end - start], scratch.column[: end - start])
+        for column in range(start, end):
+            if hit.solid[row, column] != NOTHING_HIT and direct[column] > NONE:
+                place = place_of(own, column)
+                is_shaded = is_shaded_by(scene.moving, scene.casters, count, place)
+                at = column - start
+                if is_shaded or not sun_shines(
+                    to_sun, scene.world, scratch.row[at], scratch.column[at], place
+                ):
+                    direct[column] = NONE
 
 
 @inlined_kernel
@@ -225,12 +247,17 @@ def _light(pixels: RowOfPixels, channel: int, own: NDArray[np.float32]) -> None:
 
 
 @inlined_kernel
-def _write_sky(scene: ShadedScene, hit: Hits, row: int, pixels: RowOfPixels) -> None:
-    ways = pixels.ways
-    for column in range(ways.up.shape[0]):
-        if hit.solid[row, column] == NOTHING_HIT:
-            direction = way_of(ways, column)
-            write_sky(direction, scene.materials.clouds, column, pixels)
+def _write_sky(
+    clouds: NDArray[np.float32], solids: NDArray[np.int32], pieces: int, canvas: Canvas, pixels: RowOfPixels
+) -> None:
+    """Write what is before the clear sky where the rays of a row hit nothing."""
+    own, color, fog = pixels.ways, pixels.color, pixels.fog
+    for piece in range(pieces):
+        first, last = canvas.pieces[piece], canvas.pieces[piece + 1]
+        if solids[first] == NOTHING_HIT:
+            ways = Ways(own.east[first:last], own.up[first:last], own.north[first:last])
+            shown = Channels(color.red[first:last], color.green[first:last], color.blue[first:last])
+            write_sky(ways, clouds, canvas.texture, shown, fog[first:last])
 
 
 @inlined_kernel

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.kernel import inlined_kernel
 from wildscav_engine.rendering.shading.pixel_rays import Ways
 
-ROWS = 18  # of numbers that a row of pixels needs
-COLOR, UNOCCLUDED, NORMAL, TILT, OTHERS = 3, 6, 8, 11, 14  # the first row of each
+ROWS = 21  # of numbers that a row of pixels needs
+COLOR, UNOCCLUDED, NORMAL, TILT, PLACE, OTHERS = 3, 6, 8, 11, 14, 17  # the first row of each
 
 
 class Channels(NamedTuple):
@@ -36,6 +36,14 @@ class Tilts(NamedTuple):
     facing: NDArray[np.float32]  # m of a plane from the eye per m along the view axis
 
 
+class Places(NamedTuple):
+    """Where rays to the light start, slightly off the surfaces of a row, (W,) m each."""
+
+    x: NDArray[np.float32]
+    y: NDArray[np.float32]
+    z: NDArray[np.float32]
+
+
 class RowOfPixels(NamedTuple):
     """What is computed for one row of pixels, (W,) each."""
 
@@ -43,6 +51,7 @@ class RowOfPixels(NamedTuple):
     color: Channels  # of the surfaces, first without light, then without haze
     normal: Normals
     tilt: Tilts
+    place: Places
     unoccluded: NDArray[np.float32]  # share of the light from the sky that nearby surfaces leave
     unoccluded_above: NDArray[np.float32]  # the same in the row above
     ambient: NDArray[np.float32]  # light on surfaces from the sky
@@ -65,6 +74,7 @@ def row_in(space: NDArray[np.float32], row: int) -> RowOfPixels:
         Channels(space[COLOR], space[COLOR + 1], space[COLOR + 2]),
         Normals(space[NORMAL], space[NORMAL + 1], space[NORMAL + 2]),
         Tilts(space[TILT], space[TILT + 1], space[TILT + 2]),
+        Places(space[PLACE], space[PLACE + 1], space[PLACE + 2]),
         this,
         above,
         space[OTHERS],

@@ -12,15 +12,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.array_tables import Addresses, ArrayTable, reader
-from wildscav_engine.compilation.kernel import inlined_kernel, kernel
+from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.rendering.cameras import Cameras, are_finite
 from wildscav_engine.rendering.dynamic_objects import ObjectSets, read_objects, shapes_between, solids_between
+from wildscav_engine.rendering.shading.ambient_occlusion import LOOKED_AT, around_in
 from wildscav_engine.rendering.shading.appearance import Appearance, materials_in, world_in
-from wildscav_engine.rendering.shading.ground_along_rows import GroundScratch, allocate_ground_scratch
 from wildscav_engine.rendering.shading.moving_shadows import Casters, allocate_casters
 from wildscav_engine.rendering.shading.pictures import Canvas, ShadedScene, shade
 from wildscav_engine.rendering.shading.pixel_rays import cosines_of
 from wildscav_engine.rendering.shading.pixel_rows import allocate_rows
+from wildscav_engine.rendering.shading.texture_scratch import (
+    FLOATS,
+    allocate_texture_scratch,
+    texture_scratch_in,
+)
 from wildscav_engine.rendering.trace import Hits, Scene, trace_image, write_hits
 from wildscav_engine.rendering.tracing.frustum import camera_at
 from wildscav_engine.rendering.tracing.hit_buffer import hit_buffer_in
@@ -82,21 +87,25 @@ class Scratch(NamedTuple):
     face: NDArray[np.int32]
     depths: NDArray[np.float32]
     rows: NDArray[np.float32]
-    ground: NDArray[np.float32]  # (7, …) the float32 buffers of ``GroundScratch``
-    ground_places: NDArray[np.int32]  # (3, …) the other ones
+    pieces: NDArray[np.int32]
+    around: NDArray[np.float32]  # the buffers of ``Around``
+    floats: NDArray[np.float32]  # the buffers of ``TextureScratch``
+    integers: NDArray[np.int32]
 
 
 def _allocate(height: int, width: int) -> Scratch:
     shape = height, width
-    ground = allocate_ground_scratch()
+    texture = allocate_texture_scratch()
     return Scratch(
         np.empty(shape, np.float32),
         np.empty(shape, np.int32),
         np.empty(shape, np.int32),
         np.empty(shape, np.float32),
         allocate_rows(width),
-        np.stack(ground[:7]),
-        np.stack(ground[7:]),
+        np.empty(width + 1, np.int32),
+        np.empty((4, LOOKED_AT), np.float32),
+        np.stack(texture[:FLOATS]),
+        np.stack(texture[FLOATS:]),
     )
 
 
@@ -147,7 +156,9 @@ def _render(
         return False
     cameras = Cameras(eyes, yaws, pitches, viewers, half_width, far)
     buffers, parts = _read_scratch(scratch), read_objects(objects)
-    hit, canvas = Hits(buffers.distance, buffers.solid, buffers.face), _canvas_in(buffers)
+    hit = Hits(buffers.distance, buffers.solid, buffers.face)
+    around, texture = around_in(buffers.around), texture_scratch_in(buffers.floats, buffers.integers)
+    canvas = Canvas(buffers.depths, buffers.rows, buffers.pieces, around, texture)
     count, height, width = images.shape[:3]
     for image in range(count):
         place = image if workspaces.shape[0] > 1 else 0
@@ -168,21 +179,3 @@ def _render(
         )
         shade(scene, cameras, image, hit, canvas, cosines, images[image])
     return True
-
-
-@inlined_kernel
-def _canvas_in(buffers: Scratch) -> Canvas:
-    numbers, places = buffers.ground, buffers.ground_places
-    ground = GroundScratch(
-        numbers[0],
-        numbers[1],
-        numbers[2],
-        numbers[3],
-        numbers[4],
-        numbers[5],
-        numbers[6],
-        places[0],
-        places[1],
-        places[2],
-    )
-    return Canvas(buffers.depths, buffers.rows, ground)

@@ -10,7 +10,6 @@ from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.rendering.palette import SUN
 from wildscav_engine.rendering.shading.color_arithmetic import Color, Vector, clipped, dot, mixed
 from wildscav_engine.rendering.shading.noise import endless_noise
-from wildscav_engine.rendering.shading.pixel_rows import RowOfPixels
 
 ZENITH, HORIZON = (84.0, 138.0, 206.0), (200.0, 217.0, 232.0)
 BELOW = (168.0, 182.0, 192.0)  # below the horizon, beyond the edge of the map
@@ -23,9 +22,12 @@ SUN_DIRECTION = (
 )  # unit vector to the sun
 CLOUDS_FROM = 0.04  # sine of the elevation above which there are clouds
 FLATTENED = 0.12  # added to that sine, so that clouds do not shrink without end towards the horizon
-CLOUDS_REACH = 10.0  # greatest coordinate of a cloud, on the plane that they are drawn on
+INTO_CLOUDS = 6.0  # how soon they are all there, per unit of that sine
+CLOUDS_WIDTH = 1.6  # scale of the plane that they are drawn on
+CLOUDS_REACH = 10.0  # greatest coordinate of a cloud, on that plane
 CLOUDS_STEP = 0.0625  # between two numbers of the clouds' map
 DISC, GLOW = 0.9994, 0.97  # cosines of the angles from the sun's centre where its disc and its glow end
+GLOW_STRENGTH = 0.7  # next to the disc
 
 
 @kernel
@@ -50,30 +52,16 @@ def sky(direction: Vector, clouds: NDArray[np.float32]) -> Color:
 
 
 @inlined_kernel
-def write_sky(direction: Vector, clouds: NDArray[np.float32], column: int, pixels: RowOfPixels) -> None:
-    """Write what is before the clear sky, and how much of the haze is seen: the same as ``sky``."""
-    cover = _cloud(direction, clouds) if direction[1] > CLOUDS_FROM else 0.0
-    color, share = CLOUD, cover
-    to_sun = dot(direction, SUN_DIRECTION)
-    if to_sun > GLOW:
-        glow = _glow(to_sun)
-        share = 1.0 - (1.0 - cover) * (1.0 - glow)
-        color = mixed(CLOUD, SUN_COLOR, glow / max(1e-6, share))
-    pixels.color.red[column], pixels.color.green[column], pixels.color.blue[column] = color
-    pixels.fog[column] = 1.0 - share
-
-
-@inlined_kernel
 def _glow(to_sun: float) -> float:
     """Return how much the sun outshines the sky, by the cosine of the angle to its centre."""
     glow = (to_sun - GLOW) / (1.0 - GLOW)
-    return 1.0 if to_sun > DISC else 0.7 * glow * glow
+    return 1.0 if to_sun > DISC else GLOW_STRENGTH * glow * glow
 
 
 @inlined_kernel
 def _cloud(direction: Vector, clouds: NDArray[np.float32]) -> float:
     """Return how much of the sky clouds cover, 0-1, less towards the horizon."""
-    scale = 1.6 / (direction[1] + FLATTENED)
+    scale = CLOUDS_WIDTH / (direction[1] + FLATTENED)
     x = (direction[0] * scale + CLOUDS_REACH) * (1.0 / CLOUDS_STEP)
     z = (direction[2] * scale + CLOUDS_REACH) * (1.0 / CLOUDS_STEP)
     last = clouds.shape[0] - 2
@@ -82,7 +70,7 @@ def _cloud(direction: Vector, clouds: NDArray[np.float32]) -> float:
     south = clouds[row, column] + (clouds[row, column + 1] - clouds[row, column]) * east
     top = clouds[row + 1, column] + (clouds[row + 1, column + 1] - clouds[row + 1, column]) * east
     cover = float(south + (top - south) * north)
-    return cover * clipped((direction[1] - CLOUDS_FROM) * 6.0, 0.0, 1.0)
+    return cover * clipped((direction[1] - CLOUDS_FROM) * INTO_CLOUDS, 0.0, 1.0)
 
 
 @cache

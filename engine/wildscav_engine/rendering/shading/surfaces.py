@@ -1,4 +1,4 @@
-"""Procedural textures of surfaces: boards, courses of stone, tiles, bark, leaves.
+"""Procedural textures of floors, stairs and roofs: boards and tiles.
 
 Details finer than a pixel fade out, so that they do not flicker.
 """
@@ -10,12 +10,9 @@ import numpy as np
 from wildscav_engine.compilation.kernel import inlined_kernel
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.rendering.shading.color_arithmetic import Color, Vector, clipped, dimmed, mixed
-from wildscav_engine.rendering.shading.noise import grain, noise, noise_in_space
+from wildscav_engine.rendering.shading.noise import grain, noise
 
-WALL, FLOOR, STAIR, ROOF = int(Kind.WALL), int(Kind.FLOOR), int(Kind.STAIR), int(Kind.ROOF)
-TRUNK, CROWN, BUSH = int(Kind.TRUNK), int(Kind.CROWN), int(Kind.BUSH)
-ROCK, FURNITURE, BOX = int(Kind.ROCK), int(Kind.FURNITURE), int(Kind.SUPPLY_BOX)
-
+FLOOR, STAIR, ROOF = int(Kind.FLOOR), int(Kind.STAIR), int(Kind.ROOF)
 CEILING = (226.0, 222.0, 212.0)
 # How visible details are: SHARPEST less BLUR times the size of a pixel, in sizes of the details.
 SHARPEST, BLUR = 1.6, 2.4
@@ -34,11 +31,9 @@ def textured(kind: int, color: Color, normal: Vector, place: Vector, axis: Vecto
         axis: Level unit vector that its boards run along.
         pixel: m, the size of a pixel there.
     """
-    x, y, z = place
+    x, _, z = place
     across = axis[2] * x - axis[0] * z
     along = axis[0] * x + axis[2] * z
-    if kind == WALL:
-        return _plastered(color, normal, place, pixel)
     if kind == FLOOR:
         if normal[1] < -0.5:
             return mixed(color, CEILING, 0.8)
@@ -47,14 +42,6 @@ def textured(kind: int, color: Color, normal: Vector, place: Vector, axis: Vecto
         return _boarded(color, along, across, 0.3, pixel) if normal[1] > 0.5 else dimmed(color, 0.68)
     if kind == ROOF:
         return _tiled(color, normal, place, pixel)
-    if kind == FURNITURE:
-        return _mottled(color, 0.14, 0.22, (x, 6.0 * y, z), pixel)
-    if kind == TRUNK:
-        return _mottled(color, 0.09, 0.5, (x, 0.22 * y, z), pixel)
-    if kind in (CROWN, BUSH):
-        return _mottled(_mottled(color, 0.20, 0.55, place, pixel), 0.75, 0.30, place, pixel)
-    if kind == ROCK:
-        return _mottled(_mottled(color, 0.12, 0.30, place, pixel), 0.6, 0.24, place, pixel)
     return color
 
 
@@ -65,16 +52,6 @@ def textured(kind: int, color: Color, normal: Vector, place: Vector, axis: Vecto
 def sharpness(size: float, pixel: float) -> float:
     """Return how visible a detail of some size in m is, 0-1, at a pixel size in m."""
     return clipped(SHARPEST - pixel * (BLUR / size), 0.0, 1.0)
-
-
-@inlined_kernel
-def _mottled(color: Color, size: float, strength: float, place: Vector, pixel: float) -> Color:
-    seen = strength * sharpness(size, pixel)
-    if seen == 0.0:
-        return color
-    scale = 1.0 / size
-    spots = noise_in_space(place[0] * scale, place[1] * scale, place[2] * scale)
-    return dimmed(color, 1.0 + seen * (spots - 0.5))
 
 
 @inlined_kernel
@@ -98,25 +75,10 @@ def _boarded(color: Color, across: float, along: float, width: float, pixel: flo
 
 
 @inlined_kernel
-def _plastered(color: Color, normal: Vector, place: Vector, pixel: float) -> Color:
-    """Return the colour of plaster over barely visible courses of stone."""
-    across = math.sqrt(normal[0] * normal[0] + normal[2] * normal[2])
-    if across < 0.5:
-        return _mottled(color, 0.5, 0.08, place, pixel)
-    course = math.floor(place[1] * (1.0 / 0.32))
-    along = (normal[2] * place[0] - normal[0] * place[2]) / across + 0.31 * (course & 1)
-    joint = max(_line(place[1], 0.32, 0.016, pixel), _line(along, 0.62, 0.016, pixel))
-    own = 1.0 + 0.07 * (grain(course, math.floor(along * (1.0 / 0.62)), 5) - 0.5) * sharpness(0.32, pixel)
-    return _mottled(dimmed(color, own * (1.0 - 0.13 * joint)), 0.9, 0.07, place, pixel)
-
-
-@inlined_kernel
 def _tiled(color: Color, normal: Vector, place: Vector, pixel: float) -> Color:
     """Return the colour of rows of tiles, dark at their lower edges; plain under eaves and on flat roofs."""
     if normal[1] < 0.05:
         return dimmed(color, 0.62)
-    if normal[1] > 0.995:
-        return _mottled(_mottled(color, 0.15, 0.2, place, pixel), 1.2, 0.12, place, pixel)
     level = np.sqrt(normal[0] * normal[0] + normal[2] * normal[2])
     # The distances up the slope and along the eaves.
     up, along = place[1] / level, (normal[2] * place[0] - normal[0] * place[2]) / level

@@ -46,13 +46,14 @@ from wildscav_engine.rendering.tracing.terrain_intersection import (
 )
 
 SIDE = BLOCK * CELL  # m, of a block
+GROUND, MEMBERS, WATER = range(3)  # the layers of a block, each with a span of heights
 
 
 class Scratch(NamedTuple):
     """Scratch buffers for tracing an image."""
 
     projection: NDArray[np.float32]  # see ``trace_terrain``
-    # (3, PROJECTED_GROUP): the grounds of eight blocks, their members, and eight members
+    # (4, PROJECTED_GROUP): the grounds of eight blocks, their members, their waters, and eight members
     boxes: NDArray[np.float32]
     outside: NDArray[np.float64]  # m, distance of the eye from each face of a solid
     shown: NDArray[np.float32]  # (B,) 1 if a block of a row may be visible, else 0
@@ -66,9 +67,9 @@ class Scratch(NamedTuple):
 
 def allocate_scratch(blocks: int, solids: int, most_faces: int) -> Scratch:
     """Return scratch buffers for the images of a scene with these numbers of blocks and solids."""
-    boxes = np.zeros((3, PROJECTED_GROUP), np.float32)
+    boxes = np.zeros((4, PROJECTED_GROUP), np.float32)
     # All blocks have the same half edges: half a side to the east, and half a side to the north.
-    boxes[:2, 4 * LANES : 5 * LANES] = boxes[:2, 7 * LANES : 8 * LANES] = SIDE / 2
+    boxes[:3, 4 * LANES : 5 * LANES] = boxes[:3, 7 * LANES : 8 * LANES] = SIDE / 2
     return Scratch(
         allocate_projection(),
         boxes,
@@ -151,7 +152,8 @@ def _trace_blocks(
     whole, ring = Rectangle(0, camera.width, 0, camera.height), 0
     for item in range(count):
         if item % LANES == 0:
-            _place_blocks(blocks, item, min(LANES, count - item), camera, camera32, scratch)
+            some = min(LANES, count - item)
+            _place_blocks(blocks, item, some, WATER + with_water, camera, camera32, scratch)
         r, c = scratch.queue[2, item], scratch.queue[3, item]
         apart = max(abs(r - row), abs(c - column))
         if apart > max(ring, 1) and not reaches_beyond(buffer, whole, (apart - 1) * SIDE):
@@ -159,14 +161,16 @@ def _trace_blocks(
             break
         ring = apart
         square = _square_at(blocks, r, c, camera)
-        ground = _pixels_of_layer(square, 0, item % LANES, camera, scratch, buffer)
+        ground = _pixels_of_layer(square, GROUND, item % LANES, camera, scratch, buffer)
         if ground.left < ground.right:
             trace_terrain(blocks, square, camera, camera32, scratch.projection, scratch.cells, buffer)
-        members = _pixels_of_layer(square, 1, item % LANES, camera, scratch, buffer)
+        members = _pixels_of_layer(square, MEMBERS, item % LANES, camera, scratch, buffer)
         if members.left < members.right:
             _trace_members(blocks, solids, square, camera, camera32, scratch, buffer)
         if with_water:
-            trace_water(blocks, square, camera, buffer)
+            water = _pixels_of_layer(square, WATER, item % LANES, camera, scratch, buffer)
+            if water.left < water.right:
+                trace_water(blocks, square, camera, buffer)
 
 
 @inlined_kernel
@@ -280,12 +284,18 @@ def _note_shown(
 
 @kernel
 def _place_blocks(
-    blocks: Blocks, first: int, count: int, camera: Camera, camera32: Float32Camera, scratch: Scratch
+    blocks: Blocks,
+    first: int,
+    count: int,
+    layers: int,
+    camera: Camera,
+    camera32: Float32Camera,
+    scratch: Scratch,
 ) -> None:
-    """Project the grounds and the members of up to eight blocks of the queue onto the image."""
+    """Project the first layers of up to eight blocks of the queue onto the image."""
     for lane in range(count):
         square = _square_at(blocks, scratch.queue[2, first + lane], scratch.queue[3, first + lane], camera)
-        for layer in range(2):
+        for layer in range(layers):
             boxes = scratch.boxes[layer]
             low, high = blocks.spans[square.block, 2 * layer], blocks.spans[square.block, 2 * layer + 1]
             has_any = low <= high
@@ -296,7 +306,7 @@ def _place_blocks(
             boxes[3 * LANES + lane] = half
             boxes[8 * LANES + lane] = np.sqrt(0.5 * SIDE * SIDE + half * half) if has_any else NEVER_SEEN
     zero = np.float32(0.0)
-    for layer in range(2):
+    for layer in range(layers):
         project_boxes(zero, zero, zero, camera32, scratch.boxes[layer])
 
 
@@ -304,7 +314,7 @@ def _place_blocks(
 def _pixels_of_layer(
     square: Square, layer: int, lane: int, camera: Camera, scratch: Scratch, buffer: HitBuffer
 ) -> Rectangle:
-    """Return the pixels that a block's ground (0) or members (1) may cover; none if all have nearer hits."""
+    """Return the pixels that a layer of a block may cover; none if all have nearer hits."""
     none = Rectangle(0, 0, 0, 0)
     if not is_shown(scratch.boxes[layer], lane):
         return none
@@ -327,7 +337,7 @@ def _trace_members(
     buffer: HitBuffer,
 ) -> None:
     """Trace the solids that reach into a block."""
-    boxes, image = scratch.boxes[2], scratch.done[0]
+    boxes, image = scratch.boxes[WATER + 1], scratch.done[0]
     east, north = np.float32(square.east), np.float32(square.north)
     up = np.float32(blocks.spans[square.block, 0] - camera.y)
     first, last = blocks.group_start[square.block], blocks.group_start[square.block + 1]

@@ -90,13 +90,13 @@ def code_of_water(cell: int) -> int:
 @inlined_kernel
 def is_terrain_code(met: int) -> bool:
     """Return whether a code below NOTHING stands for terrain; else it stands for water."""
-    return (NOTHING - met) % 2 == 1
+    return (NOTHING - met) & 1 == 1
 
 
 @inlined_kernel
 def index_in_code(met: int) -> int:
     """Return the triangle of the terrain or the cell of water that a code below NOTHING stands for."""
-    return (NOTHING - 1 - met) // 2
+    return (NOTHING - 1 - met) >> 1
 
 
 @inlined_kernel

@@ -50,7 +50,7 @@ class Blocks(NamedTuple):
 
     heights: NDArray[np.float64]  # (B, 96) m, of the 81 corners of a block's cells, row after row
     water: NDArray[np.float64]  # (B, 64) m, of a block's cells, -inf where dry
-    spans: NDArray[np.float64]  # (B, 4) m, lowest and highest ground, lowest and highest of the members
+    spans: NDArray[np.float64]  # (B, 6) m, lowest and highest ground, members, and water; inf, -inf for none
     edges: NDArray[np.float64]  # (2,) m, x and z of the map's south-western corner
     group_start: NDArray[np.int64]  # (B + 1,) where each block's groups start
     members: NDArray[np.int64]  # (G * 8,) solids
@@ -123,13 +123,13 @@ def unpack_blocks(
     solids, faces, blocks, groups = indices[0], indices[1], indices[2], indices[3]
     water = 9 * solids + 4 * faces + SQUARE * blocks
     spans = water + BLOCK * BLOCK * blocks
-    edges = spans + 4 * blocks
+    edges = spans + 6 * blocks
     starts = HEAD + 3 * solids + 1
     middles, radii = SQUARE * blocks, (SQUARE + 1) * blocks
     return Blocks(
         numbers[9 * solids + 4 * faces : water].reshape((blocks, SQUARE)),
         numbers[water:spans].reshape((blocks, BLOCK * BLOCK)),
-        numbers[spans:edges].reshape((blocks, 4)),
+        numbers[spans:edges].reshape((blocks, 6)),
         numbers[edges : edges + 2],
         indices[starts : starts + blocks + 1],
         indices[starts + blocks + 1 : starts + blocks + 1 + LANES * groups],

@@ -50,7 +50,7 @@ def scene_of(world: World) -> Scene:
     more = ((0, 0), (0, SQUARE - CORNERS * CORNERS))
     heights = np.pad(_in_blocks(world, world.heights, CORNERS), more, mode="edge")
     group_start, grouped = _in_groups(start, place[members])
-    middles, radii = _balls_of_blocks(world, spans)
+    middles, radii = _balls_of_blocks(spans)
     blocks = Blocks(
         heights,
         _in_blocks(world, world.water, BLOCK),
@@ -86,13 +86,9 @@ def _in_blocks(world: World, values: NDArray[np.float64], side: int) -> NDArray[
     return np.ascontiguousarray(picked.reshape(block_rows * block_columns, side * side))
 
 
-def _balls_of_blocks(
-    world: World, spans: NDArray[np.float64]
-) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+def _balls_of_blocks(spans: NDArray[np.float64]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Return the heights of the blocks' middles and the radii of their bounding spheres, (B,) m each."""
-    surface = _in_blocks(world, world.water, BLOCK).max(axis=1)  # -inf where all is dry
-    low, high = np.minimum(spans[:, 0], spans[:, 2]), np.maximum(spans[:, 1], spans[:, 3])
-    high = np.maximum(high, surface)
+    low, high = np.minimum(spans[:, 0], spans[:, 2]), spans[:, 1::2].max(axis=1)
     radius = np.sqrt(0.5 * (BLOCK * CELL) ** 2 + 0.25 * (high - low) ** 2)
     return (0.5 * (low + high)).astype(np.float32), _rounded_up(radius)
 
@@ -162,10 +158,13 @@ def _members_of_blocks(world: World) -> tuple[NDArray[np.int64], NDArray[np.int6
 def _spans_of_blocks(
     world: World, solids: Solids, start: NDArray[np.int64], members: NDArray[np.int64]
 ) -> NDArray[np.float64]:
-    """Return (B, 4) m: lowest and highest ground and members of each block; inf and -inf without members."""
+    """Return (B, 6) m: lowest and highest ground, members and water of each block; inf, -inf for none."""
     ground = _in_blocks(world, world.heights, CORNERS)
     block = np.repeat(np.arange(len(ground)), np.diff(start))
     low, high = np.full(len(ground), np.inf), np.full(len(ground), -np.inf)
     np.minimum.at(low, block, solids.low[members, 1])
     np.maximum.at(high, block, solids.high[members, 1])
-    return np.stack([ground.min(axis=1), ground.max(axis=1), low, high], axis=1)
+    water = _in_blocks(world, world.water, BLOCK)  # -inf where it is dry
+    lowest_water = np.where(water > -np.inf, water, np.inf).min(axis=1)
+    spans = ground.min(axis=1), ground.max(axis=1), low, high, lowest_water, water.max(axis=1)
+    return np.stack(spans, axis=1)

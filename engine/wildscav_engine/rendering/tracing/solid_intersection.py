@@ -92,16 +92,56 @@ def _meet_together(
 
 
 @inlined_kernel
-def entered_face(shapes: Shapes, solid: int, camera: Camera, ray: tuple[float, float, float]) -> int:
-    """Return the face through which a ray enters a solid that it hits: the last one it crosses from outside.
+def write_entered_faces(
+    shapes: Shapes,
+    solid: int,
+    camera: Camera,
+    start: int,
+    first_name: int,
+    buffer: HitBuffer,
+    entered: NDArray[np.int32],
+) -> None:
+    """Write the faces through which successive rays enter a solid that all of them hit.
 
-    The index counts among the solid's faces; it is 0 if the eye is inside.
+    It is the last face that a ray crosses from outside; the first face if the eye is inside.
+
+    Args:
+        shapes: The world's solids or the moving ones.
+        solid: Index of the solid in them.
+        camera: The camera of the image.
+        start: The first ray.
+        first_name: What the first face of the solid is called; the others are numbered consecutively.
+        buffer: The hit buffer of the image.
+        entered: (C,) the face of each ray, written.
     """
-    first, enter, entered = shapes.face_start[solid], 0.0, 0
+    entered[:] = first_name
+    enter = buffer.enter[: entered.shape[0]]
+    enter[:] = 0.0
+    start = nonnegative(start)
+    last = start + entered.shape[0]
+    first = nonnegative(shapes.face_start[solid])
     for face in range(first, shapes.face_start[solid + 1]):
         plane = shapes.faces[face]
         outside = plane[0] * camera.x + plane[1] * camera.y + plane[2] * camera.z - plane[3]
-        speed = plane[0] * ray[0] + plane[1] * ray[1] + plane[2] * ray[2]
-        if outside > 0.0 and -outside / speed > enter:
-            enter, entered = -outside / speed, face - first
-    return entered
+        if outside > 0.0:
+            rays = buffer.east[start:last], buffer.up[start:last], buffer.north[start:last]
+            _enter_face(plane, outside, rays, first_name + face - first, enter, entered)
+
+
+@disjoint_kernel
+def _enter_face(
+    plane: NDArray[np.float64],
+    outside: float,
+    rays: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]],
+    name: int,
+    enter: NDArray[np.float64],
+    entered: NDArray[np.int32],
+) -> None:
+    """Set the face that rays cross last so far, and how far away."""
+    east, up, north = rays
+    n_x, n_y, n_z = plane[0], plane[1], plane[2]
+    for ray in range(entered.shape[0]):
+        crossing = -outside / (n_x * east[ray] + n_y * up[ray] + n_z * north[ray])
+        is_later = crossing > enter[ray]
+        enter[ray] = crossing if is_later else enter[ray]
+        entered[ray] = name if is_later else entered[ray]

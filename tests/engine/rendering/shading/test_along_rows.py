@@ -1,17 +1,25 @@
 """What is computed for many pixels of a row at once is what each of them would get alone."""
 
+from itertools import islice
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from tests.builders import box, flat_world, map_from
 
 from wildscav_engine.geometry.rays import TERRAIN_HIT
+from wildscav_engine.geometry.world import Kind
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.rendering.cameras import Cameras
-from wildscav_engine.rendering.shading.ambient_occlusion import unoccluded_share, write_depths
+from wildscav_engine.rendering.shading.ambient_occlusion import (
+    LOOKED_AT,
+    Around,
+    unoccluded_share,
+    write_depths,
+)
 from wildscav_engine.rendering.shading.ground import GroundCell, cell_at, ground_color
-from wildscav_engine.rendering.shading.ground_along_rows import allocate_ground_scratch, write_ground
+from wildscav_engine.rendering.shading.ground_along_rows import write_ground
 from wildscav_engine.rendering.shading.occlusion_along_rows import are_alike_far, write_shares, write_tilts
 from wildscav_engine.rendering.shading.pixel_rays import (
     Ways,
@@ -21,7 +29,18 @@ from wildscav_engine.rendering.shading.pixel_rays import (
     view_of,
     write_ways,
 )
-from wildscav_engine.rendering.shading.pixel_rows import ROWS, Channels, Normals, RowOfPixels, Tilts
+from wildscav_engine.rendering.shading.pixel_rows import (
+    Channels,
+    Normals,
+    Places,
+    RowOfPixels,
+    Tilts,
+    allocate_rows,
+)
+from wildscav_engine.rendering.shading.sky import SUN_DIRECTION, clouds, haze, sky
+from wildscav_engine.rendering.shading.sky_along_rows import write_sky
+from wildscav_engine.rendering.shading.surfaces_along_rows import has_spots, write_spotted
+from wildscav_engine.rendering.shading.texture_scratch import allocate_texture_scratch
 from wildscav_engine.rendering.trace import Hits, allocate_hits, trace
 from wildscav_engine.rendering.tracing.solids import gather_solids
 from wildscav_engine.sensors import ColorCamera
@@ -41,10 +60,10 @@ def traced(game_map: GameMap, eye: Vector, yaw: float, pitch: float) -> tuple[Ca
 
 
 def empty_row() -> RowOfPixels:
-    rows = list(np.empty((ROWS, CAMERA.width), np.float32))
-    return RowOfPixels(
-        Ways(*rows[:3]), Channels(*rows[3:6]), Normals(*rows[6:9]), Tilts(*rows[9:12]), *rows[12:]
-    )
+    rows = iter(allocate_rows(CAMERA.width))
+    ways, color, normal = (part(*islice(rows, 3)) for part in (Ways, Channels, Normals))
+    tilt, place = (part(*islice(rows, 3)) for part in (Tilts, Places))
+    return RowOfPixels(ways, color, normal, tilt, place, *rows)
 
 
 def row_of(cameras: Cameras, row: int) -> RowOfPixels:
@@ -73,7 +92,7 @@ def test_ground_has_the_colour_and_normal_of_its_place() -> None:
         pixels, distances = row_of(cameras, row), hits.distance[0, row]
         (shown,) = np.nonzero(hits.solid[0, row] == TERRAIN_HIT)
         first, last = int(shown[0]), int(shown[-1]) + 1
-        write_ground(world, ground, view, distances, first, last, allocate_ground_scratch(), pixels)
+        write_ground(world, ground, view, distances, first, last, allocate_texture_scratch(), pixels)
         for column in range(first, last):
             direction = tuple(float(part[column]) for part in pixels.ways)
             place = point_along(view.eye, direction, float(distances[column]))  # type: ignore[arg-type]
@@ -98,9 +117,10 @@ def shares_at(
         pixels.normal[part][:] = normals[:, part]
     write_tilts(view, row, pixels.normal, pixels.tilt)
     distances, shares = hits.distance[0, row], np.empty(last - first, np.float32)
+    around = Around(*np.empty((4, LOOKED_AT), np.float32))
     write_shares(depths, view, row, first, float(distances[first]), pixels.tilt, shares)
     alone = [
-        unoccluded_share(depths, row, column, view, float(distances[column]), tuple(normals[column]))
+        unoccluded_share(depths, row, column, view, float(distances[column]), pixels.tilt, around)
         for column in range(first, last)
     ]
     return shares, np.array(alone)
@@ -146,3 +166,55 @@ def test_pixels_are_only_looked_at_together_where_they_are_about_as_far() -> Non
     assert not are_alike_far(np.array([10.0, 12.0], np.float32))
     assert not are_alike_far(np.array([10.0, 8.0], np.float32))
     assert not are_alike_far(np.array([10.0, np.inf], np.float32))
+
+
+def spotted(kind: Kind, normal: Vector, columns: slice) -> NDArray[np.float32]:
+    """Return (C, 3) the colours of some columns of a row that shows a face from 3 m away to 6 m."""
+    camera = CAMERA._cameras([(3.0, 1.5, -7.0)], [20.0], [5.0], None)
+    view, pixels = view_of(camera, 0, CAMERA.height, CAMERA.width), row_of(camera, 50)
+    distances = np.linspace(3.0, 6.0, CAMERA.width, dtype=np.float32)[columns]
+    ways = Ways(*(part[columns] for part in pixels.ways))
+    shown = np.empty((3, len(distances)), np.float32)
+    scratch = allocate_texture_scratch()
+    write_spotted(kind, (200.0, 180.0, 90.0), normal, view, ways, distances, scratch, Channels(*shown))
+    return shown.T
+
+
+SPOTTED = (Kind.WALL, Kind.TRUNK, Kind.CROWN, Kind.BUSH, Kind.ROCK, Kind.FURNITURE)
+TOWARDS_EYE = (0.0, 0.0, -1.0)
+
+
+@pytest.mark.parametrize("kind", SPOTTED)
+def test_a_pixel_of_a_wall_or_plant_has_its_colour_whatever_is_computed_with_it(kind: Kind) -> None:
+    assert has_spots(kind, TOWARDS_EYE)
+    row = spotted(kind, TOWARDS_EYE, slice(0, CAMERA.width))
+    for first, last in ((0, 1), (5, 8), (17, 50), (100, CAMERA.width)):
+        assert (spotted(kind, TOWARDS_EYE, slice(first, last)) == row[first:last]).all()
+
+
+@pytest.mark.parametrize("kind", SPOTTED)
+def test_spots_change_how_bright_a_surface_is_but_not_its_colour(kind: Kind) -> None:
+    row = spotted(kind, TOWARDS_EYE, slice(0, CAMERA.width))
+    bright = row[:, 0] / 200.0
+    assert bright.std() > 0.01
+    assert abs(bright.mean() - 1.0) < 0.15
+    assert row / bright[:, None] == pytest.approx(np.tile([200.0, 180.0, 90.0], (len(row), 1)), rel=1e-5)
+
+
+def test_tiles_and_boards_are_drawn_one_by_one_but_flat_roofs_have_spots() -> None:
+    assert has_spots(Kind.ROOF, (0.0, 1.0, 0.0))
+    assert not has_spots(Kind.ROOF, (0.0, 0.8, 0.6))
+    assert not has_spots(Kind.FLOOR, (0.0, 1.0, 0.0))
+
+
+def test_the_sky_of_a_row_is_that_of_each_direction() -> None:
+    to_sun = float(np.degrees(np.arctan2(SUN_DIRECTION[0], SUN_DIRECTION[2])))
+    cameras = CAMERA._cameras([(0.0, 0.0, 0.0)], [to_sun], [-30.0], None)
+    for row in range(0, CAMERA.height, 4):
+        pixels, fog = row_of(cameras, row), np.empty(CAMERA.width, np.float32)
+        write_sky(pixels.ways, clouds(), allocate_texture_scratch(), pixels.color, fog)
+        for column in range(CAMERA.width):
+            direction = tuple(float(part[column]) for part in pixels.ways)
+            before = np.array([float(part[column]) for part in pixels.color])
+            shown = before + (np.array(haze(direction)) - before) * float(fog[column])  # type: ignore[arg-type]
+            assert shown == pytest.approx(sky(direction, clouds()), abs=0.05)  # type: ignore[arg-type]

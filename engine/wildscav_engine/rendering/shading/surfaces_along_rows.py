@@ -1,0 +1,201 @@
+"""The textures of walls, plants, rocks and furniture along a row of pixels, in loops that vectorize."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel, kernel
+from wildscav_engine.geometry.world import Kind
+from wildscav_engine.rendering.shading.color_arithmetic import Color, Vector
+from wildscav_engine.rendering.shading.noise import FOURS, between, corner_of, eased32, grain
+from wildscav_engine.rendering.shading.pixel_rays import LEAST_FACING, View, Ways
+from wildscav_engine.rendering.shading.pixel_rows import Channels
+from wildscav_engine.rendering.shading.surfaces import BLUR, SHARPEST
+from wildscav_engine.rendering.shading.texture_scratch import AT_ONCE, TextureScratch
+from wildscav_engine.rendering.tracing.frustum import nonnegative
+
+WALL, ROOF = int(Kind.WALL), int(Kind.ROOF)
+NONE, QUARTER, HALF, ONE, TWO = (np.float32(number) for number in (0.0, 0.25, 0.5, 1.0, 2.0))
+SHARPEST_32, BLUR_32, LEAST_FACING_32 = np.float32(SHARPEST), np.float32(BLUR), np.float32(LEAST_FACING)
+TOGETHER = 16  # float32 numbers that a processor computes at once, at most
+FLAT = 0.995  # least upward part of the normal of a flat roof
+STEEP = 0.5  # least level part of the normal of a wall with courses of stone
+# The courses of a wall and the stones in them: m high and long, m by which every other course is displaced.
+HIGH, LONG, DISPLACED = np.float32(0.32), np.float32(0.62), np.float32(0.31)
+JOINT = np.float32(0.016)  # m, width of the joints between stones
+OF_JOINTS, OF_STONES = np.float32(0.13), np.float32(0.07)  # differences in brightness
+
+# The spots of each kind of solid: their size in m, how much flatter than wide they are, and between the
+# darkest and the brightest; then the same of larger ones.
+SPOTS = np.zeros((len(Kind), 2, 3), np.float32)
+SPOTS[Kind.WALL, 0] = 0.9, 1.0, 0.07
+SPOTS[Kind.ROOF] = (0.15, 1.0, 0.20), (1.2, 1.0, 0.12)  # where it is flat
+SPOTS[Kind.FURNITURE, 0] = 0.14, 6.0, 0.22
+SPOTS[Kind.TRUNK, 0] = 0.09, 0.22, 0.50
+SPOTS[Kind.CROWN] = SPOTS[Kind.BUSH] = (0.20, 1.0, 0.55), (0.75, 1.0, 0.30)
+SPOTS[Kind.ROCK] = (0.12, 1.0, 0.30), (0.60, 1.0, 0.24)
+HAS_SPOTS = SPOTS[:, 0, 2] > 0.0
+
+
+@inlined_kernel
+def has_spots(kind: int, normal: Vector) -> bool:
+    """Return whether a face of a solid is drawn here, not in ``surfaces``."""
+    return bool(HAS_SPOTS[kind]) and (kind != ROOF or normal[1] > FLAT)
+
+
+@kernel
+def write_spotted(
+    kind: int,
+    color: Color,
+    normal: Vector,
+    view: View,
+    ways: Ways,
+    distances: NDArray[np.float32],
+    scratch: TextureScratch,
+    shown: Channels,
+) -> None:
+    """Write the colours without light of a face of a solid, in a piece of a row of C pixels.
+
+    Args:
+        kind: The kind of the solid.
+        color: The colour of its material.
+        normal: The unit normal of the face.
+        view: The camera of the image.
+        ways: (C,) of the pixels.
+        distances: (C,) m along their rays.
+        scratch: Overwritten.
+        shown: (C,) written.
+    """
+    level = np.sqrt(normal[0] * normal[0] + normal[2] * normal[2])
+    for start in range(0, distances.shape[0], AT_ONCE):
+        end = min(distances.shape[0], start + AT_ONCE)
+        some = Ways(ways.east[start:end], ways.up[start:end], ways.north[start:end])
+        even = -(-(end - start) // TOGETHER) * TOGETHER
+        _write_places(view, some, distances[start:end], scratch)
+        _write_footprints(view, normal, some, distances[start:end], scratch)
+        if kind == WALL and level >= STEEP:
+            _write_courses(even, normal[2] / level, normal[0] / level, scratch)
+        else:
+            scratch.grain[:even] = ONE
+        for number in range(2):
+            if SPOTS[kind, number, 2] > NONE:
+                _add_spots(SPOTS[kind, number], end - start, even, scratch)
+        _write_shown(np.float32(color[0]), scratch.grain, shown.red[start:end])
+        _write_shown(np.float32(color[1]), scratch.grain, shown.green[start:end])
+        _write_shown(np.float32(color[2]), scratch.grain, shown.blue[start:end])
+
+
+@disjoint_kernel
+def _write_places(view: View, ways: Ways, distances: NDArray[np.float32], scratch: TextureScratch) -> None:
+    x, y, z = np.float32(view.eye[0]), np.float32(view.eye[1]), np.float32(view.eye[2])
+    for column in range(distances.shape[0]):
+        scratch.x[column] = x + ways.east[column] * distances[column]
+        scratch.y[column] = y + ways.up[column] * distances[column]
+        scratch.z[column] = z + ways.north[column] * distances[column]
+
+
+@disjoint_kernel
+def _write_footprints(
+    view: View, normal: Vector, ways: Ways, distances: NDArray[np.float32], scratch: TextureScratch
+) -> None:
+    """Write the sizes of pixels on the surface, as ``pixel_rays.footprint`` does."""
+    east, up, north = np.float32(normal[0]), np.float32(normal[1]), np.float32(normal[2])
+    pixel = np.float32(view.pixel)
+    for column in range(distances.shape[0]):
+        facing = -(ways.east[column] * east + ways.up[column] * up + ways.north[column] * north)
+        scratch.pixel[column] = pixel * distances[column] / max(LEAST_FACING_32, facing)
+
+
+@disjoint_kernel
+def _write_courses(even: int, to_east: float, to_north: float, scratch: TextureScratch) -> None:
+    """Write how bright plaster is over barely visible courses of stone, along a wall in some direction."""
+    x, y, z, pixel, bright = scratch.x, scratch.y, scratch.z, scratch.pixel, scratch.grain
+    east, north = np.float32(to_east), np.float32(to_north)
+    for column in range(even):
+        course = np.int32(np.floor(y[column] * (ONE / HIGH)))
+        along = east * x[column] - north * z[column] + DISPLACED * np.float32(course & 1)
+        stone = np.int32(np.floor(along * (ONE / LONG)))
+        joint = max(_line(y[column], HIGH, pixel[column]), _line(along, LONG, pixel[column]))
+        own = np.float32(grain(int(course), int(stone), 5)) - HALF
+        own = ONE + OF_STONES * own * sharpness32(HIGH, pixel[column])
+        bright[column] = own * (ONE - OF_JOINTS * joint)
+
+
+@inlined_kernel
+def _line(coordinate: np.float32, spacing: np.float32, pixel: np.float32) -> np.float32:
+    """Return the share of a pixel that evenly spaced joints cover, 0-1; all lengths in m."""
+    phase = coordinate * (ONE / spacing)
+    aside = abs(phase - np.floor(phase + HALF)) * spacing
+    soft = max(HALF * pixel, QUARTER * JOINT)
+    share = min(ONE, max(NONE, (HALF * JOINT + soft - aside) / (TWO * soft)))
+    return np.float32(share * sharpness32(spacing, pixel))
+
+
+@inlined_kernel
+def sharpness32(size: np.float32, pixel: np.float32) -> np.float32:
+    """Return how visible a detail of some size in m is, 0-1, at a pixel size in m."""
+    return min(ONE, max(NONE, SHARPEST_32 - pixel * (BLUR_32 / size)))
+
+
+@kernel
+def _add_spots(spots: NDArray[np.float32], count: int, even: int, scratch: TextureScratch) -> None:
+    """Add spots of one size, unless no pixel shows them."""
+    size, flatness, strength = spots[0], spots[1], spots[2]
+    if not _are_seen(size, strength, even, scratch.pixel, scratch.seen):
+        return
+    _place_in_noise(ONE / size, flatness / size, even, scratch)
+    for column in range(count):
+        scratch.corner[column] = FOURS[nonnegative(scratch.corner[column])]
+        scratch.corner_above[column] = FOURS[nonnegative(scratch.corner_above[column])]
+    _brighten(even, scratch)
+
+
+@disjoint_kernel
+def _brighten(even: int, scratch: TextureScratch) -> None:
+    """Multiply brightnesses by those of spots, given the numbers of the noise around each place."""
+    for column in range(even):
+        east, north = scratch.east[column], scratch.north[column]
+        below = between(scratch.corner[column], east, north)
+        above = between(scratch.corner_above[column], east, north)
+        bright = below + (above - below) * scratch.rise[column] - HALF
+        scratch.grain[column] *= ONE + scratch.seen[column] * bright
+
+
+@disjoint_kernel
+def _are_seen(
+    size: np.float32, strength: np.float32, even: int, pixel: NDArray[np.float32], seen: NDArray[np.float32]
+) -> bool:
+    """Write how visible details of some size are; return whether any is."""
+    is_any = np.int32(0)
+    for column in range(even):
+        sharp = sharpness32(size, pixel[column])
+        seen[column] = strength * sharp
+        is_any |= np.int32(sharp > NONE)
+    return bool(is_any != 0)
+
+
+@disjoint_kernel
+def _place_in_noise(per_m: np.float32, per_m_up: np.float32, even: int, scratch: TextureScratch) -> None:
+    """Write where places are in the noise, of which so much is in a metre; see ``noise.noise``.
+
+    It lies between two levels, taken from distant parts of the plane.
+    """
+    for column in range(even):
+        x, y, z = scratch.x[column] * per_m, scratch.y[column] * per_m_up, scratch.z[column] * per_m
+        west, level, south = np.floor(x), np.floor(y), np.floor(z)
+        scratch.east[column], scratch.north[column] = eased32(x - west), eased32(z - south)
+        scratch.rise[column] = eased32(y - level)
+        first, lower, row = int(np.int32(west)), int(np.int32(level)), int(np.int32(south))
+        scratch.corner[column] = _corner(first, lower, row)
+        scratch.corner_above[column] = _corner(first, lower + 1, row)
+
+
+@inlined_kernel
+def _corner(west: int, level: int, south: int) -> int:
+    """Return ``corner_of`` a place at some level."""
+    return corner_of(west + 57 * (level & 63), south + 113 * (level & 31))
+
+
+@disjoint_kernel
+def _write_shown(color: np.float32, grain: NDArray[np.float32], shown: NDArray[np.float32]) -> None:
+    for column in range(shown.shape[0]):
+        shown[column] = color * grain[column]
