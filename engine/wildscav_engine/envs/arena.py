@@ -175,10 +175,20 @@ class Arena:
 
     def read(self) -> ArenaOutput:
         """Return the output for all learners, with events and rewards since the last call."""
-        observation, rows = self._reader.read(self._batch, self.view)
+        output = self.begin_reading()
+        self.finish_reading()
+        return output
+
+    def begin_reading(self) -> ArenaOutput:
+        """Do the same, but images may be incomplete until ``finish_reading``; see ``SeatReader``."""
+        observation, rows = self._reader.begin_reading(self._batch, self.view)
         if self.cast.reports:
             self.cast.report(self.done, self.view)
         return ArenaOutput(observation, rows)
+
+    def finish_reading(self) -> None:
+        """Complete the images of the last observation; it does nothing if they are."""
+        self._reader.finish_reading()
 
     def view(self, match: int) -> MatchInBatch:
         """Return the view of one match, for code that reads matches one by one."""

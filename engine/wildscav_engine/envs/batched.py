@@ -91,6 +91,8 @@ class Resetter:
     def step(self, actions: Any) -> Outcome:
         """Play one step in every match.
 
+        The images of the observation are complete only after ``arena.finish_reading``.
+
         Raises:
             ActionError: The actions are not in the action space.
             RuntimeError: There is no match yet, or one has ended and nothing resets it.
@@ -102,15 +104,10 @@ class Resetter:
             if self.mode == AutoresetMode.DISABLED:
                 raise RuntimeError(f"matches {np.flatnonzero(self.ended).tolist()} have ended: reset them")
             restarting = np.flatnonzero(self.ended).tolist()
-        # New matches do not play this step: they are added after it.
-        output = arena.step() if not restarting else self._step_others(restarting)
-        return self._outcome(output)
-
-    def _step_others(self, restarting: Sequence[int]) -> ArenaOutput:
-        """Play a step of the matches that continue, and start new ones in the other rows."""
-        self.arena.play(skip=restarting)
-        self._restart(restarting)
-        return self.arena.read()
+        arena.play(skip=restarting)
+        if restarting:
+            self._restart(restarting)  # after the step, which new matches do not play
+        return self._outcome(arena.begin_reading())
 
     def _outcome(self, output: ArenaOutput) -> Outcome:
         """Return the outcome of a step; in the same-step mode, restart the matches that ended."""
@@ -127,8 +124,9 @@ class Resetter:
             self.ended[:] = done
             if self.mode == AutoresetMode.SAME_STEP:
                 final = output
+                arena.finish_reading()
                 self._restart(ended)
-                output = arena.read()
+                output = arena.begin_reading()
         else:
             self.ended[:] = False
         return Outcome(output.observation, rewards, terminated, truncated, rows, ended, metrics, final)
@@ -214,7 +212,9 @@ class BatchedArena:
         Raises:
             ActionError: The actions are not in the action space.
         """
-        return self._resetter.step(self._flattened(actions))
+        outcome = self._resetter.step(self._flattened(actions))
+        self.arena.finish_reading()
+        return outcome
 
     def _flattened(self, actions: Any) -> Any:
         """Return the actions of all learners along one leading axis, match by match.

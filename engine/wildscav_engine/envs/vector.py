@@ -134,6 +134,7 @@ class VectorArena(VectorEnv[Observation, Any, NDArray[Any]]):
         infos = self._infos(outcome.rows, outcome.ended, outcome.metrics, self._all_rows)
         if outcome.final is not None:
             infos = self._with_final(infos, outcome, outcome.final)
+        self.arena.finish_reading()
         self._show()
         return (
             _squeezed(outcome.observation),

@@ -13,6 +13,8 @@ from contextlib import suppress
 from functools import lru_cache
 from itertools import pairwise
 
+from wildscav_engine.parallel.turns import ALONE, Turns, turns_of
+
 MOST_HELPERS = 1024
 
 
@@ -43,6 +45,34 @@ def share(work: Callable[[slice], bool], count: int, threads: int, least: int = 
     for helper in helpers:
         is_done = (helper.cancel() or helper.result()) and is_done
     return is_done
+
+
+class SharedWork:
+    """Work in compiled code that other threads begin with while the calling one still does something else.
+
+    No thread waits for the GIL between two items.
+    """
+
+    def __init__(self, work: Callable[[Turns], bool], count: int, threads: int, least: int = 1) -> None:
+        """Let the other threads begin.
+
+        Args:
+            work: Processes the items whose turn comes, and returns whether it succeeded.
+            count: The number of items.
+            threads: The maximum number of threads, including the calling one.
+            least: The minimum number of items of a thread, unless there are fewer in total.
+        """
+        self._work = work
+        threads = min(threads, count // least, MOST_HELPERS + 1)
+        self._own, *others = [ALONE] if threads <= 1 else turns_of(count, threads)
+        self._helpers = [_helper(number).submit(work, turns) for number, turns in enumerate(others, 1)]
+
+    def finish(self) -> bool:
+        """Process what is left, wait for the others, and return whether all succeeded."""
+        is_done = self._work(self._own)
+        for helper in self._helpers:
+            is_done = (helper.cancel() or helper.result()) and is_done
+        return is_done
 
 
 def _halves(first: int, last: int, least: int) -> Iterator[slice]:

@@ -7,7 +7,7 @@ than the hits found so far are skipped. The result of a ray is the nearest of th
 in the same way, whichever image the ray belongs to.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import cache
 from typing import NamedTuple
 
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel, kernel, only_for
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
+from wildscav_engine.parallel.turns import ALONE, Turns
 from wildscav_engine.rendering.cameras import Cameras, are_finite
 from wildscav_engine.rendering.tracing.front_to_back import Scratch, trace_moving_solids, trace_world
 from wildscav_engine.rendering.tracing.frustum import Camera, camera_at, nonnegative
@@ -36,15 +37,17 @@ from wildscav_engine.rendering.tracing.packing import (
     unpack_blocks,
     unpack_shapes,
 )
-from wildscav_engine.rendering.tracing.scene import Scene, scene_of
+from wildscav_engine.rendering.tracing.scene import Scene, Scenes, scene_of
 from wildscav_engine.rendering.tracing.solid_intersection import write_entered_faces
 from wildscav_engine.rendering.tracing.solids import Solids, all_shapes_of
 from wildscav_engine.rendering.tracing.workspace import Size, Workspace, read_workspace
+from wildscav_engine.rendering.turns import TAKEN_ALREADY, item_at
 
 __all__ = [
     "WATER_HIT",
     "Hits",
     "Scene",
+    "Scenes",
     "allocate_hits",
     "depths_tracer",
     "scene_of",
@@ -124,23 +127,15 @@ def trace_depths(scene: Scene, moving: Solids, cameras: Cameras, depths: NDArray
     workspace = scene.workspaces.of(scene.packed, Size(height, width, cameras.half_width, others.most_faces))
     tables = workspace.with_moving(others, cameras.viewers) if len(moving.kind) else workspace.tables
     eyes, yaws, pitches, _, half_width, far = cameras
-    return _trace_depths(eyes, yaws, pitches, half_width, far, tables, depths)
+    return _trace_depths(eyes, yaws, pitches, half_width, far, tables, *ALONE, depths)
 
 
 def trace_depths_of_maps(
-    scenes: Sequence[Scene], size: Size, cameras: Cameras, depths: NDArray[np.float32]
+    scenes: Scenes, size: Size, cameras: Cameras, depths: NDArray[np.float32], turns: Turns = ALONE
 ) -> bool:
     """Do the same as ``trace_depths`` without moving solids, for N cameras in N worlds (or all in one)."""
-    workspaces = [
-        scene.workspaces.cached.get(size) or scene.workspaces.make(scene.packed, size) for scene in scenes
-    ]
-    tables = (
-        workspaces[0].tables
-        if len(workspaces) == 1
-        else np.concatenate([workspace.tables for workspace in workspaces])
-    )
     eyes, yaws, pitches, _, half_width, far = cameras
-    return _trace_depths(eyes, yaws, pitches, half_width, far, tables, depths)
+    return _trace_depths(eyes, yaws, pitches, half_width, far, scenes.tables(size), *turns, depths)
 
 
 # These kernels take everything that stays the same between calls through a table of addresses, and all other
@@ -187,6 +182,8 @@ def _trace_depths(
     half_width: float,
     far: float,
     workspaces: NDArray[np.int64],
+    order: NDArray[np.int64],
+    taken: NDArray[np.int64],
     depths: NDArray[np.float32],
 ) -> bool:
     """Implement ``trace_depths``, in one workspace or in one for each image.
@@ -197,7 +194,10 @@ def _trace_depths(
     is_whole = eyes.shape[0] == yaws.shape[0] == pitches.shape[0] == count and eyes.shape[1] == 3
     if not (is_whole and are_finite(eyes, yaws, pitches)):
         return False
-    for image in range(count):
+    for turn in range(count):
+        image = item_at(Turns(order, taken), turn)
+        if image == TAKEN_ALREADY:
+            continue
         parts = read_workspace(workspaces[image if workspaces.shape[0] > 1 else 0])
         buffer = hit_buffer_in(width, parts.rays, parts.met, parts.strips)
         camera = camera_at(eyes[image], yaws[image], pitches[image], half_width, width, height, far)
@@ -218,12 +218,12 @@ def depths_tracer() -> Callable[..., bool]:
     it raises TypeError, ValueError or NumbaError.
 
     The kernel's arguments: (N, 3) float64 m, the eyes; (N,) float64 degrees, yaws; (N,) float64 degrees,
-    pitches; ``half_width`` and ``far`` of ``Cameras``; the tables of one workspace or of N; (N, H, W)
-    float32, written.
+    pitches; ``half_width`` and ``far`` of ``Cameras``; the tables of one workspace or of N; both arrays of
+    ``Turns``; (N, H, W) float32, written.
     """
     numbers, depths = np.zeros(1), np.zeros((1, 1, 1), np.float32)
     tables = np.zeros((1, 1, 1), np.int64)
-    return only_for(_trace_depths, numbers[None], numbers, numbers, 1.0, 1.0, tables, depths)
+    return only_for(_trace_depths, numbers[None], numbers, numbers, 1.0, 1.0, tables, *ALONE, depths)
 
 
 @inlined_kernel

@@ -4,13 +4,13 @@ They show the sky, sunlight and shadows, the materials of surfaces, water, and h
 ``far``. Agents and supply boxes are visible. Of the viewer's own body, only the shadow is.
 """
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
+from wildscav_engine.parallel.turns import ALONE, Turns, items_of
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.dynamic_objects import ObjectSets
 from wildscav_engine.rendering.shading.render import render_pictures
@@ -20,6 +20,7 @@ from wildscav_engine.sensors.base import sensor
 from wildscav_engine.sensors.optics.dynamic_objects import as_dynamic_objects, dynamic_objects_of
 from wildscav_engine.sensors.optics.optical import BatchedOpticalSensor, select_cameras
 from wildscav_engine.sensors.optics.pinhole import PinholeCamera
+from wildscav_engine.sensors.optics.shown_maps import ShownMaps
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
@@ -65,28 +66,32 @@ class ColorCamera(BatchedOpticalSensor, PinholeCamera):
     ) -> bool:
         """Render the images of some cameras."""
         matches = np.zeros(len(images), np.int64)
-        return self.render_matches_into([game_map], as_dynamic_objects(moving).sets, matches, cameras, images)
+        shown, objects = ShownMaps([game_map]), as_dynamic_objects(moving).sets
+        return self.render_matches_into(shown, objects, matches, cameras, images)
 
     def render_matches_into(
         self,
-        maps: "Sequence[GameMap]",
+        shown: ShownMaps,
         objects: ObjectSets,
         matches: NDArray[np.int64],
         cameras: Cameras,
         images: NDArray[np.uint8],
+        turns: Turns = ALONE,
     ) -> bool:
         """Render the images of cameras in different matches."""
-        if len(maps) > 1 and self.rays > LARGEST_CACHED:
+        if len(shown.maps) > 1 and self.rays > LARGEST_CACHED:
             # What one of them is traced in is large, so only one is used at a time.
             return all(
                 self.render_matches_into(
-                    maps[row : row + 1],
+                    ShownMaps(shown.maps[row : row + 1]),
                     objects,
                     matches[row : row + 1],
                     select_cameras(cameras, slice(row, row + 1)),
                     images[row : row + 1],
                 )
-                for row in range(len(maps))
+                for row in items_of(turns, len(images))
             )
-        scenes, appearances = [one.scene for one in maps], [one.appearance for one in maps]
-        return render_pictures(scenes, appearances, objects, matches, cameras, images, shadows=self.shadows)
+        scenes, appearances = shown.scenes, shown.appearances
+        return render_pictures(
+            scenes, appearances, objects, matches, cameras, images, turns, shadows=self.shadows
+        )

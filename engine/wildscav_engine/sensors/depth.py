@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wildscav_engine.compilation.kernel import refusal
+from wildscav_engine.parallel.turns import ALONE, Turns
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.trace import (
     depths_tracer,
@@ -23,10 +24,9 @@ from wildscav_engine.rendering.tracing.workspace import LARGEST_CACHED, Size
 from wildscav_engine.sensors.base import sensor
 from wildscav_engine.sensors.optics.optical import MovingOption, are_ready
 from wildscav_engine.sensors.optics.pinhole import PinholeCamera
+from wildscav_engine.sensors.optics.shown_maps import ShownMaps
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from gymnasium.spaces import Box
 
     from wildscav_engine.maps.game_map import GameMap
@@ -76,7 +76,7 @@ class DepthCamera(MovingOption, PinholeCamera):
             trace = depths_tracer()
             try:
                 depths = np.empty((len(yaws), size[0], size[1]), DEPTH)  # type: ignore[arg-type]
-                if trace(positions, yaws, pitches, lens[0], lens[1], workspace.tables, depths):
+                if trace(positions, yaws, pitches, lens[0], lens[1], workspace.tables, *ALONE, depths):
                     return depths
             except (TypeError, ValueError, refusal()):
                 if are_ready(positions, yaws, pitches):
@@ -86,13 +86,13 @@ class DepthCamera(MovingOption, PinholeCamera):
         )
 
     def render_maps_into(
-        self, maps: "Sequence[GameMap]", cameras: Cameras, images: NDArray[np.float32]
+        self, shown: ShownMaps, cameras: Cameras, images: NDArray[np.float32], turns: Turns = ALONE
     ) -> bool:
         """Render the images of some cameras on maps without dynamic objects."""
         if self.rays > LARGEST_CACHED:
             # The workspaces are large, so only one is used at a time.
-            return super().render_maps_into(maps, cameras, images)
-        return trace_depths_of_maps([one.scene for one in maps], self._size, cameras, images)
+            return super().render_maps_into(shown, cameras, images, turns)
+        return trace_depths_of_maps(shown.scenes, self._size, cameras, images, turns)
 
     def render_into(
         self, game_map: "GameMap", moving: Solids, cameras: Cameras, images: NDArray[np.float32]

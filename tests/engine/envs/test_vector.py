@@ -36,10 +36,14 @@ def chosen(track: str, **more: Any) -> dict[str, Any]:
     return options(track, sensors=SENSORS, action_mode="multidiscrete", time_limit=0.8, **more)
 
 
+@pytest.mark.parametrize("threads", [1, 2])
 @pytest.mark.parametrize("mode", AutoresetMode)
 @pytest.mark.parametrize("track", ["navigation", "royale"])
-def test_rows_are_single_environments_in_every_autoreset_mode(track: str, mode: AutoresetMode) -> None:
-    ours = made(track, mode)
+def test_rows_are_single_environments_in_every_autoreset_mode(
+    track: str, mode: AutoresetMode, threads: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("wildscav_engine.sensors.optics.optical.MIN_THREAD_TIME", 1)
+    ours = made(track, mode, threads=threads)
     singles = [lambda: gymnasium.make(env_id(track), **chosen(track))] * ENVS
     theirs = SyncVectorEnv(singles, autoreset_mode=mode)
     assert ours.metadata["autoreset_mode"] == mode

@@ -10,6 +10,7 @@ from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.palette import of_seat
 from wildscav_engine.sensors import ColorCamera
 from wildscav_engine.sensors.optics.dynamic_objects import dynamic_objects_of
+from wildscav_engine.sensors.optics.shown_maps import ShownMaps
 from wildscav_engine.simulation.match import Match
 
 CAMERA = ColorCamera(width=64, height=36)
@@ -133,7 +134,7 @@ def test_pictures_of_matches_on_two_maps_are_those_of_each_alone(size: tuple[int
     ]
 
     together = np.empty((3, *camera.shape), np.uint8)
-    maps = [match.game_map for match in every]
+    maps = ShownMaps([match.game_map for match in every])
     cameras = Cameras(eyes, looks, looks, np.zeros(3, np.int32), *camera.lens)
     assert camera.render_matches_into(maps, things[0].sets, np.zeros(3, np.int64), cameras, together)
 

@@ -1,6 +1,7 @@
 """Observations of learners: groups of columns side by side in one row per learner, and the chosen sensors."""
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ from wildscav_engine.envs.settings.config import EnvConfig
 from wildscav_engine.envs.spaces.columns import EVENTS, OUTCOME, PARTS, Part, groups_of, parts_of
 from wildscav_engine.envs.spaces.flattening import Flattener
 from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
-from wildscav_engine.parallel.threads import share
+from wildscav_engine.parallel.threads import SharedWork, share
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.sensors.base import Sensor
 from wildscav_engine.sensors.batched import BatchedSensor
@@ -20,8 +21,8 @@ from wildscav_engine.sensors.optics.optical import (
     BatchedOpticalSensor,
     MovingOption,
     OpticalSensor,
-    select_cameras,
 )
+from wildscav_engine.sensors.optics.shown_maps import ShownMaps
 from wildscav_engine.sensors.scalars import ScalarSensor
 from wildscav_engine.specs.body import EYE_HEIGHT
 from wildscav_engine.tracks import TRACKS
@@ -120,21 +121,26 @@ class SensorReader:
         self._lenses = {name: sensor.lens for name, sensor in self._together.items()}
         self._seats, self._threads = list(seats), threads
         self._rows = np.array(self._seats, np.int64)
-        self._maps: list[GameMap] = []  # the map of every seat that is read
+        self._shown = ShownMaps([])  # the map of every seat that is read
+        self._begun: list[SharedWork] = []
         self._viewers = np.zeros(0, np.int32)
 
     def set_maps(self, maps: "Sequence[GameMap]") -> None:
         """Set the map of every match."""
-        self._maps = [game_map for game_map in maps for _ in self._seats]
+        self._shown = ShownMaps([game_map for game_map in maps for _ in self._seats])
         self._viewers = np.tile(np.array(self._seats, np.int32), len(maps))
         for game_map in maps:
             for sensor in self._optical:
                 sensor.prepare(game_map)  # in advance, because all threads would do it
 
-    def read(self, batch: "Batch", view: Callable[[int], MatchInBatch], found: Readings) -> None:
-        """Add (B, L, *shape) readings of all sensors to an observation, by their names."""
+    def begin(self, batch: "Batch", view: Callable[[int], MatchInBatch], found: Readings) -> None:
+        """Add (B, L, *shape) readings of all sensors to an observation, by their names.
+
+        Other threads begin with images. All readings are complete after ``finish``.
+        """
+        self._begun = []
         if self._together:
-            self._read_together(batch, found)
+            self._begin_together(batch, found)
         for name, sensor in self._others.items():
             if isinstance(sensor, ScalarSensor):
                 found[name] = sensor.read_all(batch.state, self._rows)
@@ -144,6 +150,11 @@ class SensorReader:
                 continue
             readings = self._read_each(sensor, [view(match) for match in range(len(batch.specs))])
             found[name] = readings[0][np.newaxis] if len(readings) == 1 else np.stack(readings)
+
+    def finish(self) -> None:
+        """Render the images that no other thread has begun with, and wait for those."""
+        while self._begun:
+            self._begun.pop().finish()
 
     def _read_each(self, sensor: Sensor, matches: Sequence[MatchInBatch]) -> list[NDArray[Any]]:
         """Return the readings of a sensor in each match."""
@@ -160,43 +171,21 @@ class SensorReader:
         share(read, len(matches), self._threads, least)
         return [readings[match] for match in range(len(matches))]
 
-    def _read_together(self, batch: "Batch", found: Readings) -> None:
-        """Render the images of all matches in one call for each sensor, or in few for each thread."""
+    def _begin_together(self, batch: "Batch", found: Readings) -> None:
+        """Begin to render the images of all matches, in one call of each thread for each sensor."""
         agents, count, seats = batch.state.agents, len(self._seats), self._rows
         eyes = (agents.position[:, seats] + EYES).reshape(-1, 3)
         yaws, pitches = agents.yaw[:, seats].flatten(), agents.pitch[:, seats].flatten()
         for name, sensor in self._together.items():
             cameras = Cameras(eyes, yaws, pitches, self._viewers, *self._lenses[name])
+            images = np.empty((len(yaws), *sensor.shape), sensor.dtype)
             if isinstance(sensor, BatchedOpticalSensor):
-                images = self._render_matches(sensor, cameras, batch)
+                objects, matches = objects_of_matches(batch.state), np.arange(len(yaws)) // count
+                render = partial(sensor.render_matches_into, self._shown, objects, matches, cameras, images)
             else:
-                images = self._render(sensor, cameras)
+                render = partial(sensor.render_maps_into, self._shown, cameras, images)
+            self._begun.append(SharedWork(render, len(images), self._threads, sensor.min_images_per_thread))
             found[name] = images.reshape(-1, count, *sensor.shape)
-
-    def _render(self, sensor: OpticalSensor, cameras: Cameras) -> NDArray[Any]:
-        """Return (N, *shape) images of the maps."""
-        images = np.empty((len(self._maps), *sensor.shape), sensor.dtype)
-        if self._threads == 1:
-            sensor.render_maps_into(self._maps, cameras, images)
-            return images
-
-        def render_part(part: slice) -> bool:
-            return sensor.render_maps_into(self._maps[part], select_cameras(cameras, part), images[part])
-
-        share(render_part, len(images), self._threads, sensor.min_images_per_thread)
-        return images
-
-    def _render_matches(self, sensor: BatchedOpticalSensor, cameras: Cameras, batch: "Batch") -> NDArray[Any]:
-        """Return (N, *shape) images of the matches, each with what moves in it."""
-        images, count = np.empty((len(self._maps), *sensor.shape), sensor.dtype), len(self._seats)
-        objects, matches = objects_of_matches(batch.state), np.arange(len(images)) // count
-
-        def render_part(part: slice) -> bool:
-            some = select_cameras(cameras, part)
-            return sensor.render_matches_into(self._maps[part], objects, matches[part], some, images[part])
-
-        share(render_part, len(images), self._threads, sensor.min_images_per_thread)
-        return images
 
 
 def _sees_map_only(sensor: OpticalSensor) -> bool:

@@ -86,11 +86,29 @@ class SeatReader:
             The observations by name (B, S, …), or (B, S, n) if they are flat; and (B, S, width) rows. The
             arrays are not reused.
         """
+        output = self.begin_reading(batch, view)
+        self.finish_reading()
+        return output
+
+    def begin_reading(
+        self, batch: "Batch", view: Callable[[int], MatchInBatch]
+    ) -> tuple[Observation, NDArray[np.float32]]:
+        """Do the same as ``read``, but images may be incomplete until ``finish_reading``.
+
+        Until then, other threads may be rendering them.
+        """
         rows = np.empty((*self.done.shape, self.layout.width), np.float32)
+        found: Readings = {name: rows[..., first:last] for name, first, last in self.layout.groups}
+        self._sensors.begin(batch, view, found)
         _ = batch.seen  # updates the arrays to which the table points
         agents, supplies, matches, seen = (table.addresses for table in self._tables)
         write_rows(agents, supplies, matches, seen, self._workspace.addresses, rows)
         self._workspace, self._next_workspace = self._next_workspace, self._workspace
-        found: Readings = {name: rows[..., first:last] for name, first, last in self.layout.groups}
-        self._sensors.read(batch, view, found)
-        return found if self._flattener is None else self._flattener.flatten(found, axes=2), rows
+        if self._flattener is None:
+            return found, rows
+        self.finish_reading()
+        return self._flattener.flatten(found, axes=2), rows
+
+    def finish_reading(self) -> None:
+        """Complete the images of the last observations."""
+        self._sensors.finish()

@@ -1,5 +1,6 @@
 """The static world of a map and its materials as one table of addresses, for kernels that render pictures."""
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -67,6 +68,19 @@ class Appearance:
     def __reduce__(self) -> tuple[Any, ...]:
         """Copy and pickle only the arrays: the copies have other addresses."""
         return Appearance, (self.world, self.materials)
+
+
+class Appearances:
+    """The appearances of the maps that N images show, or of one for all.
+
+    Attributes:
+        tables: (N, F, 6) their tables.
+    """
+
+    def __init__(self, appearances: Sequence[Appearance]) -> None:
+        """Collect appearances."""
+        self._appearances = appearances  # keep the arrays alive
+        self.tables = np.concatenate([appearance.tables for appearance in appearances])
 
 
 def _arrays_of(columns: Columns) -> ColumnArrays:

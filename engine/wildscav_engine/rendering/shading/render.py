@@ -5,7 +5,6 @@ other threads that are in Python.
 """
 
 import threading
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -13,10 +12,11 @@ from numpy.typing import NDArray
 
 from wildscav_engine.compilation.array_tables import Addresses, ArrayTable, reader
 from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.parallel.turns import ALONE, Turns
 from wildscav_engine.rendering.cameras import Cameras, are_finite
 from wildscav_engine.rendering.dynamic_objects import ObjectSets, read_objects, shapes_between, solids_between
 from wildscav_engine.rendering.shading.ambient_occlusion import LOOKED_AT, around_in
-from wildscav_engine.rendering.shading.appearance import Appearance, materials_in, world_in
+from wildscav_engine.rendering.shading.appearance import Appearances, materials_in, world_in
 from wildscav_engine.rendering.shading.moving_shadows import Casters, allocate_casters
 from wildscav_engine.rendering.shading.pictures import Canvas, ShadedScene, shade
 from wildscav_engine.rendering.shading.pixel_rays import cosines_of
@@ -26,22 +26,24 @@ from wildscav_engine.rendering.shading.texture_scratch import (
     allocate_texture_scratch,
     texture_scratch_in,
 )
-from wildscav_engine.rendering.trace import Hits, Scene, trace_image, write_hits
+from wildscav_engine.rendering.trace import Hits, Scenes, trace_image, write_hits
 from wildscav_engine.rendering.tracing.frustum import camera_at
 from wildscav_engine.rendering.tracing.hit_buffer import hit_buffer_in
 from wildscav_engine.rendering.tracing.packing import unpack_shapes
 from wildscav_engine.rendering.tracing.workspace import Size, read_workspace
+from wildscav_engine.rendering.turns import TAKEN_ALREADY, item_at
 
 MOST_KEPT = 2**18  # pixels of the largest picture whose scratch buffers are kept for the next one
 
 
 def render_pictures(
-    scenes: Sequence[Scene],
-    appearances: Sequence[Appearance],
+    scenes: Scenes,
+    appearances: Appearances,
     objects: ObjectSets,
     matches: NDArray[np.int64],
     cameras: Cameras,
     images: NDArray[np.uint8],
+    turns: Turns = ALONE,
     *,
     shadows: bool,
 ) -> bool:
@@ -54,6 +56,7 @@ def render_pictures(
         matches: (N,) the match in ``objects`` that each camera is in.
         cameras: N cameras.
         images: (N, H, W, 3) red, green, blue, written.
+        turns: In which order to render them, with other threads.
         shadows: Whether solids cast shadows.
 
     Returns:
@@ -61,19 +64,18 @@ def render_pictures(
     """
     _, height, width, _ = images.shape
     size = Size(height, width, cameras.half_width, objects.most_faces)
-    # The kernel reads the arrays at their addresses, so references to them are held until it returns.
-    workspaces = [scene.workspaces.of(scene.packed, size) for scene in scenes]
     scratch = latest_scratch.of(height, width)
     return _render(
         *cameras,
-        np.concatenate([workspace.tables for workspace in workspaces]),
-        np.concatenate([appearance.tables for appearance in appearances]),
+        scenes.tables(size),
+        appearances.tables,
         objects.addresses,
         objects.start,
         matches,
         allocate_casters(objects.most),
         cosines_of(cameras.half_width, height, width),
         scratch.addresses,
+        *turns,
         images,
         shadows,
     )
@@ -148,6 +150,8 @@ def _render(
     casters: Casters,
     cosines: NDArray[np.float32],
     scratch: Addresses,
+    order: NDArray[np.int64],
+    taken: NDArray[np.int64],
     images: NDArray[np.uint8],
     shadows: bool,
 ) -> bool:
@@ -160,7 +164,10 @@ def _render(
     around, texture = around_in(buffers.around), texture_scratch_in(buffers.floats, buffers.integers)
     canvas = Canvas(buffers.depths, buffers.rows, buffers.pieces, around, texture)
     count, height, width = images.shape[:3]
-    for image in range(count):
+    for turn in range(count):
+        image = item_at(Turns(order, taken), turn)
+        if image == TAKEN_ALREADY:
+            continue
         place = image if workspaces.shape[0] > 1 else 0
         first, last = start[matches[image]], start[matches[image] + 1]
         workspace, others = read_workspace(workspaces[place]), shapes_between(parts, first, last)

@@ -3,6 +3,8 @@
 It is created on first use and belongs neither to a map's data nor to its digest.
 """
 
+import threading
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -22,7 +24,7 @@ from wildscav_engine.rendering.tracing.packing import (
     pack_scene,
 )
 from wildscav_engine.rendering.tracing.solids import Solids, shapes_of, solids_of_world
-from wildscav_engine.rendering.tracing.workspace import Workspaces
+from wildscav_engine.rendering.tracing.workspace import MOST_CACHED, Size, Workspaces, WorkspaceTable
 
 NO_MEMBER = -1
 
@@ -34,6 +36,26 @@ class Scene(NamedTuple):
     solids: Solids  # of the world, in its order
     packed: Packed  # for kernels: the same in the order of blocks, for locality
     workspaces: Workspaces  # the workspaces to trace in
+
+
+class Scenes(threading.local):
+    """The scenes that N images show, or one for all, with the tables of their workspaces for each thread."""
+
+    def __init__(self, scenes: Sequence[Scene]) -> None:
+        """Collect scenes."""
+        self.scenes = scenes
+        self._cached: dict[Size, tuple[list[WorkspaceTable], NDArray[np.int64]]] = {}
+
+    def tables(self, size: Size) -> NDArray[np.int64]:
+        """Return (N, F, 6) the tables of the workspaces for images of a size."""
+        if size not in self._cached:
+            if len(self._cached) >= MOST_CACHED:
+                self._cached.clear()
+            # The tables are addresses, so the workspaces are kept as well.
+            workspaces = [scene.workspaces.of(scene.packed, size) for scene in self.scenes]
+            tables = np.concatenate([workspace.tables for workspace in workspaces])
+            self._cached[size] = workspaces, tables
+        return self._cached[size][1]
 
 
 def scene_of(world: World) -> Scene:

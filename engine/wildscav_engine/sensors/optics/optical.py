@@ -9,11 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wildscav_engine.parallel.threads import share
+from wildscav_engine.parallel.turns import ALONE, Turns, items_of
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.dynamic_objects import ObjectSets
 from wildscav_engine.rendering.tracing.solids import Solids, gather_solids
 from wildscav_engine.sensors.base import Sensor, rows_of
 from wildscav_engine.sensors.optics.dynamic_objects import dynamic_objects_of
+from wildscav_engine.sensors.optics.shown_maps import ShownMaps
 from wildscav_engine.specs.body import EYE_HEIGHT
 
 if TYPE_CHECKING:
@@ -61,17 +63,29 @@ class OpticalSensor(Sensor):
             Whether all numbers of the cameras are finite; if not, nothing is written.
         """
 
-    def render_maps_into(self, maps: "Sequence[GameMap]", cameras: Cameras, images: NDArray[Any]) -> bool:
+    def render_maps_into(
+        self, shown: ShownMaps, cameras: Cameras, images: NDArray[Any], turns: Turns = ALONE
+    ) -> bool:
         """Render the images of some cameras on maps without dynamic objects.
 
         Args:
-            maps: N maps, possibly with repetitions, whose scenes have been prepared.
+            shown: Their maps.
             cameras: N cameras.
             images: (N, *shape), written.
+            turns: In which order to render them, with other threads.
 
         Returns:
             Whether all numbers of the cameras are finite.
         """
+        maps = shown.maps
+        if turns is not ALONE:
+            parts = (slice(row, row + 1) for row in items_of(turns, len(images)))
+            return all(
+                self.render_into(
+                    maps[part.start], NO_DYNAMIC_OBJECTS, select_cameras(cameras, part), images[part]
+                )
+                for part in parts
+            )
         rows_of_map: dict[int, list[int]] = {}
         for row, game_map in enumerate(maps):
             rows_of_map.setdefault(id(game_map), []).append(row)
@@ -220,20 +234,22 @@ class BatchedOpticalSensor(OpticalSensor):
     @abstractmethod
     def render_matches_into(
         self,
-        maps: "Sequence[GameMap]",
+        shown: ShownMaps,
         objects: ObjectSets,
         matches: NDArray[np.int64],
         cameras: Cameras,
         images: NDArray[Any],
+        turns: Turns = ALONE,
     ) -> bool:
         """Render the images of cameras in different matches.
 
         Args:
-            maps: N maps, or one for all cameras, whose scenes have been prepared.
+            shown: Their maps, or one for all.
             objects: The dynamic objects of some matches.
             matches: (N,) the index in ``objects`` of the match that each camera is in.
             cameras: N cameras.
             images: (N, *shape), written.
+            turns: In which order to render them, with other threads.
 
         Returns:
             Whether all numbers of the cameras are finite; if not, nothing is written.

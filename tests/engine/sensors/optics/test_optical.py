@@ -11,6 +11,7 @@ from wildscav_engine.maps import generate_map
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.sensors import DepthCamera, Lidar, NormalCamera, parse_sensors
 from wildscav_engine.sensors.optics.optical import OpticalSensor
+from wildscav_engine.sensors.optics.shown_maps import ShownMaps
 from wildscav_engine.specs.map_spec import MapConfig
 
 COUNTRY = generate_map(MapConfig(size=60, houses=2), 3)
@@ -129,7 +130,7 @@ def test_images_of_many_maps_are_those_of_each_map(sensor: OpticalSensor) -> Non
     cameras = Cameras(eyes, turns, level, np.zeros(5, np.int32), *sensor.lens)
     together = np.empty((5, *sensor.shape), sensor.dtype)
 
-    assert sensor.render_maps_into(maps, cameras, together)
+    assert sensor.render_maps_into(ShownMaps(maps), cameras, together)
     assert together.tobytes() == np.stack(alone).tobytes()
 
 
