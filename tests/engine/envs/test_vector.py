@@ -1,8 +1,11 @@
 """Vector environments are single ones, row for row and byte for byte, however many there are."""
 
+import copy
+import pickle
 import subprocess
 import sys
 import threading
+from collections.abc import Callable
 from typing import Any
 
 import gymnasium
@@ -134,6 +137,24 @@ def test_a_picture_of_many_matches_shows_each_learner_what_it_sees_in_its_own() 
     pictures = arena.reset(seed=4)["camera"]
     camera, views = ColorCamera(width=24, height=16), [arena.arena.view(match) for match in range(3)]
     assert np.stack([camera.read(view, [0, 1]) for view in views]).tobytes() == pictures.tobytes()
+
+
+def unpickled(env: VectorArena) -> VectorArena:
+    return pickle.loads(pickle.dumps(env))  # type: ignore[no-any-return]  # noqa: S301
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, unpickled])
+def test_a_copy_plays_on_as_the_original(copied: Callable[[VectorArena], VectorArena]) -> None:
+    sensors = {"depth": {"width": 4, "height": 3}, "camera": {"width": 8, "height": 6}}
+    env = VectorArena("battle", 3, **options("battle", sensors=sensors, action_mode="box", threads=2))
+    env.reset(seed=3)
+    env.action_space.seed(1)
+    actions = [env.action_space.sample() for _ in range(6)]
+    for action in actions[:3]:
+        env.step(action)
+    other = copied(env)
+    for action in actions[3:]:
+        assert digest(other.step(action)) == digest(env.step(action))
 
 
 @pytest.mark.slow

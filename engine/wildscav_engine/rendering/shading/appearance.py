@@ -82,6 +82,10 @@ class Appearances:
         self._appearances = appearances  # keep the arrays alive
         self.tables = np.concatenate([appearance.tables for appearance in appearances])
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copy and pickle only the appearances: the copies have other addresses."""
+        return Appearances, (self._appearances,)
+
 
 def _arrays_of(columns: Columns) -> ColumnArrays:
     return ColumnArrays(np.array(columns[:5], np.float64), *columns[5:])

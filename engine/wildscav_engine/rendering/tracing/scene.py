@@ -46,6 +46,10 @@ class Scenes(threading.local):
         self.scenes = scenes
         self._cached: dict[Size, tuple[list[WorkspaceTable], NDArray[np.int64]]] = {}
 
+    def __reduce__(self) -> tuple[type["Scenes"], tuple[Sequence[Scene]]]:
+        """Copy and pickle only the scenes: the copies have other addresses."""
+        return Scenes, (self.scenes,)
+
     def tables(self, size: Size) -> NDArray[np.int64]:
         """Return (N, F, 6) the tables of the workspaces for images of a size."""
         if size not in self._cached:

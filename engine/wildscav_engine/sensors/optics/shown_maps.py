@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from wildscav_engine.rendering.shading.appearance import Appearances
 from wildscav_engine.rendering.trace import Scenes
@@ -23,6 +23,10 @@ class ShownMaps:
     def __init__(self, maps: "Sequence[GameMap]") -> None:
         """Collect maps."""
         self.maps = maps
+
+    def __reduce__(self) -> tuple[type["ShownMaps"], tuple[Any]]:
+        """Copy and pickle only the maps: what kernels need is addresses."""
+        return ShownMaps, (self.maps,)
 
     @cached_property
     def scenes(self) -> Scenes:
