@@ -98,7 +98,7 @@ def shade(
         if pieces > 1 or hit.solid[row, 0] != NOTHING_HIT:
             _write_surfaces(scene, view, hit, row, pieces, canvas, pixels)
             _light_surfaces(scene, view, hit, row, pieces, count, canvas, pixels)
-            _write_water(scene, view, hit, row, pixels)
+            _write_waters(scene, view, hit, row, pieces, canvas, pixels)
         _write_sky(scene.materials.clouds, hit.solid[row], pieces, canvas, pixels)
         if is_under_water:
             write_murky(hit.distance[row], pixels, image[row])
@@ -261,24 +261,28 @@ def _write_sky(
 
 
 @inlined_kernel
-def _write_water(scene: ShadedScene, view: View, hit: Hits, row: int, pixels: RowOfPixels) -> None:
+def _write_waters(
+    scene: ShadedScene, view: View, hit: Hits, row: int, pieces: int, canvas: Canvas, pixels: RowOfPixels
+) -> None:
     """Write the colours of water in its light."""
-    world, materials = scene.world, scene.materials
-    for column in range(view.width):
-        if hit.solid[row, column] == WATER_HIT:
-            ways, distance = pixels.ways, float(hit.distance[row, column])
-            direction = way_of(ways, column)
-            place = point_along(view.eye, direction, distance)
-            pixel = footprint(view, direction, distance, (0.0, 1.0, 0.0))
-            sun = 1.0 if pixels.direct[column] > NONE else 0.0
-            color = water_color(
-                world,
-                materials.ground,
-                materials.clouds,
-                place,
-                direction,
-                sun,
-                float(pixels.ambient[column]),
-                pixel,
-            )
-            pixels.color.red[column], pixels.color.green[column], pixels.color.blue[column] = color
+    for piece in range(pieces):
+        first, last = canvas.pieces[piece], canvas.pieces[piece + 1]
+        if hit.solid[row, first] == WATER_HIT:
+            for column in range(first, last):
+                _write_water(scene, view, float(hit.distance[row, column]), column, pixels)
+
+
+@inlined_kernel
+def _write_water(scene: ShadedScene, view: View, distance: float, column: int, pixels: RowOfPixels) -> None:
+    """Write the colour of one pixel of water."""
+    direction = way_of(pixels.ways, column)
+    pixels.color.red[column], pixels.color.green[column], pixels.color.blue[column] = water_color(
+        scene.world,
+        scene.materials.ground,
+        scene.materials.clouds,
+        point_along(view.eye, direction, distance),
+        direction,
+        1.0 if pixels.direct[column] > NONE else 0.0,
+        float(pixels.ambient[column]),
+        footprint(view, direction, distance, (0.0, 1.0, 0.0)),
+    )
