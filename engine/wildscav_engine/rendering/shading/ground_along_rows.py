@@ -5,11 +5,16 @@ from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import inlined_kernel
 from wildscav_engine.geometry.world import CELL, World
+from wildscav_engine.rendering.shading.details_along_rows import (
+    write_footprints,
+    write_places,
+    write_seen,
+)
 from wildscav_engine.rendering.shading.ground import COARSE, FINE, MEDIUM, blend, corners_of
 from wildscav_engine.rendering.shading.noise import FOURS, between, corner_of, eased32
 from wildscav_engine.rendering.shading.pixel_rays import LEAST_FACING, View, Ways
 from wildscav_engine.rendering.shading.pixel_rows import Channels, Normals, RowOfPixels
-from wildscav_engine.rendering.shading.surfaces import BLUR, SHARPEST
+from wildscav_engine.rendering.shading.surfaces import SHARPEST
 from wildscav_engine.rendering.shading.texture_scratch import AT_ONCE, TextureScratch
 from wildscav_engine.rendering.tracing.frustum import nonnegative
 
@@ -47,23 +52,15 @@ def write_ground(
         red, green, blue = color.red[start:end], color.green[start:end], color.blue[start:end]
         east, up, north = normal.east[start:end], normal.up[start:end], normal.north[start:end]
         some = distances[start:end]
-        _write_places(view, ways, some, scratch)
+        write_places(view, ways, some, scratch)
         _write_cells(world, end - start, scratch)
         _write_smooth(ground, scratch, Channels(red, green, blue), Normals(east, up, north))
-        _write_footprints(view, ways, some, Normals(east, up, north), scratch)
+        write_footprints(view, ways, some, Normals(east, up, north), scratch)
         _write_grain(end - start, scratch)
         for column in range(end - start):
             red[column] *= scratch.grain[column]
             green[column] *= scratch.grain[column]
             blue[column] *= scratch.grain[column]
-
-
-@inlined_kernel
-def _write_places(view: View, ways: Ways, distances: NDArray[np.float32], scratch: TextureScratch) -> None:
-    x, z = np.float32(view.eye[0]), np.float32(view.eye[2])
-    for column in range(distances.shape[0]):
-        scratch.x[column] = x + ways.east[column] * distances[column]
-        scratch.z[column] = z + ways.north[column] * distances[column]
 
 
 @inlined_kernel
@@ -107,18 +104,6 @@ def _write_smooth(
 
 
 @inlined_kernel
-def _write_footprints(
-    view: View, ways: Ways, distances: NDArray[np.float32], normal: Normals, scratch: TextureScratch
-) -> None:
-    """Write the sizes of pixels on the ground, as ``pixel_rays.footprint`` does."""
-    pixel = np.float32(view.pixel)
-    for column in range(distances.shape[0]):
-        away = ways.east[column] * normal.east[column] + ways.up[column] * normal.up[column]
-        facing = -(away + ways.north[column] * normal.north[column])
-        scratch.pixel[column] = pixel * distances[column] / max(LEAST_FACING_32, facing)
-
-
-@inlined_kernel
 def _write_grain(count: int, scratch: TextureScratch) -> None:
     """Write how bright the ground is for its grain."""
     for column in range(count):
@@ -132,13 +117,9 @@ def _write_grain(count: int, scratch: TextureScratch) -> None:
 def _add_grain(details: tuple[float, float], count: int, scratch: TextureScratch) -> None:
     """Add the grain of one size, unless no pixel shows it."""
     size, strength = details
-    blur, most, seen = np.float32(BLUR / size), np.float32(strength), scratch.seen
-    is_any_seen = np.int32(0)
-    for column in range(count):
-        sharp = min(ONE, max(NONE, SHARPEST_32 - scratch.pixel[column] * blur))
-        seen[column] = most * sharp
-        is_any_seen |= np.int32(sharp > NONE)
-    if is_any_seen == 0:
+    size, strength = details
+    seen = scratch.seen
+    if not write_seen(np.float32(size), np.float32(strength), count, scratch.pixel, seen):
         return
     _place_in_noise(np.float32(1.0 / size), count, scratch)
     for column in range(count):

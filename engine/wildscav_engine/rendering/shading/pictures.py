@@ -173,7 +173,9 @@ def _write_solid(
     if has_spots(kind, normal):
         some = Ways(ways.east[first:last], ways.up[first:last], ways.north[first:last])
         shown = Channels(color.red[first:last], color.green[first:last], color.blue[first:last])
-        write_spotted(kind, base, normal, view, some, distances[first:last], scratch, shown)
+        own = pixels.normal
+        facing = Normals(own.east[first:last], own.up[first:last], own.north[first:last])
+        write_spotted(kind, base, facing, view, some, distances[first:last], scratch, shown)
         return
     for column in range(first, last):
         direction = way_of(ways, column)

@@ -6,9 +6,15 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel, kernel
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.rendering.shading.color_arithmetic import Color, Vector
+from wildscav_engine.rendering.shading.details_along_rows import (
+    sharpness32,
+    write_footprints,
+    write_places,
+    write_seen,
+)
 from wildscav_engine.rendering.shading.noise import FOURS, between, corner_of, eased32, grain
 from wildscav_engine.rendering.shading.pixel_rays import LEAST_FACING, View, Ways
-from wildscav_engine.rendering.shading.pixel_rows import Channels
+from wildscav_engine.rendering.shading.pixel_rows import Channels, Normals
 from wildscav_engine.rendering.shading.surfaces import BLUR, SHARPEST
 from wildscav_engine.rendering.shading.texture_scratch import AT_ONCE, TextureScratch
 from wildscav_engine.rendering.tracing.frustum import nonnegative
@@ -46,7 +52,7 @@ def has_spots(kind: int, normal: Vector) -> bool:
 def write_spotted(
     kind: int,
     color: Color,
-    normal: Vector,
+    normal: Normals,
     view: View,
     ways: Ways,
     distances: NDArray[np.float32],
@@ -58,22 +64,24 @@ def write_spotted(
     Args:
         kind: The kind of the solid.
         color: The colour of its material.
-        normal: The unit normal of the face.
+        normal: (C,) the unit normal of the face, which is the same everywhere.
         view: The camera of the image.
         ways: (C,) of the pixels.
         distances: (C,) m along their rays.
         scratch: Overwritten.
         shown: (C,) written.
     """
-    level = np.sqrt(normal[0] * normal[0] + normal[2] * normal[2])
+    to_east, to_north = float(normal.east[0]), float(normal.north[0])
+    level = np.sqrt(to_east * to_east + to_north * to_north)
     for start in range(0, distances.shape[0], AT_ONCE):
         end = min(distances.shape[0], start + AT_ONCE)
         some = Ways(ways.east[start:end], ways.up[start:end], ways.north[start:end])
         even = -(-(end - start) // TOGETHER) * TOGETHER
-        _write_places(view, some, distances[start:end], scratch)
-        _write_footprints(view, normal, some, distances[start:end], scratch)
+        write_places(view, some, distances[start:end], scratch)
+        facing = Normals(normal.east[start:end], normal.up[start:end], normal.north[start:end])
+        write_footprints(view, some, distances[start:end], facing, scratch)
         if kind == WALL and level >= STEEP:
-            _write_courses(even, normal[2] / level, normal[0] / level, scratch)
+            _write_courses(even, to_north / level, to_east / level, scratch)
         else:
             scratch.grain[:even] = ONE
         for number in range(2):
@@ -85,31 +93,10 @@ def write_spotted(
 
 
 @disjoint_kernel
-def _write_places(view: View, ways: Ways, distances: NDArray[np.float32], scratch: TextureScratch) -> None:
-    x, y, z = np.float32(view.eye[0]), np.float32(view.eye[1]), np.float32(view.eye[2])
-    for column in range(distances.shape[0]):
-        scratch.x[column] = x + ways.east[column] * distances[column]
-        scratch.y[column] = y + ways.up[column] * distances[column]
-        scratch.z[column] = z + ways.north[column] * distances[column]
-
-
-@disjoint_kernel
-def _write_footprints(
-    view: View, normal: Vector, ways: Ways, distances: NDArray[np.float32], scratch: TextureScratch
-) -> None:
-    """Write the sizes of pixels on the surface, as ``pixel_rays.footprint`` does."""
-    east, up, north = np.float32(normal[0]), np.float32(normal[1]), np.float32(normal[2])
-    pixel = np.float32(view.pixel)
-    for column in range(distances.shape[0]):
-        facing = -(ways.east[column] * east + ways.up[column] * up + ways.north[column] * north)
-        scratch.pixel[column] = pixel * distances[column] / max(LEAST_FACING_32, facing)
-
-
-@disjoint_kernel
-def _write_courses(even: int, to_east: float, to_north: float, scratch: TextureScratch) -> None:
+def _write_courses(even: int, along_east: float, along_north: float, scratch: TextureScratch) -> None:
     """Write how bright plaster is over barely visible courses of stone, along a wall in some direction."""
     x, y, z, pixel, bright = scratch.x, scratch.y, scratch.z, scratch.pixel, scratch.grain
-    east, north = np.float32(to_east), np.float32(to_north)
+    east, north = np.float32(along_east), np.float32(along_north)
     for column in range(even):
         course = np.int32(np.floor(y[column] * (ONE / HIGH)))
         along = east * x[column] - north * z[column] + DISPLACED * np.float32(course & 1)
@@ -130,17 +117,11 @@ def _line(coordinate: np.float32, spacing: np.float32, pixel: np.float32) -> np.
     return np.float32(share * sharpness32(spacing, pixel))
 
 
-@inlined_kernel
-def sharpness32(size: np.float32, pixel: np.float32) -> np.float32:
-    """Return how visible a detail of some size in m is, 0-1, at a pixel size in m."""
-    return min(ONE, max(NONE, SHARPEST_32 - pixel * (BLUR_32 / size)))
-
-
 @kernel
 def _add_spots(spots: NDArray[np.float32], count: int, even: int, scratch: TextureScratch) -> None:
     """Add spots of one size, unless no pixel shows them."""
     size, flatness, strength = spots[0], spots[1], spots[2]
-    if not _are_seen(size, strength, even, scratch.pixel, scratch.seen):
+    if not write_seen(size, strength, even, scratch.pixel, scratch.seen):
         return
     _place_in_noise(ONE / size, flatness / size, even, scratch)
     for column in range(count):
@@ -158,19 +139,6 @@ def _brighten(even: int, scratch: TextureScratch) -> None:
         above = between(scratch.corner_above[column], east, north)
         bright = below + (above - below) * scratch.rise[column] - HALF
         scratch.grain[column] *= ONE + scratch.seen[column] * bright
-
-
-@disjoint_kernel
-def _are_seen(
-    size: np.float32, strength: np.float32, even: int, pixel: NDArray[np.float32], seen: NDArray[np.float32]
-) -> bool:
-    """Write how visible details of some size are; return whether any is."""
-    is_any = np.int32(0)
-    for column in range(even):
-        sharp = sharpness32(size, pixel[column])
-        seen[column] = strength * sharp
-        is_any |= np.int32(sharp > NONE)
-    return bool(is_any != 0)
 
 
 @disjoint_kernel

@@ -176,7 +176,8 @@ def spotted(kind: Kind, normal: Vector, columns: slice) -> NDArray[np.float32]:
     ways = Ways(*(part[columns] for part in pixels.ways))
     shown = np.empty((3, len(distances)), np.float32)
     scratch = allocate_texture_scratch()
-    write_spotted(kind, (200.0, 180.0, 90.0), normal, view, ways, distances, scratch, Channels(*shown))
+    normals = Normals(*(np.full(len(distances), part, np.float32) for part in normal))
+    write_spotted(kind, (200.0, 180.0, 90.0), normals, view, ways, distances, scratch, Channels(*shown))
     return shown.T
 
 
