@@ -7,8 +7,8 @@ Numba's own threads would require compiling every kernel once more.
 
 import os
 from collections import deque
-from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from functools import lru_cache
 from itertools import pairwise
@@ -42,9 +42,7 @@ def share(work: Callable[[slice], bool], count: int, threads: int, least: int = 
     queues = [deque(_halves(first, last, least)) for first, last in pairwise(ends)]
     helpers = [_helper(number).submit(_process_parts, work, queues, number) for number in range(1, threads)]
     is_done = _process_parts(work, queues, 0)
-    for helper in helpers:
-        is_done = (helper.cancel() or helper.result()) and is_done
-    return is_done
+    return _have_succeeded(helpers) and is_done
 
 
 class SharedWork:
@@ -70,9 +68,13 @@ class SharedWork:
     def finish(self) -> bool:
         """Process what is left, wait for the others, and return whether all succeeded."""
         is_done = self._work(self._own)
-        for helper in self._helpers:
-            is_done = (helper.cancel() or helper.result()) and is_done
-        return is_done
+        return _have_succeeded(self._helpers) and is_done
+
+
+def _have_succeeded(helpers: Sequence[Future[bool]]) -> bool:
+    """Wait for other threads, except those that have not begun; return whether all succeeded."""
+    succeeded = [helper.cancel() or helper.result() for helper in helpers]
+    return all(succeeded)
 
 
 def _halves(first: int, last: int, least: int) -> Iterator[slice]:

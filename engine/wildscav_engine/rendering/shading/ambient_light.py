@@ -15,10 +15,8 @@ from wildscav_engine.rendering.shading.pixel_rays import View, Ways
 from wildscav_engine.rendering.shading.pixel_rows import Normals, Places, RowOfPixels
 from wildscav_engine.rendering.trace import WATER_HIT, Hits
 
-LIFT, LIFT_SHARE = (
-    np.float32(0.004),
-    np.float32(2e-4),
-)  # m, and m per m of distance, off the surface, where a ray to the light starts
+# m, and m per m of distance, off the surface, where a ray to the light starts.
+LIFT, LIFT_SHARE = np.float32(0.004), np.float32(2e-4)
 FARTHEST = np.float32(2000.0)  # m, the greatest range of cameras
 WIDE = 2.0  # pixels, within which nearby surfaces occlude, from where on four pixels share the result
 SPAN, FEWEST = 32, 8  # pixels of a row that are looked at together, at most and at least
@@ -121,7 +119,7 @@ def _write_roofed(first: int, last: int, pixels: RowOfPixels) -> None:
 
 
 @disjoint_kernel
-def write_places(
+def write_places_off(
     view: View, ways: Ways, normal: Normals, distances: NDArray[np.float32], place: Places
 ) -> None:
     """Write the places slightly off the surfaces of a row, where rays to the light start."""

@@ -12,14 +12,12 @@ from wildscav_engine.rendering.shading.details_along_rows import (
 )
 from wildscav_engine.rendering.shading.ground import COARSE, FINE, MEDIUM, blend, corners_of
 from wildscav_engine.rendering.shading.noise import FOURS, between, corner_of, eased32
-from wildscav_engine.rendering.shading.pixel_rays import LEAST_FACING, View, Ways
+from wildscav_engine.rendering.shading.pixel_rays import View, Ways
 from wildscav_engine.rendering.shading.pixel_rows import Channels, Normals, RowOfPixels
-from wildscav_engine.rendering.shading.surfaces import SHARPEST
 from wildscav_engine.rendering.shading.texture_scratch import AT_ONCE, TextureScratch
 from wildscav_engine.rendering.tracing.frustum import nonnegative
 
 NONE, HALF, ONE, ONE_AND_HALF = (np.float32(number) for number in (0.0, 0.5, 1.0, 1.5))
-SHARPEST_32, LEAST_FACING_32 = np.float32(SHARPEST), np.float32(LEAST_FACING)
 
 
 @inlined_kernel
@@ -116,9 +114,7 @@ def _write_grain(count: int, scratch: TextureScratch) -> None:
 @inlined_kernel
 def _add_grain(details: tuple[float, float], count: int, scratch: TextureScratch) -> None:
     """Add the grain of one size, unless no pixel shows it."""
-    size, strength = details
-    size, strength = details
-    seen = scratch.seen
+    (size, strength), seen = details, scratch.seen
     if not write_seen(np.float32(size), np.float32(strength), count, scratch.pixel, seen):
         return
     _place_in_noise(np.float32(1.0 / size), count, scratch)

@@ -10,7 +10,7 @@ from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.geometry.terrain import water_at
 from wildscav_engine.geometry.world import World
 from wildscav_engine.rendering.cameras import Cameras
-from wildscav_engine.rendering.shading.ambient_light import place_of, write_ambient, write_places
+from wildscav_engine.rendering.shading.ambient_light import place_of, write_ambient, write_places_off
 from wildscav_engine.rendering.shading.ambient_occlusion import Around, write_depths
 from wildscav_engine.rendering.shading.color_arithmetic import Color, Vector
 from wildscav_engine.rendering.shading.columns import write_columns
@@ -199,7 +199,7 @@ def _light_surfaces(
     pixels: RowOfPixels,
 ) -> None:
     """Apply the light of the sky and the sun to the colours of a row."""
-    write_places(view, pixels.ways, pixels.normal, hit.distance[row], pixels.place)
+    write_places_off(view, pixels.ways, pixels.normal, hit.distance[row], pixels.place)
     upwards, starts = scene.materials.upwards, canvas.pieces
     write_ambient(upwards, scene.world, view, hit, canvas.depths, row, starts, pieces, canvas.around, pixels)
     _write_direct(pixels.normal, pixels.direct)

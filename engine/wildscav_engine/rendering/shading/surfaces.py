@@ -76,7 +76,7 @@ def _boarded(color: Color, across: float, along: float, width: float, pixel: flo
 
 @inlined_kernel
 def _tiled(color: Color, normal: Vector, place: Vector, pixel: float) -> Color:
-    """Return the colour of rows of tiles, dark at their lower edges; plain under eaves and on flat roofs."""
+    """Return the colour of rows of tiles, dark at their lower edges; plain under eaves."""
     if normal[1] < 0.05:
         return dimmed(color, 0.62)
     level = np.sqrt(normal[0] * normal[0] + normal[2] * normal[2])

@@ -13,15 +13,13 @@ from wildscav_engine.rendering.shading.details_along_rows import (
     write_seen,
 )
 from wildscav_engine.rendering.shading.noise import FOURS, between, corner_of, eased32, grain
-from wildscav_engine.rendering.shading.pixel_rays import LEAST_FACING, View, Ways
+from wildscav_engine.rendering.shading.pixel_rays import View, Ways
 from wildscav_engine.rendering.shading.pixel_rows import Channels, Normals
-from wildscav_engine.rendering.shading.surfaces import BLUR, SHARPEST
 from wildscav_engine.rendering.shading.texture_scratch import AT_ONCE, TextureScratch
 from wildscav_engine.rendering.tracing.frustum import nonnegative
 
 WALL, ROOF = int(Kind.WALL), int(Kind.ROOF)
 NONE, QUARTER, HALF, ONE, TWO = (np.float32(number) for number in (0.0, 0.25, 0.5, 1.0, 2.0))
-SHARPEST_32, BLUR_32, LEAST_FACING_32 = np.float32(SHARPEST), np.float32(BLUR), np.float32(LEAST_FACING)
 TOGETHER = 16  # float32 numbers that a processor computes at once, at most
 FLAT = 0.995  # least upward part of the normal of a flat roof
 STEEP = 0.5  # least level part of the normal of a wall with courses of stone

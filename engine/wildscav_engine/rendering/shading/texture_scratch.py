@@ -25,7 +25,7 @@ class TextureScratch(NamedTuple):
     rise: NDArray[np.float32]  # position between two levels of the noise, 0-1
     row: NDArray[np.int32]  # of the cell
     column: NDArray[np.int32]
-    corner: NDArray[np.int32]  # index of the south-western of four numbers of the noise
+    corner: NDArray[np.int32]  # index in ``noise.FOURS``, then what is there
     corner_above: NDArray[np.int32]  # the same in the level above
 
 
