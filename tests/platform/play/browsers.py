@@ -29,7 +29,7 @@ def chromium() -> Iterator[Callable[..., Any]]:
 
         yield new_page
         browser.close()
-    assert errors == []
+    assert not errors, "\n".join(errors)
 
 
 def start(page: Any, link: str) -> None:
