@@ -11,6 +11,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any, Literal, get_args, get_origin
 
+import numpy as np
 import pytest
 import typer
 from annotated_types import Ge, Gt, Le
@@ -21,7 +22,7 @@ from wildscav.cli.main import app
 from wildscav.server import Clock, MatchServer, SeatStatus
 from wildscav_engine.extensions import BUILT_IN
 from wildscav_engine.geometry.world import Kind
-from wildscav_engine.sensors import SENSORS
+from wildscav_engine.sensors import SENSORS, DepthCamera
 from wildscav_engine.sensors.base import Sensor
 from wildscav_engine.sensors.segmentation import FIRST_AGENT, FIRST_BOX, FIRST_SOLID
 from wildscav_evaluator.submissions.submission import Manifest
@@ -127,16 +128,22 @@ def test_the_pictures_of_the_page_are_small() -> None:
         assert f"images/sensors/{path.name}" in TEXT
 
 
-@pytest.fixture
-def altimeter(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> type[Sensor]:
-    """The sensor that the page adds, from its file, in the registry by the line that the page gives."""
-    _, code, line, _ = blocks("python")
-    (tmp_path / "altimeter.py").write_text(code, "utf-8")
-    spec = importlib.util.spec_from_file_location("altimeter", tmp_path / "altimeter.py")
+def module_of(code: str, file: Path) -> Any:
+    """Write code to a file, and import it."""
+    file.write_text(code, "utf-8")
+    spec = importlib.util.spec_from_file_location(file.stem, file)
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture
+def altimeter(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> type[Sensor]:
+    """The sensor that the page adds, from its file, in the registry by the line that the page gives."""
+    _, code, line, *_ = blocks("python")
+    module = module_of(code, tmp_path / "altimeter.py")
     ((name, home),) = re.findall(r'^"(\w+)": "([\w.]+):\w+",$', line, re.MULTILINE)
     monkeypatch.setitem(sys.modules, home, module)
     listed = dict(BUILT_IN[SENSORS.group])
@@ -221,3 +228,20 @@ def test_the_sensor_that_is_added_takes_the_surface_of_a_lake_for_the_ground(alt
     place(match, 0, (3.0, 4.0, 3.0))
     place(match, 1, (3.0, 0.5, 3.0))  # in the water
     assert altimeter().read(match, [0, 1])[:, 0] == pytest.approx([2.5, 0.0], abs=1e-6)
+
+
+def test_the_camera_that_is_added_measures_along_rays_what_the_depth_camera_measures_ahead(
+    tmp_path: Path,
+) -> None:
+    camera = module_of(blocks("python")[4], tmp_path / "range_camera.py").RangeCamera
+    match = make_match(world=flat_world(solids=[box((-90, 0, 8), (90, 30, 9), Kind.WALL)]), seats=2)
+    place(match, 1, (3.0, 0.0, 2.0), 20.0)
+    lens = {"width": 9, "height": 1, "field_of_view": 90.0, "far": 7.0}
+
+    ranges, depths = camera(**lens).read(match, [1, 0]), DepthCamera(**lens).read(match, [1, 0])
+
+    aside = (np.arange(9) - 4) * 2 / 9
+    near = ranges < 7.0
+    assert near.sum() == 5
+    assert ranges == pytest.approx(np.where(near, depths * np.sqrt(1 + aside**2), 7.0), rel=1e-6)
+    assert camera(**lens).space.contains(ranges[0])

@@ -9,25 +9,20 @@ in the same way, whichever image the ray belongs to.
 
 from collections.abc import Callable
 from functools import cache
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.array_tables import Addresses
-from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel, kernel, only_for
-from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
+from wildscav_engine.compilation.kernel import inlined_kernel, kernel, only_for
 from wildscav_engine.parallel.turns import ALONE, Turns
 from wildscav_engine.rendering.cameras import Cameras, are_finite
 from wildscav_engine.rendering.tracing.front_to_back import Scratch, trace_moving_solids, trace_world
-from wildscav_engine.rendering.tracing.frustum import Camera, camera_at, nonnegative
+from wildscav_engine.rendering.tracing.frustum import Camera, camera_at
 from wildscav_engine.rendering.tracing.hit_buffer import (
     NOTHING,
     HitBuffer,
     aim_rays,
     hit_buffer_in,
-    index_in_code,
-    is_terrain_code,
 )
 from wildscav_engine.rendering.tracing.packing import (
     Packed,
@@ -38,45 +33,20 @@ from wildscav_engine.rendering.tracing.packing import (
     unpack_shapes,
 )
 from wildscav_engine.rendering.tracing.scene import Scene, Scenes, scene_of
-from wildscav_engine.rendering.tracing.solid_intersection import write_entered_faces
 from wildscav_engine.rendering.tracing.solids import Solids, all_shapes_of
-from wildscav_engine.rendering.tracing.workspace import Size, Workspace, read_workspace
+from wildscav_engine.rendering.tracing.workspace import Size, Workspace, WorkspaceTable, read_workspace
 from wildscav_engine.rendering.turns import TAKEN_ALREADY, item_at
 
 __all__ = [
-    "WATER_HIT",
-    "Hits",
     "Scene",
     "Scenes",
-    "allocate_hits",
     "depths_tracer",
     "scene_of",
-    "trace",
     "trace_depths",
     "trace_depths_of_maps",
 ]
 
-WATER_HIT = -3
 NO_VIEWER = -2  # a viewer who owns no solid
-
-
-class Hits(NamedTuple):
-    """What each ray of N images hit."""
-
-    distance: NDArray[np.float32]  # (N, H, W) m along the ray, inf without a hit
-    solid: NDArray[np.int32]  # (N, H, W) see below
-    face: NDArray[np.int32]  # (N, H, W) see below
-
-    # solid: the index of a solid of the world; or the number of these plus the index of a moving solid; or
-    # TERRAIN_HIT, WATER_HIT or NOTHING_HIT.
-    # face: an index into Solids.faces of the world or of the moving solids; for terrain 2 * cell for the
-    # south-eastern triangle, 2 * cell + 1 for the other; for water the cell (row * columns + column); else 0.
-
-
-def allocate_hits(count: int, height: int, width: int) -> Hits:
-    """Return uninitialized arrays for the hits of ``count`` images."""
-    shape = (count, height, width)
-    return Hits(np.empty(shape, np.float32), np.empty(shape, np.int32), np.empty(shape, np.int32))
 
 
 def pack_moving(moving: Solids) -> Packed:
@@ -90,24 +60,10 @@ def pack_moving(moving: Solids) -> Packed:
 NOTHING_MOVES = pack_nothing()
 
 
-def trace(scene: Scene, moving: Solids, cameras: Cameras, hits: Hits, *, with_water: bool = False) -> bool:
-    """Find what each ray hits first.
-
-    Args:
-        scene: The static world.
-        moving: The moving solids.
-        cameras: N cameras. A camera outside the map sees nothing of it; one below the ground or in a solid
-            hits that at distance 0.
-        hits: Of N images, written.
-        with_water: Whether rays hit the surface of water; else they go to its bed.
-
-    Returns:
-        Whether all numbers of the cameras are finite; if not, nothing is written.
-    """
-    others = pack_moving(moving)
-    _, height, width = hits.distance.shape
-    workspace = scene.workspaces.of(scene.packed, Size(height, width, cameras.half_width, others.most_faces))
-    return _trace_hits(with_water, *cameras, others.numbers, others.indices, workspace.addresses, *hits)
+def workspace_for(scene: Scene, height: int, width: int, half_width: float, others: Packed) -> WorkspaceTable:
+    """Return the workspace of a scene for images of a size that show some moving solids."""
+    size = height, width, half_width, others.most_faces  # found like a ``Size``, but made in half the time
+    return scene.workspaces.cached.get(size) or scene.workspaces.make(scene.packed, Size(*size))
 
 
 def trace_depths(scene: Scene, moving: Solids, cameras: Cameras, depths: NDArray[np.float32]) -> bool:
@@ -116,7 +72,8 @@ def trace_depths(scene: Scene, moving: Solids, cameras: Cameras, depths: NDArray
     Args:
         scene: The static world.
         moving: The moving solids.
-        cameras: N cameras, as for ``trace``.
+        cameras: N cameras. A camera outside the map sees nothing of it; one below the ground or in a solid
+            hits that at distance 0.
         depths: (N, H, W) m, written: the cameras' ``far`` without a hit.
 
     Returns:
@@ -124,7 +81,7 @@ def trace_depths(scene: Scene, moving: Solids, cameras: Cameras, depths: NDArray
     """
     others = pack_moving(moving)
     _, height, width = depths.shape
-    workspace = scene.workspaces.of(scene.packed, Size(height, width, cameras.half_width, others.most_faces))
+    workspace = workspace_for(scene, height, width, cameras.half_width, others)
     tables = workspace.with_moving(others, cameras.viewers) if len(moving.kind) else workspace.tables
     eyes, yaws, pitches, _, half_width, far = cameras
     return _trace_depths(eyes, yaws, pitches, half_width, far, tables, *ALONE, depths)
@@ -140,38 +97,6 @@ def trace_depths_of_maps(
 
 # These kernels take everything that stays the same between calls through a table of addresses, and all other
 # arrays one by one: passing a tuple of arrays from Python takes several times longer.
-
-
-@kernel
-def _trace_hits(
-    with_water: bool,
-    eyes: NDArray[np.float64],
-    yaws: NDArray[np.float64],
-    pitches: NDArray[np.float64],
-    viewers: NDArray[np.int32],
-    half_width: float,
-    far: float,
-    moving_numbers: NDArray[np.float64],
-    moving_indices: NDArray[np.int64],
-    workspace: Addresses,
-    distance: NDArray[np.float32],
-    solid: NDArray[np.int32],
-    face: NDArray[np.int32],
-) -> bool:
-    """Implement ``trace``."""
-    if not are_finite(eyes, yaws, pitches):
-        return False
-    parts = read_workspace(workspace)
-    others = unpack_shapes(moving_numbers, moving_indices)
-    solids = unpack_shapes(parts.numbers, parts.indices)
-    height, width = distance.shape[1:]
-    buffer = hit_buffer_in(width, parts.rays, parts.met, parts.strips)
-    for image in range(yaws.shape[0]):
-        camera = camera_at(eyes[image], yaws[image], pitches[image], half_width, width, height, far)
-        trace_image(parts, others, camera, viewers[image], with_water, buffer)
-        hit = Hits(distance[image], solid[image], face[image])
-        write_hits(solids, others, camera, buffer, hit)
-    return True
 
 
 @kernel
@@ -227,6 +152,23 @@ def depths_tracer() -> Callable[..., bool]:
 
 
 @inlined_kernel
+def trace_camera(
+    parts: Workspace,
+    others: Shapes,
+    cameras: Cameras,
+    image: int,
+    height: int,
+    with_water: bool,
+    buffer: HitBuffer,
+) -> Camera:
+    """Trace the image of one of some cameras, and return that camera."""
+    eye, yaw, pitch = cameras.eyes[image], cameras.yaws[image], cameras.pitches[image]
+    camera = camera_at(eye, yaw, pitch, cameras.half_width, buffer.width, height, cameras.far)
+    trace_image(parts, others, camera, cameras.viewers[image], with_water, buffer)
+    return camera
+
+
+@inlined_kernel
 def trace_image(
     parts: Workspace, others: Shapes, camera: Camera, viewer: int, with_water: bool, buffer: HitBuffer
 ) -> None:
@@ -262,57 +204,3 @@ def _write_depths(buffer: HitBuffer, depths: NDArray[np.float32]) -> None:
         distance, met, along = buffer.distance[first:last], buffer.met[first:last], buffer.along[first:last]
         for column in range(buffer.width):
             line[column] = distance[column] * (along[column] if met[column] != NOTHING else 1.0)
-
-
-@kernel
-def write_hits(solids: Shapes, others: Shapes, camera: Camera, buffer: HitBuffer, hit: Hits) -> None:
-    """Write what each ray of an image hit, in the terms of ``Hits``, all (H, W)."""
-    height, width = hit.distance.shape
-    for row in range(height):
-        line = Hits(hit.distance[row], hit.solid[row], hit.face[row])
-        start = nonnegative(row * width)
-        _write_terrain(buffer.distance[start : start + width], buffer.met[start : start + width], line)
-        first = 0
-        while first < width:
-            met, last = buffer.met[start + first], first + 1
-            if met > NOTHING:
-                while last < width and buffer.met[start + last] == met:
-                    last += 1
-                _write_solid(solids, others, met, camera, buffer, start, first, last, line)
-            first = last
-
-
-@disjoint_kernel
-def _write_terrain(distances: NDArray[np.float64], mets: NDArray[np.int32], line: Hits) -> None:
-    """Write the distances of a row, and everything about rays that hit no solid."""
-    distance, solid, face = line
-    for column in range(distance.shape[0]):
-        distance[column] = np.inf if mets[column] == NOTHING else distances[column]
-    for column in range(distance.shape[0]):
-        met = mets[column]
-        ground = TERRAIN_HIT if is_terrain_code(met) else WATER_HIT
-        solid[column] = ground if met < NOTHING else NOTHING_HIT
-        face[column] = index_in_code(met) if met < NOTHING else 0
-
-
-@inlined_kernel
-def _write_solid(
-    solids: Shapes,
-    others: Shapes,
-    met: int,
-    camera: Camera,
-    buffer: HitBuffer,
-    start: int,
-    first: int,
-    last: int,
-    line: Hits,
-) -> None:
-    """Write the solid that some successive rays of a row hit, and its faces; the row begins at ``start``."""
-    statics, faces = solids.boxes.shape[0], line.face[first:last]
-    if met < statics:
-        line.solid[first:last] = solids.names[met]
-        write_entered_faces(solids, met, camera, start + first, solids.face_names[met], buffer, faces)
-    else:
-        line.solid[first:last] = met
-        moving = met - statics
-        write_entered_faces(others, moving, camera, start + first, others.face_names[moving], buffer, faces)

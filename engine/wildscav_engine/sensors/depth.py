@@ -5,6 +5,7 @@ pixel. Surfaces farther than ``far`` along their ray read ``far``. Agents and su
 unless the option ``moving`` is set.
 """
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from gymnasium.spaces import Box
 
     from wildscav_engine.maps.game_map import GameMap
+    from wildscav_engine.simulation.match_view import MatchView
 
 DEPTH = np.dtype(np.float32)
 
@@ -51,6 +53,13 @@ class DepthCamera(MovingOption, PinholeCamera):
         from gymnasium.spaces import Box
 
         return Box(np.float32(0.0), np.float32(self.far), self.shape, np.float32)
+
+    def read(self, match: "MatchView", seats: Sequence[int]) -> NDArray[np.float32]:
+        """Return the depth maps of some agents, (len(seats), height, width) m; see ``OpticalSensor.read``."""
+        if self.moving:
+            return super().read(match, seats)
+        cameras = self.cameras_of(match, seats)
+        return self.render(match.game_map, cameras.eyes, cameras.yaws, cameras.pitches)
 
     @cached_property
     def _size(self) -> Size:

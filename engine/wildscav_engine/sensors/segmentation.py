@@ -13,16 +13,14 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.dynamic_objects import DynamicObjects
-from wildscav_engine.rendering.trace import WATER_HIT, Hits
+from wildscav_engine.rendering.labels import write_labels
 from wildscav_engine.rendering.tracing.solids import Solids
 from wildscav_engine.sensors.base import Sensor, sensor
 from wildscav_engine.sensors.optics.dynamic_objects import as_dynamic_objects, dynamic_objects_of
-from wildscav_engine.sensors.optics.pinhole import RayHitCamera
+from wildscav_engine.sensors.optics.pinhole import PinholeCamera
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
@@ -32,18 +30,16 @@ if TYPE_CHECKING:
 
 FIRST_AGENT, FIRST_SOLID, FIRST_BOX = 10_000, 1_000_000, 1_000_000_000
 MAX_LABEL = 2**31 - 1
-NOTHING, TERRAIN, WATER = int(Kind.NOTHING), int(Kind.TERRAIN), int(Kind.WATER)
 
 
 @sensor
-class SegmentationCamera(RayHitCamera):
+class SegmentationCamera(PinholeCamera):
     """Labels of the objects in each pixel."""
 
     label: Literal["kind", "instance"] = "kind"
 
     name: ClassVar[str] = "segmentation"
     title: ClassVar[str] = "the object in each pixel: number of its kind, or of its instance"
-    sees_water: ClassVar[bool] = True
 
     @classmethod
     def warmers(cls) -> Sequence[Sensor]:
@@ -67,20 +63,15 @@ class SegmentationCamera(RayHitCamera):
         """Return the living agents and the supply boxes of the match."""
         return dynamic_objects_of(match)
 
-    def write_pixels(
-        self,
-        game_map: "GameMap",
-        moving: Solids,
-        cameras: Cameras,  # noqa: ARG002
-        hits: Hits,
-        images: NDArray[Any],
-    ) -> None:
+    def render_into(
+        self, game_map: "GameMap", moving: Solids, cameras: Cameras, images: NDArray[Any]
+    ) -> bool:
         """Write the labels of the objects that the rays hit."""
         kinds, objects = game_map.world.solid_kind, as_dynamic_objects(moving)
-        if self.label == "kind":
-            _label(hits.solid, kinds, objects.kind, images)
-        else:
-            _label(hits.solid, _solids_instances(len(kinds)), _instances(objects), images)
+        labels: tuple[NDArray[Any], NDArray[Any]] = kinds, objects.kind
+        if self.label == "instance":
+            labels = _solids_instances(len(kinds)), _instances(objects)
+        return write_labels(game_map.scene, objects, cameras, *labels, images)
 
 
 @lru_cache(maxsize=8)
@@ -91,26 +82,3 @@ def _solids_instances(count: int) -> NDArray[np.int64]:
 def _instances(objects: DynamicObjects) -> NDArray[np.int64]:
     first = np.where(objects.kind == Kind.AGENT, FIRST_AGENT, FIRST_BOX)
     return np.asarray(first + objects.instance, np.int64)
-
-
-@kernel
-def _label(
-    solids: NDArray[np.int32], labels: NDArray[Any], moving_labels: NDArray[Any], images: NDArray[Any]
-) -> None:
-    """Write (N, H, W) the labels of what the rays hit, from those of static (S,) and of dynamic solids."""
-    count, height, width = solids.shape
-    of_world = labels.shape[0]
-    for image in range(count):
-        for row in range(height):
-            for column in range(width):
-                solid = solids[image, row, column]
-                if solid == NOTHING_HIT:
-                    images[image, row, column] = NOTHING
-                elif solid == TERRAIN_HIT:
-                    images[image, row, column] = TERRAIN
-                elif solid == WATER_HIT:
-                    images[image, row, column] = WATER
-                elif solid < of_world:
-                    images[image, row, column] = labels[solid]
-                else:
-                    images[image, row, column] = moving_labels[solid - of_world]

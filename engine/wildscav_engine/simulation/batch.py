@@ -236,9 +236,9 @@ class Batch:
             self._set_arrays(state)
 
     def _set_arrays(self, state: State) -> None:
-        """Set the arrays of the state, and build their tables."""
+        """Set the arrays of the state, and build the tables of all arrays."""
         self.state = state
-        self._array_tables = tuple(ArrayTable(part) for part in (*state, self._seen))
+        self._array_tables = *state.tables, ArrayTable(self._seen)
 
     @property
     def _tables(self) -> tuple[Addresses, Addresses, Addresses, Addresses]:

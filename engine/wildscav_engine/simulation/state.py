@@ -6,10 +6,13 @@ one match, which have the same names and no B axis.
 
 import math
 from enum import IntEnum
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+from wildscav_engine.compilation.array_tables import ArrayTable
 
 NOBODY = -1  # in place of a seat
 NOT_ELIMINATED = -1  # in place of the frame of an elimination
@@ -123,12 +126,23 @@ class Matches(NamedTuple):
     box_squares: NDArray[np.int32]  # (B, 256) slot + 1 of the first box in each square, 0 = none
 
 
-class State(NamedTuple):
-    """The whole mutable state of a batch of matches."""
-
+class _Parts(NamedTuple):
     agents: Agents
     supplies: Supplies
     matches: Matches
+
+
+class State(_Parts):
+    """The whole mutable state of a batch of matches: ``agents``, ``supplies`` and ``matches``."""
+
+    def __reduce__(self) -> tuple[type["State"], tuple[Any, ...]]:
+        """Copy and pickle only the arrays: the copies have other addresses."""
+        return State, tuple(self)
+
+    @cached_property
+    def tables(self) -> tuple[ArrayTable, ArrayTable, ArrayTable]:
+        """The array tables of the three, for kernels."""
+        return ArrayTable(self.agents), ArrayTable(self.supplies), ArrayTable(self.matches)
 
 
 def squares_for(seats: int) -> int:

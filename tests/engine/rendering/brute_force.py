@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.geometry.world import World, build_world
 from wildscav_engine.maps.export.mesh import Mesh, solids_mesh, terrain_mesh, water_mesh
-from wildscav_engine.rendering.trace import WATER_HIT
+from wildscav_engine.rendering.hits import WATER_HIT
 from wildscav_engine.rendering.tracing.solids import Solids
 
 RAYS_AT_ONCE = 64  # so that their tables stay in the processor's cache

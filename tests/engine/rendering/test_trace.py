@@ -30,7 +30,7 @@ from tests.engine.rendering.views import (
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import CELL, World
-from wildscav_engine.rendering.trace import WATER_HIT
+from wildscav_engine.rendering.hits import WATER_HIT
 from wildscav_engine.rendering.tracing.solids import gather_solids
 
 # --- Images of generated maps -----------------------------------------------------------------------------

@@ -23,7 +23,8 @@ from wildscav_engine.geometry.shapes import box as turned_box
 from wildscav_engine.geometry.shapes import pose
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import BLOCK, CELL, Kind, Solid, World, build_world, convex_solid
-from wildscav_engine.rendering.trace import WATER_HIT, scene_of
+from wildscav_engine.rendering.hits import WATER_HIT
+from wildscav_engine.rendering.trace import scene_of
 from wildscav_engine.rendering.tracing.solids import gather_solids
 
 

@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.geometry.world import World
+from wildscav_engine.rendering.hits import WATER_HIT, Hits
 from wildscav_engine.rendering.shading.ambient_occlusion import REACH, Around, reach_of, unoccluded_share
 from wildscav_engine.rendering.shading.color_arithmetic import Vector
 from wildscav_engine.rendering.shading.columns import Columns
@@ -13,7 +14,6 @@ from wildscav_engine.rendering.shading.light import is_roofed, write_skylight
 from wildscav_engine.rendering.shading.occlusion_along_rows import are_alike_far, write_shares, write_tilts
 from wildscav_engine.rendering.shading.pixel_rays import View, Ways
 from wildscav_engine.rendering.shading.pixel_rows import Normals, Places, RowOfPixels
-from wildscav_engine.rendering.trace import WATER_HIT, Hits
 
 # m, and m per m of distance, off the surface, where a ray to the light starts.
 LIFT, LIFT_SHARE = np.float32(0.004), np.float32(2e-4)

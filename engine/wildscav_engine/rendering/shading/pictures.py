@@ -10,6 +10,7 @@ from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.geometry.terrain import water_at
 from wildscav_engine.geometry.world import World
 from wildscav_engine.rendering.cameras import Cameras
+from wildscav_engine.rendering.hits import WATER_HIT, Hits
 from wildscav_engine.rendering.shading.ambient_light import place_of, write_ambient, write_places_off
 from wildscav_engine.rendering.shading.ambient_occlusion import Around, write_depths
 from wildscav_engine.rendering.shading.color_arithmetic import Color, Vector
@@ -36,7 +37,6 @@ from wildscav_engine.rendering.shading.surfaces import textured
 from wildscav_engine.rendering.shading.surfaces_along_rows import has_spots, write_spotted
 from wildscav_engine.rendering.shading.texture_scratch import AT_ONCE, TextureScratch
 from wildscav_engine.rendering.shading.water import water_color
-from wildscav_engine.rendering.trace import WATER_HIT, Hits
 from wildscav_engine.rendering.tracing.solids import Solids
 
 NONE = np.float32(0.0)

@@ -15,6 +15,7 @@ from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.parallel.turns import ALONE, Turns
 from wildscav_engine.rendering.cameras import Cameras, are_finite
 from wildscav_engine.rendering.dynamic_objects import ObjectSets, read_objects, shapes_between, solids_between
+from wildscav_engine.rendering.hits import Hits, write_hits
 from wildscav_engine.rendering.shading.ambient_occlusion import LOOKED_AT, around_in
 from wildscav_engine.rendering.shading.appearance import Appearances, materials_in, world_in
 from wildscav_engine.rendering.shading.moving_shadows import Casters, allocate_casters
@@ -26,7 +27,7 @@ from wildscav_engine.rendering.shading.texture_scratch import (
     allocate_texture_scratch,
     texture_scratch_in,
 )
-from wildscav_engine.rendering.trace import Hits, Scenes, trace_image, write_hits
+from wildscav_engine.rendering.trace import Scenes, trace_image
 from wildscav_engine.rendering.tracing.frustum import camera_at
 from wildscav_engine.rendering.tracing.hit_buffer import hit_buffer_in
 from wildscav_engine.rendering.tracing.packing import unpack_shapes

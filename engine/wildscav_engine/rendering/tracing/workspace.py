@@ -158,7 +158,7 @@ class Workspaces(threading.local):
     """The cached workspaces of one scene, separate for each thread."""
 
     def __init__(self) -> None:
-        self.cached: dict[Size, WorkspaceTable] = {}
+        self.cached: dict[tuple[int, int, float, int], WorkspaceTable] = {}  # for each Size
 
     def __reduce__(self) -> tuple[type["Workspaces"], tuple[()]]:
         """Copies and pickles are empty."""

@@ -4,12 +4,15 @@ Each consists of a few convex parts; see ``object_parts.py``.
 """
 
 import threading
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav_engine.compilation.array_tables import Addresses, bytes_at
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
+from wildscav_engine.compilation.row_copy import row_size
+from wildscav_engine.compilation.table_columns import ADDRESS
 from wildscav_engine.rendering.dynamic_objects import (
     DynamicObjects,
     ObjectArrays,
@@ -28,64 +31,50 @@ from wildscav_engine.sensors.optics.object_parts import (
     colors_of_bodies,
     write_object,
 )
-from wildscav_engine.simulation.state import Agents, State, Supplies
+from wildscav_engine.simulation.state import Agents, Matches, State, Supplies
 from wildscav_engine.simulation.systems.supplies import is_present
 
+if TYPE_CHECKING:
+    from wildscav_engine.simulation.match_view import MatchView
+
 BOX_YAW_STEP = 137.5  # degrees between the yaws of successive boxes, so that they do not line up
+DIFFERENT = -1  # in place of an index
 INVINCIBLE_WHITE = 0.5  # weight of white in the colours of an invincible agent
 
 
-class DrawableMatch(Protocol):
-    """What images need to know about a match: its present state."""
-
-    @property
-    def state(self) -> State:
-        """The state, with a leading axis of length one."""
-
-    @property
-    def frame(self) -> int:
-        """Frames played so far."""
-
-
-def dynamic_objects_of(match: DrawableMatch) -> DynamicObjects:
+def dynamic_objects_of(match: "MatchView") -> DynamicObjects:
     """Return the living agents of a match and its present boxes; the owner of a body is its seat.
 
     They are made once for a state, and must not be changed.
     """
-    agents, supplies = match.state.agents, match.state.supplies
     # All sensors and agents of a step ask for the same objects, one after another.
-    state = (
-        match.frame,
-        agents.present.tobytes(),
-        agents.health.tobytes(),
-        agents.team.tobytes(),
-        agents.position.tobytes(),
-        agents.yaw.tobytes(),
-        agents.invincible_left.tobytes(),
-        supplies.position.tobytes(),
-        supplies.quantity.tobytes(),
-        supplies.appears.tobytes(),
-        supplies.serial.tobytes(),
-    )
-    if latest.state != state:
-        latest.state, latest.objects = state, _make_objects(agents, supplies, match.frame)
+    state = match.state
+    agents, supplies, matches = state.tables
+    if not _is_kept(agents.addresses, supplies.addresses, matches.addresses, latest.kept):
+        latest.kept = NOTHING_KEPT  # in case what follows is interrupted
+        latest.objects = dynamic_objects_in(state)
+        latest.kept = _shown_bytes(state)
     return latest.objects
 
 
+def dynamic_objects_in(state: State) -> DynamicObjects:
+    """Return the same objects, of the state of a match, and make them anew."""
+    arrays, instance, _ = _gather(_bodies_of(state.agents), state.supplies, state.matches.frame)
+    return DynamicObjects.of(arrays, instance)
+
+
+NOTHING_KEPT = np.zeros(0, np.uint8)
+
+
 class Latest(threading.local):
-    """The objects that each thread made last, and everything of the state that they depend on."""
+    """The objects that each thread made last, and the bytes of all that they depend on."""
 
     def __init__(self) -> None:
-        self.state: tuple[object, ...] = ()
+        self.kept = NOTHING_KEPT
         self.objects: DynamicObjects
 
 
 latest = Latest()
-
-
-def _make_objects(agents: Agents, supplies: Supplies, frame: int) -> DynamicObjects:
-    arrays, instance, _ = _gather(_bodies_of(agents), supplies, np.array([frame]))
-    return DynamicObjects.of(arrays, instance)
 
 
 def objects_of_matches(state: State) -> ObjectSets:
@@ -103,6 +92,45 @@ class Bodies(NamedTuple):
     invincible_left: NDArray[np.int32]
     position: NDArray[np.float64]  # (B, A, 3)
     yaw: NDArray[np.float64]
+
+
+# What of a state the objects depend on: indices of the arrays.
+SHOWN_OF_AGENTS = tuple(Agents._fields.index(name) for name in Bodies._fields)
+SHOWN_OF_SUPPLIES = tuple(map(Supplies._fields.index, ("position", "quantity", "appears", "serial")))
+SHOWN_OF_MATCHES = (Matches._fields.index("frame"),)
+
+
+def _shown_bytes(state: State) -> NDArray[np.uint8]:
+    """Return the bytes of all that the objects depend on."""
+    parts = zip(state, (SHOWN_OF_AGENTS, SHOWN_OF_SUPPLIES, SHOWN_OF_MATCHES), strict=True)
+    every = [part[index].tobytes() for part, indices in parts for index in indices]
+    return np.frombuffer(bytearray(b"".join(every)), np.uint8)
+
+
+@kernel
+def _is_kept(agents: Addresses, supplies: Addresses, matches: Addresses, kept: NDArray[np.uint8]) -> bool:
+    """Return whether all that the objects depend on is as it was when its bytes were kept."""
+    first = _end_of_same(agents, SHOWN_OF_AGENTS, kept, 0)
+    first = _end_of_same(supplies, SHOWN_OF_SUPPLIES, kept, first)
+    first = _end_of_same(matches, SHOWN_OF_MATCHES, kept, first)
+    return bool(first == kept.shape[0])
+
+
+@inlined_kernel
+def _end_of_same(table: Addresses, fields: tuple[int, ...], kept: NDArray[np.uint8], first: int) -> int:
+    """Return where the bytes of some arrays of one match end in those kept, or DIFFERENT."""
+    for field in fields:
+        size = row_size(table, field)
+        if first == DIFFERENT or first + size > kept.shape[0]:
+            return DIFFERENT
+        now, before = bytes_at(table[field, ADDRESS], size), kept[first : first + size]
+        changed = np.uint8(0)
+        for index in range(size):
+            changed = np.uint8(changed | (now[index] ^ before[index]))  # in eight bits, so many at a time
+        if changed != 0:
+            return DIFFERENT
+        first += size
+    return first
 
 
 def _bodies_of(agents: Agents) -> Bodies:

@@ -1,22 +1,14 @@
 """Agents and supply boxes that are placed by hand, for images without a match."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
 from wildscav_engine.rendering.dynamic_objects import DynamicObjects
-from wildscav_engine.sensors.optics.dynamic_objects import dynamic_objects_of
-from wildscav_engine.simulation.state import State, allocate_state
+from wildscav_engine.sensors.optics.dynamic_objects import dynamic_objects_in
+from wildscav_engine.simulation.state import allocate_state
 
 Position = tuple[float, float, float]  # m, on the ground
-
-
-class _DrawableMatch(NamedTuple):
-    """What images need to know about a match."""
-
-    state: State
-    frame: int = 0
 
 
 def placed_objects(agents: Sequence[tuple[Position, float]], boxes: Sequence[Position]) -> DynamicObjects:
@@ -33,4 +25,4 @@ def placed_objects(agents: Sequence[tuple[Position, float]], boxes: Sequence[Pos
     state.agents.yaw[0] = [yaw for _, yaw in agents]
     state.supplies.quantity[:], state.supplies.serial[0] = 1, np.arange(len(boxes))
     state.supplies.position[0] = np.array(boxes).reshape(-1, 3)
-    return dynamic_objects_of(_DrawableMatch(state))
+    return dynamic_objects_in(state)

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.rendering.dynamic_objects import DynamicObjects
-from wildscav_engine.sensors.optics.dynamic_objects import dynamic_objects_of
-from wildscav_engine.simulation.state import State, allocate_state
+from wildscav_engine.sensors.optics.dynamic_objects import dynamic_objects_in
+from wildscav_engine.simulation.state import allocate_state
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_engine.view.recording.history import Boxes, History
 
@@ -23,13 +23,6 @@ class Moment(NamedTuple):
     yaw: NDArray[np.float64]  # (A,) degrees
     pitch: NDArray[np.float64]  # (A,) degrees
     alive: NDArray[np.bool_]  # (A,)
-
-
-class _DrawableMatch(NamedTuple):
-    """What images need to know about a match."""
-
-    state: State
-    frame: int = 0
 
 
 def moment_at(history: History, frame: float) -> Moment:
@@ -70,7 +63,7 @@ def objects_at(history: History, moment: Moment) -> DynamicObjects:
     agents.position[0], agents.yaw[0] = moment.position, moment.yaw
     state.supplies.position[0], state.supplies.quantity[0] = boxes.position, boxes.quantity
     state.supplies.serial[0] = boxes.serial
-    return dynamic_objects_of(_DrawableMatch(state))
+    return dynamic_objects_in(state)
 
 
 def _length(ways: NDArray[np.float64]) -> NDArray[np.float64]:

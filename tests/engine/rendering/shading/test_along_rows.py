@@ -12,6 +12,7 @@ from wildscav_engine.geometry.world import Kind
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.rendering.cameras import Cameras
+from wildscav_engine.rendering.hits import Hits, allocate_hits, trace
 from wildscav_engine.rendering.shading.ambient_occlusion import (
     LOOKED_AT,
     Around,
@@ -41,7 +42,6 @@ from wildscav_engine.rendering.shading.sky import SUN_DIRECTION, clouds, haze, s
 from wildscav_engine.rendering.shading.sky_along_rows import write_sky
 from wildscav_engine.rendering.shading.surfaces_along_rows import has_spots, write_spotted
 from wildscav_engine.rendering.shading.texture_scratch import allocate_texture_scratch
-from wildscav_engine.rendering.trace import Hits, allocate_hits, trace
 from wildscav_engine.rendering.tracing.solids import gather_solids
 from wildscav_engine.sensors import ColorCamera
 from wildscav_engine.specs.map_spec import MapConfig

@@ -15,6 +15,7 @@ from wildscav_engine.geometry.rays import NOTHING_HIT, cast_ray
 from wildscav_engine.geometry.world import Kind, Solid, build_world
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.rendering.hits import allocate_hits, trace
 from wildscav_engine.rendering.palette import SUN
 from wildscav_engine.rendering.shading.light import SHADOW_REACH, sun_is_clear
 from wildscav_engine.rendering.shading.noise import PERIOD, endless_noise, grain, noise
@@ -27,7 +28,6 @@ from wildscav_engine.rendering.shading.pixel_rays import (
     write_ways,
 )
 from wildscav_engine.rendering.shading.sky import DISC, HORIZON, SUN_DIRECTION, haze
-from wildscav_engine.rendering.trace import allocate_hits, trace
 from wildscav_engine.rendering.tracing.solids import gather_solids
 from wildscav_engine.sensors import ColorCamera
 from wildscav_engine.specs.map_spec import MapConfig

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
+from wildscav_engine.rendering.hits import WATER_HIT
 from wildscav_engine.rendering.shading.pieces import find_pieces
-from wildscav_engine.rendering.trace import WATER_HIT
 
 HITS = st.tuples(st.sampled_from([NOTHING_HIT, TERRAIN_HIT, WATER_HIT, 0, 7]), st.integers(0, 2))
 

@@ -1,5 +1,6 @@
 """What moves in a match is seen as it is: who lives, which boxes lie there, and which way each looks."""
 
+import copy
 import pickle
 
 import numpy as np
@@ -161,6 +162,34 @@ def test_a_match_without_anything_has_no_things() -> None:
     match = battle(1)
     match.state.agents.health[:] = 0
     assert len(dynamic_objects_of(match).kind) == 0
+
+
+@pytest.mark.parametrize("part", ["agents", "supplies", "matches"])
+def test_things_are_made_anew_only_when_what_they_show_has_changed(part: str) -> None:
+    shown = {"present", "health", "team", "position", "yaw", "invincible_left"}  # of agents
+    shown |= {"quantity", "appears", "serial", "frame"}  # of boxes, and of the match
+    match = battle()
+    put_box(match, 0, (1.0, 0.0, 1.0))
+    arrays = getattr(match.state, part)
+    for name, array in zip(arrays._fields, arrays, strict=True):
+        before = dynamic_objects_of(match)
+        array.reshape(-1)[-1:] = array.reshape(-1)[-1:] == 0  # an array may have no items
+        changed = dynamic_objects_of(match) is not before
+        assert changed == (name in shown and array.size > 0), name
+
+
+def test_a_copy_of_a_match_shows_what_moves_in_itself() -> None:
+    match = battle(2)
+    before = dynamic_objects_of(match)
+    for other in (copy.deepcopy(match.state), pickle.loads(pickle.dumps(match.state))):  # noqa: S301
+        other.agents.health[0, 1] = 0
+        addresses = [array.__array_interface__["data"][0] for array in other.agents]
+        assert other.tables[0].addresses[:, 0].tolist() == addresses
+        assert other.tables[0].arrays is other.agents
+    assert dynamic_objects_of(match) is before
+    fork = match.fork()
+    fork.state.agents.health[0, 1] = 0
+    assert len(dynamic_objects_of(fork).kind) < len(before.kind)
 
 
 def test_matches_of_a_batch_have_the_things_that_each_has_alone() -> None:

@@ -109,13 +109,6 @@ def test_a_wider_view_shows_things_smaller() -> None:
     assert wide[-1] / np.cos(np.radians(45)) == pytest.approx(ahead, rel=0.02)
 
 
-def test_many_images_are_made_in_parts_that_fit_together(monkeypatch: pytest.MonkeyPatch) -> None:
-    eyes, turns = COUNTRY.outdoor[:7] + np.array((0, 1.5, 0)), np.linspace(-170, 170, 7)
-    whole = NormalCamera(8, 6).render(COUNTRY, eyes, turns, np.zeros(7))
-    monkeypatch.setattr("wildscav_engine.sensors.optics.pinhole.MAX_RAYS_AT_ONCE", 2 * 8 * 6)
-    assert NormalCamera(8, 6).render(COUNTRY, eyes, turns, np.zeros(7)).tobytes() == whole.tobytes()
-
-
 @pytest.mark.parametrize("sensor", [DepthCamera(9, 7), NormalCamera(9, 7), DepthCamera(300, 220)])
 def test_images_of_many_maps_are_those_of_each_map(sensor: OpticalSensor) -> None:
     other = generate_map(MapConfig(size=40, houses=0), 1)

@@ -1,0 +1,152 @@
+"""What the ray of each pixel hits: how far away, which solid, and which of its faces."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.compilation.array_tables import Addresses
+from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel, kernel
+from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
+from wildscav_engine.rendering.cameras import Cameras, are_finite
+from wildscav_engine.rendering.trace import pack_moving, trace_camera, workspace_for
+from wildscav_engine.rendering.tracing.frustum import Camera, nonnegative
+from wildscav_engine.rendering.tracing.hit_buffer import (
+    NOTHING,
+    HitBuffer,
+    hit_buffer_in,
+    index_in_code,
+    is_terrain_code,
+)
+from wildscav_engine.rendering.tracing.packing import Shapes, unpack_shapes
+from wildscav_engine.rendering.tracing.scene import Scene
+from wildscav_engine.rendering.tracing.solid_intersection import write_entered_faces
+from wildscav_engine.rendering.tracing.solids import Solids
+from wildscav_engine.rendering.tracing.workspace import read_workspace
+
+WATER_HIT = -3
+
+
+class Hits(NamedTuple):
+    """What each ray of N images hit."""
+
+    distance: NDArray[np.float32]  # (N, H, W) m along the ray, inf without a hit
+    solid: NDArray[np.int32]  # (N, H, W) see below
+    face: NDArray[np.int32]  # (N, H, W) see below
+
+    # solid: the index of a solid of the world; or the number of these plus the index of a moving solid; or
+    # TERRAIN_HIT, WATER_HIT or NOTHING_HIT.
+    # face: an index into Solids.faces of the world or of the moving solids; for terrain 2 * cell for the
+    # south-eastern triangle, 2 * cell + 1 for the other; for water the cell (row * columns + column); else 0.
+
+
+def allocate_hits(count: int, height: int, width: int) -> Hits:
+    """Return uninitialized arrays for the hits of ``count`` images."""
+    shape = (count, height, width)
+    return Hits(np.empty(shape, np.float32), np.empty(shape, np.int32), np.empty(shape, np.int32))
+
+
+def trace(scene: Scene, moving: Solids, cameras: Cameras, hits: Hits, *, with_water: bool = False) -> bool:
+    """Find what each ray hits first.
+
+    Args:
+        scene: The static world.
+        moving: The moving solids.
+        cameras: N cameras. A camera outside the map sees nothing of it; one below the ground or in a solid
+            hits that at distance 0.
+        hits: Of N images, written.
+        with_water: Whether rays hit the surface of water; else they go to its bed.
+
+    Returns:
+        Whether all numbers of the cameras are finite; if not, nothing is written.
+    """
+    others = pack_moving(moving)
+    _, height, width = hits.distance.shape
+    workspace = workspace_for(scene, height, width, cameras.half_width, others)
+    return _trace_hits(with_water, *cameras, others.numbers, others.indices, workspace.addresses, *hits)
+
+
+@kernel
+def _trace_hits(
+    with_water: bool,
+    eyes: NDArray[np.float64],
+    yaws: NDArray[np.float64],
+    pitches: NDArray[np.float64],
+    viewers: NDArray[np.int32],
+    half_width: float,
+    far: float,
+    moving_numbers: NDArray[np.float64],
+    moving_indices: NDArray[np.int64],
+    workspace: Addresses,
+    distance: NDArray[np.float32],
+    solid: NDArray[np.int32],
+    face: NDArray[np.int32],
+) -> bool:
+    """Implement ``trace``."""
+    if not are_finite(eyes, yaws, pitches):
+        return False
+    parts = read_workspace(workspace)
+    others = unpack_shapes(moving_numbers, moving_indices)
+    solids = unpack_shapes(parts.numbers, parts.indices)
+    height, width = distance.shape[1:]
+    cameras = Cameras(eyes, yaws, pitches, viewers, half_width, far)
+    buffer = hit_buffer_in(width, parts.rays, parts.met, parts.strips)
+    for image in range(yaws.shape[0]):
+        camera = trace_camera(parts, others, cameras, image, height, with_water, buffer)
+        hit = Hits(distance[image], solid[image], face[image])
+        write_hits(solids, others, camera, buffer, hit)
+    return True
+
+
+@kernel
+def write_hits(solids: Shapes, others: Shapes, camera: Camera, buffer: HitBuffer, hit: Hits) -> None:
+    """Write what each ray of an image hit, in the terms of ``Hits``, all (H, W)."""
+    height, width = hit.distance.shape
+    for row in range(height):
+        line = Hits(hit.distance[row], hit.solid[row], hit.face[row])
+        start = nonnegative(row * width)
+        _write_terrain(buffer.distance[start : start + width], buffer.met[start : start + width], line)
+        first = 0
+        while first < width:
+            met, last = buffer.met[start + first], first + 1
+            if met > NOTHING:
+                while last < width and buffer.met[start + last] == met:
+                    last += 1
+                _write_solid(solids, others, met, camera, buffer, start, first, last, line)
+            first = last
+
+
+@disjoint_kernel
+def _write_terrain(distances: NDArray[np.float64], mets: NDArray[np.int32], line: Hits) -> None:
+    """Write the distances of a row, and everything about rays that hit no solid."""
+    distance, solid, face = line
+    for column in range(distance.shape[0]):
+        distance[column] = np.inf if mets[column] == NOTHING else distances[column]
+    for column in range(distance.shape[0]):
+        met = mets[column]
+        ground = TERRAIN_HIT if is_terrain_code(met) else WATER_HIT
+        solid[column] = ground if met < NOTHING else NOTHING_HIT
+        face[column] = index_in_code(met) if met < NOTHING else 0
+
+
+@inlined_kernel
+def _write_solid(
+    solids: Shapes,
+    others: Shapes,
+    met: int,
+    camera: Camera,
+    buffer: HitBuffer,
+    start: int,
+    first: int,
+    last: int,
+    line: Hits,
+) -> None:
+    """Write the solid that some successive rays of a row hit, and its faces; the row begins at ``start``."""
+    statics, faces = solids.boxes.shape[0], line.face[first:last]
+    if met < statics:
+        line.solid[first:last] = solids.names[met]
+        write_entered_faces(solids, met, camera, start + first, solids.face_names[met], buffer, faces)
+    else:
+        line.solid[first:last] = met
+        moving = met - statics
+        write_entered_faces(others, moving, camera, start + first, others.face_names[moving], buffer, faces)
