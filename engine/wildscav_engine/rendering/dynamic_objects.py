@@ -6,8 +6,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.array_tables import ArrayTable, reader
-from wildscav_engine.compilation.kernel import inlined_kernel
+from wildscav_engine.compilation.array_tables import Addresses, reader
+from wildscav_engine.compilation.kernel import inlined_kernel, kernel
+from wildscav_engine.compilation.table_columns import ADDRESS, COLUMNS, ITEM, ROWS
 from wildscav_engine.rendering.tracing.packing import Packed, Shapes, pack_shapes
 from wildscav_engine.rendering.tracing.solids import Solids, all_shapes_of
 
@@ -26,24 +27,45 @@ class ObjectArrays(NamedTuple):
     boxes: NDArray[np.float64]
     names: NDArray[np.int64]
     color: NDArray[np.float64]  # (S, 3) red, green, blue 0-255
+    instance: NDArray[np.int32]  # (S,) the seat of an agent, the serial number of a box
 
 
 class ObjectSets:
-    """The moving objects of M matches, one match after another; nobody changes them.
+    """The moving objects of M matches, one match after another.
 
     Attributes:
-        arrays: All objects.
+        arrays: All objects; there may be room for further ones behind them.
         start: (M + 1,) where the objects of each match start.
         most: The number of objects of the match that has most.
         most_faces: The number of faces of the object that has most.
-        addresses: (F, 6) the table of the arrays of all objects, for ``read_objects``.
+        addresses: (12, 6) the table of the arrays of all objects, for ``read_objects``.
     """
 
-    def __init__(self, arrays: ObjectArrays, start: NDArray[np.int64]) -> None:
+    def __init__(self, arrays: ObjectArrays, start: NDArray[np.int64], most: int, most_faces: int) -> None:
         """Build the table."""
-        self.arrays, self.start, self.addresses = arrays, start, ArrayTable(arrays).addresses
-        self.most = int(np.diff(start).max(initial=0))
-        self.most_faces = int(np.diff(arrays.face_start).max(initial=0))
+        self.arrays, self.start, self.most, self.most_faces = arrays, start, most, most_faces
+        self.addresses = np.empty((len(arrays), COLUMNS), np.int64)
+        _write_addresses(*arrays, self.addresses)
+
+    def solids_of(self, match: int) -> Solids:
+        """Return the objects of a match, as views."""
+        first, last = self.start[match], self.start[match + 1]
+        each, starts = slice(first, last), slice(first, last + 1)
+        kind, owner, low, high, face_start, faces, corner_start, corners, *_ = self.arrays
+        return Solids(
+            kind[each],
+            owner[each],
+            low[each],
+            high[each],
+            face_start[starts],
+            faces,
+            corner_start[starts],
+            corners,
+        )
+
+    def __reduce__(self) -> tuple[type["ObjectSets"], tuple[Any, ...]]:
+        """Copy and pickle all but the table: copies have other addresses."""
+        return ObjectSets, (self.arrays, self.start, self.most, self.most_faces)
 
 
 def solids_in(objects: ObjectArrays) -> Solids:
@@ -75,11 +97,12 @@ class DynamicObjects(Solids):
         return objects
 
     @classmethod
-    def of(cls, arrays: ObjectArrays, instance: NDArray[np.int32]) -> "DynamicObjects":
-        """Return the objects in some arrays, given their instances."""
-        objects = cls(solids_in(arrays), instance, arrays.color)
-        starts = arrays.face_start
+    def of(cls, sets: ObjectSets) -> "DynamicObjects":
+        """Return the objects of a single match."""
+        arrays, starts = sets.arrays, sets.arrays.face_start
+        objects = cls(solids_in(arrays), arrays.instance, arrays.color)
         objects.shapes = Shapes(arrays.boxes, starts, arrays.faces, arrays.names, starts[:-1])
+        objects.sets = sets
         return objects
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -106,8 +129,48 @@ class DynamicObjects(Solids):
     @cached_property
     def sets(self) -> ObjectSets:
         """The objects as those of one match."""
-        arrays = ObjectArrays(*self, self.shapes.boxes, self.shapes.names, self.color)
-        return ObjectSets(arrays, np.array([0, len(self.kind)]))
+        arrays = ObjectArrays(*self, self.shapes.boxes, self.shapes.names, self.color, self.instance)
+        most_faces = int(np.diff(self.face_start).max(initial=0))
+        return ObjectSets(arrays, np.array([0, len(self.kind)]), len(self.kind), most_faces)
+
+
+@kernel
+def _write_addresses(
+    kind: NDArray[np.int8],
+    owner: NDArray[np.int32],
+    low: NDArray[np.float64],
+    high: NDArray[np.float64],
+    face_start: NDArray[np.int64],
+    faces: NDArray[np.float64],
+    corner_start: NDArray[np.int64],
+    corners: NDArray[np.float64],
+    boxes: NDArray[np.float64],
+    names: NDArray[np.int64],
+    color: NDArray[np.float64],
+    instance: NDArray[np.int32],
+    table: Addresses,
+) -> None:
+    """Write the same as ``addresses_of``, but in a tenth of its time: objects are made in every step."""
+    _write_address(kind, table[0])
+    _write_address(owner, table[1])
+    _write_address(low, table[2])
+    _write_address(high, table[3])
+    _write_address(face_start, table[4])
+    _write_address(faces, table[5])
+    _write_address(corner_start, table[6])
+    _write_address(corners, table[7])
+    _write_address(boxes, table[8])
+    _write_address(names, table[9])
+    _write_address(color, table[10])
+    _write_address(instance, table[11])
+
+
+@inlined_kernel
+def _write_address(array: NDArray[Any], row: NDArray[np.int64]) -> None:
+    row[:] = 1
+    row[ADDRESS], row[ITEM] = array.ctypes.data, array.itemsize
+    for axis in range(array.ndim):
+        row[ROWS + axis] = array.shape[axis]
 
 
 _ROWS, _STARTS = np.zeros((0, 3)), np.zeros(1, np.int64)
@@ -125,6 +188,7 @@ read_objects = reader(
         np.zeros((0, 9)),
         _STARTS,
         _ROWS,
+        np.zeros(0, np.int32),
     )
 )
 

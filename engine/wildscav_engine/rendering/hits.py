@@ -9,11 +9,12 @@ from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel, kernel
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.rendering.cameras import Cameras, are_finite
-from wildscav_engine.rendering.trace import pack_moving, trace_camera, workspace_for
-from wildscav_engine.rendering.tracing.frustum import Camera, nonnegative
+from wildscav_engine.rendering.trace import pack_moving, trace_moving, trace_static
+from wildscav_engine.rendering.tracing.frustum import Camera, camera_at, nonnegative
 from wildscav_engine.rendering.tracing.hit_buffer import (
     NOTHING,
     HitBuffer,
+    aim_rays,
     hit_buffer_in,
     index_in_code,
     is_terrain_code,
@@ -22,7 +23,7 @@ from wildscav_engine.rendering.tracing.packing import Shapes, unpack_shapes
 from wildscav_engine.rendering.tracing.scene import Scene
 from wildscav_engine.rendering.tracing.solid_intersection import write_entered_faces
 from wildscav_engine.rendering.tracing.solids import Solids
-from wildscav_engine.rendering.tracing.workspace import read_workspace
+from wildscav_engine.rendering.tracing.workspace import Size, read_workspace
 
 WATER_HIT = -3
 
@@ -62,7 +63,7 @@ def trace(scene: Scene, moving: Solids, cameras: Cameras, hits: Hits, *, with_wa
     """
     others = pack_moving(moving)
     _, height, width = hits.distance.shape
-    workspace = workspace_for(scene, height, width, cameras.half_width, others)
+    workspace = scene.workspaces.of(scene.packed, Size(height, width, cameras.half_width, others.most_faces))
     return _trace_hits(with_water, *cameras, others.numbers, others.indices, workspace.addresses, *hits)
 
 
@@ -89,10 +90,12 @@ def _trace_hits(
     others = unpack_shapes(moving_numbers, moving_indices)
     solids = unpack_shapes(parts.numbers, parts.indices)
     height, width = distance.shape[1:]
-    cameras = Cameras(eyes, yaws, pitches, viewers, half_width, far)
     buffer = hit_buffer_in(width, parts.rays, parts.met, parts.strips)
     for image in range(yaws.shape[0]):
-        camera = trace_camera(parts, others, cameras, image, height, with_water, buffer)
+        camera = camera_at(eyes[image], yaws[image], pitches[image], half_width, width, height, far)
+        aim_rays(buffer, camera)
+        trace_static(parts, camera, with_water, buffer)
+        trace_moving(parts, others, camera, viewers[image], buffer)
         hit = Hits(distance[image], solid[image], face[image])
         write_hits(solids, others, camera, buffer, hit)
     return True

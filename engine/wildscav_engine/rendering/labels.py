@@ -1,4 +1,4 @@
-"""Labels of what each pixel shows."""
+"""Labels of what each pixel shows: the kind of an object, or which one it is."""
 
 from typing import Any
 
@@ -8,43 +8,52 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.geometry.world import Kind
+from wildscav_engine.parallel.turns import ALONE, Turns
 from wildscav_engine.rendering.cameras import Cameras, are_finite
-from wildscav_engine.rendering.trace import pack_moving, trace_camera, workspace_for
+from wildscav_engine.rendering.dynamic_objects import ObjectArrays, ObjectSets, read_objects
+from wildscav_engine.rendering.match_images import Matches, TracedImage, objects_in, trace_in_match
+from wildscav_engine.rendering.trace import Scene, Scenes
 from wildscav_engine.rendering.tracing.frustum import nonnegative
-from wildscav_engine.rendering.tracing.hit_buffer import NOTHING, hit_buffer_in, is_terrain_code
-from wildscav_engine.rendering.tracing.packing import Shapes, unpack_shapes
-from wildscav_engine.rendering.tracing.scene import Scene
-from wildscav_engine.rendering.tracing.solids import Solids
-from wildscav_engine.rendering.tracing.workspace import read_workspace
+from wildscav_engine.rendering.tracing.hit_buffer import NOTHING, is_terrain_code
+from wildscav_engine.rendering.tracing.workspace import Size
+from wildscav_engine.rendering.turns import TAKEN_ALREADY, item_at
 
+FIRST_AGENT, FIRST_SOLID, FIRST_BOX = 10_000, 1_000_000, 1_000_000_000
 NOTHING_LABEL, TERRAIN_LABEL, WATER_LABEL = int(Kind.NOTHING), int(Kind.TERRAIN), int(Kind.WATER)
+AGENT = int(Kind.AGENT)
 
 
 def write_labels(
-    scene: Scene,
-    moving: Solids,
+    scenes: Scene | Scenes,
+    objects: ObjectSets,
+    matches: NDArray[np.int64],
     cameras: Cameras,
-    labels: NDArray[Any],
-    moving_labels: NDArray[Any],
     images: NDArray[Any],
+    turns: Turns = ALONE,
+    *,
+    by_instance: bool,
 ) -> bool:
     """Write the label of what each ray hits first, the surface of water included.
 
     Args:
-        scene: The static world, with S solids.
-        moving: The M moving solids.
+        scenes: The static worlds of N cameras, or one for all.
+        objects: The moving objects of some matches.
+        matches: (N,) the match in ``objects`` that each camera is in.
         cameras: N cameras.
-        labels: (S,) integers, of the world's solids; those of nothing, terrain and water are their ``Kind``.
-        moving_labels: (M,) integers.
         images: (N, H, W) integers, written.
+        turns: In which order to write them, with other threads.
+        by_instance: Whether objects of one kind have labels of their own: solids of the map from FIRST_SOLID
+            on by index, agents from FIRST_AGENT on by seat, boxes from FIRST_BOX on by serial number. All
+            other labels are a ``Kind``.
 
     Returns:
         Whether all numbers of the cameras are finite; if not, nothing is written.
     """
-    others = pack_moving(moving)
     _, height, width = images.shape
-    workspace = workspace_for(scene, height, width, cameras.half_width, others).addresses
-    return _write_labels(*cameras, others.numbers, others.indices, workspace, labels, moving_labels, images)
+    tables = scenes.tables(Size(height, width, cameras.half_width, objects.most_faces))
+    return _write_labels(
+        *cameras, tables, objects.addresses, objects.start, matches, *turns, by_instance, images
+    )
 
 
 # Arrays are passed to this kernel one by one, for the reason given in ``trace.py``.
@@ -56,46 +65,65 @@ def _write_labels(
     viewers: NDArray[np.int32],
     half_width: float,
     far: float,
-    moving_numbers: NDArray[np.float64],
-    moving_indices: NDArray[np.int64],
-    workspace: Addresses,
-    labels: NDArray[Any],
-    moving_labels: NDArray[Any],
+    workspaces: NDArray[np.int64],
+    objects: Addresses,
+    start: NDArray[np.int64],
+    matches: NDArray[np.int64],
+    order: NDArray[np.int64],
+    taken: NDArray[np.int64],
+    by_instance: bool,
     images: NDArray[Any],
 ) -> bool:
     """Implement ``write_labels``."""
     if not are_finite(eyes, yaws, pitches):
         return False
-    parts, others = read_workspace(workspace), unpack_shapes(moving_numbers, moving_indices)
-    solids = unpack_shapes(parts.numbers, parts.indices)
-    _, height, width = images.shape
     cameras = Cameras(eyes, yaws, pitches, viewers, half_width, far)
-    buffer = hit_buffer_in(width, parts.rays, parts.met, parts.strips)
-    for image in range(images.shape[0]):
-        trace_camera(parts, others, cameras, image, height, True, buffer)
+    shown = Matches(workspaces, read_objects(objects), start, matches)
+    count, height, width = images.shape
+    for turn in range(count):
+        image = item_at(Turns(order, taken), turn)
+        if image == TAKEN_ALREADY:
+            continue
+        traced = trace_in_match(shown, cameras, image, height, width, True)
+        first, _ = objects_in(shown, image)
         for row in range(height):
-            start, line = nonnegative(row * width), images[image, row]
-            _label_row(solids, buffer.met[start : start + width], labels, moving_labels, line)
+            _label_row(
+                traced, shown.objects, first, by_instance, nonnegative(row * width), images[image, row]
+            )
     return True
 
 
 @inlined_kernel
 def _label_row(
-    solids: Shapes,
-    mets: NDArray[np.int32],
-    labels: NDArray[Any],
-    moving_labels: NDArray[Any],
-    line: NDArray[Any],
+    traced: TracedImage, objects: ObjectArrays, first: int, by_instance: bool, start: int, line: NDArray[Any]
 ) -> None:
-    """Write the labels of what the rays of a row hit, given its codes."""
-    statics = solids.boxes.shape[0]
-    for column in range(mets.shape[0]):
+    """Write the labels of a row of pixels.
+
+    Args:
+        traced: The image.
+        objects: The moving objects.
+        first: The first of those in the match.
+        by_instance: See ``write_labels``.
+        start: The first ray of the row.
+        line: (W,) written.
+    """
+    kinds, statics = traced.workspace.kinds, traced.solids.boxes.shape[0]
+    mets = traced.buffer.met[start : start + line.shape[0]]
+    for column in range(line.shape[0]):
         met = mets[column]
         if met < NOTHING:
             line[column] = TERRAIN_LABEL if is_terrain_code(met) else WATER_LABEL
         elif met == NOTHING:
             line[column] = NOTHING_LABEL
         elif met < statics:
-            line[column] = labels[solids.names[met]]
+            line[column] = FIRST_SOLID + traced.solids.names[met] if by_instance else kinds[met]
         else:
-            line[column] = moving_labels[met - statics]
+            line[column] = _label_of_object(objects, first + met - statics, by_instance)
+
+
+@inlined_kernel
+def _label_of_object(objects: ObjectArrays, index: int, by_instance: bool) -> int:
+    kind = objects.kind[index]
+    if not by_instance:
+        return int(kind)
+    return int(objects.instance[index]) + (FIRST_AGENT if kind == AGENT else FIRST_BOX)

@@ -14,16 +14,17 @@ from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.geometry.rays import Ray, cast_ray, make_ray, meet_faces
 from wildscav_engine.geometry.world import CELL, World
+from wildscav_engine.parallel.turns import ALONE, Turns
 from wildscav_engine.rendering.cameras import Cameras
-from wildscav_engine.rendering.trace import pack_moving, scratch_in
-from wildscav_engine.rendering.tracing.front_to_back import trace_moving_solids, trace_world
+from wildscav_engine.rendering.dynamic_objects import ObjectSets, read_objects
+from wildscav_engine.rendering.match_images import Matches, shapes_of_match, workspace_of
+from wildscav_engine.rendering.trace import Scene, Scenes, trace_moving, trace_static
 from wildscav_engine.rendering.tracing.frustum import MARGIN, Camera
 from wildscav_engine.rendering.tracing.hit_buffer import NOTHING, HitBuffer, fill, hit_buffer_in
-from wildscav_engine.rendering.tracing.packing import unpack_blocks, unpack_shapes
-from wildscav_engine.rendering.tracing.scene import Scene
 from wildscav_engine.rendering.tracing.sectors import Optics, Sectors, divide
 from wildscav_engine.rendering.tracing.solids import Solids
-from wildscav_engine.rendering.tracing.workspace import Size, read_workspace
+from wildscav_engine.rendering.tracing.workspace import Size
+from wildscav_engine.rendering.turns import TAKEN_ALREADY, item_at
 
 STEEPEST = 80.0  # degrees up and down of the rings that are traced like images
 MIN_COSINE = 1e-12  # rays straight up and down lean by this little
@@ -46,53 +47,61 @@ class Panorama:
         _aim_rings(elevations, *self._rings)
         self._first = int((elevations > STEEPEST).sum())  # of the rings that are traced like images
         self._last = int((elevations >= -STEEPEST).sum())  # one past the last of them
+        self._level_rings = Rings(*(part[self._first : self._last] for part in self._rings))
         self._sectors: Sectors | None = None
         if self._first < self._last:
             self._sectors = divide(azimuths, elevations[self._first : self._last])
 
-    def scan(
-        self, scene: Scene, world: World, moving: Solids, cameras: Cameras, images: NDArray[np.float32]
-    ) -> None:
-        """Measure the distances in m along all rays; those that hit nothing read ``far``.
+    @property
+    def is_steep(self) -> bool:
+        """Whether it has rings that are cast ray by ray."""
+        return self._last - self._first < len(self._rings.levels)
 
-        Args:
-            scene: The static world.
-            world: The same, as single rays meet it.
-            moving: The moving solids.
-            cameras: N viewers, all of whose numbers are finite; their pitches do not count.
-            images: (N, C, A) m, written.
-        """
-        if self._sectors is not None:
-            self._scan_sectors(self._sectors, scene, moving, cameras, images)
-        if self._last - self._first < images.shape[1]:
-            _cast_steep_rays(world, Solids(*moving), cameras, self._rings, self._first, self._last, images)
-
-    def _scan_sectors(
+    def trace(
         self,
-        sectors: Sectors,
-        scene: Scene,
-        moving: Solids,
+        scenes: Scene | Scenes,
+        objects: ObjectSets,
+        matches: NDArray[np.int64],
         cameras: Cameras,
         images: NDArray[np.float32],
+        turns: Turns = ALONE,
     ) -> None:
-        others, optics = pack_moving(moving), sectors.optics
-        rings = self._last - self._first
-        size = Size(rings, sectors.columns, optics.half_width, others.most_faces)
-        workspace = scene.workspaces.of(scene.packed, size)
+        """Measure the distances in m along all rays that are not steep; those that hit nothing read ``far``.
+
+        Args:
+            scenes: The static worlds of N viewers, or one for all.
+            objects: The moving objects of some matches.
+            matches: (N,) the match in ``objects`` that each viewer is in.
+            cameras: N viewers, all of whose numbers are finite; their pitches do not count.
+            images: (N, C, A) m, written.
+            turns: In which order to write them, with other threads.
+        """
+        sectors = self._sectors
+        if sectors is None:
+            return
+        size = Size(self._last - self._first, sectors.columns, sectors.optics.half_width, objects.most_faces)
         _trace_sectors(
             cameras.eyes,
             cameras.yaws,
             cameras.viewers,
             cameras.far,
             sectors.number,
-            optics,
-            Rings(*(part[self._first : self._last] for part in self._rings)),
-            others.numbers,
-            others.indices,
-            workspace.addresses,
+            sectors.optics,
+            self._level_rings,
+            scenes.tables(size),
+            objects.addresses,
+            objects.start,
+            matches,
+            *turns,
             images,
             self._first,
         )
+
+    def cast_steep_rays(
+        self, world: World, moving: Solids, cameras: Cameras, images: NDArray[np.float32]
+    ) -> None:
+        """Measure the distances along all other rays, with the same arguments but one world for all."""
+        _cast_steep_rays(world, moving, cameras, self._rings, self._first, self._last, images)
 
 
 @kernel
@@ -112,31 +121,33 @@ def _trace_sectors(
     sectors: int,
     optics: Optics,
     rings: Rings,
-    moving_numbers: NDArray[np.float64],
-    moving_indices: NDArray[np.int64],
-    workspace: Addresses,
+    workspaces: NDArray[np.int64],
+    objects: Addresses,
+    start: NDArray[np.int64],
+    matches: NDArray[np.int64],
+    order: NDArray[np.int64],
+    taken: NDArray[np.int64],
     images: NDArray[np.float32],
     above: int,
 ) -> None:
     """Write the distances of some rings, of which the first is row ``above`` of the images."""
-    parts = read_workspace(workspace)
-    others = unpack_shapes(moving_numbers, moving_indices)
-    blocks = unpack_blocks(parts.numbers, parts.indices, parts.float32s)
-    solids = unpack_shapes(parts.numbers, parts.indices)
-    scratch = scratch_in(parts)
-    columns, azimuths = parts.met.shape[0] // rings.levels.shape[0], images.shape[2]
-    buffer = hit_buffer_in(columns, parts.rays, parts.met, parts.strips)
-    for image in range(yaws.shape[0]):
+    shown = Matches(workspaces, read_objects(objects), start, matches)
+    count, _, azimuths = images.shape
+    for turn in range(count):
+        image = item_at(Turns(order, taken), turn)
+        if image == TAKEN_ALREADY:
+            continue
+        parts, others = workspace_of(shown, image), shapes_of_match(shown, image)
+        columns = parts.met.shape[0] // rings.levels.shape[0]
+        buffer = hit_buffer_in(columns, parts.rays, parts.met, parts.strips)
         for sector in range(sectors):
             first, last = sector * columns, min((sector + 1) * columns, azimuths)
             middle = yaws[image] + 360.0 * (first + (columns - 1) * 0.5) / azimuths
             camera = _camera_at(eyes[image], middle, columns, rings.levels.shape[0], optics, far)
             _aim_sector(buffer, rings, yaws[image], first, azimuths)
             fill(buffer, far, NOTHING)
-            trace_world(blocks, solids, camera, False, scratch, buffer)
-            trace_moving_solids(
-                others, solids.boxes.shape[0], camera, viewers[image], scratch.outside, buffer
-            )
+            trace_static(parts, camera, False, buffer)
+            trace_moving(parts, others, camera, viewers[image], buffer)
             for ring in range(rings.levels.shape[0]):
                 line, distance = images[image, above + ring, first:last], buffer.distance[ring * columns :]
                 for column in range(last - first):

@@ -34,7 +34,7 @@ from wildscav_engine.rendering.tracing.packing import (
 )
 from wildscav_engine.rendering.tracing.scene import Scene, Scenes, scene_of
 from wildscav_engine.rendering.tracing.solids import Solids, all_shapes_of
-from wildscav_engine.rendering.tracing.workspace import Size, Workspace, WorkspaceTable, read_workspace
+from wildscav_engine.rendering.tracing.workspace import Size, Workspace, read_workspace
 from wildscav_engine.rendering.turns import TAKEN_ALREADY, item_at
 
 __all__ = [
@@ -42,11 +42,8 @@ __all__ = [
     "Scenes",
     "depths_tracer",
     "scene_of",
-    "trace_depths",
-    "trace_depths_of_maps",
+    "trace_static_depths",
 ]
-
-NO_VIEWER = -2  # a viewer who owns no solid
 
 
 def pack_moving(moving: Solids) -> Packed:
@@ -60,39 +57,20 @@ def pack_moving(moving: Solids) -> Packed:
 NOTHING_MOVES = pack_nothing()
 
 
-def workspace_for(scene: Scene, height: int, width: int, half_width: float, others: Packed) -> WorkspaceTable:
-    """Return the workspace of a scene for images of a size that show some moving solids."""
-    size = height, width, half_width, others.most_faces  # found like a ``Size``, but made in half the time
-    return scene.workspaces.cached.get(size) or scene.workspaces.make(scene.packed, Size(*size))
-
-
-def trace_depths(scene: Scene, moving: Solids, cameras: Cameras, depths: NDArray[np.float32]) -> bool:
-    """Find the depth of each ray's first hit along the view axis.
+def trace_static_depths(
+    scenes: Scene | Scenes, size: Size, cameras: Cameras, depths: NDArray[np.float32], turns: Turns = ALONE
+) -> bool:
+    """Do the same as ``depths.trace_depths``, faster, where nothing moves.
 
     Args:
-        scene: The static world.
-        moving: The moving solids.
-        cameras: N cameras. A camera outside the map sees nothing of it; one below the ground or in a solid
-            hits that at distance 0.
-        depths: (N, H, W) m, written: the cameras' ``far`` without a hit.
-
-    Returns:
-        Whether all numbers of the cameras are finite; if not, nothing is written.
+        scenes: The worlds of N cameras, or one for all.
+        size: The size of the images, and their half width.
+        cameras: N cameras.
+        depths: (N, H, W) m, written.
+        turns: In which order to write them, with other threads.
     """
-    others = pack_moving(moving)
-    _, height, width = depths.shape
-    workspace = workspace_for(scene, height, width, cameras.half_width, others)
-    tables = workspace.with_moving(others, cameras.viewers) if len(moving.kind) else workspace.tables
     eyes, yaws, pitches, _, half_width, far = cameras
-    return _trace_depths(eyes, yaws, pitches, half_width, far, tables, *ALONE, depths)
-
-
-def trace_depths_of_maps(
-    scenes: Scenes, size: Size, cameras: Cameras, depths: NDArray[np.float32], turns: Turns = ALONE
-) -> bool:
-    """Do the same as ``trace_depths`` without moving solids, for N cameras in N worlds (or all in one)."""
-    eyes, yaws, pitches, _, half_width, far = cameras
-    return _trace_depths(eyes, yaws, pitches, half_width, far, scenes.tables(size), *turns, depths)
+    return _trace_static_depths(eyes, yaws, pitches, half_width, far, scenes.tables(size), *turns, depths)
 
 
 # These kernels take everything that stays the same between calls through a table of addresses, and all other
@@ -100,7 +78,7 @@ def trace_depths_of_maps(
 
 
 @kernel
-def _trace_depths(
+def _trace_static_depths(
     eyes: NDArray[np.float64],
     yaws: NDArray[np.float64],
     pitches: NDArray[np.float64],
@@ -111,7 +89,7 @@ def _trace_depths(
     taken: NDArray[np.int64],
     depths: NDArray[np.float32],
 ) -> bool:
-    """Implement ``trace_depths``, in one workspace or in one for each image.
+    """Implement ``trace_static_depths``.
 
     It also returns False for shapes that do not match, so that callers in a hot loop need not check them.
     """
@@ -126,16 +104,15 @@ def _trace_depths(
         parts = read_workspace(workspaces[image if workspaces.shape[0] > 1 else 0])
         buffer = hit_buffer_in(width, parts.rays, parts.met, parts.strips)
         camera = camera_at(eyes[image], yaws[image], pitches[image], half_width, width, height, far)
-        others = unpack_shapes(parts.moving_numbers, parts.moving_indices)
-        viewer = parts.viewers[image] if others.boxes.shape[0] > 0 else NO_VIEWER
-        trace_image(parts, others, camera, viewer, False, buffer)
-        _write_depths(buffer, depths[image])
+        aim_rays(buffer, camera)
+        trace_static(parts, camera, False, buffer)
+        write_depths(buffer, depths[image])
     return True
 
 
 @cache
 def depths_tracer() -> Callable[..., bool]:
-    """Return the kernel behind ``trace_depths``, for callers with arrays of exactly the right types.
+    """Return the kernel behind ``trace_static_depths``, for callers with arrays of exactly the right types.
 
     Tracing a small image takes hardly longer than checking three arrays in Python and passing them on. So the
     kernel itself checks its arguments. If shapes do not match, or a number is not finite, it writes nothing
@@ -148,41 +125,26 @@ def depths_tracer() -> Callable[..., bool]:
     """
     numbers, depths = np.zeros(1), np.zeros((1, 1, 1), np.float32)
     tables = np.zeros((1, 1, 1), np.int64)
-    return only_for(_trace_depths, numbers[None], numbers, numbers, 1.0, 1.0, tables, *ALONE, depths)
+    return only_for(_trace_static_depths, numbers[None], numbers, numbers, 1.0, 1.0, tables, *ALONE, depths)
 
 
 @inlined_kernel
-def trace_camera(
-    parts: Workspace,
-    others: Shapes,
-    cameras: Cameras,
-    image: int,
-    height: int,
-    with_water: bool,
-    buffer: HitBuffer,
-) -> Camera:
-    """Trace the image of one of some cameras, and return that camera."""
-    eye, yaw, pitch = cameras.eyes[image], cameras.yaws[image], cameras.pitches[image]
-    camera = camera_at(eye, yaw, pitch, cameras.half_width, buffer.width, height, cameras.far)
-    trace_image(parts, others, camera, cameras.viewers[image], with_water, buffer)
-    return camera
-
-
-@inlined_kernel
-def trace_image(
-    parts: Workspace, others: Shapes, camera: Camera, viewer: int, with_water: bool, buffer: HitBuffer
-) -> None:
-    """Trace one image."""
+def trace_static(parts: Workspace, camera: Camera, with_water: bool, buffer: HitBuffer) -> None:
+    """Trace an image of a static world, whose rays have been aimed."""
     blocks = unpack_blocks(parts.numbers, parts.indices, parts.float32s)
     solids = unpack_shapes(parts.numbers, parts.indices)
-    scratch = scratch_in(parts)
-    aim_rays(buffer, camera)
-    trace_world(blocks, solids, camera, with_water, scratch, buffer)
-    trace_moving_solids(others, solids.boxes.shape[0], camera, viewer, scratch.outside, buffer)
+    trace_world(blocks, solids, camera, with_water, _scratch_in(parts), buffer)
 
 
 @inlined_kernel
-def scratch_in(parts: Workspace) -> Scratch:
+def trace_moving(parts: Workspace, others: Shapes, camera: Camera, viewer: int, buffer: HitBuffer) -> None:
+    """Trace moving solids in an image whose static world has been traced."""
+    solids = unpack_shapes(parts.numbers, parts.indices)
+    trace_moving_solids(others, solids.boxes.shape[0], camera, viewer, parts.outside, buffer)
+
+
+@inlined_kernel
+def _scratch_in(parts: Workspace) -> Scratch:
     """Return the scratch buffers of a workspace."""
     return Scratch(
         parts.projection,
@@ -197,7 +159,8 @@ def scratch_in(parts: Workspace) -> Scratch:
 
 
 @inlined_kernel
-def _write_depths(buffer: HitBuffer, depths: NDArray[np.float32]) -> None:
+def write_depths(buffer: HitBuffer, depths: NDArray[np.float32]) -> None:
+    """Write (H, W) m, the depths of what the rays of an image hit; ``far`` without a hit."""
     for row in range(depths.shape[0]):
         line, first = depths[row], row * buffer.width
         last = first + buffer.width

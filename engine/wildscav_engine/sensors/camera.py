@@ -10,17 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from wildscav_engine.parallel.turns import ALONE, Turns, items_of
+from wildscav_engine.parallel.turns import Turns
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.dynamic_objects import ObjectSets
 from wildscav_engine.rendering.shading.render import render_pictures
 from wildscav_engine.rendering.tracing.solids import Solids
-from wildscav_engine.rendering.tracing.workspace import LARGEST_CACHED
 from wildscav_engine.sensors.base import sensor
-from wildscav_engine.sensors.optics.dynamic_objects import as_dynamic_objects, dynamic_objects_of
-from wildscav_engine.sensors.optics.optical import BatchedOpticalSensor, select_cameras
+from wildscav_engine.sensors.optics.batched import BatchedOpticalSensor
+from wildscav_engine.sensors.optics.dynamic_objects import dynamic_objects_of
 from wildscav_engine.sensors.optics.pinhole import PinholeCamera
-from wildscav_engine.sensors.optics.shown_maps import ShownMaps
+from wildscav_engine.sensors.optics.shown_maps import ShownMap, ShownMaps
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
@@ -61,36 +60,16 @@ class ColorCamera(BatchedOpticalSensor, PinholeCamera):
         """Return the living agents and the supply boxes of the match."""
         return dynamic_objects_of(match)
 
-    def render_into(
-        self, game_map: "GameMap", moving: Solids, cameras: Cameras, images: NDArray[np.uint8]
-    ) -> bool:
-        """Render the images of some cameras."""
-        matches = np.zeros(len(images), np.int64)
-        shown, objects = ShownMaps([game_map]), as_dynamic_objects(moving).sets
-        return self.render_matches_into(shown, objects, matches, cameras, images)
-
-    def render_matches_into(
+    def write_images(
         self,
-        shown: ShownMaps,
+        shown: ShownMap | ShownMaps,
         objects: ObjectSets,
         matches: NDArray[np.int64],
         cameras: Cameras,
         images: NDArray[np.uint8],
-        turns: Turns = ALONE,
+        turns: Turns,
     ) -> bool:
-        """Render the images of cameras in different matches."""
-        if len(shown.maps) > 1 and self.rays > LARGEST_CACHED:
-            # What one of them is traced in is large, so only one is used at a time.
-            return all(
-                self.render_matches_into(
-                    ShownMaps(shown.maps[row : row + 1]),
-                    objects,
-                    matches[row : row + 1],
-                    select_cameras(cameras, slice(row, row + 1)),
-                    images[row : row + 1],
-                )
-                for row in items_of(turns, len(images))
-            )
+        """Render the pictures of cameras in different matches."""
         scenes, appearances = shown.scenes, shown.appearances
         return render_pictures(
             scenes, appearances, objects, matches, cameras, images, turns, shadows=self.shadows

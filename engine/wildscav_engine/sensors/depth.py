@@ -15,17 +15,16 @@ from numpy.typing import ArrayLike, NDArray
 from wildscav_engine.compilation.kernel import refusal
 from wildscav_engine.parallel.turns import ALONE, Turns
 from wildscav_engine.rendering.cameras import Cameras
-from wildscav_engine.rendering.trace import (
-    depths_tracer,
-    trace_depths,
-    trace_depths_of_maps,
-)
+from wildscav_engine.rendering.depths import trace_depths
+from wildscav_engine.rendering.dynamic_objects import ObjectSets
+from wildscav_engine.rendering.trace import depths_tracer, trace_static_depths
 from wildscav_engine.rendering.tracing.solids import Solids
 from wildscav_engine.rendering.tracing.workspace import LARGEST_CACHED, Size
 from wildscav_engine.sensors.base import sensor
+from wildscav_engine.sensors.optics.batched import BatchedOpticalSensor
 from wildscav_engine.sensors.optics.optical import MovingOption, are_ready
 from wildscav_engine.sensors.optics.pinhole import PinholeCamera
-from wildscav_engine.sensors.optics.shown_maps import ShownMaps
+from wildscav_engine.sensors.optics.shown_maps import ShownMap, ShownMaps
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
@@ -37,7 +36,7 @@ DEPTH = np.dtype(np.float32)
 
 
 @sensor
-class DepthCamera(MovingOption, PinholeCamera):
+class DepthCamera(MovingOption, BatchedOpticalSensor, PinholeCamera):
     """Depth maps in metres."""
 
     name: ClassVar[str] = "depth"
@@ -99,12 +98,19 @@ class DepthCamera(MovingOption, PinholeCamera):
     ) -> bool:
         """Render the images of some cameras on maps without dynamic objects."""
         if self.rays > LARGEST_CACHED:
-            # The workspaces are large, so only one is used at a time.
             return super().render_maps_into(shown, cameras, images, turns)
-        return trace_depths_of_maps(shown.scenes, self._size, cameras, images, turns)
+        return trace_static_depths(shown.scenes, self._size, cameras, images, turns)
 
-    def render_into(
-        self, game_map: "GameMap", moving: Solids, cameras: Cameras, images: NDArray[np.float32]
+    def write_images(
+        self,
+        shown: ShownMap | ShownMaps,
+        objects: ObjectSets,
+        matches: NDArray[np.int64],
+        cameras: Cameras,
+        images: NDArray[np.float32],
+        turns: Turns,
     ) -> bool:
-        """Render the images of some cameras."""
-        return trace_depths(game_map.scene, moving, cameras, images)
+        """Write the depths of what the rays hit."""
+        if objects.most == 0:
+            return trace_static_depths(shown.scenes, self._size, cameras, images, turns)
+        return trace_depths(shown.scenes, objects, matches, cameras, images, turns)

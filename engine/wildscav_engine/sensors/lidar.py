@@ -13,24 +13,25 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
+from wildscav_engine.parallel.turns import Turns, items_of
 from wildscav_engine.rendering.cameras import Cameras, are_finite
+from wildscav_engine.rendering.dynamic_objects import ObjectSets
 from wildscav_engine.rendering.panorama import Panorama
-from wildscav_engine.rendering.tracing.solids import Solids
 from wildscav_engine.sensors.base import Sensor, sensor
-from wildscav_engine.sensors.optics.optical import MovingOption
+from wildscav_engine.sensors.optics.batched import BatchedOpticalSensor
+from wildscav_engine.sensors.optics.optical import MovingOption, select_cameras
+from wildscav_engine.sensors.optics.shown_maps import ShownMap, ShownMaps
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from gymnasium.spaces import Box
 
-    from wildscav_engine.maps.game_map import GameMap
-
 Elevation = Annotated[float, Field(ge=-90, le=90)]
 
 
 @sensor
-class Lidar(MovingOption):
+class Lidar(MovingOption, BatchedOpticalSensor):
     """Distances in all horizontal directions in metres."""
 
     name: ClassVar[str] = "lidar"
@@ -83,13 +84,27 @@ class Lidar(MovingOption):
 
         return Box(np.float32(0.0), np.float32(self.range), self.shape, np.float32)
 
-    def render_into(
-        self, game_map: "GameMap", moving: Solids, cameras: Cameras, images: NDArray[np.float32]
+    def write_images(
+        self,
+        shown: ShownMap | ShownMaps,
+        objects: ObjectSets,
+        matches: NDArray[np.int64],
+        cameras: Cameras,
+        images: NDArray[np.float32],
+        turns: Turns,
     ) -> bool:
         """Measure distances in m."""
         if not are_finite(cameras.eyes, cameras.yaws, cameras.pitches):
             return False
-        self._panorama.scan(game_map.scene, game_map.world, moving, cameras, images)
+        panorama, scenes = self._panorama, shown.scenes
+        if not panorama.is_steep:
+            panorama.trace(scenes, objects, matches, cameras, images, turns)
+            return True
+        for row in items_of(turns, len(images)):
+            part, game_map = slice(row, row + 1), shown.map_of(row)
+            some, image = select_cameras(cameras, part), images[part]
+            panorama.trace(game_map.scene, objects, matches[part], some, image)
+            panorama.cast_steep_rays(game_map.world, objects.solids_of(matches[row]), some, image)
         return True
 
     @cached_property

@@ -10,21 +10,22 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav_engine.parallel.turns import Turns
 from wildscav_engine.rendering.cameras import Cameras
+from wildscav_engine.rendering.dynamic_objects import ObjectSets
 from wildscav_engine.rendering.normals import write_normals
-from wildscav_engine.rendering.tracing.solids import Solids
 from wildscav_engine.sensors.base import sensor
+from wildscav_engine.sensors.optics.batched import BatchedOpticalSensor
 from wildscav_engine.sensors.optics.optical import MovingOption
 from wildscav_engine.sensors.optics.pinhole import PinholeCamera
+from wildscav_engine.sensors.optics.shown_maps import ShownMap, ShownMaps
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
 
-    from wildscav_engine.maps.game_map import GameMap
-
 
 @sensor
-class NormalCamera(MovingOption, PinholeCamera):
+class NormalCamera(MovingOption, BatchedOpticalSensor, PinholeCamera):
     """Unit normals."""
 
     name: ClassVar[str] = "normals"
@@ -41,8 +42,14 @@ class NormalCamera(MovingOption, PinholeCamera):
 
         return Box(np.float32(-1.0), np.float32(1.0), self.shape, np.float32)
 
-    def render_into(
-        self, game_map: "GameMap", moving: Solids, cameras: Cameras, images: NDArray[np.float32]
+    def write_images(
+        self,
+        shown: ShownMap | ShownMaps,
+        objects: ObjectSets,
+        matches: NDArray[np.int64],
+        cameras: Cameras,
+        images: NDArray[np.float32],
+        turns: Turns,
     ) -> bool:
         """Write the normals of the surfaces that the rays hit."""
-        return write_normals(game_map.scene, moving, cameras, images)
+        return write_normals(shown.scenes, objects, matches, cameras, images, turns)

@@ -7,33 +7,35 @@ index, and supply boxes from ``FIRST_BOX`` on by serial number. A wall with a do
 """
 
 from collections.abc import Sequence
-from functools import lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import Kind
+from wildscav_engine.parallel.turns import Turns
 from wildscav_engine.rendering.cameras import Cameras
-from wildscav_engine.rendering.dynamic_objects import DynamicObjects
-from wildscav_engine.rendering.labels import write_labels
+from wildscav_engine.rendering.dynamic_objects import ObjectSets
+from wildscav_engine.rendering.labels import FIRST_AGENT, FIRST_BOX, FIRST_SOLID, write_labels
 from wildscav_engine.rendering.tracing.solids import Solids
 from wildscav_engine.sensors.base import Sensor, sensor
-from wildscav_engine.sensors.optics.dynamic_objects import as_dynamic_objects, dynamic_objects_of
+from wildscav_engine.sensors.optics.batched import BatchedOpticalSensor
+from wildscav_engine.sensors.optics.dynamic_objects import dynamic_objects_of
 from wildscav_engine.sensors.optics.pinhole import PinholeCamera
+from wildscav_engine.sensors.optics.shown_maps import ShownMap, ShownMaps
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box
 
-    from wildscav_engine.maps.game_map import GameMap
     from wildscav_engine.simulation.match_view import MatchView
 
-FIRST_AGENT, FIRST_SOLID, FIRST_BOX = 10_000, 1_000_000, 1_000_000_000
+__all__ = ["FIRST_AGENT", "FIRST_BOX", "FIRST_SOLID", "SegmentationCamera"]
+
 MAX_LABEL = 2**31 - 1
 
 
 @sensor
-class SegmentationCamera(PinholeCamera):
+class SegmentationCamera(BatchedOpticalSensor, PinholeCamera):
     """Labels of the objects in each pixel."""
 
     label: Literal["kind", "instance"] = "kind"
@@ -63,22 +65,15 @@ class SegmentationCamera(PinholeCamera):
         """Return the living agents and the supply boxes of the match."""
         return dynamic_objects_of(match)
 
-    def render_into(
-        self, game_map: "GameMap", moving: Solids, cameras: Cameras, images: NDArray[Any]
+    def write_images(
+        self,
+        shown: ShownMap | ShownMaps,
+        objects: ObjectSets,
+        matches: NDArray[np.int64],
+        cameras: Cameras,
+        images: NDArray[Any],
+        turns: Turns,
     ) -> bool:
         """Write the labels of the objects that the rays hit."""
-        kinds, objects = game_map.world.solid_kind, as_dynamic_objects(moving)
-        labels: tuple[NDArray[Any], NDArray[Any]] = kinds, objects.kind
-        if self.label == "instance":
-            labels = _solids_instances(len(kinds)), _instances(objects)
-        return write_labels(game_map.scene, objects, cameras, *labels, images)
-
-
-@lru_cache(maxsize=8)
-def _solids_instances(count: int) -> NDArray[np.int64]:
-    return FIRST_SOLID + np.arange(count)
-
-
-def _instances(objects: DynamicObjects) -> NDArray[np.int64]:
-    first = np.where(objects.kind == Kind.AGENT, FIRST_AGENT, FIRST_BOX)
-    return np.asarray(first + objects.instance, np.int64)
+        by_instance = self.label == "instance"
+        return write_labels(shown.scenes, objects, matches, cameras, images, turns, by_instance=by_instance)

@@ -6,20 +6,29 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable
-from typing import Any
+from typing import Any, ClassVar
 
 import gymnasium
 import numpy as np
 import pytest
+from gymnasium.spaces import Box
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
+from numpy.typing import NDArray
 from tests.engine.envs.common import SMALL, TRACK_NAMES, digest, env_id, options
 
 from wildscav_engine.envs.batched import BatchedArena
 from wildscav_engine.envs.vector import VectorArena
-from wildscav_engine.sensors import ColorCamera, SegmentationCamera
-from wildscav_engine.sensors.base import Sensor
+from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.rendering.cameras import Cameras
+from wildscav_engine.rendering.hits import allocate_hits, trace
+from wildscav_engine.rendering.tracing.solids import Solids
+from wildscav_engine.sensors import SENSORS, ColorCamera, Lidar, SegmentationCamera, parse_sensors
+from wildscav_engine.sensors.base import Sensor, sensor
+from wildscav_engine.sensors.optics.dynamic_objects import dynamic_objects_of
+from wildscav_engine.sensors.optics.pinhole import PinholeCamera
+from wildscav_engine.simulation.match_view import MatchView
 
-SENSORS = {"depth": {"width": 4, "height": 3}, "visible_agents": {}}
+SMALL_SENSORS = {"depth": {"width": 4, "height": 3}, "visible_agents": {}}
 ENVS = 3
 
 
@@ -36,7 +45,7 @@ def made(
 
 
 def chosen(track: str, **more: Any) -> dict[str, Any]:
-    return options(track, sensors=SENSORS, action_mode="multidiscrete", time_limit=0.8, **more)
+    return options(track, sensors=SMALL_SENSORS, action_mode="multidiscrete", time_limit=0.8, **more)
 
 
 @pytest.mark.parametrize("threads", [1, 2])
@@ -90,17 +99,53 @@ def test_neither_the_number_of_environments_nor_of_threads_matters(track: str) -
     assert told_by(track, 5) == two
 
 
+TINY: dict[str, Any] = {"width": 8, "height": 6}
+
+
+@sensor
+class Gaze(PinholeCamera):
+    """A camera from another package, which reads one match at a time: how far away things are."""
+
+    name: ClassVar[str] = "gaze"
+    title: ClassVar[str] = "distance, m"
+    dtype: ClassVar[type[np.generic]] = np.float32
+
+    @property
+    def space(self) -> Box:
+        return Box(np.float32(0.0), np.float32(np.inf), self.shape, np.float32)
+
+    def moving_in(self, match: MatchView) -> Solids:
+        return dynamic_objects_of(match)
+
+    def render_into(
+        self, game_map: GameMap, moving: Solids, cameras: Cameras, images: NDArray[np.float32]
+    ) -> bool:
+        hits = allocate_hits(*images.shape)
+        is_finite = trace(game_map.scene, moving, cameras, hits)
+        images[:] = hits.distance
+        return is_finite
+
+
 @pytest.mark.parametrize(
-    ("kind", "method"), [(ColorCamera, "render_matches_into"), (SegmentationCamera, "read")]
+    ("kind", "chosen", "method"),
+    [
+        (ColorCamera, TINY, "render_matches_into"),
+        (SegmentationCamera, TINY, "render_matches_into"),
+        (SegmentationCamera, {"width": 300, "height": 220}, "render_matches_into"),
+        (Lidar, {"channels": 2, "azimuths": 9, "moving": True}, "render_matches_into"),
+        (Gaze, TINY, "read"),
+    ],
 )
 def test_threads_that_share_images_of_what_moves_change_no_bit(
-    kind: type[Sensor], method: str, monkeypatch: pytest.MonkeyPatch
+    kind: type[Sensor], chosen: dict[str, Any], method: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("wildscav_engine.sensors.optics.optical.MIN_THREAD_TIME", 1)
+    monkeypatch.setitem(SENSORS._made, Gaze.name, Gaze)
+    monkeypatch.setattr(SENSORS, "_built_in", {**SENSORS._built_in, Gaze.name: "its:Gaze"})
     names: set[str] = set()
 
     def told(threads: int) -> list[Any]:
-        sensors = {kind.name: {"width": 8, "height": 6}, "depth": {"width": 4, "height": 3}}
+        sensors = {kind.name: chosen, "depth": {"width": 4, "height": 3}}
         env = VectorArena(
             "battle", 6, **options("battle", sensors=sensors, action_mode="box", threads=threads)
         )
@@ -131,12 +176,33 @@ def test_threads_that_share_images_of_what_moves_change_no_bit(
     assert len(names) > 1
 
 
-def test_a_picture_of_many_matches_shows_each_learner_what_it_sees_in_its_own() -> None:
-    sensors = {"camera": {"width": 24, "height": 16}}
+@pytest.mark.parametrize(
+    ("name", "chosen"),
+    [
+        ("camera", {}),
+        ("segmentation", {}),
+        ("segmentation", {"label": "instance"}),
+        ("segmentation", {"width": 300, "height": 220}),
+        ("normals", {}),
+        ("normals", {"moving": True}),
+        ("depth", {}),
+        ("depth", {"moving": True}),
+        ("depth", {"moving": True, "width": 300, "height": 220}),
+        ("lidar", {"azimuths": 40}),
+        ("lidar", {"azimuths": 40, "moving": True}),
+        ("lidar", {"azimuths": 40, "lowest": -90, "highest": 90, "moving": True}),
+    ],
+)
+def test_images_of_many_matches_show_each_learner_what_it_sees_in_its_own(
+    name: str, chosen: dict[str, Any]
+) -> None:
+    sensors = {name: ({} if name == "lidar" else {"width": 24, "height": 16}) | chosen}
     arena = BatchedArena("battle", 3, **options("battle", sensors=sensors, action_mode="box", agents=2))
-    pictures = arena.reset(seed=4)["camera"]
-    camera, views = ColorCamera(width=24, height=16), [arena.arena.view(match) for match in range(3)]
-    assert np.stack([camera.read(view, [0, 1]) for view in views]).tobytes() == pictures.tobytes()
+    sensor, images = parse_sensors(sensors)[name], arena.reset(seed=4)[name]
+    for _ in range(3):
+        views = [arena.arena.view(match) for match in range(3)]
+        assert np.stack([sensor.read(view, [0, 1]) for view in views]).tobytes() == images.tobytes()
+        images = arena.step(arena.action_space.sample())[0][name]
 
 
 def unpickled(env: VectorArena) -> VectorArena:
@@ -175,7 +241,7 @@ def test_threads_and_processes_do_not_matter(track: str, monkeypatch: pytest.Mon
 
 
 def test_maps_differ_between_matches_and_episodes() -> None:
-    env = VectorArena("navigation", 4, map=SMALL.config, random_maps=3, sensors=SENSORS, time_limit=0.2)
+    env = VectorArena("navigation", 4, map=SMALL.config, random_maps=3, sensors=SMALL_SENSORS, time_limit=0.2)
     env.reset(seed=0)
     env.action_space.seed(0)
     seen = {tuple(spec.map.seed for spec in env.arena.batch.specs)}  # type: ignore[union-attr]

@@ -16,12 +16,9 @@ from wildscav_engine.parallel.threads import SharedWork, share
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.sensors.base import Sensor
 from wildscav_engine.sensors.batched import BatchedSensor
+from wildscav_engine.sensors.optics.batched import BatchedOpticalSensor
 from wildscav_engine.sensors.optics.dynamic_objects import objects_of_matches
-from wildscav_engine.sensors.optics.optical import (
-    BatchedOpticalSensor,
-    MovingOption,
-    OpticalSensor,
-)
+from wildscav_engine.sensors.optics.optical import NO_DYNAMIC_OBJECTS, MovingOption, OpticalSensor
 from wildscav_engine.sensors.optics.shown_maps import ShownMaps
 from wildscav_engine.sensors.scalars import ScalarSensor
 from wildscav_engine.specs.body import EYE_HEIGHT
@@ -124,6 +121,7 @@ class SensorReader:
         self._shown = ShownMaps([])  # the map of every seat that is read
         self._begun: list[SharedWork] = []
         self._viewers = np.zeros(0, np.int32)
+        self._objects = NO_DYNAMIC_OBJECTS.sets  # of the last step
 
     def set_maps(self, maps: "Sequence[GameMap]") -> None:
         """Set the map of every match."""
@@ -176,14 +174,16 @@ class SensorReader:
         agents, count, seats = batch.state.agents, len(self._seats), self._rows
         eyes = (agents.position[:, seats] + EYES).reshape(-1, 3)
         yaws, pitches = agents.yaw[:, seats].flatten(), agents.pitch[:, seats].flatten()
+        objects, matches = None, np.arange(len(yaws)) // count
         for name, sensor in self._together.items():
             cameras = Cameras(eyes, yaws, pitches, self._viewers, *self._lenses[name])
             images = np.empty((len(yaws), *sensor.shape), sensor.dtype)
-            if isinstance(sensor, BatchedOpticalSensor):
-                objects, matches = objects_of_matches(batch.state), np.arange(len(yaws)) // count
-                render = partial(sensor.render_matches_into, self._shown, objects, matches, cameras, images)
-            else:
+            if not isinstance(sensor, BatchedOpticalSensor) or _sees_map_only(sensor):
                 render = partial(sensor.render_maps_into, self._shown, cameras, images)
+            else:
+                if objects is None:
+                    objects = self._objects = objects_of_matches(batch.state, self._objects)
+                render = partial(sensor.render_matches_into, self._shown, objects, matches, cameras, images)
             self._begun.append(SharedWork(render, len(images), self._threads, sensor.min_images_per_thread))
             found[name] = images.reshape(-1, count, *sensor.shape)
 

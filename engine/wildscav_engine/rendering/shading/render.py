@@ -14,10 +14,11 @@ from wildscav_engine.compilation.array_tables import Addresses, ArrayTable, read
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.parallel.turns import ALONE, Turns
 from wildscav_engine.rendering.cameras import Cameras, are_finite
-from wildscav_engine.rendering.dynamic_objects import ObjectSets, read_objects, shapes_between, solids_between
+from wildscav_engine.rendering.dynamic_objects import ObjectSets, read_objects, solids_between
 from wildscav_engine.rendering.hits import Hits, write_hits
+from wildscav_engine.rendering.match_images import Matches, objects_in, trace_in_match
 from wildscav_engine.rendering.shading.ambient_occlusion import LOOKED_AT, around_in
-from wildscav_engine.rendering.shading.appearance import Appearances, materials_in, world_in
+from wildscav_engine.rendering.shading.appearance import Appearance, Appearances, materials_in, world_in
 from wildscav_engine.rendering.shading.moving_shadows import Casters, allocate_casters
 from wildscav_engine.rendering.shading.pictures import Canvas, ShadedScene, shade
 from wildscav_engine.rendering.shading.pixel_rays import cosines_of
@@ -27,19 +28,16 @@ from wildscav_engine.rendering.shading.texture_scratch import (
     allocate_texture_scratch,
     texture_scratch_in,
 )
-from wildscav_engine.rendering.trace import Scenes, trace_image
-from wildscav_engine.rendering.tracing.frustum import camera_at
-from wildscav_engine.rendering.tracing.hit_buffer import hit_buffer_in
-from wildscav_engine.rendering.tracing.packing import unpack_shapes
-from wildscav_engine.rendering.tracing.workspace import Size, read_workspace
+from wildscav_engine.rendering.trace import Scene, Scenes
+from wildscav_engine.rendering.tracing.workspace import Size
 from wildscav_engine.rendering.turns import TAKEN_ALREADY, item_at
 
 MOST_KEPT = 2**18  # pixels of the largest picture whose scratch buffers are kept for the next one
 
 
 def render_pictures(
-    scenes: Scenes,
-    appearances: Appearances,
+    scenes: Scene | Scenes,
+    appearances: Appearance | Appearances,
     objects: ObjectSets,
     matches: NDArray[np.int64],
     cameras: Cameras,
@@ -160,7 +158,8 @@ def _render(
     if not are_finite(eyes, yaws, pitches):
         return False
     cameras = Cameras(eyes, yaws, pitches, viewers, half_width, far)
-    buffers, parts = _read_scratch(scratch), read_objects(objects)
+    shown = Matches(workspaces, read_objects(objects), start, matches)
+    buffers = _read_scratch(scratch)
     hit = Hits(buffers.distance, buffers.solid, buffers.face)
     around, texture = around_in(buffers.around), texture_scratch_in(buffers.floats, buffers.integers)
     canvas = Canvas(buffers.depths, buffers.rows, buffers.pieces, around, texture)
@@ -170,18 +169,14 @@ def _render(
         if image == TAKEN_ALREADY:
             continue
         place = image if workspaces.shape[0] > 1 else 0
-        first, last = start[matches[image]], start[matches[image] + 1]
-        workspace, others = read_workspace(workspaces[place]), shapes_between(parts, first, last)
-        buffer = hit_buffer_in(width, workspace.rays, workspace.met, workspace.strips)
-        camera = camera_at(eyes[image], yaws[image], pitches[image], half_width, width, height, far)
-        trace_image(workspace, others, camera, viewers[image], True, buffer)
-        solids = unpack_shapes(workspace.numbers, workspace.indices)
-        write_hits(solids, others, camera, buffer, hit)
+        traced = trace_in_match(shown, cameras, image, height, width, True)
+        write_hits(traced.solids, traced.moving, traced.camera, traced.buffer, hit)
+        first, last = objects_in(shown, image)
         scene = ShadedScene(
             world_in(appearances[place]),
             materials_in(appearances[place]),
-            solids_between(parts, first, last),
-            parts.color[first:last],
+            solids_between(shown.objects, first, last),
+            shown.objects.color[first:last],
             casters,
             shadows,
         )

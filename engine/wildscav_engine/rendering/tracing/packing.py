@@ -26,6 +26,7 @@ class Packed(NamedTuple):
     numbers: NDArray[np.float64]
     indices: NDArray[np.int64]  # begins with HEAD counts
     float32s: NDArray[np.float32]  # only for conservative bounds, where less precision is enough
+    kinds: NDArray[np.int8]  # (S,) a Kind; empty for moving solids
     blocks: int  # number of blocks
     solids: int
     most_faces: int  # of one of them
@@ -73,14 +74,15 @@ def pack_shapes(shapes: Shapes) -> Packed:
         np.concatenate([shapes.boxes.ravel(), shapes.faces.ravel()]),
         np.concatenate([head, shapes.face_start, shapes.names, shapes.face_names]),
         np.zeros(0, np.float32),
+        np.zeros(0, np.int8),
         0,
         len(shapes.boxes),
         most_faces,
     )
 
 
-def pack_scene(blocks: Blocks, shapes: Shapes) -> Packed:
-    """Pack the solids of a world and its blocks into flat arrays."""
+def pack_scene(blocks: Blocks, shapes: Shapes, kinds: NDArray[np.int8]) -> Packed:
+    """Pack the solids of a world, their kinds and its blocks into flat arrays."""
     solids = pack_shapes(shapes)
     count = len(blocks.spans)
     solids.indices[2:7] = count, len(blocks.groups), blocks.rows, blocks.columns, blocks.overhangs
@@ -90,6 +92,7 @@ def pack_scene(blocks: Blocks, shapes: Shapes) -> Packed:
         numbers=np.concatenate([solids.numbers, *(array.ravel() for array in numbers)]),
         indices=np.concatenate([solids.indices, blocks.group_start, blocks.members]),
         float32s=np.concatenate([array.ravel() for array in float32s]),
+        kinds=kinds,
         blocks=count,
     )
 

@@ -37,6 +37,10 @@ class Scene(NamedTuple):
     packed: Packed  # for kernels: the same in the order of blocks, for locality
     workspaces: Workspaces  # the workspaces to trace in
 
+    def tables(self, size: Size) -> NDArray[np.int64]:
+        """Return (1, F, 6) the table of the workspace for images of a size."""
+        return self.workspaces.of(self.packed, size).tables
+
 
 class Scenes(threading.local):
     """The scenes that N images show, or one for all, with the tables of their workspaces for each thread."""
@@ -92,7 +96,7 @@ def scene_of(world: World) -> Scene:
         world.water.shape[1],
         _overhangs(world),
     )
-    return Scene(world, solids, pack_scene(blocks, shapes), Workspaces())
+    return Scene(world, solids, pack_scene(blocks, shapes, world.solid_kind[order]), Workspaces())
 
 
 def _overhangs(world: World) -> bool:

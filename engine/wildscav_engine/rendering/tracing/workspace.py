@@ -6,10 +6,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.array_tables import ArrayTable, addresses_of, expect, reader
+from wildscav_engine.compilation.array_tables import ArrayTable, reader
 from wildscav_engine.rendering.tracing.front_to_back import Scratch, allocate_scratch
 from wildscav_engine.rendering.tracing.hit_buffer import allocate_rays, allocate_strips
-from wildscav_engine.rendering.tracing.packing import Packed, pack_nothing
+from wildscav_engine.rendering.tracing.packing import Packed
 
 MOST_CACHED = 8  # workspaces per thread and scene
 LARGEST_CACHED = 2**16  # rays of the largest image whose workspace is cached in its scene
@@ -30,6 +30,7 @@ class Workspace(NamedTuple):
     numbers: NDArray[np.float64]  # the scene; see ``Packed``
     indices: NDArray[np.int64]
     float32s: NDArray[np.float32]
+    kinds: NDArray[np.int8]
     rays: NDArray[np.float64]  # the image; see ``hit_buffer_in``
     met: NDArray[np.int32]
     strips: NDArray[np.float64]
@@ -41,9 +42,6 @@ class Workspace(NamedTuple):
     rings: NDArray[np.int64]
     cells: NDArray[np.int64]
     done: NDArray[np.int64]
-    moving_numbers: NDArray[np.float64]  # the moving solids; see ``Packed``
-    moving_indices: NDArray[np.int64]
-    viewers: NDArray[np.int32]  # (N,) see ``Cameras``; empty without moving solids
 
 
 class ImageArrays(NamedTuple):
@@ -86,34 +84,22 @@ scratches = Scratches()
 
 
 def allocate_workspace(scene: Packed, size: Size, image: ImageArrays) -> Workspace:
-    """Return a workspace for images of a size, without moving solids."""
-    nothing = pack_nothing()
+    """Return a workspace for images of a size."""
     return Workspace(
         scene.numbers,
         scene.indices,
         scene.float32s,
+        scene.kinds,
         image.rays,
         image.met,
         image.strips,
         *scratches.of(scene.blocks, scene.solids, max(scene.most_faces, size.most_faces)),
-        nothing.numbers,
-        nothing.indices,
-        np.zeros(0, np.int32),
     )
 
 
-class MovingArrays(NamedTuple):
-    """The last three arrays of a workspace."""
-
-    moving_numbers: NDArray[np.float64]
-    moving_indices: NDArray[np.int64]
-    viewers: NDArray[np.int32]
-
-
-NOWHERE = Packed(np.zeros(0), np.zeros(0, np.int64), np.zeros(0, np.float32), 0, 0, 0)
+NOWHERE = Packed(np.zeros(0), np.zeros(0, np.int64), np.zeros(0, np.float32), np.zeros(0, np.int8), 0, 0, 0)
 POINT = Size(1, 1, 1.0)
 read_workspace = reader(allocate_workspace(NOWHERE, POINT, allocate_image(POINT)))
-expect(MovingArrays(np.zeros(0), np.zeros(0, np.int64), np.zeros(0, np.int32)))
 
 
 class WorkspaceTable(ArrayTable):
@@ -123,12 +109,6 @@ class WorkspaceTable(ArrayTable):
         """Store the addresses of the arrays."""
         super().__init__(workspace)
         self.tables = self.addresses[np.newaxis]  # (1, F, 6) in the form that kernels take for several images
-
-    def with_moving(self, moving: Packed, viewers: NDArray[np.int32]) -> NDArray[np.int64]:
-        """Return ``tables`` with moving solids and viewers; the caller must keep both alive."""
-        tables = self.tables.copy()
-        tables[0, -3:] = addresses_of(MovingArrays(moving.numbers, moving.indices, viewers))
-        return tables
 
 
 class Images(threading.local):
@@ -158,7 +138,7 @@ class Workspaces(threading.local):
     """The cached workspaces of one scene, separate for each thread."""
 
     def __init__(self) -> None:
-        self.cached: dict[tuple[int, int, float, int], WorkspaceTable] = {}  # for each Size
+        self.cached: dict[Size, WorkspaceTable] = {}
 
     def __reduce__(self) -> tuple[type["Workspaces"], tuple[()]]:
         """Copies and pickles are empty."""

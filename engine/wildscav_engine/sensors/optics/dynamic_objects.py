@@ -4,7 +4,7 @@ Each consists of a few convex parts; see ``object_parts.py``.
 """
 
 import threading
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,25 +12,31 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.array_tables import Addresses, bytes_at
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.compilation.row_copy import row_size
-from wildscav_engine.compilation.table_columns import ADDRESS
+from wildscav_engine.compilation.table_columns import ADDRESS, LENGTH
 from wildscav_engine.rendering.dynamic_objects import (
     DynamicObjects,
     ObjectArrays,
     ObjectSets,
+    read_objects,
     solids_between,
 )
 from wildscav_engine.rendering.palette import of_seat
-from wildscav_engine.rendering.tracing.solids import NO_OWNER, Solids, write_boxes
+from wildscav_engine.rendering.tracing.solids import NO_OWNER, Solids
 from wildscav_engine.sensors.optics.object_parts import (
     AGENT,
     BODY,
+    BODY_PARTS,
     BOX,
     CRATE,
     CRATE_COLORS,
+    CRATE_PARTS,
+    FACES,
+    Parts,
     allocate_parts,
     colors_of_bodies,
     write_object,
 )
+from wildscav_engine.simulation.batch_kernels import agents_of, matches_at, supplies_of
 from wildscav_engine.simulation.state import Agents, Matches, State, Supplies
 from wildscav_engine.simulation.systems.supplies import is_present
 
@@ -59,8 +65,7 @@ def dynamic_objects_of(match: "MatchView") -> DynamicObjects:
 
 def dynamic_objects_in(state: State) -> DynamicObjects:
     """Return the same objects, of the state of a match, and make them anew."""
-    arrays, instance, _ = _gather(_bodies_of(state.agents), state.supplies, state.matches.frame)
-    return DynamicObjects.of(arrays, instance)
+    return DynamicObjects.of(objects_of_matches(state))
 
 
 NOTHING_KEPT = np.zeros(0, np.uint8)
@@ -77,26 +82,13 @@ class Latest(threading.local):
 latest = Latest()
 
 
-def objects_of_matches(state: State) -> ObjectSets:
-    """Return the living agents and the present boxes of all matches, each as ``dynamic_objects_of`` does."""
-    arrays, _, start = _gather(_bodies_of(state.agents), state.supplies, state.matches.frame)
-    return ObjectSets(arrays, start)
-
-
-class Bodies(NamedTuple):
-    """What images show of the agents of B matches, (B, A) each; see ``Agents``."""
-
-    present: NDArray[np.bool_]
-    health: NDArray[np.int32]
-    team: NDArray[np.int32]
-    invincible_left: NDArray[np.int32]
-    position: NDArray[np.float64]  # (B, A, 3)
-    yaw: NDArray[np.float64]
-
-
 # What of a state the objects depend on: indices of the arrays.
-SHOWN_OF_AGENTS = tuple(Agents._fields.index(name) for name in Bodies._fields)
-SHOWN_OF_SUPPLIES = tuple(map(Supplies._fields.index, ("position", "quantity", "appears", "serial")))
+SHOWN_OF_AGENTS = tuple(
+    Agents._fields.index(name) for name in ("present", "health", "team", "invincible_left", "position", "yaw")
+)
+SHOWN_OF_SUPPLIES = tuple(
+    Supplies._fields.index(name) for name in ("position", "quantity", "appears", "serial")
+)
 SHOWN_OF_MATCHES = (Matches._fields.index("frame"),)
 
 
@@ -133,113 +125,107 @@ def _end_of_same(table: Addresses, fields: tuple[int, ...], kept: NDArray[np.uin
     return first
 
 
-def _bodies_of(agents: Agents) -> Bodies:
-    return Bodies(
-        agents.present, agents.health, agents.team, agents.invincible_left, agents.position, agents.yaw
-    )
+def objects_of_matches(state: State, room: ObjectSets | None = None) -> ObjectSets:
+    """Return the living agents and the present boxes of all matches, each as ``dynamic_objects_of`` does.
 
-
-def _gather(
-    bodies: Bodies, supplies: Supplies, frames: NDArray[np.int64]
-) -> tuple[ObjectArrays, NDArray[np.int32], NDArray[np.int64]]:
-    """Return the parts of what is in B matches.
+    The parts are in the order of the matches, in each those of agents first.
 
     Args:
-        bodies: Of B matches.
-        supplies: Of B matches.
-        frames: (B,) frames that each has played.
-
-    Returns:
-        The parts, match after match, those of agents first; (S,) their instances; and (B + 1,) where the
-        parts of each match start.
+        state: The state of the matches.
+        room: Objects that nobody needs anymore. The new ones take their place if they fit in: the parts of
+            many boxes are megabytes, and fresh memory takes longer than writing them.
     """
-    start = np.zeros(len(frames) + 1, np.int64)
-    _count_parts(bodies, supplies, frames, start)
+    agents, supplies, matches = (table.addresses for table in state.tables)
+    start = np.zeros(len(state.matches.frame) + 1, np.int64)
+    most = _count_parts(agents, supplies, matches, start)
     count = int(start[-1])
+    if room is None:
+        arrays = _allocate(count)
+    else:
+        arrays = room.arrays if count <= len(room.arrays.kind) else _allocate(count + count // 4)
+    objects = ObjectSets(arrays, start, most, FACES if count else 0)
+    body_colors = colors_of_bodies(int(state.agents.team.max(initial=0)) + 1)
+    _write_objects(agents, supplies, matches, BODY_PARTS, CRATE_PARTS, body_colors, objects.addresses)
+    return objects
+
+
+def _allocate(count: int) -> ObjectArrays:
     shapes = np.empty((count, 9)), np.empty(count, np.int64)
-    arrays = ObjectArrays(*allocate_parts(count), *shapes, np.empty((count, 3)))
-    instance = np.empty(count, np.int32)
-    body_colors = colors_of_bodies(int(bodies.team.max(initial=0)) + 1)
-    _write_objects(bodies, supplies, frames, body_colors, arrays, instance)
-    return arrays, instance, start
+    return ObjectArrays(*allocate_parts(count), *shapes, np.empty((count, 3)), np.empty(count, np.int32))
 
 
 @kernel
-def _count_parts(
-    bodies: Bodies, supplies: Supplies, frames: NDArray[np.int64], start: NDArray[np.int64]
-) -> None:
-    """Write where the parts of each match start."""
-    for match in range(frames.shape[0]):
+def _count_parts(agents: Addresses, supplies: Addresses, matches: Addresses, start: NDArray[np.int64]) -> int:
+    """Write where the parts of each match start; return the number of the match that has most."""
+    every, most = matches_at(matches), 0
+    for match in range(start.shape[0] - 1):
+        bodies, boxes = (
+            agents_of(agents, match, agents[0, LENGTH]),
+            supplies_of(supplies, match, supplies[0, LENGTH]),
+        )
         count = 0
-        for seat in range(bodies.present.shape[1]):
-            if _is_shown(bodies, match, seat):
+        for seat in range(bodies.present.shape[0]):
+            if _is_shown(bodies, seat):
                 count += BODY.shape[0]
-        boxes = _boxes_of(supplies, match)
         for slot in range(boxes.quantity.shape[0]):
-            if is_present(boxes, slot, frames[match]):
+            if is_present(boxes, slot, every.frame[match]):
                 count += CRATE.shape[0]
-        start[match + 1] = start[match] + count
+        start[match + 1], most = start[match] + count, max(most, count)
+    return most
 
 
 @kernel
 def _write_objects(
-    bodies: Bodies,
-    supplies: Supplies,
-    frames: NDArray[np.int64],
+    agents: Addresses,
+    supplies: Addresses,
+    matches: Addresses,
+    body: Parts,
+    crate: Parts,
     body_colors: NDArray[np.float64],
-    arrays: ObjectArrays,
-    instance: NDArray[np.int32],
+    objects: Addresses,
 ) -> None:
-    """Write the parts of everything in B matches.
+    """Write the parts of everything in all matches, given the tables of their state and of the parts.
 
     Args:
-        bodies: Of B matches.
-        supplies: Of B matches.
-        frames: (B,) frames that each has played.
+        agents: The table of the agents.
+        supplies: That of the boxes.
+        matches: That of the matches.
+        body: The parts of an agent.
+        crate: Those of a box.
         body_colors: As of ``colors_of_bodies``.
-        arrays: S parts, written.
-        instance: (S,) written.
+        objects: The table of the parts, which are written.
     """
-    solids, first = solids_between(arrays, 0, instance.shape[0]), 0
-    for match in range(frames.shape[0]):
-        for seat in range(bodies.present.shape[1]):
-            if _is_shown(bodies, match, seat):
-                place = bodies.position[match, seat]
+    every, arrays, first = matches_at(matches), read_objects(objects), 0
+    solids = solids_between(arrays, 0, arrays.kind.shape[0])
+    for match in range(every.frame.shape[0]):
+        bodies, boxes = (
+            agents_of(agents, match, agents[0, LENGTH]),
+            supplies_of(supplies, match, supplies[0, LENGTH]),
+        )
+        for seat in range(bodies.present.shape[0]):
+            if _is_shown(bodies, seat):
+                place = bodies.position[seat]
                 spot = (place[0], place[1], place[2])
-                write_object(AGENT, BODY, spot, bodies.yaw[match, seat], seat, first, solids)
-                white = INVINCIBLE_WHITE if bodies.invincible_left[match, seat] > 0 else 0.0
-                _paint(body_colors[bodies.team[match, seat]], white, seat, first, arrays.color, instance)
+                write_object(AGENT, body, spot, bodies.yaw[seat], seat, first, solids, arrays.boxes)
+                white = INVINCIBLE_WHITE if bodies.invincible_left[seat] > 0 else 0.0
+                _paint(body_colors[bodies.team[seat]], white, seat, first, arrays.color, arrays.instance)
                 first += BODY.shape[0]
-        boxes = _boxes_of(supplies, match)
         for slot in range(boxes.quantity.shape[0]):
-            if is_present(boxes, slot, frames[match]):
+            if is_present(boxes, slot, every.frame[match]):
                 at = boxes.position[slot]
                 spot = (np.float64(at[0]), np.float64(at[1]), np.float64(at[2]))
                 serial = boxes.serial[slot]
-                write_object(BOX, CRATE, spot, BOX_YAW_STEP * serial, NO_OWNER, first, solids)
-                _paint(CRATE_COLORS, 0.0, serial, first, arrays.color, instance)
+                write_object(BOX, crate, spot, BOX_YAW_STEP * serial, NO_OWNER, first, solids, arrays.boxes)
+                _paint(CRATE_COLORS, 0.0, serial, first, arrays.color, arrays.instance)
                 first += CRATE.shape[0]
-    write_boxes(solids.faces, solids.face_start, solids.corners, solids.corner_start, arrays.boxes)
     for part in range(first):
         arrays.names[part] = arrays.owner[part]
 
 
 @inlined_kernel
-def _is_shown(bodies: Bodies, match: int, seat: int) -> bool:
+def _is_shown(bodies: Agents, seat: int) -> bool:
     """Return whether a seat has a living agent."""
-    return bool(bodies.present[match, seat] and bodies.health[match, seat] > 0)
-
-
-@inlined_kernel
-def _boxes_of(supplies: Supplies, match: int) -> Supplies:
-    """Return the supply boxes of one match."""
-    return Supplies(
-        supplies.position[match],
-        supplies.quantity[match],
-        supplies.appears[match],
-        supplies.serial[match],
-        supplies.next_in_square[match],
-    )
+    return bool(bodies.present[seat] and bodies.health[seat] > 0)
 
 
 @inlined_kernel

@@ -5,13 +5,14 @@ colour of its team, a helmet with a dark visor, a rifle and a pack. They show wh
 """
 
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
-from wildscav_engine.geometry.world import Kind, write_plane
+from wildscav_engine.geometry.world import Kind
 from wildscav_engine.rendering.palette import SUPPLY_BOX, of_seat
 from wildscav_engine.rendering.tracing.solids import Solids
 
@@ -70,70 +71,123 @@ def allocate_parts(count: int) -> Solids:
     )
 
 
+class Parts(NamedTuple):
+    """The P parts of an object that stands at the origin and looks north."""
+
+    corners: NDArray[np.float64]  # (P, 8, 3) m, numbered by the bits (along, up, across)
+    faces: NDArray[np.float64]  # (P, 6, 4) see ``Solids``: bottom, top, left, right, back, front
+    boxes: NDArray[np.float64]  # (P, 9) see ``Shapes``
+
+
+def parts_of(shapes: NDArray[np.float64]) -> Parts:
+    """Return the parts with (P, 10) shapes, as in ``BODY``."""
+    bits = np.arange(CORNERS)
+    across, up, along = bits & 1, bits >> 1 & 1, bits >> 2
+    columns = np.stack([5 * up + 1 + 2 * across, 5 * up, 5 * up + 2 + 2 * along], axis=1)
+    corners = shapes[:, columns]  # (P, 8, 3)
+    a, b, c = (corners[:, which] for which in zip(*THREE_OF_FACE, strict=True))  # (P, 6, 3) each
+    normals = np.cross(b - a, c - a)
+    normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
+    behind = corners.mean(axis=1)[:, None]
+    normals *= np.sign(((a - behind) * normals).sum(axis=-1, keepdims=True))
+    faces = np.concatenate([normals, (a * normals).sum(axis=-1, keepdims=True)], axis=-1)
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    half = (high - low) / 2
+    boxes = np.zeros((len(shapes), 9))
+    boxes[:, :3], boxes[:, 3], boxes[:, 4] = (high + low) / 2, np.linalg.norm(half, axis=1), half[:, 1]
+    boxes[:, 5], boxes[:, 8] = half[:, 0], half[:, 2]
+    return Parts(corners, faces, boxes)
+
+
+# Three corners of each face.
+THREE_OF_FACE = ((0, 1, 4), (2, 3, 6), (0, 2, 4), (1, 3, 5), (0, 1, 2), (4, 5, 6))
+BODY_PARTS, CRATE_PARTS = parts_of(BODY), parts_of(CRATE)
+
+
 @kernel
 def write_object(
     kind: int,
-    shapes: NDArray[np.float64],
+    parts: Parts,
     place: tuple[float, float, float],
     yaw: float,
     owner: int,
     first: int,
     solids: Solids,
+    boxes: NDArray[np.float64],
 ) -> None:
     """Write the parts of an object.
 
     Args:
         kind: The ``Kind`` of the object.
-        shapes: (P, 10) m, its parts, as in ``BODY``.
+        parts: Its parts.
         place: m, where it stands.
         yaw: Degrees, its direction.
         owner: The seat whose body it is, or NO_OWNER.
         first: The index of the first part to write.
         solids: The parts; P of them are written.
+        boxes: (S, 9) of the parts; see ``Shapes``.
     """
     turn = (sine(yaw), cosine(yaw))
-    for shape in range(shapes.shape[0]):
-        part = first + shape
-        solids.kind[part], solids.owner[part] = kind, owner
-        _write_corners(shapes[shape], place, turn, part, solids)
-        _write_faces(part, solids)
+    for part in range(parts.boxes.shape[0]):
+        index = first + part
+        solids.kind[index], solids.owner[index] = kind, owner
+        _write_corners(parts.corners[part], place, turn, index, solids)
+        _write_faces(parts.faces[part], place, turn, solids.faces[FACES * index : FACES * (index + 1)])
+        _write_box(parts.boxes[part], place, turn, boxes[index])
+
+
+@inlined_kernel
+def _turned(x: float, z: float, turn: tuple[float, float]) -> tuple[float, float]:
+    """Return x and z of a vector that is turned to the right by an angle with some sine and cosine."""
+    return x * turn[1] + z * turn[0], z * turn[1] - x * turn[0]
 
 
 @inlined_kernel
 def _write_corners(
-    shape: NDArray[np.float64],
+    corners: NDArray[np.float64],
     place: tuple[float, float, float],
     turn: tuple[float, float],
-    part: int,
+    index: int,
     solids: Solids,
 ) -> None:
-    """Write the corners of a part, numbered by the bits (along, up, across), and its bounding box."""
-    low, high = solids.low[part], solids.high[part]
-    for corner in range(8):
-        side = 5 * (corner >> 1 & 1)
-        across, along = shape[side + 1 + 2 * (corner & 1)], shape[side + 2 + 2 * (corner >> 2)]
-        at = solids.corners[solids.corner_start[part] + corner]
-        at[0] = place[0] + across * turn[1] + along * turn[0]
-        at[1] = place[1] + shape[side]
-        at[2] = place[2] - across * turn[0] + along * turn[1]
-        for axis in range(3):
-            low[axis] = at[axis] if corner == 0 else min(low[axis], at[axis])
-            high[axis] = at[axis] if corner == 0 else max(high[axis], at[axis])
+    """Write the corners of a part and its bounding box along the axes."""
+    low_x, low_z, high_x, high_z = np.inf, np.inf, -np.inf, -np.inf
+    for corner in range(CORNERS):
+        x, z = _turned(corners[corner, 0], corners[corner, 2], turn)
+        at = solids.corners[CORNERS * index + corner]
+        at[0], at[1], at[2] = place[0] + x, place[1] + corners[corner, 1], place[2] + z
+        low_x, high_x = min(low_x, at[0]), max(high_x, at[0])
+        low_z, high_z = min(low_z, at[2]), max(high_z, at[2])
+    low, high = solids.low[index], solids.high[index]
+    low[0], low[1], low[2] = low_x, place[1] + corners[0, 1], low_z
+    high[0], high[1], high[2] = high_x, place[1] + corners[2, 1], high_z
 
 
 @inlined_kernel
-def _write_faces(part: int, solids: Solids) -> None:
-    """Write the faces of a part: bottom, top, left, right, back, front."""
-    corner, face = solids.corner_start[part], solids.face_start[part]
-    behind = (
-        0.5 * (solids.low[part, 0] + solids.high[part, 0]),
-        0.5 * (solids.low[part, 1] + solids.high[part, 1]),
-        0.5 * (solids.low[part, 2] + solids.high[part, 2]),
-    )
-    corners, faces = solids.corners, solids.faces
-    faces[face] = (0.0, -1.0, 0.0, -corners[corner, 1])
-    faces[face + 1] = (0.0, 1.0, 0.0, corners[corner + 2, 1])
-    write_plane(corners[corner], corners[corner + 2], corners[corner + 4], behind, faces[face + 2])
-    write_plane(corners[corner + 1], corners[corner + 3], corners[corner + 5], behind, faces[face + 3])
-    write_plane(corners[corner], corners[corner + 1], corners[corner + 2], behind, faces[face + 4])
-    write_plane(corners[corner + 4], corners[corner + 5], corners[corner + 6], behind, faces[face + 5])
+def _write_faces(
+    faces: NDArray[np.float64],
+    place: tuple[float, float, float],
+    turn: tuple[float, float],
+    written: NDArray[np.float64],
+) -> None:
+    """Write the faces of a part."""
+    for face in range(FACES):
+        x, z = _turned(faces[face, 0], faces[face, 2], turn)
+        y, plane = faces[face, 1], written[face]
+        plane[0], plane[1], plane[2] = x, y, z
+        plane[3] = faces[face, 3] + (x * place[0] + y * place[1] + z * place[2])
+
+
+@inlined_kernel
+def _write_box(
+    box: NDArray[np.float64],
+    place: tuple[float, float, float],
+    turn: tuple[float, float],
+    written: NDArray[np.float64],
+) -> None:
+    """Write the bounding box of a part that is turned with it."""
+    x, z = _turned(box[0], box[2], turn)
+    written[0], written[1], written[2] = place[0] + x, place[1] + box[1], place[2] + z
+    written[3], written[4] = box[3], box[4]
+    written[5], written[6] = _turned(box[5], box[6], turn)
+    written[7], written[8] = _turned(box[7], box[8], turn)

@@ -11,10 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 from wildscav_engine.parallel.threads import share
 from wildscav_engine.parallel.turns import ALONE, Turns, items_of
 from wildscav_engine.rendering.cameras import Cameras
-from wildscav_engine.rendering.dynamic_objects import ObjectSets
 from wildscav_engine.rendering.tracing.solids import Solids, gather_solids
 from wildscav_engine.sensors.base import Sensor, rows_of
-from wildscav_engine.sensors.optics.dynamic_objects import dynamic_objects_of
+from wildscav_engine.sensors.optics.dynamic_objects import as_dynamic_objects, dynamic_objects_of
 from wildscav_engine.sensors.optics.shown_maps import ShownMaps
 from wildscav_engine.specs.body import EYE_HEIGHT
 
@@ -28,7 +27,7 @@ ARRAY = np.ndarray
 FLOAT = np.dtype(np.float64)
 MAX_SEAT = 2**31 - 1
 NO_VIEWER = -2  # a camera that sees all bodies
-NO_DYNAMIC_OBJECTS = gather_solids([])
+NO_DYNAMIC_OBJECTS = as_dynamic_objects(gather_solids([]))
 FROM_SOLES = np.array([[-0.0, EYE_HEIGHT, -0.0]])  # (1, 3) m, to the eyes; adding -0.0 changes no bit
 
 
@@ -243,34 +242,6 @@ def _seats_of(viewers: ArrayLike, count: int) -> NDArray[np.int32]:
             f"viewers hold {seats[(seats < 0) | (seats > MAX_SEAT)][0]}, must be seats, 0 or more"
         )
     return seats.astype(np.int32)
-
-
-class BatchedOpticalSensor(OpticalSensor):
-    """A sensor that reads many matches in one call, each with what moves in it."""
-
-    @abstractmethod
-    def render_matches_into(
-        self,
-        shown: ShownMaps,
-        objects: ObjectSets,
-        matches: NDArray[np.int64],
-        cameras: Cameras,
-        images: NDArray[Any],
-        turns: Turns = ALONE,
-    ) -> bool:
-        """Render the images of cameras in different matches.
-
-        Args:
-            shown: Their maps, or one for all.
-            objects: The dynamic objects of some matches.
-            matches: (N,) the index in ``objects`` of the match that each camera is in.
-            cameras: N cameras.
-            images: (N, *shape), written.
-            turns: In which order to render them, with other threads.
-
-        Returns:
-            Whether all numbers of the cameras are finite; if not, nothing is written.
-        """
 
 
 class MovingOption(OpticalSensor):

@@ -7,13 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.sensors.optics.dynamic_objects import INVINCIBLE_WHITE
-from wildscav_engine.sensors.optics.object_parts import (
-    AGENT,
-    BODY,
-    allocate_parts,
-    colors_of_bodies,
-    write_object,
-)
+from wildscav_engine.sensors.optics.object_parts import BODY, BODY_PARTS, colors_of_bodies
 from wildscav_engine.view.recording import colors, coordinates
 
 # The corners of a part are numbered by the bits (along, up, across).
@@ -41,9 +35,7 @@ class BodyColors(NamedTuple):
 @lru_cache(maxsize=1)
 def body_mesh() -> BodyMesh:
     """Return the body of an agent."""
-    parts = allocate_parts(len(BODY))
-    write_object(AGENT, BODY, (0.0, 0.0, 0.0), 0.0, 0, 0, parts)
-    corners = parts.corners.reshape(len(BODY), 8, 3)[:, SIDES]  # (P, 6, 4, 3)
+    corners = BODY_PARTS.corners[:, SIDES]  # (P, 6, 4, 3)
     normals = np.cross(corners[:, :, 1] - corners[:, :, 0], corners[:, :, 3] - corners[:, :, 0])
     outwards = corners.mean(axis=2) - corners.mean(axis=(1, 2))[:, None]
     normals *= np.sign((normals * outwards).sum(axis=-1, keepdims=True))

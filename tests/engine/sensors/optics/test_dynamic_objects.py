@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from tests.builders import act, box, make_match, place
 
+from wildscav_engine.compilation.array_tables import addresses_of
 from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
 from wildscav_engine.geometry.polyhedra import polyhedron
 from wildscav_engine.geometry.world import Kind
-from wildscav_engine.rendering.dynamic_objects import DynamicObjects
+from wildscav_engine.rendering.dynamic_objects import DynamicObjects, ObjectSets
 from wildscav_engine.rendering.palette import of_seat
 from wildscav_engine.rendering.tracing.solids import NO_OWNER, gather_solids
 from wildscav_engine.sensors.optics.dynamic_objects import (
@@ -212,6 +213,39 @@ def test_matches_of_a_batch_have_the_things_that_each_has_alone() -> None:
         assert sets.arrays.boxes[some].tobytes() == things.sets.arrays.boxes.tobytes()
         faces = sets.arrays.face_start[sets.start[[row, row + 1]]]
         assert sets.arrays.faces[slice(*faces)].tobytes() == things.faces.tobytes()
+
+
+def parts_told(sets: ObjectSets) -> list[bytes]:
+    """Return the parts of all matches without the room behind them."""
+    count = sets.start[-1]
+    return [sets.start.tobytes()] + [
+        array[: len(array) - len(sets.arrays.kind) + count].tobytes()
+        for name, array in sets.arrays._asdict().items()
+        if name not in ("faces", "corners")
+    ]
+
+
+def test_things_that_take_the_place_of_others_are_the_same() -> None:
+    specs = [MatchSpec(track="battle", seats=("submission",) * 2, seed=seed) for seed in range(3)]
+    batch = Batch(specs, [make_match().game_map] * 3)
+    room = None
+    for health, quantity in ((100, 0), (100, 3), (0, 3), (100, 3), (0, 0)):
+        batch.state.agents.health[1], batch.state.supplies.quantity[2] = health, quantity
+        new, room = objects_of_matches(batch.state), objects_of_matches(batch.state, room)
+        assert parts_told(room) == parts_told(new)
+        faces, corners = room.start[-1] * 6, room.start[-1] * 8
+        assert room.arrays.faces[:faces].tobytes() == new.arrays.faces.tobytes()
+        assert room.arrays.corners[:corners].tobytes() == new.arrays.corners.tobytes()
+        assert (room.most, room.most_faces) == (new.most, new.most_faces)
+    assert objects_of_matches(batch.state, room).arrays is room.arrays
+
+
+def test_the_table_of_things_is_that_of_their_arrays() -> None:
+    sets = dynamic_objects_of(battle(2)).sets
+    assert (sets.addresses == addresses_of(sets.arrays)).all()
+    copied = copy.deepcopy(sets)
+    assert (copied.addresses == addresses_of(copied.arrays)).all()
+    assert (copied.addresses[:, 0] != sets.addresses[:, 0]).all()
 
 
 def test_things_can_be_sent_to_other_processes() -> None:
