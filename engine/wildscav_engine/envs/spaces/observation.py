@@ -14,11 +14,12 @@ from wildscav_engine.envs.spaces.flattening import Flattener
 from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
 from wildscav_engine.parallel.threads import SharedWork, share
 from wildscav_engine.rendering.cameras import Cameras
+from wildscav_engine.rendering.dynamic_objects import ObjectSets
 from wildscav_engine.sensors.base import Sensor
 from wildscav_engine.sensors.batched import BatchedSensor
 from wildscav_engine.sensors.optics.batched import BatchedOpticalSensor
 from wildscav_engine.sensors.optics.dynamic_objects import objects_of_matches
-from wildscav_engine.sensors.optics.optical import NO_DYNAMIC_OBJECTS, MovingOption, OpticalSensor
+from wildscav_engine.sensors.optics.optical import MovingOption, OpticalSensor
 from wildscav_engine.sensors.optics.shown_maps import ShownMaps
 from wildscav_engine.sensors.scalars import ScalarSensor
 from wildscav_engine.specs.body import EYE_HEIGHT
@@ -121,7 +122,7 @@ class SensorReader:
         self._shown = ShownMaps([])  # the map of every seat that is read
         self._begun: list[SharedWork] = []
         self._viewers = np.zeros(0, np.int32)
-        self._objects = NO_DYNAMIC_OBJECTS.sets  # of the last step
+        self._objects: ObjectSets | None = None  # of the last step
 
     def set_maps(self, maps: "Sequence[GameMap]") -> None:
         """Set the map of every match."""

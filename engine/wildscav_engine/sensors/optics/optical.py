@@ -77,26 +77,13 @@ class OpticalSensor(Sensor):
         Returns:
             Whether all numbers of the cameras are finite.
         """
-        maps = shown.maps
-        if turns is not ALONE:
-            parts = (slice(row, row + 1) for row in items_of(turns, len(images)))
-            return all(
-                self.render_into(
-                    maps[part.start], NO_DYNAMIC_OBJECTS, select_cameras(cameras, part), images[part]
-                )
-                for part in parts
+        parts = (slice(row, row + 1) for row in items_of(turns, len(images)))
+        return all(
+            self.render_into(
+                shown.map_of(part.start), NO_DYNAMIC_OBJECTS, select_cameras(cameras, part), images[part]
             )
-        rows_of_map: dict[int, list[int]] = {}
-        for row, game_map in enumerate(maps):
-            rows_of_map.setdefault(id(game_map), []).append(row)
-        for rows in rows_of_map.values():
-            rendered = np.empty((len(rows), *self.shape), self.dtype)
-            if not self.render_into(
-                maps[rows[0]], NO_DYNAMIC_OBJECTS, select_cameras(cameras, rows), rendered
-            ):
-                return False
-            images[rows] = rendered
-        return True
+            for part in parts
+        )
 
     def prepare(self, game_map: "GameMap") -> None:
         """Compute in advance what images of a map are made from; it takes longer than one image."""
@@ -254,8 +241,8 @@ class MovingOption(OpticalSensor):
         return dynamic_objects_of(match) if self.moving else NO_DYNAMIC_OBJECTS
 
 
-def select_cameras(cameras: Cameras, part: "slice | list[int]") -> Cameras:
-    """Return the cameras at some indices."""
+def select_cameras(cameras: Cameras, part: slice) -> Cameras:
+    """Return some successive cameras."""
     return cameras._replace(
         eyes=cameras.eyes[part],
         yaws=cameras.yaws[part],

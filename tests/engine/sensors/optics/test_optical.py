@@ -109,7 +109,9 @@ def test_a_wider_view_shows_things_smaller() -> None:
     assert wide[-1] / np.cos(np.radians(45)) == pytest.approx(ahead, rel=0.02)
 
 
-@pytest.mark.parametrize("sensor", [DepthCamera(9, 7), NormalCamera(9, 7), DepthCamera(300, 220)])
+@pytest.mark.parametrize(
+    "sensor", [DepthCamera(9, 7), NormalCamera(9, 7), DepthCamera(300, 220), Lidar(azimuths=30)]
+)
 def test_images_of_many_maps_are_those_of_each_map(sensor: OpticalSensor) -> None:
     other = generate_map(MapConfig(size=40, houses=0), 1)
     maps = [COUNTRY, other, COUNTRY, other, other]
@@ -123,8 +125,10 @@ def test_images_of_many_maps_are_those_of_each_map(sensor: OpticalSensor) -> Non
     cameras = Cameras(eyes, turns, level, np.zeros(5, np.int32), *sensor.lens)
     together = np.empty((5, *sensor.shape), sensor.dtype)
 
-    assert sensor.render_maps_into(ShownMaps(maps), cameras, together)
-    assert together.tobytes() == np.stack(alone).tobytes()
+    for kind in (type(sensor), OpticalSensor):  # with a kernel of its own, and as any sensor
+        together.fill(77)
+        assert kind.render_maps_into(sensor, ShownMaps(maps), cameras, together)
+        assert together.tobytes() == np.stack(alone).tobytes()
 
 
 def test_a_seat_cannot_ask_for_more_rays_than_a_match_can_wait_for() -> None:
