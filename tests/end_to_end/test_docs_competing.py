@@ -14,10 +14,10 @@ from typing import Any
 import pytest
 import typer
 from tests.end_to_end.pages import blocks
-from tests.end_to_end.ports import free_ports
 from tests.leaderboard.agents import write_agent
 from tests.leaderboard.cli.competing.season_site import Competitor, Site, competitor, season_site
 from tests.leaderboard.seasons_made import make_season
+from tests.ports import free_ports
 
 from wildscav.cli import main
 from wildscav_leaderboard.submissions.states import STATES
@@ -112,7 +112,7 @@ def test_the_way_from_an_invitation_to_the_board(tmp_path: Path) -> None:
     season = make_season(tmp_path / "season", current=True)
     settings = season.folder / "season.toml"
     settings.write_text(settings.read_text().replace('"open"', '"invited"'))
-    port = free_ports(1)
+    port = free_ports()
     url = f"http://127.0.0.1:{port}"
     environment = {
         **os.environ,

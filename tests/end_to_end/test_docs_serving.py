@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from prometheus_client.core import CounterMetricFamily
 from tests.end_to_end.pages import blocks
-from tests.end_to_end.ports import free_ports
+from tests.ports import free_ports
 
 from wildscav.server.hosting.precompile import precompile
 from wildscav.server.server_metrics import ServerMetrics

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import grpc
 import pytest
-from tests.end_to_end.ports import free_ports
 from tests.evaluator.sandbox.available import missing
 from tests.evaluator.submissions.python_image import python_image
 from tests.platform.helpers.seats import small_spec
+from tests.ports import free_ports
 
 from wildscav.proto.match_pb2 import GetMatchRequest, GetMatchResponse, HostMatchRequest
 from wildscav.proto.match_pb2_grpc import ArenaStub

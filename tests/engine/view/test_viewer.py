@@ -1,6 +1,5 @@
 """The native viewer opens replays without a display: every view must show its part without complaint."""
 
-import socket
 import time
 from collections.abc import Iterator
 from io import BytesIO
@@ -11,6 +10,7 @@ import rerun
 from PIL import Image
 from rerun.experimental import View, ViewerClient
 from tests.engine.view.conftest import ROBOTS, robots_play
+from tests.ports import free_ports
 
 from wildscav_engine.view import write_replay
 
@@ -20,19 +20,13 @@ PATIENCE = 90.0  # s
 FEWEST = {"Match": 300, "Following": 100}
 
 
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
-
-
 @pytest.fixture
 def viewer() -> Iterator[ViewerClient]:
     if not list(Path("/usr/share/vulkan/icd.d").glob("*.json")):
         pytest.skip("no Vulkan driver to draw with: install mesa-vulkan-drivers")
     binary = Path(rerun.__path__[0]).parent / "rerun_cli" / "rerun"
     client = ViewerClient.spawn(
-        headless=True, port=free_port(), hide_welcome_screen=True, executable_path=str(binary)
+        headless=True, port=free_ports(), hide_welcome_screen=True, executable_path=str(binary)
     )
     yield client
     client.quit()

@@ -8,7 +8,6 @@ prints what became of it.
 import os
 import random
 import signal
-import socket
 import subprocess
 import sys
 import tempfile
@@ -27,6 +26,7 @@ from tests.leaderboard.agents import write_agent
 from tests.leaderboard.conductor.season_promises import check_always, check_quiet
 from tests.leaderboard.postgresql import PostgreSQL, postgresql_server
 from tests.leaderboard.seasons_made import make_season, team_with_member
+from tests.ports import free_ports
 
 from wildscav_evaluator.output.journal import file_digest
 from wildscav_leaderboard.accounts.service import new_token
@@ -82,7 +82,7 @@ class KilledSeason:
     def __init__(self, folder: Path, submissions: int, server: PostgreSQL | None, chance: random.Random):
         self._folder, self._server, self._chance = folder, server, chance
         self._submissions, self._teams = submissions, -(-submissions // PER_TEAM)
-        self.port = free_port()
+        self.port = free_ports()
         more = MORE.format(port=self.port, database="")
         self.season = with_quotas(make_season(folder / "season", more, current=True))
         self._url = self.season.database_url if server is None else server.new_database()
@@ -236,13 +236,6 @@ def with_quotas(season: Season) -> Season:
     text = path.read_text()
     path.write_text(text.replace("per_day = 3", "per_day = 100").replace("active = 2", "active = 100"))
     return Season.open(season.folder)
-
-
-def free_port() -> int:
-    """Return a port that nobody listens on."""
-    with socket.socket() as found:
-        found.bind(("127.0.0.1", 0))
-        return int(found.getsockname()[1])
 
 
 def children(process: int) -> list[int]:

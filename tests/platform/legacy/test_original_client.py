@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 from tests.platform.legacy.helpers.commands import face_to_face, open_way
-from tests.platform.legacy.helpers.original import SCRIPTS, environment, free_port, install, logs, play
+from tests.platform.legacy.helpers.original import SCRIPTS, environment, install, logs, play
+from tests.ports import free_ports
 
 from wildscav.legacy.install import install_engine
 from wildscav.legacy.map_files import obj_of, paths_of
@@ -94,7 +95,7 @@ def test_gathering_with_a_depth_map_and_a_battle_of_ten_on_another_map(installed
 
 @pytest.mark.slow
 def test_a_client_that_asks_for_what_cannot_be_told_stops_and_its_user_knows_why(installed: Path) -> None:
-    crowd = [environment(), SCRIPTS / "crowd.py", installed, str(free_port())]
+    crowd = [environment(), SCRIPTS / "crowd.py", installed, str(free_ports())]
     done = subprocess.run(crowd, capture_output=True, text=True, timeout=300)
     assert "KeyboardInterrupt" in done.stderr
     assert done.returncode != 0

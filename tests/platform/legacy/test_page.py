@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.platform.legacy.helpers.original import free_port, install, run
+from tests.platform.legacy.helpers.original import install, run
+from tests.ports import free_ports
 
 import wildscav
 from wildscav.legacy.episode import FIELDS
@@ -46,6 +47,6 @@ def test_scripts_of_the_page_use_nothing_that_a_version_does_not_have() -> None:
 def test_the_script_of_the_page_runs(tmp_path: Path) -> None:
     script = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)[0]
     install(tmp_path / "wilderness", "1")
-    script = script.replace("50051", str(free_port()))
+    script = script.replace("50051", str(free_ports()))
     said = run(["-c", script], tmp_path).splitlines()
     assert "500 (22, 38)" in said

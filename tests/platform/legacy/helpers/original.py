@@ -4,7 +4,6 @@ import fcntl
 import json
 import os
 import shutil
-import socket
 import subprocess
 import sys
 import venv
@@ -13,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.ports import free_ports
 
 from wildscav_engine.compilation.cache_folders import cache_root
 
@@ -50,7 +50,7 @@ def play(script: str, folder: Path, *arguments: object) -> Any:
     """Run a script of the client in an installed folder, and return what it writes down."""
     written = folder / f"{script}.json"
     given = [argument if isinstance(argument, str | Path) else json.dumps(argument) for argument in arguments]
-    run([SCRIPTS / f"{script}.py", folder, str(free_port()), *given, written], folder)
+    run([SCRIPTS / f"{script}.py", folder, str(free_ports()), *given, written], folder)
     return json.loads(written.read_text())
 
 
@@ -72,14 +72,6 @@ def run(arguments: Sequence[str | Path], folder: Path, timeout: float = 120.0) -
 def logs(folder: Path) -> str:
     """Return all that the engine said."""
     return "\n".join(path.read_text() for path in sorted((folder / "logs").glob("*.log")))
-
-
-def free_port() -> int:
-    """Return a port that nothing listens on."""
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        port: int = one.getsockname()[1]
-        return port
 
 
 def install(folder: Path, maps: str) -> None:
