@@ -5,7 +5,7 @@ BIN := .venv/bin
 OTHER := .venv-other
 RELEASES ?=
 PART ?= tests/engine tests/platform
-BENCHMARKS := compile executor legacy maps processes ratings rays schedule server service steps
+BENCHMARKS := compile executor legacy maps processes ratings rays schedule server service steps vector_sensors
 .DEFAULT_GOAL := help
 
 .PHONY: help demo test test-slow test-with check format bench docs docs-serve proto clean
