@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.array_tables import Addresses, reader
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.compilation.table_columns import ADDRESS, COLUMNS, ITEM, ROWS
-from wildscav_engine.rendering.tracing.packing import Packed, Shapes, pack_shapes
+from wildscav_engine.rendering.tracing.packing import Shapes
 from wildscav_engine.rendering.tracing.solids import Solids, all_shapes_of
 
 
@@ -122,16 +122,25 @@ class DynamicObjects(Solids):
         return all_shapes_of(self.solids)
 
     @cached_property
-    def packed(self) -> Packed:
-        """The solids in the form for tracing, for all images that show these objects."""
-        return pack_shapes(self.shapes)
-
-    @cached_property
     def sets(self) -> ObjectSets:
         """The objects as those of one match."""
-        arrays = ObjectArrays(*self, self.shapes.boxes, self.shapes.names, self.color, self.instance)
-        most_faces = int(np.diff(self.face_start).max(initial=0))
-        return ObjectSets(arrays, np.array([0, len(self.kind)]), len(self.kind), most_faces)
+        return _in_one_set(self.solids, self.shapes, self.color, self.instance)
+
+
+def sets_of(solids: Solids) -> ObjectSets:
+    """Return solids as the objects of one match; unless they are ``DynamicObjects``, they are black."""
+    if isinstance(solids, DynamicObjects):
+        return solids.sets
+    count = len(solids.kind)
+    return _in_one_set(solids, all_shapes_of(solids), np.zeros((count, 3)), np.zeros(count, np.int32))
+
+
+def _in_one_set(
+    solids: Solids, shapes: Shapes, color: NDArray[np.float64], instance: NDArray[np.int32]
+) -> ObjectSets:
+    arrays = ObjectArrays(*solids, shapes.boxes, shapes.names, color, instance)
+    most_faces = int(np.diff(solids.face_start).max(initial=0))
+    return ObjectSets(arrays, np.array([0, len(solids.kind)]), len(solids.kind), most_faces)
 
 
 @kernel

@@ -9,21 +9,15 @@ from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel, kernel
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.rendering.cameras import Cameras, are_finite
-from wildscav_engine.rendering.trace import pack_moving, trace_moving, trace_static
-from wildscav_engine.rendering.tracing.frustum import Camera, camera_at, nonnegative
-from wildscav_engine.rendering.tracing.hit_buffer import (
-    NOTHING,
-    HitBuffer,
-    aim_rays,
-    hit_buffer_in,
-    index_in_code,
-    is_terrain_code,
-)
-from wildscav_engine.rendering.tracing.packing import Shapes, unpack_shapes
+from wildscav_engine.rendering.dynamic_objects import read_objects, sets_of
+from wildscav_engine.rendering.match_images import Matches, TracedImage, trace_in_match
+from wildscav_engine.rendering.tracing.frustum import Camera, nonnegative
+from wildscav_engine.rendering.tracing.hit_buffer import NOTHING, HitBuffer, index_in_code, is_terrain_code
+from wildscav_engine.rendering.tracing.packing import Shapes
 from wildscav_engine.rendering.tracing.scene import Scene
 from wildscav_engine.rendering.tracing.solid_intersection import write_entered_faces
 from wildscav_engine.rendering.tracing.solids import Solids
-from wildscav_engine.rendering.tracing.workspace import Size, read_workspace
+from wildscav_engine.rendering.tracing.workspace import Size
 
 WATER_HIT = -3
 
@@ -61,10 +55,10 @@ def trace(scene: Scene, moving: Solids, cameras: Cameras, hits: Hits, *, with_wa
     Returns:
         Whether all numbers of the cameras are finite; if not, nothing is written.
     """
-    others = pack_moving(moving)
+    objects, in_one_match = sets_of(moving), np.zeros(len(cameras.yaws), np.int64)
     _, height, width = hits.distance.shape
-    workspace = scene.workspaces.of(scene.packed, Size(height, width, cameras.half_width, others.most_faces))
-    return _trace_hits(with_water, *cameras, others.numbers, others.indices, workspace.addresses, *hits)
+    tables = scene.tables(Size(height, width, cameras.half_width, objects.most_faces))
+    return _trace_hits(with_water, *cameras, tables, objects.addresses, objects.start, in_one_match, *hits)
 
 
 @kernel
@@ -76,9 +70,10 @@ def _trace_hits(
     viewers: NDArray[np.int32],
     half_width: float,
     far: float,
-    moving_numbers: NDArray[np.float64],
-    moving_indices: NDArray[np.int64],
-    workspace: Addresses,
+    workspaces: NDArray[np.int64],
+    objects: Addresses,
+    start: NDArray[np.int64],
+    matches: NDArray[np.int64],
     distance: NDArray[np.float32],
     solid: NDArray[np.int32],
     face: NDArray[np.int32],
@@ -86,24 +81,19 @@ def _trace_hits(
     """Implement ``trace``."""
     if not are_finite(eyes, yaws, pitches):
         return False
-    parts = read_workspace(workspace)
-    others = unpack_shapes(moving_numbers, moving_indices)
-    solids = unpack_shapes(parts.numbers, parts.indices)
-    height, width = distance.shape[1:]
-    buffer = hit_buffer_in(width, parts.rays, parts.met, parts.strips)
-    for image in range(yaws.shape[0]):
-        camera = camera_at(eyes[image], yaws[image], pitches[image], half_width, width, height, far)
-        aim_rays(buffer, camera)
-        trace_static(parts, camera, with_water, buffer)
-        trace_moving(parts, others, camera, viewers[image], buffer)
-        hit = Hits(distance[image], solid[image], face[image])
-        write_hits(solids, others, camera, buffer, hit)
+    cameras = Cameras(eyes, yaws, pitches, viewers, half_width, far)
+    shown = Matches(workspaces, read_objects(objects), start, matches)
+    count, height, width = distance.shape
+    for image in range(count):
+        traced = trace_in_match(shown, cameras, image, height, width, with_water)
+        write_hits(traced, Hits(distance[image], solid[image], face[image]))
     return True
 
 
 @kernel
-def write_hits(solids: Shapes, others: Shapes, camera: Camera, buffer: HitBuffer, hit: Hits) -> None:
+def write_hits(traced: TracedImage, hit: Hits) -> None:
     """Write what each ray of an image hit, in the terms of ``Hits``, all (H, W)."""
+    solids, others, camera, buffer = traced.solids, traced.moving, traced.camera, traced.buffer
     height, width = hit.distance.shape
     for row in range(height):
         line = Hits(hit.distance[row], hit.solid[row], hit.face[row])

@@ -24,16 +24,8 @@ from wildscav_engine.rendering.tracing.hit_buffer import (
     aim_rays,
     hit_buffer_in,
 )
-from wildscav_engine.rendering.tracing.packing import (
-    Packed,
-    Shapes,
-    pack_nothing,
-    pack_shapes,
-    unpack_blocks,
-    unpack_shapes,
-)
+from wildscav_engine.rendering.tracing.packing import Shapes, unpack_blocks, unpack_shapes
 from wildscav_engine.rendering.tracing.scene import Scene, Scenes, scene_of
-from wildscav_engine.rendering.tracing.solids import Solids, all_shapes_of
 from wildscav_engine.rendering.tracing.workspace import Size, Workspace, read_workspace
 from wildscav_engine.rendering.turns import TAKEN_ALREADY, item_at
 
@@ -44,17 +36,6 @@ __all__ = [
     "scene_of",
     "trace_static_depths",
 ]
-
-
-def pack_moving(moving: Solids) -> Packed:
-    """Return moving solids in the form for tracing."""
-    if not len(moving.kind):
-        return NOTHING_MOVES
-    packed: Packed | None = getattr(moving, "packed", None)  # ``DynamicObjects`` keep it
-    return packed or pack_shapes(all_shapes_of(moving))
-
-
-NOTHING_MOVES = pack_nothing()
 
 
 def trace_static_depths(

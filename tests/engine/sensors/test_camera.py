@@ -109,7 +109,7 @@ def test_the_objects_of_a_state_are_made_once_and_anew_for_every_change_of_it() 
     supplies, agents = match.state.supplies, match.state.agents
     before = dynamic_objects_of(match)
     assert dynamic_objects_of(match) is before
-    assert before.packed is before.packed
+    assert before.sets is before.sets
     supplies.quantity[0, 0], supplies.appears[0, 0] = 3, 0
     with_box = dynamic_objects_of(match)
     assert len(with_box.kind) > len(before.kind)

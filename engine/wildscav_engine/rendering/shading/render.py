@@ -170,7 +170,7 @@ def _render(
             continue
         place = image if workspaces.shape[0] > 1 else 0
         traced = trace_in_match(shown, cameras, image, height, width, True)
-        write_hits(traced.solids, traced.moving, traced.camera, traced.buffer, hit)
+        write_hits(traced, hit)
         first, last = objects_in(shown, image)
         scene = ShadedScene(
             world_in(appearances[place]),

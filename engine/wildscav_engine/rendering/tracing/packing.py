@@ -1,4 +1,4 @@
-"""Scenes and solids packed into three flat arrays.
+"""Scenes packed into flat arrays.
 
 Passing an array from Python to a kernel costs time, and passing a tuple of arrays costs much more: for all
 arrays of a scene, more than tracing a small image. So they are concatenated, and the kernel makes views of
@@ -21,12 +21,12 @@ GROUP = 9 * LANES  # numbers in a group
 
 
 class Packed(NamedTuple):
-    """Some solids, or a whole scene, as flat arrays."""
+    """A whole scene as flat arrays."""
 
     numbers: NDArray[np.float64]
     indices: NDArray[np.int64]  # begins with HEAD counts
     float32s: NDArray[np.float32]  # only for conservative bounds, where less precision is enough
-    kinds: NDArray[np.int8]  # (S,) a Kind; empty for moving solids
+    kinds: NDArray[np.int8]  # (S,) the Kind of each solid
     blocks: int  # number of blocks
     solids: int
     most_faces: int  # of one of them
@@ -65,42 +65,23 @@ class Blocks(NamedTuple):
     overhangs: bool  # whether a solid reaches beyond the map
 
 
-def pack_shapes(shapes: Shapes) -> Packed:
-    """Pack solids into flat arrays."""
-    head = np.zeros(HEAD, np.int64)
-    head[:2] = len(shapes.boxes), len(shapes.faces)
-    most_faces = int(np.diff(shapes.face_start).max(initial=0))
-    return Packed(
-        np.concatenate([shapes.boxes.ravel(), shapes.faces.ravel()]),
-        np.concatenate([head, shapes.face_start, shapes.names, shapes.face_names]),
-        np.zeros(0, np.float32),
-        np.zeros(0, np.int8),
-        0,
-        len(shapes.boxes),
-        most_faces,
-    )
-
-
 def pack_scene(blocks: Blocks, shapes: Shapes, kinds: NDArray[np.int8]) -> Packed:
     """Pack the solids of a world, their kinds and its blocks into flat arrays."""
-    solids = pack_shapes(shapes)
-    count = len(blocks.spans)
-    solids.indices[2:7] = count, len(blocks.groups), blocks.rows, blocks.columns, blocks.overhangs
-    numbers = (blocks.heights, blocks.water, blocks.spans, blocks.edges)
+    head = np.zeros(HEAD, np.int64)
+    head[:2] = len(shapes.boxes), len(shapes.faces)
+    head[2:7] = len(blocks.spans), len(blocks.groups), blocks.rows, blocks.columns, blocks.overhangs
+    numbers = (shapes.boxes, shapes.faces, blocks.heights, blocks.water, blocks.spans, blocks.edges)
+    of_shapes = (shapes.face_start, shapes.names, shapes.face_names)
     float32s = (blocks.rises, blocks.middles, blocks.radii, blocks.groups)
-    return solids._replace(
-        numbers=np.concatenate([solids.numbers, *(array.ravel() for array in numbers)]),
-        indices=np.concatenate([solids.indices, blocks.group_start, blocks.members]),
-        float32s=np.concatenate([array.ravel() for array in float32s]),
-        kinds=kinds,
-        blocks=count,
+    return Packed(
+        np.concatenate([array.ravel() for array in numbers]),
+        np.concatenate([head, *of_shapes, blocks.group_start, blocks.members]),
+        np.concatenate([array.ravel() for array in float32s]),
+        kinds,
+        len(blocks.spans),
+        len(shapes.boxes),
+        int(np.diff(shapes.face_start).max(initial=0)),
     )
-
-
-def pack_nothing() -> Packed:
-    """Return an empty pack."""
-    none = np.zeros(0, np.int64)
-    return pack_shapes(Shapes(np.zeros((0, 9)), np.zeros(1, np.int64), np.zeros((0, 4)), none, none))
 
 
 @inlined_kernel
