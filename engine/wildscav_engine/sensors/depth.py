@@ -19,7 +19,7 @@ from wildscav_engine.rendering.depths import trace_depths
 from wildscav_engine.rendering.dynamic_objects import ObjectSets
 from wildscav_engine.rendering.trace import depths_tracer, trace_static_depths
 from wildscav_engine.rendering.tracing.solids import Solids
-from wildscav_engine.rendering.tracing.workspace import LARGEST_CACHED, Size
+from wildscav_engine.rendering.tracing.workspace import Size
 from wildscav_engine.sensors.base import sensor
 from wildscav_engine.sensors.optics.batched import BatchedOpticalSensor
 from wildscav_engine.sensors.optics.optical import MovingOption, are_ready
@@ -92,14 +92,6 @@ class DepthCamera(MovingOption, BatchedOpticalSensor, PinholeCamera):
         return super().render(
             game_map, positions, yaws, pitches, moving=moving, viewers=viewers, threads=threads
         )
-
-    def render_maps_into(
-        self, shown: ShownMaps, cameras: Cameras, images: NDArray[np.float32], turns: Turns = ALONE
-    ) -> bool:
-        """Render the images of some cameras on maps without dynamic objects."""
-        if self.rays > LARGEST_CACHED:
-            return super().render_maps_into(shown, cameras, images, turns)
-        return trace_static_depths(shown.scenes, self._size, cameras, images, turns)
 
     def write_images(
         self,

@@ -19,17 +19,15 @@ from wildscav_engine.sensors.base import Sensor
 from wildscav_engine.sensors.batched import BatchedSensor
 from wildscav_engine.sensors.optics.batched import BatchedOpticalSensor
 from wildscav_engine.sensors.optics.dynamic_objects import objects_of_matches
-from wildscav_engine.sensors.optics.optical import MovingOption, OpticalSensor
+from wildscav_engine.sensors.optics.optical import FROM_SOLES, MovingOption, OpticalSensor
 from wildscav_engine.sensors.optics.shown_maps import ShownMaps
 from wildscav_engine.sensors.scalars import ScalarSensor
-from wildscav_engine.specs.body import EYE_HEIGHT
 from wildscav_engine.tracks import TRACKS
 
 if TYPE_CHECKING:
     from wildscav_engine.maps.game_map import GameMap
     from wildscav_engine.simulation.batch import Batch
 
-EYES = np.array([0.0, EYE_HEIGHT, 0.0])
 Readings = dict[str, NDArray[Any]]  # by names of groups and sensors
 Observation = Readings | NDArray[np.float32]  # the latter if the environment is flat
 
@@ -173,7 +171,7 @@ class SensorReader:
     def _begin_together(self, batch: "Batch", found: Readings) -> None:
         """Begin to render the images of all matches, in one call of each thread for each sensor."""
         agents, count, seats = batch.state.agents, len(self._seats), self._rows
-        eyes = (agents.position[:, seats] + EYES).reshape(-1, 3)
+        eyes = (agents.position[:, seats] + FROM_SOLES).reshape(-1, 3)
         yaws, pitches = agents.yaw[:, seats].flatten(), agents.pitch[:, seats].flatten()
         objects, matches = None, np.arange(len(yaws)) // count
         for name, sensor in self._together.items():

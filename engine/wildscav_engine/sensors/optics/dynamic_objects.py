@@ -17,6 +17,7 @@ from wildscav_engine.rendering.dynamic_objects import (
     DynamicObjects,
     ObjectArrays,
     ObjectSets,
+    addresses_of_new,
     read_objects,
     solids_between,
 )
@@ -143,7 +144,7 @@ def objects_of_matches(state: State, room: ObjectSets | None = None) -> ObjectSe
         arrays = _allocate(count)
     else:
         arrays = room.arrays if count <= len(room.arrays.kind) else _allocate(count + count // 4)
-    objects = ObjectSets(arrays, start, most, FACES if count else 0)
+    objects = ObjectSets(arrays, start, most, FACES if count else 0, addresses_of_new(arrays))
     body_colors = colors_of_bodies(int(state.agents.team.max(initial=0)) + 1)
     _write_objects(agents, supplies, matches, BODY_PARTS, CRATE_PARTS, body_colors, objects.addresses)
     return objects

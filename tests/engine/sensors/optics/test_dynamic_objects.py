@@ -248,6 +248,14 @@ def test_the_table_of_things_is_that_of_their_arrays() -> None:
     assert (copied.addresses[:, 0] != sets.addresses[:, 0]).all()
 
 
+def test_things_in_arrays_that_kernels_cannot_read_are_refused() -> None:
+    things = dynamic_objects_of(battle(2))
+    with pytest.raises(TypeError, match=r"ObjectArrays\.color is float32 .*, must be float64 with 2"):
+        _ = DynamicObjects(things.solids, things.instance, things.color.astype(np.float32)).sets
+    with pytest.raises(ValueError, match="color is not contiguous"):
+        _ = DynamicObjects(things.solids, things.instance, things.color[::-1]).sets
+
+
 def test_things_can_be_sent_to_other_processes() -> None:
     match = make_match(seats=2)
     things = dynamic_objects_of(match)
