@@ -32,7 +32,7 @@ def words(line: str) -> list[str]:
 
 def season_commands() -> set[str]:
     season = typer.main.get_command(main.app).get_command(None, "season")  # type: ignore[attr-defined]
-    return set(season.commands)
+    return set(season.list_commands(None))
 
 
 def test_every_command_of_a_season_is_on_the_page() -> None:

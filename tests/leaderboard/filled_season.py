@@ -27,8 +27,9 @@ from wildscav_leaderboard.conductor.plans import plan_ladders
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import LADDER, Match, MatchSeat
 from wildscav_leaderboard.matches.service import PlayedRecord, seats_of
-from wildscav_leaderboard.organizing import service as organizing
+from wildscav_leaderboard.organizing import acts
 from wildscav_leaderboard.seasons import state as season_state
+from wildscav_leaderboard.seasons.acts import Doing
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.service import cancel, hand_in
@@ -318,14 +319,15 @@ class _Filling:
     def _acts(self, session: Session) -> None:
         """Do privileged acts, and what competitors do besides submitting."""
         words, now = self.words, self._end - timedelta(minutes=50)
-        organizing.announce(session, "boss", words.announcement, words.text, now)
-        organizing.invite(session, "boss", words.label, now)
-        organizing.disqualify_team(session, "boss", "newts", words.reason, now)
-        organizing.pause(session, "boss", words.label, now)
+        doing = Doing(session, self.season, "boss", now)
+        acts.announce(doing, words.announcement, words.text)
+        acts.invite(doing, label=words.label)
+        acts.disqualify_team(doing, "newts", reason=words.reason)
+        acts.pause(doing, reason=words.label)
         add_webhook(session, find_team(session, "owls"), words.address, now)
         value = {"sandbox": SANDBOX, "executor": "local", "at_once": 2, "nodes": [NODE], "holder": "arena-1"}
         season_state.write_state(session, season_state.NODES, value, now)
-        organizing.resume(session, "boss", now)
+        acts.resume(doing)
 
     def _waiting(self, session: Session) -> None:
         """Leave some work undone: a match that is played, and submissions that are built and that wait."""

@@ -1,9 +1,10 @@
-"""Routes of the organizers: how the season is doing, and privileged acts."""
+"""Routes of the organizers: how the season is doing, and one for each act."""
 
-from typing import Annotated
+import inspect
+from collections.abc import Callable
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Query
-from fastapi import Path as PathParameter
 from sqlalchemy import select
 
 from wildscav_leaderboard.access.requests import (
@@ -14,26 +15,17 @@ from wildscav_leaderboard.access.requests import (
     Reading,
     organizing_program,
 )
-from wildscav_leaderboard.accounts.passwords import hashed, new_password
-from wildscav_leaderboard.organizing import service
-from wildscav_leaderboard.presentation.documents import AuditEntryView, KeyView, Reason, SubmissionView
-from wildscav_leaderboard.presentation.organizing import (
-    AccountRow,
-    NewAnnouncement,
-    NewInvitation,
-    NewPasswordView,
-    StatusView,
-    account_rows,
-    status_view,
-)
+from wildscav_leaderboard.organizing.acts import ACTS, NewKey
+from wildscav_leaderboard.presentation.documents import AuditEntryView, SubmissionView
+from wildscav_leaderboard.presentation.organizing import AccountRow, StatusView, account_rows, status_view
 from wildscav_leaderboard.presentation.submissions import submission_view
+from wildscav_leaderboard.seasons.acts import Act, Doing
 from wildscav_leaderboard.seasons.models import AuditEntry
-from wildscav_leaderboard.submissions.service import find_submission
+from wildscav_leaderboard.submissions.models import Submission
 
 MOST = 200  # entries of the audit log in an answer
 
 router = APIRouter(prefix="/organizer", tags=["organizing"], dependencies=[Depends(organizing_program)])
-Number = Annotated[int, PathParameter(ge=1, le=2**53)]
 
 
 @router.get("/status")
@@ -55,105 +47,38 @@ def audit_log(
     return [AuditEntryView.model_validate(one) for one in session.scalars(wanted)]
 
 
-@router.post("/pause", status_code=204)
-def pause(why: Reason, caller: OrganizingProgram, database: CurrentDatabase, now: Now) -> None:
-    """Let nothing new be begun; what is being played is finished."""
-    with database.writing() as session:
-        service.pause(session, caller.account.name, why.reason, now)
-
-
-@router.post("/resume", status_code=204)
-def resume(caller: OrganizingProgram, database: CurrentDatabase, now: Now) -> None:
-    """Let a paused season go on."""
-    with database.writing() as session:
-        service.resume(session, caller.account.name, now)
-
-
-@router.post("/freeze", status_code=204)
-def freeze(caller: OrganizingProgram, database: CurrentDatabase, now: Now) -> None:
-    """Keep the public boards as they are until the season is over."""
-    with database.writing() as session:
-        service.freeze(session, caller.account.name, now)
-
-
-@router.post("/announcements", status_code=204)
-def announce(new: NewAnnouncement, caller: OrganizingProgram, database: CurrentDatabase, now: Now) -> None:
-    """Show a text on the season's page."""
-    with database.writing() as session:
-        service.announce(session, caller.account.name, new.title, new.text, now)
-
-
-@router.post("/invitations", status_code=201)
-def invite(new: NewInvitation, caller: OrganizingProgram, database: CurrentDatabase, now: Now) -> KeyView:
-    """Make an invitation; its key is shown once."""
-    with database.writing() as session:
-        key = service.invite(session, caller.account.name, new.label, now, role=new.role, uses=new.uses)
-        return KeyView(key=key)
-
-
 @router.get("/accounts")
 def accounts(session: Reading) -> list[AccountRow]:
     """List all accounts, by their names."""
     return account_rows(session)
 
 
-@router.post("/accounts/{name}/disable", status_code=204)
-def disable_account(
-    name: str, why: Reason, caller: OrganizingProgram, database: CurrentDatabase, now: Now
-) -> None:
-    """Let an account no longer be used; its owner is told the reason."""
-    with database.writing() as session:
-        service.disable_account(session, caller.account.name, name, why.reason, now)
+def _route(act: Act) -> Callable[..., Any]:
+    """Return the function of an act's route: the path and a document in the body have the arguments."""
+    in_body = act.model(set(act.on_forms) - set(act.in_path))
+
+    def do(
+        caller: OrganizingProgram, season: CurrentSeason, database: CurrentDatabase, now: Now, **given: Any
+    ) -> Any:
+        body = given.pop("body", None)
+        arguments = act.read({**given, **(body.model_dump() if body is not None else {})})
+        with database.writing() as session:
+            result = act.do(Doing(session, season, caller.account.name, now), arguments)
+            if isinstance(result, Submission):
+                return submission_view(session, season, result, caller, now)
+        return result
+
+    common = [one for one in inspect.signature(do).parameters.values() if one.kind != one.VAR_KEYWORD]
+    taken = [(name, act.parameters[name].annotation) for name in act.in_path]
+    taken += [("body", in_body)] if in_body.model_fields else []
+    named = [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, annotation=one) for name, one in taken]
+    do.__signature__ = inspect.Signature([*common, *named])  # type: ignore[attr-defined]
+    do.__name__, do.__doc__ = act.effect.__name__, act.help
+    return do
 
 
-@router.post("/accounts/{name}/enable", status_code=204)
-def enable_account(name: str, caller: OrganizingProgram, database: CurrentDatabase, now: Now) -> None:
-    """Let a disabled account be used again."""
-    with database.writing() as session:
-        service.enable_account(session, caller.account.name, name, now)
-
-
-@router.post("/accounts/{name}/password")
-def reset_password(
-    name: str, caller: OrganizingProgram, database: CurrentDatabase, now: Now
-) -> NewPasswordView:
-    """Give an account a new password, which is shown once; it is logged out everywhere."""
-    password = new_password()
-    secret = hashed(password)  # takes a while, so before the transaction
-    with database.writing() as session:
-        service.reset_password(session, caller.account.name, name, secret, now)
-    return NewPasswordView(name=name, password=password)
-
-
-@router.post("/submissions/{number}/rerun")
-def rerun(
-    number: Number, caller: OrganizingProgram, season: CurrentSeason, database: CurrentDatabase, now: Now
-) -> SubmissionView:
-    """Try a failed submission again, or play the matches again that were given up."""
-    with database.writing() as session:
-        service.rerun(session, caller.account.name, number, now)
-        return submission_view(session, season, find_submission(session, number), caller, now)
-
-
-@router.post("/submissions/{number}/disqualify")
-def disqualify_submission(
-    number: Number,
-    why: Reason,
-    caller: OrganizingProgram,
-    season: CurrentSeason,
-    database: CurrentDatabase,
-    now: Now,
-) -> SubmissionView:
-    """Take a submission off all boards; everyone sees the reason."""
-    with database.writing() as session:
-        service.disqualify_submission(session, caller.account.name, number, why.reason, now)
-        return submission_view(session, season, find_submission(session, number), caller, now)
-
-
-@router.post("/teams/{name}/disqualify", status_code=204)
-def disqualify_team(
-    name: str, why: Reason, caller: OrganizingProgram, database: CurrentDatabase, now: Now
-) -> None:
-    """Take a team off all boards; everyone sees the reason."""
-    with database.writing() as session:
-        service.disqualify_team(session, caller.account.name, name, why.reason, now)
+for one in ACTS.values():
+    if one.path:
+        view = SubmissionView if one.returns is Submission else one.returns
+        code = 204 if view is None else 201 if view is NewKey else 200
+        router.add_api_route(one.path, _route(one), methods=["POST"], status_code=code, response_model=view)

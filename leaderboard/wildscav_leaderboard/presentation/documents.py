@@ -1,9 +1,9 @@
 """The documents that the API answers with, and that pages show."""
 
 from datetime import datetime
-from typing import Annotated, Any
+from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict
 
 
 class View(BaseModel):
@@ -356,12 +356,6 @@ class NewWebhookView(View):
 
     webhook: WebhookView
     secret: str
-
-
-class Reason(BaseModel):
-    """Why an organizer does something."""
-
-    reason: Annotated[str, Field(min_length=1, max_length=500)]
 
 
 class AuditEntryView(View):

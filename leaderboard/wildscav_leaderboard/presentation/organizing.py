@@ -1,9 +1,7 @@
-"""How a season is doing, as organizers see it, and what they send to change it."""
+"""How a season is doing, as organizers see it."""
 
 from datetime import datetime
-from typing import Annotated, Literal
 
-from pydantic import BaseModel, Field
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
@@ -43,28 +41,6 @@ class StatusView(View):
     missing: dict[str, int]  # entrants without whom a ladder makes no matches, by track
     attempts: list[AttemptView]  # that have not ended
     faults: list[AttemptView]  # of the platform, in the last day, the latest first
-
-
-class NewAnnouncement(BaseModel):
-    """A text for everyone."""
-
-    title: str
-    text: str = ""
-
-
-class NewInvitation(BaseModel):
-    """An invitation, with which people register."""
-
-    label: str = ""  # for whom it is
-    role: Literal["competitor", "organizer"] = "competitor"
-    uses: Annotated[int | None, Field(ge=1, le=1_000_000)] = 1  # registrations; None: any number
-
-
-class NewPasswordView(View):
-    """A password that was made for an account; it is shown once."""
-
-    name: str
-    password: str
 
 
 class AccountRow(View):

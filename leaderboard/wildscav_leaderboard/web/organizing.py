@@ -3,21 +3,21 @@
 import re
 from typing import Annotated, Any, NamedTuple
 
-from fastapi import APIRouter, Form, Query, Request
+from fastapi import APIRouter, Depends, Query, Request
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
+from pydantic import BaseModel
 from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.access.requests import CurrentDatabase, Now, OrganizingBrowser, check_form
-from wildscav_leaderboard.accounts.models import COMPETITOR, ORGANIZER
-from wildscav_leaderboard.accounts.passwords import hashed, new_password
 from wildscav_leaderboard.accounts.service import Caller, invitations
 from wildscav_leaderboard.database.connection import Database
-from wildscav_leaderboard.organizing import service
+from wildscav_leaderboard.organizing.acts import ACTS
 from wildscav_leaderboard.organizing.status import audit_entries, nodes, status
 from wildscav_leaderboard.presentation.organizing import account_rows
 from wildscav_leaderboard.presentation.people import team_rows
 from wildscav_leaderboard.presentation.season import announcement_views
 from wildscav_leaderboard.presentation.submissions import submission_views
+from wildscav_leaderboard.seasons.acts import Doing
 from wildscav_leaderboard.seasons.refusals import RefusalError
 from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.listing import list_submissions
@@ -25,7 +25,6 @@ from wildscav_leaderboard.submissions.queue import queue
 from wildscav_leaderboard.web.rendering import page
 
 router = APIRouter()
-Text = Annotated[str, Form(max_length=6000)]
 Before = Annotated[int | None, Query(ge=1, le=2**53)]
 ENTRIES = 100  # of a list that are shown at once
 OWN_PAGE = re.compile(r"/organizer(?:/[a-z-]+)?")
@@ -109,6 +108,7 @@ def _show(
             notice.status,
             one=status(session, request.app.state.season, now),
             here=path,
+            acts=ACTS,
             notice=notice,
             state=state,
             **_content(session, caller, now, path, state, before),
@@ -127,13 +127,18 @@ def _content(
         case "teams":
             return {"teams": team_rows(session)}
         case "people":
-            roles = (COMPETITOR, ORGANIZER)
-            return {"invitations": invitations(session), "roles": roles, "accounts": account_rows(session)}
+            return {"invitations": invitations(session), "accounts": account_rows(session)}
         case "announcements":
             return {"announcements": announcement_views(session)}
         case "audit-log":
             return {"entries": audit_entries(session, before, ENTRIES), "most": ENTRIES}
     return {"waiting": submission_views(session, queue(session), caller, now), "nodes": nodes(session)}
+
+
+async def sent_fields(request: Request) -> dict[str, str]:
+    """Return what a form sends."""
+    form = await request.form(max_files=0)
+    return {name: text for name, text in form.items() if isinstance(text, str)}
 
 
 @router.post("/organizer", response_class=HTMLResponse)
@@ -142,71 +147,22 @@ def act(
     caller: OrganizingBrowser,
     database: CurrentDatabase,
     now: Now,
-    csrf: Text,
-    act: Text,
-    value: Text = "",
-    text: Text = "",
-    role: Text = COMPETITOR,
-    uses: Text = "1",
-    here: Text = "/organizer",
+    sent: Annotated[dict[str, str], Depends(sent_fields)],
 ) -> Response:
     """Do what a form asks for, and show the page that it was on."""
-    check_form(caller, csrf)
-    here = here if OWN_PAGE.fullmatch(here) else "/organizer"
-    actor = caller.account.name
+    check_form(caller, sent.get("csrf", ""))
+    here = sent["here"] if OWN_PAGE.fullmatch(sent.get("here", "")) else "/organizer"
     try:
-        if act == "invite":
-            times = None if uses == "any" else _number(uses)
-            with database.writing() as session:
-                key = service.invite(session, actor, value.strip(), now, role=_role(role), uses=times)
-            return _show(request, caller, database, now, here, Notice("", ("Key of the invitation", key)))
-        if act == "reset-password":
-            shown = _new_password(database, actor, value.strip(), now)
-            return _show(request, caller, database, now, here, Notice("", shown))
+        wanted = ACTS.get(sent.get("act", ""))
+        if wanted is None:
+            raise RefusalError("the form asks for something that is not known: load the page again")
+        arguments = wanted.read({name: sent[name].strip() for name in wanted.on_forms if name in sent})
         with database.writing() as session:
-            _do(session, actor, act, value.strip(), text.strip(), now)
+            doing = Doing(session, request.app.state.season, caller.account.name, now)
+            result = wanted.do(doing, arguments)
     except RefusalError as error:
         return _show(request, caller, database, now, here, Notice(str(error), status=error.status))
-    return RedirectResponse(here, 303)
-
-
-def _new_password(database: Database, actor: str, name: str, now: Now) -> tuple[str, str]:
-    """Give an account a new password, and return what is shown of it once."""
-    password = new_password()
-    secret = hashed(password)  # takes a while, so before the transaction
-    with database.writing() as session:
-        service.reset_password(session, actor, name, secret, now)
-    return f"New password of {name}", password
-
-
-def _do(session: Session, actor: str, act: str, value: str, text: str, now: Now) -> None:
-    """Do a privileged act."""
-    match act:
-        case "pause":
-            service.pause(session, actor, text, now)
-        case "resume":
-            service.resume(session, actor, now)
-        case "announce":
-            service.announce(session, actor, value, text, now)
-        case "rerun":
-            service.rerun(session, actor, _number(value), now)
-        case "disqualify-submission":
-            service.disqualify_submission(session, actor, _number(value), text, now)
-        case "disqualify-team":
-            service.disqualify_team(session, actor, value, text, now)
-        case "disable-account":
-            service.disable_account(session, actor, value, text, now)
-        case "enable-account":
-            service.enable_account(session, actor, value, now)
-        case "freeze":
-            service.freeze(session, actor, now)
-        case _:
-            raise RefusalError("the form asks for something that is not known: load the page again")
-
-
-def _role(text: str) -> str:
-    return ORGANIZER if text == ORGANIZER else COMPETITOR
-
-
-def _number(text: str) -> int:
-    return int(text) if text.isascii() and text.isdigit() and len(text) < 16 else 0
+    if not isinstance(result, BaseModel):
+        return RedirectResponse(here, 303)
+    *named, secret = result.model_dump().values()
+    return _show(request, caller, database, now, here, Notice("", (" ".join([wanted.title, *named]), secret)))

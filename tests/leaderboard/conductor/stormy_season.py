@@ -26,7 +26,8 @@ from wildscav_leaderboard.conductor.models import BUILD, Attempt
 from wildscav_leaderboard.conductor.plans import plan_ladders
 from wildscav_leaderboard.matches.models import MatchResult
 from wildscav_leaderboard.matches.service import find_match, seats_of
-from wildscav_leaderboard.organizing import service as organizing
+from wildscav_leaderboard.organizing import acts
+from wildscav_leaderboard.seasons.acts import Doing
 from wildscav_leaderboard.seasons.refusals import RefusalError
 from wildscav_leaderboard.seasons.state import PAUSED, read_state
 from wildscav_leaderboard.submissions.models import Submission
@@ -74,25 +75,28 @@ class StormySeason(Storm):
     @rule(chance=chances, act=st.sampled_from(ACTS))
     def the_organizers_act(self, chance: int, act: str) -> None:
         with suppress(RefusalError), self.transaction() as session:
-            submission = self._submission(session, chance)
+            submission, doing = self._submission(session, chance), self._doing(session)
             if act == "pause or resume":
-                self._pause_or_resume(session)
+                self._pause_or_resume(doing)
             elif act == "ban" and chance % 4 == 0:  # rarely, since nothing happens to a team afterwards
-                organizing.disqualify_team(session, "chief", TEAMS[chance % 3 % 2], "it cheats", self.time)
+                acts.disqualify_team(doing, TEAMS[chance % 3 % 2], reason="it cheats")
             elif act == "disqualify" and submission is not None:
-                organizing.disqualify_submission(session, "chief", submission.id, "it cheats", self.time)
+                acts.disqualify_submission(doing, submission.id, reason="it cheats")
             elif act == "run again" and submission is not None:
                 was_failed = submission.state == "failed"
-                organizing.rerun(session, "chief", submission.id, self.time)
+                acts.rerun(doing, submission.id)
                 if was_failed:
                     last = session.scalars(select(Attempt.id).order_by(Attempt.id.desc())).first()
                     self.forgiven[submission.id] = last or 0
 
-    def _pause_or_resume(self, session: Session) -> None:
-        if read_state(session, PAUSED) is None:
-            organizing.pause(session, "chief", "maintenance", self.time)
+    def _doing(self, session: Session) -> Doing:
+        return Doing(session, self.season, "chief", self.time)
+
+    def _pause_or_resume(self, doing: Doing) -> None:
+        if read_state(doing.session, PAUSED) is None:
+            acts.pause(doing, reason="maintenance")
         else:
-            organizing.resume(session, "chief", self.time)
+            acts.resume(doing)
 
     # Time.
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 from sqlalchemy import select
+from sqlalchemy.orm import Session
 from tests.leaderboard.conductor.conducted import Conducted
 from tests.leaderboard.seasons_made import make_season, team_with_member
 
@@ -12,7 +13,8 @@ from wildscav_leaderboard.conductor import attempts, steps
 from wildscav_leaderboard.conductor.lease import LeaseLostError
 from wildscav_leaderboard.conductor.plans import next_number, plan_ladders, plan_suites
 from wildscav_leaderboard.matches.models import LADDER, Match, MatchResult, MatchSeat
-from wildscav_leaderboard.organizing import service as organizing
+from wildscav_leaderboard.organizing import acts
+from wildscav_leaderboard.seasons.acts import Doing
 from wildscav_leaderboard.seasons.refusals import RefusalError
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.service import cancel, history_of
@@ -42,6 +44,10 @@ def season(tmp_path: Path) -> Iterator[Conducted]:
     conducted.take_over()
     yield conducted
     database.close()
+
+
+def doing(season: Conducted, session: Session) -> Doing:
+    return Doing(session, season.season, "chief", season.now)
 
 
 def states_of(season: Conducted, number: int) -> list[str]:
@@ -121,7 +127,7 @@ def test_what_takes_every_conductor_with_it_is_given_up(season: Conducted) -> No
 def test_what_was_given_up_starts_from_the_beginning_when_it_is_run_again(season: Conducted) -> None:
     number = season.hand_in()
     given_up_by_losses(season)
-    season.write(lambda session: organizing.rerun(session, "chief", number, season.now))
+    season.write(lambda session: acts.rerun(doing(season, session), number))
     assert season.take() is not None
     season.take_over()
     season.expire()
@@ -133,7 +139,7 @@ def test_matches_that_were_given_up_are_played_again_from_the_beginning(season: 
     given_up_by_losses(season)
     assert season.match(1).state == season.match(2).state == "void"
     assert season.match(1).detail == "given up after 10 attempts: its conductor ended"
-    season.write(lambda session: organizing.rerun(session, "chief", number, season.now))
+    season.write(lambda session: acts.rerun(doing(season, session), number))
     assert len(season.take_matches(10)) == 2
     season.take_over()
     season.expire()
@@ -235,9 +241,7 @@ def test_a_match_that_the_platform_breaks_is_given_up_in_the_end(season: Conduct
 def test_matches_of_whoever_left_are_given_up(season: Conducted) -> None:
     number = season.active()
     ((attempt, match),) = season.take_matches(1)
-    season.write(
-        lambda session: organizing.disqualify_submission(session, "chief", number, "cheats", season.now)
-    )
+    season.write(lambda session: acts.disqualify_submission(doing(season, session), number, reason="cheats"))
     assert season.match(2).detail == f"submission {number} no longer takes part"
     assert season.broke(attempt.id)
     assert season.match(match.id).state == "waiting"
@@ -249,7 +253,7 @@ def test_a_disqualified_team_takes_part_in_nothing(season: Conducted) -> None:
     active, building, waiting = season.active(), season.hand_in(), season.hand_in()
     attempt = season.take()
     assert attempt is not None
-    season.write(lambda session: organizing.disqualify_team(session, "chief", "foxes", "cheats", season.now))
+    season.write(lambda session: acts.disqualify_team(doing(season, session), "foxes", reason="cheats"))
     assert season.built(attempt.id) is None
     assert season.take() is None
     seen = [season.submission(number) for number in (active, building, waiting)]
@@ -260,9 +264,9 @@ def test_a_disqualified_team_takes_part_in_nothing(season: Conducted) -> None:
 def test_what_failed_is_not_run_again_for_a_disqualified_team(season: Conducted) -> None:
     number = season.hand_in()
     given_up_by_losses(season)
-    season.write(lambda session: organizing.disqualify_team(session, "chief", "foxes", "cheats", season.now))
+    season.write(lambda session: acts.disqualify_team(doing(season, session), "foxes", reason="cheats"))
     with pytest.raises(RefusalError, match="the team foxes is disqualified: cheats"):
-        season.write(lambda session: organizing.rerun(session, "chief", number, season.now))
+        season.write(lambda session: acts.rerun(doing(season, session), number))
 
 
 def test_an_older_submission_that_comes_later_replaces_nobody(season: Conducted) -> None:
@@ -290,10 +294,10 @@ def test_a_newer_submission_replaces_the_oldest_one(season: Conducted) -> None:
 def test_a_paused_season_begins_nothing_and_loses_nothing(season: Conducted) -> None:
     season.active()
     number = season.hand_in()
-    season.write(lambda session: organizing.pause(session, "chief", "the machine moves", season.now))
+    season.write(lambda session: acts.pause(doing(season, session), reason="the machine moves"))
     assert season.take() is None
     assert season.take_matches(5) == []
-    season.write(lambda session: organizing.resume(session, "chief", season.now))
+    season.write(lambda session: acts.resume(doing(season, session)))
     assert season.take() is not None
     assert len(season.take_matches(5)) == 2
     assert season.submission(number).state == "building"

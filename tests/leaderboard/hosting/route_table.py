@@ -211,7 +211,7 @@ TABLE = (
     organizers("GET /organizer/announcements"),
     organizers("GET /organizer/audit-log"),
     organizers("POST /organizer", "", 303, {"act": "freeze"}),
-    organizers("POST /organizer", "", 200, {"act": "invite", "value": "a friend"}),
+    organizers("POST /organizer", "", 200, {"act": "invite", "label": "a friend"}),
     organizers("POST /organizer", "", 409, {"act": "resume"}),
     everyone("FILES /static", "/static/season.css"),
     everyone("GET /health"),

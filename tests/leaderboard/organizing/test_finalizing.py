@@ -23,8 +23,9 @@ from wildscav_leaderboard.matches.models import FINAL, LADDER, WAITING, Match
 from wildscav_leaderboard.matches.service import PlayedRecord, deliver, seats_of, void
 from wildscav_leaderboard.matches.visibility import hidden_why
 from wildscav_leaderboard.organizing import finalizing
-from wildscav_leaderboard.organizing.service import disqualify_team, rerun
+from wildscav_leaderboard.organizing.acts import disqualify_team, rerun
 from wildscav_leaderboard.seasons import state as season_state
+from wildscav_leaderboard.seasons.acts import Doing
 from wildscav_leaderboard.seasons.folder import SECRET_FILE, Season
 from wildscav_leaderboard.seasons.models import AuditEntry
 from wildscav_leaderboard.seasons.refusals import RefusalError
@@ -245,7 +246,7 @@ def test_matches_that_the_platform_gave_up_are_played_again_before_anything_is_d
     with pytest.raises(RefusalError, match=f"final matches of {number} were given up"):
         advance(played, season)
     with played.writing() as session:
-        rerun(session, "anna", number, NOON)
+        rerun(Doing(session, season, "anna", NOON), number)
         play_waiting(session, season, final_time)
     assert advance(played, season).stage == finalizing.DONE
 
@@ -254,7 +255,7 @@ def test_who_is_disqualified_meanwhile_is_on_no_final_board(played: Database, se
     begin(played, season)
     advance(played, season)
     with played.writing() as session:
-        disqualify_team(session, "anna", "foxes", "two teams, one person", NOON)
+        disqualify_team(Doing(session, season, "anna", NOON), "foxes", reason="two teams, one person")
         play_waiting(session, season, final_time)
     assert advance(played, season).stage == finalizing.DONE
     with played.reading() as session:
@@ -266,7 +267,7 @@ def test_a_team_that_is_disqualified_afterwards_leaves_the_final_board(
 ) -> None:
     end(played, season)
     with played.writing() as session:
-        disqualify_team(session, "anna", "owls", "found out later", LATER)
+        disqualify_team(Doing(session, season, "anna", LATER), "owls", reason="found out later")
         # Whatever the sandbox is by then, the results of the end stay comparable.
         refresh(session, season, "bubblewrap", LATER)
     with played.reading() as session:

@@ -19,10 +19,11 @@ from wildscav_leaderboard.boards.history import history
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import LADDER, Match
-from wildscav_leaderboard.organizing.service import freeze
+from wildscav_leaderboard.organizing.acts import freeze
 from wildscav_leaderboard.presentation.matches import match_views
 from wildscav_leaderboard.publishing.export import export
 from wildscav_leaderboard.publishing.service import board_lines
+from wildscav_leaderboard.seasons.acts import Doing
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.state import FINALIZED, frozen_since, write_state
 
@@ -115,7 +116,7 @@ def test_nothing_that_arrives_after_the_freeze_is_published_before_the_end(
     season, database = played
     before = published(database, season)
     with database.writing() as session:
-        freeze(session, "command line", LATE)
+        freeze(Doing(session, season, "anna", LATE))
         team_with_member(session, "newts")
         number = enter(session, season, "newts", tmp_path, 60 * 60)
         earlier = max(session.scalars(select(Match.id).filter_by(kind=LADDER)))

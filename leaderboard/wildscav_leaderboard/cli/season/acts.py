@@ -1,189 +1,102 @@
-"""The commands of `wildscav season` that change something: each is entered in the audit log."""
+"""The commands of `wildscav season` that change something, made of the acts: each is in the audit log."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+import getpass
+import inspect
+from collections.abc import Callable
 from datetime import UTC, datetime
+from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from types import NoneType
+from typing import Annotated, Any, get_args
 
 import typer
+from pydantic import BaseModel
 
 from wildscav.terminal.console import console
 from wildscav_leaderboard.cli.season.folder_argument import SeasonFolder
+from wildscav_leaderboard.organizing.acts import ACTS, COMMAND_LINE
+from wildscav_leaderboard.seasons.acts import Act, Doing
+from wildscav_leaderboard.seasons.folder import Season
 
-if TYPE_CHECKING:
-    from sqlalchemy.orm import Session
-
-Why = Annotated[str, typer.Option("--reason", "-r", help="Why; everyone sees it.", show_default=False)]
-
-AccountName = Annotated[str, typer.Argument(help="The name of the account.", show_default=False)]
-Password = Annotated[
-    str | None,
-    typer.Option(help="Its password; a new one is made if it is not given.", envvar="WILDSCAV_PASSWORD"),
-]
+SHORT = {"reason": ["-r"]}  # names of options
 
 
-@contextmanager
-def writing(folder: Path) -> "Iterator[Session]":
-    """Open a season's database to write."""
-    from wildscav_leaderboard.seasons.folder import Season
+def command_line() -> str:
+    """Return the actor of acts on this command line: the user of this machine."""
+    try:
+        return f"{COMMAND_LINE} ({getpass.getuser()})"
+    except (OSError, KeyError):  # the system knows no name, such as in a container
+        return COMMAND_LINE
 
-    database = Season.open(folder).database()
+
+def act_commands() -> typer.Typer:
+    """Return the commands of all acts."""
+    app = typer.Typer()
+    named = (one for one in ACTS.values() if one.command)
+    for name, acts in groupby(named, lambda one: one.command):
+        app.command(name)(_command(list(acts)))
+    return app
+
+
+def _command(acts: list[Act]) -> Callable[..., None]:
+    """Return the function of a command: it does an act, or of two acts the one that its argument chooses."""
+
+    def do(folder: Path, **given: Any) -> None:
+        act = acts[0]
+        if len(acts) > 1:
+            what = given.pop("what")
+            act = acts[what.isascii() and what.isdigit()]
+            given[next(iter(act.fields))] = what
+        _do(Season.open(folder), act, act.read(given))
+
+    first, *options = [_parameter(acts[0], name) for name in acts[0].fields] or [None]
+    if len(acts) > 1:
+        texts = [str(next(iter(one.fields.values())).description) for one in acts]
+        first = _keyword("what", Annotated[str, typer.Argument(help=" or ".join(texts), show_default=False)])
+    taken = [_keyword("folder", SeasonFolder), *filter(None, [first]), *options]
+    do.__signature__ = inspect.Signature(taken)  # type: ignore[attr-defined]
+    do.__annotations__ = {one.name: one.annotation for one in taken}
+    do.__doc__ = acts[0].help
+    return do
+
+
+def _parameter(act: Act, name: str) -> inspect.Parameter:
+    """Return an argument of a command, or an option."""
+    field, parameter = act.fields[name], act.parameters[name]
+    about: dict[str, Any] = {"help": field.description, "show_default": not field.is_required()}
+    names = [f"--{name}", *SHORT.get(name, [])]
+    kind: Any = str
+    if parameter.kind is not parameter.KEYWORD_ONLY:
+        kind = int if field.annotation is int else str
+        return _keyword(name, Annotated[kind, typer.Argument(**about)], parameter.default)
+    if act.choices(name):
+        first, second = act.choices(name)
+        flag = typer.Option(
+            f"--{second}", help=field.description, callback=lambda given: (first, second)[given]
+        )
+        return _keyword(name, Annotated[bool, flag], default=False)
+    if NoneType in get_args(field.annotation):
+        return _keyword(name, Annotated[int, typer.Option(*names, min=0, **about)], parameter.default)
+    if parameter.default is None:
+        kind, about["envvar"] = str | None, f"WILDSCAV_{name.upper()}"
+    return _keyword(name, Annotated[kind, typer.Option(*names, **about)], parameter.default)
+
+
+def _keyword(name: str, annotation: Any, default: Any = inspect.Parameter.empty) -> inspect.Parameter:
+    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, annotation=annotation, default=default)
+
+
+def _do(season: Season, act: Act, arguments: dict[str, Any]) -> None:
+    database = season.database()
     try:
         database.upgrade()
         with database.writing() as session:
-            yield session
+            result = act.do(Doing(session, season, command_line(), datetime.now(UTC)), arguments)
     finally:
         database.close()
-
-
-def _now() -> datetime:
-    return datetime.now(UTC)
-
-
-def _say(text: str) -> None:
-    console.print(text, soft_wrap=True, highlight=False, markup=False)
-
-
-def invite(
-    folder: SeasonFolder,
-    label: Annotated[str, typer.Option(help="For whom it is.")] = "",
-    uses: Annotated[
-        int, typer.Option(help="How many people may register with it; 0 for any number.", min=0)
-    ] = 1,
-    organizer: Annotated[bool, typer.Option("--organizer", help="For organizers.")] = False,
-) -> None:
-    """Print the key of a new invitation, with which people register. It is shown this once."""
-    from wildscav_leaderboard.accounts.models import COMPETITOR, ORGANIZER
-    from wildscav_leaderboard.organizing import service
-
-    role = ORGANIZER if organizer else COMPETITOR
-    with writing(folder) as session:
-        key = service.invite(session, service.COMMAND_LINE, label, _now(), role=role, uses=uses or None)
-    _say(key)
-
-
-def organizer(
-    folder: SeasonFolder,
-    name: AccountName,
-    password: Password = None,
-) -> None:
-    """Make an account of an organizer, who sees the organizer's pages."""
-    from wildscav_leaderboard.accounts.passwords import hashed, new_password
-    from wildscav_leaderboard.organizing import service
-
-    chosen = new_password() if password is None else password
-    secret = hashed(chosen)
-    with writing(folder) as session:
-        service.add_organizer(session, service.COMMAND_LINE, name, secret, _now())
-    _say_password(name, chosen, is_new=password is None)
-
-
-def password(folder: SeasonFolder, name: AccountName, password: Password = None) -> None:
-    """Give an account another password; it is logged out everywhere, and its tokens are revoked."""
-    from wildscav_leaderboard.accounts.passwords import hashed, new_password
-    from wildscav_leaderboard.organizing import service
-
-    chosen = new_password() if password is None else password
-    secret = hashed(chosen)
-    with writing(folder) as session:
-        service.reset_password(session, service.COMMAND_LINE, name, secret, _now())
-    _say_password(name, chosen, is_new=password is None)
-
-
-def _say_password(name: str, password: str, *, is_new: bool) -> None:
-    _say(f"account  {name}")
-    if is_new:
-        _say(f"password {password}   (shown this once)")
-
-
-def disable(
-    folder: SeasonFolder,
-    name: AccountName,
-    reason: Annotated[
-        str, typer.Option("--reason", "-r", help="Why; its owner is told.", show_default=False)
-    ],
-) -> None:
-    """Let an account no longer be used. What its team handed in goes on."""
-    from wildscav_leaderboard.organizing import service
-
-    with writing(folder) as session:
-        service.disable_account(session, service.COMMAND_LINE, name, reason, _now())
-    _say(f"the account {name} is disabled")
-
-
-def enable(folder: SeasonFolder, name: AccountName) -> None:
-    """Let a disabled account be used again."""
-    from wildscav_leaderboard.organizing import service
-
-    with writing(folder) as session:
-        service.enable_account(session, service.COMMAND_LINE, name, _now())
-    _say(f"the account {name} may be used again")
-
-
-def pause(folder: SeasonFolder, reason: Why = "maintenance") -> None:
-    """Let nothing new be begun; what is being played is finished."""
-    from wildscav_leaderboard.organizing import service
-
-    with writing(folder) as session:
-        service.pause(session, service.COMMAND_LINE, reason, _now())
-    _say("paused")
-
-
-def resume(folder: SeasonFolder) -> None:
-    """Let a paused season go on."""
-    from wildscav_leaderboard.organizing import service
-
-    with writing(folder) as session:
-        service.resume(session, service.COMMAND_LINE, _now())
-    _say("the season goes on")
-
-
-def announce(
-    folder: SeasonFolder,
-    title: Annotated[str, typer.Argument(help="The title.", show_default=False)],
-    text: Annotated[str, typer.Argument(help="The text.")] = "",
-) -> None:
-    """Show an announcement on the season's page."""
-    from wildscav_leaderboard.organizing import service
-
-    with writing(folder) as session:
-        service.announce(session, "the organizers", title, text, _now())
-    _say("announced")
-
-
-def disqualify(
-    folder: SeasonFolder,
-    what: Annotated[str, typer.Argument(help="A team's name, or a submission's number.", show_default=False)],
-    reason: Why,
-) -> None:
-    """Take a team or a submission off all boards."""
-    from wildscav_leaderboard.organizing import service
-
-    with writing(folder) as session:
-        if what.isascii() and what.isdigit():
-            service.disqualify_submission(session, service.COMMAND_LINE, int(what), reason, _now())
-        else:
-            service.disqualify_team(session, service.COMMAND_LINE, what, reason, _now())
-    _say(f"{what} is disqualified")
-
-
-def rerun(
-    folder: SeasonFolder,
-    submission: Annotated[int, typer.Argument(help="The number of a submission.", show_default=False)],
-) -> None:
-    """Try a failed submission again, or play the matches again that were given up."""
-    from wildscav_leaderboard.organizing import service
-
-    with writing(folder) as session:
-        service.rerun(session, service.COMMAND_LINE, submission, _now())
-    _say(f"submission {submission} is tried again")
-
-
-def freeze(folder: SeasonFolder) -> None:
-    """Keep the public boards as they are; organizers still see the hidden ones."""
-    from wildscav_leaderboard.organizing import service
-
-    with writing(folder) as session:
-        service.freeze(session, service.COMMAND_LINE, _now())
-    _say("the public boards are frozen")
+    lines = [act.says.format(**arguments)] if act.says else []
+    if isinstance(result, BaseModel):
+        *_, (name, secret) = result.model_dump().items()
+        lines += [f"{name} {secret}   (shown this once)" if lines else secret] if secret else []
+    for line in lines:
+        console.print(line, soft_wrap=True, highlight=False, markup=False)

@@ -1,8 +1,10 @@
 """The command ``wildscav season`` and its subcommands."""
 
-import typer
+from typing import Any
 
-from wildscav_leaderboard.cli.season import acts
+import typer
+from typer.core import TyperGroup
+
 from wildscav_leaderboard.cli.season.backups import backup, check, restore
 from wildscav_leaderboard.cli.season.demo import demo
 from wildscav_leaderboard.cli.season.export import export
@@ -11,17 +13,33 @@ from wildscav_leaderboard.cli.season.init import init
 from wildscav_leaderboard.cli.season.serve import serve
 from wildscav_leaderboard.cli.season.status import status
 
+
+class SeasonCommands(TyperGroup):
+    """All commands; those of the acts, which load all of a season's code, are made when they are needed."""
+
+    def _with_acts(self) -> None:
+        from wildscav_leaderboard.cli.season.acts import act_commands
+
+        self.commands.update(typer.main.get_command(act_commands()).commands)  # type: ignore[attr-defined]
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return the names of all commands."""
+        self._with_acts()
+        return super().list_commands(ctx)
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Return a command; None if there is none of this name."""
+        if cmd_name not in self.commands:
+            self._with_acts()
+        return super().get_command(ctx, cmd_name)
+
+
 app = typer.Typer(
+    cls=SeasonCommands,
     help="Run a season: competitors submit agents, which are played, rated and shown on boards.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-COMMANDS = (
-    *(demo, init, serve, status, acts.invite, acts.organizer, acts.announce),
-    *(acts.password, acts.disable, acts.enable),
-    *(acts.pause, acts.resume, acts.rerun, acts.disqualify, acts.freeze),
-    *(finalize, export, backup, restore, check),
-)
-for function in COMMANDS:
+for function in (demo, init, serve, status, finalize, export, backup, restore, check):
     app.command(function.__name__)(function)

@@ -40,7 +40,8 @@ def finalize(
 
     It waits until the conductor has played the matches. If it is interrupted, run it again, and it goes on.
     """
-    from wildscav_leaderboard.organizing import finalizing, service
+    from wildscav_leaderboard.cli.season.acts import command_line
+    from wildscav_leaderboard.organizing import finalizing
     from wildscav_leaderboard.seasons.folder import PUBLISHED, Season
 
     season = Season.open(folder)
@@ -50,7 +51,7 @@ def finalize(
     try:
         database.upgrade()
         with database.writing() as session:
-            finalizing.begin(session, season, service.COMMAND_LINE, best, datetime.now(UTC), early=now)
+            finalizing.begin(session, season, command_line(), best, datetime.now(UTC), early=now)
         _wait(season, database)
         console.print("the season is over: its boards are final, and its secrets are opened", soft_wrap=True)
         _publish(season, database, out or season.folder / PUBLISHED)
@@ -70,13 +71,14 @@ def _publish(season: "Season", database: "Database", out: Path) -> None:
 
 def _wait(season: "Season", database: "Database") -> None:
     """Wait for the end of the season, and show how far it is."""
-    from wildscav_leaderboard.organizing import finalizing, service
+    from wildscav_leaderboard.cli.season.acts import command_line
+    from wildscav_leaderboard.organizing import finalizing
 
     shown = _Shown()
     with shown.progress:
         while True:
             with database.writing() as session:
-                state = finalizing.advance(session, season, service.COMMAND_LINE, datetime.now(UTC))
+                state = finalizing.advance(session, season, command_line(), datetime.now(UTC))
             if state.stage == finalizing.DONE:
                 return
             shown.update(state)

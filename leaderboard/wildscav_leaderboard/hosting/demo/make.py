@@ -21,7 +21,8 @@ from wildscav_leaderboard.accounts.models import COMPETITOR
 from wildscav_leaderboard.accounts.passwords import hashed
 from wildscav_leaderboard.accounts.service import add_account, find_account
 from wildscav_leaderboard.database.connection import Database
-from wildscav_leaderboard.organizing import service as organizing
+from wildscav_leaderboard.organizing import acts
+from wildscav_leaderboard.seasons.acts import Doing
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.initial_files import write_season_folder
 from wildscav_leaderboard.seasons.settings import SETTINGS_FILE
@@ -63,7 +64,7 @@ def make_demo(folder: Path, port: int, sandbox: str | None = None) -> tuple[Seas
     database = season.database()
     try:
         database.upgrade()
-        logins = (_organizer(database, now), *(_team(database, name, now) for name in ALL_ROUND))
+        logins = (_organizer(season, database, now), *(_team(database, name, now) for name in ALL_ROUND))
         for name in ALL_ROUND:
             _hand_in(season, database, name, now)
     finally:
@@ -88,16 +89,15 @@ def _files(now: datetime, port: int, sandbox: str) -> dict[str, str]:
     }
 
 
-def _organizer(database: Database, now: datetime) -> Login:
+def _organizer(season: Season, database: Database, now: datetime) -> Login:
     login = Login(ORGANIZER, "organizer", _password())
     with database.writing() as session:
-        organizing.add_organizer(session, organizing.COMMAND_LINE, login.name, hashed(login.password), now)
-        organizing.announce(
-            session,
-            login.name,
+        doing = Doing(session, season, acts.COMMAND_LINE, now)
+        acts.add_organizer(doing, login.name, password=login.password)
+        acts.announce(
+            doing,
             "Welcome",
             "The baselines play here on small maps. Hand in an agent of your own, and see where it comes in.",
-            now,
         )
     return login
 

@@ -16,11 +16,12 @@ from wildscav_leaderboard.conductor.plans import plan_suites
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import MatchResult
 from wildscav_leaderboard.matches.service import PlayedRecord, deliver, next_matches
+from wildscav_leaderboard.organizing.acts import announce
 from wildscav_leaderboard.organizing.backups.archive import SUMS
 from wildscav_leaderboard.organizing.backups.backup import back_up
 from wildscav_leaderboard.organizing.backups.restore import restore
 from wildscav_leaderboard.organizing.checking import check_season
-from wildscav_leaderboard.organizing.service import announce
+from wildscav_leaderboard.seasons.acts import Doing
 from wildscav_leaderboard.seasons.folder import SECRET_FILE, Season
 from wildscav_leaderboard.seasons.initial_files import COMMITMENTS_FILE, commitments_text
 from wildscav_leaderboard.submissions.listing import list_submissions
@@ -52,7 +53,7 @@ def filled_season(tmp_path: Path) -> Season:
     database.upgrade()
     with database.writing() as session:
         team_with_member(session, "foxes")
-        announce(session, "anna", "Welcome", "with “quotes”,\nlines and a \\ in it", NOON)
+        announce(Doing(session, season, "anna", NOON), "Welcome", "with “quotes”,\nlines and a \\ in it")
         one = submitted(session, season, "foxes", write_agent(tmp_path, "walker"))
         plan_suites(session, season, one, NOON)
         (match,) = next_matches(session, ["navigation"], 1)

@@ -1,0 +1,307 @@
+"""What organizers can do. Pages, API and command line are made of this list, and each act is logged."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Annotated, Any, Literal, NamedTuple
+
+from pydantic import AfterValidator, BaseModel, BeforeValidator, Field
+from sqlalchemy import select, update
+from sqlalchemy.orm import Session
+
+from wildscav_leaderboard.accounts.models import ORGANIZER
+from wildscav_leaderboard.accounts.passwords import hashed, new_password
+from wildscav_leaderboard.accounts.service import add_account, known_account, set_password
+from wildscav_leaderboard.accounts.service import invite as new_invitation
+from wildscav_leaderboard.conductor import attempts
+from wildscav_leaderboard.matches import service as matches
+from wildscav_leaderboard.matches.models import VOID, WAITING, Match
+from wildscav_leaderboard.seasons import state as season_state
+from wildscav_leaderboard.seasons.acts import Act, Doing
+from wildscav_leaderboard.seasons.models import Announcement
+from wildscav_leaderboard.seasons.names import checked_line
+from wildscav_leaderboard.seasons.refusals import InvalidError, RefusalError
+from wildscav_leaderboard.submissions import states
+from wildscav_leaderboard.submissions.models import Submission
+from wildscav_leaderboard.submissions.service import find_submission, move
+from wildscav_leaderboard.teams.models import Team
+from wildscav_leaderboard.teams.service import find_team
+
+LONGEST_REASON, LONGEST_TITLE, LONGEST_TEXT = 500, 100, 5000  # characters
+COMMAND_LINE = "command line"  # how the actor of an act begins that no account did
+ACTS: dict[str, Act] = {}  # by the names that forms use
+
+
+def act(
+    title: str, subject: str, *, path: str = "", command: str = "", says: str = "", detail: str = ""
+) -> Callable[[Callable[..., Any]], Act]:
+    """Make an act of a function; for what the texts are, see ``Act``."""
+
+    def made(effect: Callable[..., Any]) -> Act:
+        one = Act(effect, title, subject, detail, path, command, says)
+        ACTS[one.name] = one
+        return one
+
+    return made
+
+
+class Password(NamedTuple):
+    """A password that an account gets."""
+
+    text: str
+    secret: str  # what is stored
+    is_new: bool  # whether it was made here, and so must be shown
+
+
+class NewKey(BaseModel):
+    """The key of an invitation, which is shown once."""
+
+    key: str
+
+
+class NewPassword(BaseModel):
+    """A password that was made for an account, which is shown once."""
+
+    name: str
+    password: str | None  # None if it was given
+
+
+def _line(what: str, longest: int, text: str) -> str:
+    return checked_line(text, what, longest)
+
+
+def _password(given: str | None) -> Password:
+    text = given or new_password()
+    return Password(text, hashed(text), is_new=not given)
+
+
+def _long_text(text: str) -> str:
+    text = text.replace("\r\n", "\n").strip()
+    if len(text) > LONGEST_TEXT or not all(line.isprintable() for line in text.split("\n")):
+        raise InvalidError(f"an announcement may have {LONGEST_TEXT:,} printable characters at most")
+    return text
+
+
+_IS_REASON = AfterValidator(partial(_line, "reason", LONGEST_REASON))
+Reason = Annotated[
+    str,
+    _IS_REASON,
+    Field(min_length=1, max_length=LONGEST_REASON, title="Reason", description="Why; everyone sees it."),
+]
+ReasonForOwner = Annotated[
+    str,
+    _IS_REASON,
+    Field(min_length=1, max_length=LONGEST_REASON, title="Reason", description="Why; its owner is told."),
+]
+Title = Annotated[
+    str,
+    AfterValidator(partial(_line, "title of an announcement", LONGEST_TITLE)),
+    Field(max_length=LONGEST_TITLE, title="Title", description="The title."),
+]
+Text = Annotated[
+    str, AfterValidator(_long_text), Field(max_length=LONGEST_TEXT, title="Text", description="The text.")
+]
+Label = Annotated[str, Field(max_length=LONGEST_TITLE, title="For whom", description="For whom it is.")]
+Uses = Annotated[
+    int | None,
+    Field(
+        ge=1,
+        le=1_000_000,
+        title="Registrations",
+        description="How many people may register with it; 0 or nothing for any number.",
+    ),
+]
+Role = Annotated[
+    Literal["competitor", "organizer"], Field(title="As", description="For organizers, not competitors.")
+]
+AccountName = Annotated[str, Field(title="Account", description="The name of the account.")]
+TeamName = Annotated[str, Field(title="Team", description="A team's name")]
+Number = Annotated[int, Field(ge=1, le=2**53, title="Submission", description="a submission's number")]
+Chosen = Annotated[
+    Password,
+    BeforeValidator(_password),
+    # Excluded: what a person types on a page or sends to the API would be seen by others on the way.
+    Field(validate_default=True, exclude=True, description="Its password; a new one is made without it."),
+]
+
+
+@act("Pause the season", "season", path="/pause", command="pause", says="paused", detail="{reason}")
+def pause(doing: Doing, *, reason: Reason = "maintenance") -> None:
+    """Let nothing new be begun; what is being played is finished."""
+    season_state.write_state(doing.session, season_state.PAUSED, {"reason": reason}, doing.now)
+
+
+@act("Resume the season", "season", path="/resume", command="resume", says="the season goes on")
+def resume(doing: Doing) -> None:
+    """Let a paused season go on."""
+    _unset(doing, season_state.PAUSED, "the season is not paused")
+
+
+@act(
+    "Freeze the public boards",
+    "boards",
+    path="/freeze",
+    command="freeze",
+    says="the public boards are frozen",
+)
+def freeze(doing: Doing) -> None:
+    """Keep the public boards as they are until the season is over; organizers still see the hidden ones."""
+    if season_state.read_state(doing.session, season_state.FROZEN) is not None:
+        raise RefusalError("the public boards are frozen already")
+    season_state.freeze(doing.session, doing.now)
+
+
+def _unset(doing: Doing, name: str, otherwise: str) -> None:
+    """Remove a value of the season's state; refuse if there is none."""
+    if season_state.read_state(doing.session, name) is None:
+        raise RefusalError(otherwise)
+    season_state.write_state(doing.session, name, None, doing.now)
+
+
+@act("Announce", "announcement {title!r}", path="/announcements", command="announce", says="announced")
+def announce(doing: Doing, title: Title, text: Text = "") -> None:
+    """Show an announcement on the season's page."""
+    author = "the organizers" if doing.actor.startswith(COMMAND_LINE) else doing.actor
+    doing.session.add(Announcement(at=doing.now, author=author, title=title, text=text))
+
+
+@act(
+    "Make an invitation",
+    "{role}",
+    path="/invitations",
+    command="invite",
+    detail="{label}: {uses} registrations",
+)
+def invite(doing: Doing, *, label: Label = "", uses: Uses = 1, role: Role = "competitor") -> NewKey:
+    """Make an invitation, with whose key people register. The key is shown once."""
+    return NewKey(key=new_invitation(doing.session, label, doing.now, role=role, uses=uses))
+
+
+@act("Make an organizer", "account {name}", command="organizer", says="account  {name}")
+def add_organizer(doing: Doing, name: AccountName, *, password: Chosen = None) -> NewPassword:  # type: ignore[assignment]
+    """Make an account of an organizer, who sees the organizers' pages."""
+    add_account(doing.session, name, password.secret, ORGANIZER, doing.now)
+    return NewPassword(name=name, password=password.text if password.is_new else None)
+
+
+@act(
+    "New password",
+    "account {name}",
+    path="/accounts/{name}/password",
+    command="password",
+    says="account  {name}",
+)
+def reset_password(doing: Doing, name: AccountName, *, password: Chosen = None) -> NewPassword:  # type: ignore[assignment]
+    """Give an account another password; it is logged out everywhere, and its tokens are revoked."""
+    set_password(doing.session, known_account(doing.session, name), password.secret, doing.now)
+    return NewPassword(name=name, password=password.text if password.is_new else None)
+
+
+@act(
+    "Disable",
+    "account {name}",
+    path="/accounts/{name}/disable",
+    command="disable",
+    says="the account {name} is disabled",
+    detail="{reason}",
+)
+def disable_account(doing: Doing, name: AccountName, *, reason: ReasonForOwner) -> None:
+    """Let an account no longer be used. What its team handed in goes on."""
+    account = known_account(doing.session, name)
+    if name == doing.actor:
+        raise RefusalError("this is your own account: another organizer, or the command line, can disable it")
+    account.disabled = reason
+
+
+@act(
+    "Enable",
+    "account {name}",
+    path="/accounts/{name}/enable",
+    command="enable",
+    says="the account {name} may be used again",
+)
+def enable_account(doing: Doing, name: AccountName) -> None:
+    """Let a disabled account be used again."""
+    account = known_account(doing.session, name)
+    if account.disabled is None:
+        raise RefusalError(f"the account {name} is not disabled")
+    account.disabled = None
+
+
+@act(
+    "Run again",
+    "submission {number}",
+    path="/submissions/{number}/rerun",
+    command="rerun",
+    says="submission {number} is tried again",
+)
+def rerun(doing: Doing, number: Number) -> Submission:
+    """Try a failed submission again, or play the matches again that were given up."""
+    submission = find_submission(doing.session, number)
+    if submission.state == states.FAILED:
+        _check_not_disqualified(doing.session, submission)
+        attempts.forgive_submission(doing.session, submission.id)
+        move(doing.session, submission, states.QUEUED, doing.now, detail="run again by the organizers")
+        submission.platform_faults = 0
+    elif not _play_again(doing, submission):
+        raise RefusalError(f"submission {number} is {submission.state}, and none of its matches was given up")
+    return submission
+
+
+def _check_not_disqualified(session: Session, submission: Submission) -> None:
+    team = session.get_one(Team, submission.team_id)
+    if team.disqualified is not None:
+        raise RefusalError(f"the team {team.name} is disqualified: {team.disqualified}")
+
+
+def _play_again(doing: Doing, submission: Submission) -> int:
+    """Let the matches of a submission wait again that were given up; return how many there are."""
+    if submission.state != states.ACTIVE:
+        return 0
+    given_up = select(Match.id).where(Match.group_id == submission.id, Match.state == VOID)
+    numbers = doing.session.scalars(given_up).all()
+    attempts.forgive_matches(doing.session, numbers)
+    doing.session.execute(
+        update(Match)
+        .where(Match.id.in_(numbers))
+        .values(state=WAITING, since=doing.now, detail="", platform_faults=0)
+    )
+    return len(numbers)
+
+
+@act(
+    "Disqualify",
+    "team {name}",
+    path="/teams/{name}/disqualify",
+    command="disqualify",
+    says="{name} is disqualified",
+    detail="{reason}",
+)
+def disqualify_team(doing: Doing, name: TeamName, *, reason: Reason) -> None:
+    """Take a team or a submission off all boards."""
+    team = find_team(doing.session, name)
+    team.disqualified = reason
+    wanted = select(Submission).where(Submission.team_id == team.id, Submission.state.not_in(states.FINAL))
+    for submission in doing.session.scalars(wanted).all():
+        _take_off(doing, submission, f"the team is disqualified: {reason}")
+
+
+@act(
+    "Disqualify",
+    "submission {number}",
+    path="/submissions/{number}/disqualify",
+    command="disqualify",
+    says="{number} is disqualified",
+    detail="{reason}",
+)
+def disqualify_submission(doing: Doing, number: Number, *, reason: Reason) -> Submission:
+    """Take a submission off all boards."""
+    submission = find_submission(doing.session, number)
+    _take_off(doing, submission, f"disqualified: {reason}")
+    return submission
+
+
+def _take_off(doing: Doing, submission: Submission, reason: str) -> None:
+    """Let a submission no longer take part, or not take part at all if it is still on its way."""
+    state = states.DISABLED if submission.state == states.ACTIVE else states.CANCELLED
+    move(doing.session, submission, state, doing.now, reason=reason)
+    matches.withdraw(doing.session, submission, doing.now)
