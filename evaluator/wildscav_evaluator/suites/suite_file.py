@@ -156,7 +156,7 @@ def read_suite(path: Path) -> Suite:
         source = read_config(path, f"{__name__}:try_suite")
     except OSError as error:
         raise UserError(f"the suite {describe(error)}", 2) from error
-    return _parsed(path, source)
+    return parse_suite(path, source)
 
 
 def try_suite(path: str) -> None:
@@ -166,10 +166,19 @@ def try_suite(path: str) -> None:
         UserError: It is not valid.
         OSError: It cannot be read.
     """
-    _parsed(Path(path), read_limited(Path(path), LARGEST))
+    parse_suite(Path(path), read_limited(Path(path), LARGEST))
 
 
-def _parsed(path: Path, source: bytes) -> Suite:
+def parse_suite(path: Path, source: bytes) -> Suite:
+    """Return the suite that the content of a file describes.
+
+    Args:
+        path: Its path, for errors.
+        source: Its content.
+
+    Raises:
+        UserError: It is not valid.
+    """
     try:
         content = tomllib.loads(source.decode())
     except RecursionError:

@@ -7,7 +7,7 @@ from wildscav_evaluator.output.results import MetricInfo, metric_infos
 from wildscav_evaluator.ratings.ladder import Ladder, Skill
 from wildscav_evaluator.seats import robot_entrant
 from wildscav_leaderboard.auditing.report import Finding, of_row, wrong_value
-from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard, SuiteBoard, digest_of
+from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard, SuiteBoard
 from wildscav_leaderboard.boards.ladder_board import LadderResults, ladder_board
 from wildscav_leaderboard.boards.ladders import rated_match
 from wildscav_leaderboard.boards.suite_board import SuiteResults, suite_board
@@ -18,6 +18,7 @@ from wildscav_leaderboard.publishing.documents import (
     PublishedSubmission,
     PublishedTrack,
 )
+from wildscav_leaderboard.seasons.editions import digest_of
 
 
 def computed_board(

@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from wildscav_evaluator.output.results import mean_metrics
 from wildscav_evaluator.seats import ROBOT_ENTRANT
 from wildscav_leaderboard.auditing.report import Finding, of_match, wrong_value
-from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard, digest_of
+from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard
 from wildscav_leaderboard.matches.models import FINAL, LADDER, SUITE
 from wildscav_leaderboard.publishing.documents import BoardFile, PublishedMatch, PublishedTrack
+from wildscav_leaderboard.seasons.editions import digest_of
 
 
 def wrong_matches(

@@ -1,28 +1,16 @@
 """The documents of boards, which pages, the API and the audit share."""
 
 from datetime import datetime
-from hashlib import blake2b
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from wildscav_evaluator.output.results import KeptLimits, MetricInfo, Summary
-from wildscav_evaluator.output.versions import Versions
+from wildscav_evaluator.output.results import MetricInfo, Summary
+from wildscav_leaderboard.seasons.editions import Conditions
 
 
 class _Part(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
-
-
-class Conditions(_Part):
-    """What results depend on besides the submissions. Only results with equal conditions share a board."""
-
-    versions: Versions
-    suite: str
-    rounds: int
-    commitment: str  # SHA-256 of the secret from which the matches follow
-    sandbox: str
-    limits: KeptLimits
 
 
 class Row(_Part):
@@ -95,11 +83,6 @@ class LadderBoard(_Part):
 
 
 BoardDocument = Annotated[SuiteBoard | LadderBoard, Field(discriminator="mode")]
-
-
-def digest_of(conditions: Conditions) -> str:
-    """Return a digest of conditions, 32 hexadecimal digits; equal conditions have equal ones."""
-    return blake2b(conditions.model_dump_json().encode(), digest_size=16).hexdigest()
 
 
 def place_of(board: SuiteBoard | LadderBoard, row: Row) -> tuple[float, float, float]:

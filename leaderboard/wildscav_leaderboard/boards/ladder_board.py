@@ -13,8 +13,9 @@ import numpy as np
 
 from wildscav_evaluator.output.results import MetricInfo
 from wildscav_evaluator.ratings.ladder import Skill
-from wildscav_leaderboard.boards.documents import Conditions, LadderBoard, LadderRow
+from wildscav_leaderboard.boards.documents import LadderBoard, LadderRow
 from wildscav_leaderboard.boards.ranks import better_by_rating, rank_ranges
+from wildscav_leaderboard.seasons.editions import Conditions
 
 WIDTH = 1.959964  # standard deviations, of a 95 % interval
 DECIMALS = 2  # of ratings on a board

@@ -7,7 +7,7 @@ track's ladder begins anew.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from sqlalchemy import case, func, select
+from sqlalchemy import Select, case, delete, func, select
 from sqlalchemy.orm import Session
 
 from wildscav_evaluator.output.results import MatchRow, metric_infos
@@ -50,8 +50,11 @@ def skills_of(session: Session, track: str, conditions: str | None = None) -> di
 def apply_matches(session: Session, track: str) -> int:
     """Apply the matches that are over, in the order in which they were made; return how many are new.
 
-    It stops at the first match that is not over, so that no later one is ever applied before it.
+    It stops at the first match that is not over, so that no later one is ever applied before it. Where a
+    result took the place of an earlier one, all matches of the track are applied again.
     """
+    if session.scalar(_superseded_steps(track).limit(1)) is not None:
+        session.execute(delete(LadderStep).where(LadderStep.track == track))
     done = session.scalar(select(func.max(LadderStep.match_id)).where(LadderStep.track == track)) or 0
     over = _matches_over(session, track, done)
     results = {
@@ -66,6 +69,12 @@ def apply_matches(session: Session, track: str) -> int:
         _apply(session, number, track, results[number], running[conditions])
     session.flush()
     return len(over)
+
+
+def _superseded_steps(track: str) -> Select[int]:
+    """Select the steps of a ladder whose results are superseded."""
+    wanted = select(LadderStep.match_id).join(Match, Match.id == LadderStep.match_id)
+    return wanted.where(LadderStep.track == track, Match.superseded.is_not(None))
 
 
 def _apply(session: Session, number: int, track: str, result: MatchResult, running: Ladder) -> None:
@@ -91,7 +100,9 @@ def _apply(session: Session, number: int, track: str, result: MatchResult, runni
 
 def _matches_over(session: Session, track: str, after: int) -> list[int]:
     """Return the matches with a result that come before the first one that is not over."""
-    wanted = select(Match.id, Match.state).where(Match.track == track, Match.kind == LADDER, Match.id > after)
+    wanted = select(Match.id, Match.state).where(
+        Match.track == track, Match.kind == LADDER, Match.id > after, Match.superseded.is_(None)
+    )
     found = []
     for number, state in session.execute(wanted.order_by(Match.id)):
         if state not in (FINISHED, VOID):

@@ -13,6 +13,11 @@ from wildscav_leaderboard.database.base import Base
 PUBLIC, HIDDEN, SEASON = "public", "hidden", "season"
 
 
+def audience_of(edition: int) -> str:
+    """Return the audience of the board of an edition that is no longer in force."""
+    return f"edition-{edition}"
+
+
 class Board(Base):
     """The current board of a track, as a document that pages, API and audit share (``documents.py``)."""
 

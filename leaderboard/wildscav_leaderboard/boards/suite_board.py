@@ -13,8 +13,9 @@ import numpy as np
 
 from wildscav_evaluator.output.results import MetricInfo, Summary
 from wildscav_evaluator.scores.score import mean_of, summarize
-from wildscav_leaderboard.boards.documents import Conditions, SuiteBoard, SuiteRow
+from wildscav_leaderboard.boards.documents import SuiteBoard, SuiteRow
 from wildscav_leaderboard.boards.ranks import better_in_pairs, rank_ranges
+from wildscav_leaderboard.seasons.editions import Conditions
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from wildscav_leaderboard.matches.models import LADDER, VOID, WAITING, Match, Ma
 from wildscav_leaderboard.matches.service import Entrant, add_ladder_match, add_suite_matches
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.in_force import in_force, sandbox_of
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.states import ACTIVE
 from wildscav_leaderboard.teams.models import Team
@@ -20,21 +21,29 @@ from wildscav_leaderboard.teams.models import Team
 
 def plan_suites(session: Session, season: Season, submission: Submission, now: datetime) -> int:
     """Plan the matches of all suites that a submission plays and has not got yet; return how many are new."""
+    season = in_force(session, season)
     return sum(
         add_suite_matches(session, submission, track, season.suite_matches[track], now)
         for track in submission.tracks
-        if season.track(track).mode == "suite"
+        if track in season.suite_matches and is_playable(session, season, track)
     )
+
+
+def is_playable(session: Session, season: Season, track: str) -> bool:
+    """Return whether matches of a track's edition can be made here and now, by the same code as before."""
+    edition = season.editions.get(track)
+    return edition is None or not edition.obstacle(sandbox_of(session, season))
 
 
 def plan_ladders(session: Session, season: Season, now: datetime) -> int:
     """Plan the next matches of all ladders, up to so many that wait; return how many are new."""
     if is_decided(session):
         return 0
+    season = in_force(session, season)
     return sum(
         _plan_ladder(session, season, track, now)
         for track, settings in season.settings.tracks.items()
-        if settings.mode == "ladder"
+        if settings.mode == "ladder" and is_playable(session, season, track)
     )
 
 
@@ -49,6 +58,7 @@ def is_decided(session: Session) -> bool:
 
 def ladders_want_matches(session: Session, season: Season) -> bool:
     """Return whether a ladder has submissions that have not played enough, and can meet somebody."""
+    season = in_force(session, season)
     for track, settings in season.settings.tracks.items():
         if settings.mode == "ladder":
             found = list(_candidates(session, season, track))
@@ -59,8 +69,11 @@ def ladders_want_matches(session: Session, season: Season) -> bool:
 
 def _plan_ladder(session: Session, season: Season, track: str, now: datetime) -> int:
     settings, new = season.track(track), 0
+    edition = season.numbers.get(track)
     waiting = session.scalar(
-        select(func.count()).select_from(Match).filter_by(track=track, kind=LADDER, state=WAITING)
+        select(func.count())
+        .select_from(Match)
+        .filter_by(track=track, kind=LADDER, state=WAITING, edition_id=edition)
     )
     while (waiting or 0) + new < settings.waiting:
         found = _candidates(session, season, track)
@@ -90,7 +103,13 @@ def _candidates(session: Session, season: Season, track: str) -> dict[Candidate,
     counted = session.execute(
         select(MatchSeat.entrant, func.count())
         .join(Match, Match.id == MatchSeat.match_id)
-        .where(Match.track == track, Match.kind == LADDER, Match.state != VOID)
+        .where(
+            Match.track == track,
+            Match.kind == LADDER,
+            Match.state != VOID,
+            Match.edition_id == season.numbers.get(track),
+            Match.judging == 1,
+        )
         .group_by(MatchSeat.entrant)
     )
     planned = {entrant: count for entrant, count in counted}  # noqa: C416 (rows are no pairs to mypy)

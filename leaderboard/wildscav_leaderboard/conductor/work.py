@@ -128,7 +128,7 @@ def job_of(
     )
 
 
-def keep_record(result: JobResult, conditions: str) -> tuple[MatchRow, PlayedRecord]:
+def keep_record(result: JobResult) -> tuple[MatchRow, PlayedRecord]:
     """Keep a match's record under a name with its digest; return its result, and what is stored of it.
 
     A worker of a conductor that lost its lease may still write a record of the same match. It cannot change
@@ -154,4 +154,4 @@ def keep_record(result: JobResult, conditions: str) -> tuple[MatchRow, PlayedRec
     finally:
         fresh.unlink(missing_ok=True)
     row = result.row.model_copy(update={"record": kept.relative_to(result.job.out).as_posix()})
-    return row, PlayedRecord(digest, kept.stat().st_size, conditions)
+    return row, PlayedRecord(digest, kept.stat().st_size)

@@ -18,7 +18,7 @@ class Match(Base):
     __tablename__ = "matches"
     __table_args__ = (
         # A match is made once, however often the conductor tries.
-        UniqueConstraint("kind", "track", "number", "group_id"),
+        UniqueConstraint("kind", "track", "number", "group_id", "edition_id", "judging"),
         Index("ix_matches_state_priority", "state", "priority", "id"),
         Index("ix_matches_track_kind", "track", "kind", "id", "state"),
     )
@@ -31,6 +31,9 @@ class Match(Base):
     spec: Mapped[dict[str, Any]] = mapped_column(JSON, repr=False)  # the MatchSpec; hidden until the end
     created: Mapped[datetime]
     since: Mapped[datetime]  # when it came into its state
+    edition_id: Mapped[int | None] = mapped_column(ForeignKey("editions.id"), default=None)  # its rules
+    judging: Mapped[int] = mapped_column(default=1)  # more than 1 where organizers had it played again
+    superseded: Mapped[datetime | None] = mapped_column(default=None)  # when a later judging took its place
     state: Mapped[str] = mapped_column(default=WAITING)
     priority: Mapped[int] = mapped_column(default=0)  # less is played first
     deadline: Mapped[datetime | None] = mapped_column(default=None)  # while it is played

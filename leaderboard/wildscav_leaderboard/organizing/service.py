@@ -18,7 +18,7 @@ from wildscav_leaderboard.seasons.refusals import InvalidError, RefusalError
 from wildscav_leaderboard.seasons.state import log_act
 from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.models import Submission
-from wildscav_leaderboard.submissions.service import find_submission, move
+from wildscav_leaderboard.submissions.service import DISQUALIFIED, find_submission, move
 from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.teams.service import find_team
 
@@ -123,7 +123,7 @@ def disqualify_team(session: Session, actor: str, name: str, reason: str, now: d
 def disqualify_submission(session: Session, actor: str, number: int, reason: str, now: datetime) -> None:
     """Take a submission off all boards; the reason is shown to everyone."""
     reason = _reason(reason)
-    _take_off(session, find_submission(session, number), f"disqualified: {reason}", now)
+    _take_off(session, find_submission(session, number), f"{DISQUALIFIED}{reason}", now)
     log_act(session, actor, "disqualify submission", f"submission {number}", now, reason)
 
 

@@ -15,7 +15,7 @@ from sqlalchemy.orm import Session, defer
 from wildscav_engine.storage.files import read_limited
 from wildscav_evaluator.suites.rounds import match_count
 from wildscav_evaluator.suites.seeds import LARGEST, SuiteSeed
-from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard, digest_of
+from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.models import PUBLIC, Board, LadderStep
 from wildscav_leaderboard.matches.models import FINAL, LADDER, SUITE, VOID, Match, MatchResult, MatchSeat
@@ -32,6 +32,7 @@ from wildscav_leaderboard.publishing.documents import (
     PublishedTrack,
 )
 from wildscav_leaderboard.seasons import state as season_state
+from wildscav_leaderboard.seasons.editions import digest_of
 from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE, Season
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.teams.models import Team

@@ -15,7 +15,9 @@ FROZEN = "frozen"  # {"at"}: the public boards stay as they were then
 # played; then it names the submissions of each suite that play the matches that decide the season.
 FINALIZING = "finalizing"
 FINALIZED = "finalized"  # {"at", "field", "conditions"}: those matches are played, and the boards are final
+LEFT_OUT = "left_out"  # {number: reason}: submissions that are on no board, although they take part
 OPENED = "opened"  # {"secret", "final_secret"}: the secrets are public
+EDITIONS = "editions"  # {track: number}: the editions that are in force
 NODES = "nodes"  # {"nodes": […], "sandbox"}: where the conductor plays, for pages
 
 

@@ -20,6 +20,7 @@ from wildscav_leaderboard.webhooks.service import queue_message
 
 LONGEST_MESSAGE = 200  # characters
 PLATFORM = "platform"
+DISQUALIFIED = "disqualified: "  # begins the reason for which a submission is disabled
 
 
 class StateError(RefusalError):

@@ -63,7 +63,7 @@ def page(
         status: The status of the answer.
         values: What the template shows.
     """
-    season = request.app.state.season
+    season = getattr(request.state, "season", request.app.state.season)
     content = environment().get_template(template)
     text = content.render(
         season=season,

@@ -12,11 +12,11 @@ from wildscav_evaluator.output.results import KeptLimits, MetricInfo
 from wildscav_evaluator.output.versions import CURRENT_VERSIONS
 from wildscav_evaluator.ratings.ladder import Skill
 from wildscav_evaluator.suites.official import OFFICIAL
-from wildscav_leaderboard.boards.documents import Conditions
 from wildscav_leaderboard.boards.ladder_board import LadderResults, ladder_board
 from wildscav_leaderboard.boards.matchmaking import Candidate, choose_entrants, ladder_match
 from wildscav_leaderboard.boards.ranks import better_in_pairs, rank_ranges
 from wildscav_leaderboard.boards.suite_board import SuiteResults, suite_board
+from wildscav_leaderboard.seasons.editions import Conditions
 
 CONDITIONS = Conditions(
     versions=CURRENT_VERSIONS,

@@ -21,6 +21,7 @@ from wildscav_leaderboard.accounts.models import Account
 from wildscav_leaderboard.boards.models import LadderStep
 from wildscav_leaderboard.boards.service import refresh
 from wildscav_leaderboard.conductor import lease, steps
+from wildscav_leaderboard.conductor.editions import begin_editions
 from wildscav_leaderboard.conductor.lease import Holding
 from wildscav_leaderboard.conductor.models import BUILD, Attempt
 from wildscav_leaderboard.conductor.plans import plan_ladders
@@ -112,6 +113,8 @@ class StormySeason(Storm):
         try:
             with self.transaction(fate) as session:
                 holding = lease.acquire(session, f"{name}/{self.started}", self.time + process.ahead)
+                if holding is not None:
+                    begin_editions(session, self.season, self.time)
         except CutOffError:
             return
         if holding is not None:
@@ -236,7 +239,7 @@ class StormySeason(Storm):
 
         def act(session: Session, now: datetime) -> None:
             lease.check(session, process.holding)
-            refresh(session, self.season, "process", now)
+            refresh(session, self.season, now)
 
         self.step(process, fate, act)
 

@@ -40,7 +40,7 @@ def result(tmp_path: Path) -> JobResult:
 
 
 def test_a_worker_that_comes_too_late_cannot_change_a_record_that_is_kept(result: JobResult) -> None:
-    row, record = keep_record(result, "conditions")
+    row, record = keep_record(result)
     write_whole(result.job.out / result.job.record, b"another record of the same match")
     kept = result.job.out / str(row.record)
     assert row.record != result.row.record
@@ -49,8 +49,8 @@ def test_a_worker_that_comes_too_late_cannot_change_a_record_that_is_kept(result
 
 
 def test_a_record_is_kept_once_however_often_it_comes(result: JobResult) -> None:
-    first, _ = keep_record(result, "conditions")
-    again, record = keep_record(result, "conditions")
+    first, _ = keep_record(result)
+    again, record = keep_record(result)
     assert first == again
     assert file_digest(result.job.out / str(again.record)) == record.digest
     assert len(list((result.job.out / result.job.record).parent.iterdir())) == 2
@@ -59,4 +59,4 @@ def test_a_record_is_kept_once_however_often_it_comes(result: JobResult) -> None
 def test_a_match_without_a_record_is_refused(result: JobResult) -> None:
     without = replace(result, row=result.row.model_copy(update={"record": None}))
     with pytest.raises(UserError, match="the match match-1 has no record"):
-        keep_record(without, "conditions")
+        keep_record(without)

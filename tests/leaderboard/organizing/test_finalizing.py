@@ -12,11 +12,10 @@ from tests.leaderboard.seasons_made import NOON, make_season, submitted, team_wi
 
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.output.results import MatchRow, MatchTiming, SeatRow, metric_infos
-from wildscav_leaderboard.boards.conditions import conditions_of
-from wildscav_leaderboard.boards.documents import digest_of
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.models import HIDDEN, PUBLIC, SEASON
 from wildscav_leaderboard.boards.service import refresh
+from wildscav_leaderboard.conductor.editions import begin_editions
 from wildscav_leaderboard.conductor.plans import plan_ladders, plan_suites
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import FINAL, LADDER, WAITING, Match
@@ -48,7 +47,7 @@ def final_time(entrant: str) -> float:
     return {"f": 2.0, "o": 1.0, "h": 0.0}[entrant[0]]
 
 
-def play(session: Session, season: Season, match: Match, time: Time, sandbox: str = "process") -> None:
+def play(session: Session, season: Season, match: Match, time: Time) -> None:
     """Let a match end, with a time for every entrant."""
     metrics = dict.fromkeys((one.name for one in metric_infos(match.track)), 0.0)
     score = metric_infos(match.track)[0]
@@ -61,15 +60,14 @@ def play(session: Session, season: Season, match: Match, time: Time, sandbox: st
         )
         for one in seats_of(session, [match.id])[match.id]
     )
-    conditions = conditions_of(season, match.track, sandbox, final=match.kind == FINAL)
     timing = MatchTiming(
         submission=None, track=match.track, index=0, started=0.0, wall=1.0, steps=1, seats=()
     )
-    record = PlayedRecord("ab" * 16, 1, digest_of(conditions))
+    record = PlayedRecord("ab" * 16, 1)
     deliver(session, match, None, MatchRow.of(match.number, seats, None), timing, record, score, NOON)
 
 
-def play_waiting(session: Session, season: Season, time: Time, sandbox: str = "process") -> int:
+def play_waiting(session: Session, season: Season, time: Time) -> int:
     """Play all matches that wait, and those that follow; return how many."""
     count = 0
     while True:
@@ -78,7 +76,7 @@ def play_waiting(session: Session, season: Season, time: Time, sandbox: str = "p
         if not waiting:
             return count
         for match in waiting:
-            play(session, season, match, time, sandbox)
+            play(session, season, match, time)
         count += len(waiting)
 
 
@@ -104,11 +102,12 @@ def season(tmp_path: Path) -> Season:
 def played(database: Database, season: Season, tmp_path: Path) -> Database:
     """A season of three teams whose matches are played, with frozen boards."""
     with database.writing() as session:
+        begin_editions(session, season, NOON)
         for team in TEAMS:
             team_with_member(session, team)
             enter(session, season, team, tmp_path)
         play_waiting(session, season, season_time)
-        refresh(session, season, "process", NOON)
+        refresh(session, season, NOON)
         season_state.freeze(session, NOON)
         season_state.write_state(session, season_state.NODES, {"sandbox": "process"}, NOON)
     return database
@@ -267,21 +266,9 @@ def test_a_team_that_is_disqualified_afterwards_leaves_the_final_board(
     end(played, season)
     with played.writing() as session:
         disqualify_team(session, "anna", "owls", "found out later", LATER)
-        # Whatever the sandbox is by then, the results of the end stay comparable.
-        refresh(session, season, "bubblewrap", LATER)
+        refresh(session, season, LATER)
     with played.reading() as session:
         assert leaders(session) == [("foxes", 2)]
-
-
-def test_matches_in_different_sandboxes_decide_nothing(played: Database, season: Season) -> None:
-    begin(played, season)
-    advance(played, season)
-    with played.writing() as session:
-        play_waiting(session, season, final_time, "bubblewrap")
-    with pytest.raises(RefusalError, match="4 of the final matches of navigation were played with another"):
-        advance(played, season)
-    with played.reading() as session:
-        assert season_state.read_state(session, season_state.OPENED) is None
 
 
 def test_no_ladder_goes_on_once_the_field_is_chosen(played: Database, season: Season) -> None:

@@ -3,6 +3,7 @@
 import typer
 
 from wildscav_leaderboard.cli.season import acts
+from wildscav_leaderboard.cli.season.apply import apply
 from wildscav_leaderboard.cli.season.backups import backup, check, restore
 from wildscav_leaderboard.cli.season.demo import demo
 from wildscav_leaderboard.cli.season.export import export
@@ -21,7 +22,7 @@ COMMANDS = (
     *(demo, init, serve, status, acts.invite, acts.organizer, acts.announce),
     *(acts.password, acts.disable, acts.enable),
     *(acts.pause, acts.resume, acts.rerun, acts.disqualify, acts.freeze),
-    *(finalize, export, backup, restore, check),
+    *(apply, finalize, export, backup, restore, check),
 )
 for function in COMMANDS:
     app.command(function.__name__)(function)
