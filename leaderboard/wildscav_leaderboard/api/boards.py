@@ -9,7 +9,7 @@ from wildscav_leaderboard.access.requests import AnyProgram, CurrentSeason, Read
 from wildscav_leaderboard.boards.documents import BoardDocument
 from wildscav_leaderboard.boards.history import history, team_histories
 from wildscav_leaderboard.boards.kept import kept_board, read_board
-from wildscav_leaderboard.boards.models import HIDDEN
+from wildscav_leaderboard.boards.models import HIDDEN, audience_of
 from wildscav_leaderboard.presentation.boards import head_to_head_view, ladder_of, point_views
 from wildscav_leaderboard.presentation.documents import (
     AnnouncementView,
@@ -47,8 +47,9 @@ def board(
     session: Reading,
     caller: AnyProgram,
     audience: Literal["public", "hidden", "season"] = "public",
+    edition: Number | None = None,
 ) -> Response:
-    """Return the board of a track.
+    """Return the board of a track, or that of one of its earlier editions.
 
     The hidden one is for organizers. That of the season is as it was before final matches decided it.
     """
@@ -56,11 +57,13 @@ def board(
         if caller is None:
             raise UnknownCallerError("only organizers see the hidden board: log in first")
         check_organizer(caller)
-    current.track(track)
-    found = kept_board(session, track, audience)
+    if edition is None:
+        current.track(track)
+    found = kept_board(session, track, audience if edition is None else audience_of(edition))
     if found is None:
         raise NotFoundError(f"there are no results on {track} yet")
-    headers = {"ETag": f'"{audience}-{found.updated:%Y%m%d%H%M%S%f}"', "Cache-Control": "no-cache"}
+    tag = f"{audience}-{edition or 0}-{found.updated:%Y%m%d%H%M%S%f}"
+    headers = {"ETag": f'"{tag}"', "Cache-Control": "no-cache"}
     if request.headers.get("if-none-match") == headers["ETag"]:
         return Response(status_code=304, headers=headers)
     return Response(found.json, media_type="application/json", headers=headers)

@@ -246,6 +246,7 @@ class TrackView(View):
     """A track of the season."""
 
     name: str
+    edition: int | None  # that is in force; None before the conductor has run
     mode: str
     suite: str
     rounds: int
