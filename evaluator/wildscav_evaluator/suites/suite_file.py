@@ -7,6 +7,7 @@ to a list of values from which each map or match draws one.
 import tomllib
 from collections.abc import Callable, Mapping
 from copy import deepcopy
+from hashlib import blake2b
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Self, TypeVar
@@ -208,7 +209,13 @@ def _suite(file: SuiteFile, source: bytes) -> Suite:
     config = _drawer(MapConfig, file.map.fields, file.map.choose, "map")
     tracks = {name: _track_settings(name, file.tracks[name]) for name in TRACKS if name in file.tracks}
     limits = {track: part.limits for track, part in file.tracks.items()}
-    return Suite(file.name, file.title, config, tracks, source, limits)
+    fingerprints = {track: _fingerprint(file, part) for track, part in file.tracks.items()}
+    return Suite(file.name, file.title, config, tracks, source, limits, fingerprints=fingerprints)
+
+
+def _fingerprint(file: SuiteFile, part: TrackSection) -> str:
+    said = f"{file.name}\n{file.map.model_dump_json()}\n{part.model_dump_json()}"
+    return blake2b(said.encode(), digest_size=16).hexdigest()
 
 
 def _track_settings(track: str, part: TrackSection) -> TrackSettings:

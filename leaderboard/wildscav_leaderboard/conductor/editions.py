@@ -92,8 +92,7 @@ def edition_changes(session: Session, season: Season) -> list[EditionChange]:
     for track, old in in_use.editions.items():
         number = in_use.numbers[track]
         new = edition_of(written, track, sandbox) if track in written.settings.tracks else None
-        if new is not None and new.conditions == old.conditions and new.final == old.final:
-            continue
+        differences = [] if new is None else changes_between(track, old, new)
         if new is not None and (new.conditions.commitment, new.final_commitment) != (
             old.conditions.commitment,
             old.final_commitment,
@@ -102,6 +101,8 @@ def edition_changes(session: Session, season: Season) -> list[EditionChange]:
                 f"the secrets are not those of the edition of {track} in force, whose commitments were "
                 "published: put the files back"
             )
+        if new is not None and not differences:
+            continue
         entries = 0 if new is None else len(_entries(session, track))
         each = 0 if new is None else new.matches if new.settings.mode == "suite" else new.settings.matches
         matches = entries * each // (new.conditions.seats if new is not None else 1)
@@ -109,7 +110,7 @@ def edition_changes(session: Session, season: Season) -> list[EditionChange]:
             EditionChange(
                 track=track,
                 edition=new,
-                differences=[] if new is None else changes_between(old, new),
+                differences=differences,
                 entries=entries,
                 matches=matches,
                 waiting=_count_waiting(session, number),

@@ -89,9 +89,16 @@ class Edition(_Part):
 DECIDING = ("mode", "suite", "rounds", "seats", "robots")  # settings of a track that belong to its edition
 
 
-def changes_between(before: Edition, after: Edition) -> list[str]:
-    """Return in what an edition differs from another one, in words."""
+def changes_between(track: str, before: Edition, after: Edition) -> list[str]:
+    """Return in what an edition differs from another one, in words.
+
+    What a suite's file says of other tracks, or in comments, is no difference.
+    """
     old, new = before.conditions.model_dump(mode="json"), after.conditions.model_dump(mode="json")
+    del new["suite_digest"]
+    files = before.suite_file, after.suite_file
+    if None not in files and len({one.suite().fingerprints[track] for one in (before, after)}) == 1:
+        del new["suite"]
     return [f"{name} {_shown(old[name])} → {_shown(new[name])}" for name in new if old[name] != new[name]]
 
 

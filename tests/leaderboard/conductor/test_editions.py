@@ -168,6 +168,12 @@ def test_rules_may_be_edited_freely_while_nobody_has_played(tmp_path: Path) -> N
     database.close()
 
 
+def test_a_comment_in_a_suite_and_rules_of_other_tracks_change_no_edition(season: Conducted) -> None:
+    assert edit(season, "tiny.toml", 'name = "tiny"', '# Our own suite.\nname = "tiny"') == []
+    assert edit(season, "tiny.toml", "[tracks.battle]\nmaps = 1", "[tracks.battle]\nmaps = 2") == []
+    assert season.write(edition_numbers)["navigation"] == 1
+
+
 def test_an_edition_that_cannot_be_played_here_waits_until_it_can(season: Conducted) -> None:
     season.active("owls")
     (navigation, *_) = edit(season, *EDITS["the sandbox"])
