@@ -21,8 +21,9 @@ from wildscav_evaluator.output.layout import LOGS, MATCHES, RECORDS
 from wildscav_evaluator.output.results import MatchRow
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.sandbox.base import SandboxError
+from wildscav_evaluator.submission_files import SubmissionError
 from wildscav_evaluator.submissions.images import build_image, lacks_packages, with_images
-from wildscav_evaluator.submissions.submission import Submission, SubmissionError
+from wildscav_evaluator.submissions.submission import Submission
 from wildscav_leaderboard.matches.models import LADDER, Match, MatchSeat
 from wildscav_leaderboard.matches.service import PlayedRecord
 from wildscav_leaderboard.seasons.folder import Season
