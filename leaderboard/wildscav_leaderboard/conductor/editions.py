@@ -13,7 +13,6 @@ from sqlalchemy import func, select, true, update
 from sqlalchemy.orm import Session
 
 from wildscav.terminal.console import counted
-from wildscav_leaderboard.conductor.plans import is_decided, plan_suites
 from wildscav_leaderboard.matches.models import VOID, WAITING, Match, MatchResult
 from wildscav_leaderboard.seasons.editions import Edition, changes_between
 from wildscav_leaderboard.seasons.folder import Season
@@ -25,7 +24,7 @@ from wildscav_leaderboard.seasons.in_force import (
     sandbox_of,
 )
 from wildscav_leaderboard.seasons.refusals import RefusalError
-from wildscav_leaderboard.seasons.state import NODES, log_act, read_state
+from wildscav_leaderboard.seasons.state import NODES, is_decided, log_act, read_state
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.states import ACTIVE
 from wildscav_leaderboard.teams.models import Team
@@ -70,6 +69,8 @@ def begin_editions(session: Session, season: Season, now: datetime) -> list[Edit
         season: The season.
         now: The time.
     """
+    from wildscav_leaderboard.conductor.plans import plan_suites
+
     written, numbers = season.as_written or season, edition_numbers(session)
     if is_decided(session):
         return []
@@ -146,6 +147,10 @@ def _enter(
     session: Session, season: Season, track: str, edition: Edition | None, now: datetime
 ) -> int | None:
     """Bring an edition into force, and plan its matches; those of others that wait are given up."""
+    from wildscav_leaderboard.conductor.plans import (
+        plan_suites,
+    )  # imports SciPy, which web servers do without
+
     number = enter_edition(session, track, edition, now)
     own, others = Match.edition_id == number, Match.edition_id.is_distinct_from(number)
     session.execute(

@@ -11,9 +11,9 @@ from wildscav_leaderboard.boards.ladders import skills_of
 from wildscav_leaderboard.boards.matchmaking import REPEATS, Candidate, choose_entrants, ladder_match
 from wildscav_leaderboard.matches.models import LADDER, VOID, WAITING, Match, MatchSeat
 from wildscav_leaderboard.matches.service import Entrant, add_ladder_match, add_suite_matches
-from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.in_force import in_force, sandbox_of
+from wildscav_leaderboard.seasons.state import is_decided
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.states import ACTIVE
 from wildscav_leaderboard.teams.models import Team
@@ -44,15 +44,6 @@ def plan_ladders(session: Session, season: Season, now: datetime) -> int:
         _plan_ladder(session, season, track, now)
         for track, settings in season.settings.tracks.items()
         if settings.mode == "ladder" and is_playable(session, season, track)
-    )
-
-
-def is_decided(session: Session) -> bool:
-    """Return whether the ladders are over, and only the matches are left that decide the season."""
-    ending = season_state.read_state(session, season_state.FINALIZING) or {}
-    return (
-        ending.get("field") is not None
-        or season_state.read_state(session, season_state.FINALIZED) is not None
     )
 
 

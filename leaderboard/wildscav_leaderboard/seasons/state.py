@@ -47,6 +47,12 @@ def write_state(session: Session, name: str, value: dict[str, Any] | None, now: 
         found.value, found.updated = value, now
 
 
+def is_decided(session: Session) -> bool:
+    """Return whether the ladders are over, and only the matches are left that decide the season."""
+    ending = read_state(session, FINALIZING) or {}
+    return ending.get("field") is not None or read_state(session, FINALIZED) is not None
+
+
 def frozen_since(session: Session) -> datetime | None:
     """Return since when the public boards stay as they are; None if they do not, or the season is final."""
     frozen = read_state(session, FROZEN)
