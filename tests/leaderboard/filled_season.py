@@ -123,7 +123,9 @@ class FilledSeason:
     season: Season
     database: Database
     words: Words
-    people: dict[str, Person] = field(default_factory=dict)  # organizer, owner and other, who is of no team
+    people: dict[str, Person] = field(
+        default_factory=dict
+    )  # organizer, owner, opponent, and other, who is of no team
     submissions: dict[str, int] = field(default_factory=dict)  # active, failed, queued, building, …
     # By kind: suite, and one of the owner's there (own_suite); ladder, which may be seen; playing.
     matches: dict[str, int] = field(default_factory=dict)
@@ -173,7 +175,12 @@ class _Filling:
             account = add_account(session, name, secret, role or COMPETITOR, self.now)
             if name in teams:
                 make_team(session, account, name, teams[name], self.now)
-            person = {"boss": "organizer", "passer-by": "other", "owls": "owner"}.get(name)
+            person = {
+                "boss": "organizer",
+                "passer-by": "other",
+                "owls": "owner",
+                "foxes": "opponent",
+            }.get(name)
             if person is not None:
                 token = new_token(session, account, self.words.label, self.now)
                 cookie, csrf = open_web_session(session, account, datetime.now(UTC))

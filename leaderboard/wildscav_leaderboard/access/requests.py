@@ -144,6 +144,26 @@ def known_browser(caller: AnyBrowser) -> Caller:
 KnownBrowser = Annotated[Caller, Depends(known_browser)]
 
 
+def reader(by_token: AnyProgram, by_cookie: AnyBrowser) -> Caller | None:
+    """Return who reads, for files that programs and pages load; nothing may be changed on its word."""
+    return by_token or by_cookie
+
+
+AnyReader = Annotated[Caller | None, Depends(reader)]
+
+
+def known_reader(caller: AnyReader) -> Caller:
+    """Return who reads.
+
+    Raises:
+        UnknownCallerError: Nobody is logged in.
+    """
+    return known_program(caller)
+
+
+KnownReader = Annotated[Caller, Depends(known_reader)]
+
+
 def organizing_browser(caller: KnownBrowser) -> Caller:
     """Return the organizer who is logged in.
 

@@ -10,6 +10,7 @@ from wildscav_leaderboard.boards.documents import BoardDocument
 from wildscav_leaderboard.boards.history import history, team_histories
 from wildscav_leaderboard.boards.kept import kept_board, read_board
 from wildscav_leaderboard.boards.models import HIDDEN, audience_of
+from wildscav_leaderboard.matches.visibility import shown_until
 from wildscav_leaderboard.presentation.boards import head_to_head_view, ladder_of, point_views
 from wildscav_leaderboard.presentation.documents import (
     AnnouncementView,
@@ -19,7 +20,6 @@ from wildscav_leaderboard.presentation.documents import (
 )
 from wildscav_leaderboard.presentation.season import announcement_views, counts_view, season_view
 from wildscav_leaderboard.seasons.refusals import NotFoundError, UnknownCallerError
-from wildscav_leaderboard.seasons.state import frozen_since
 
 router = APIRouter(tags=["boards"])
 Number = Annotated[int, Field(ge=1, le=2**53)]
@@ -63,7 +63,7 @@ def board(
     if found is None:
         raise NotFoundError(f"there are no results on {track} yet")
     tag = f"{audience}-{edition or 0}-{found.updated:%Y%m%d%H%M%S%f}"
-    headers = {"ETag": f'"{tag}"', "Cache-Control": "no-cache"}
+    headers = {"ETag": f'"{tag}"', "Cache-Control": "private, no-cache"}
     if request.headers.get("if-none-match") == headers["ETag"]:
         return Response(status_code=304, headers=headers)
     return Response(found.json, media_type="application/json", headers=headers)
@@ -80,7 +80,7 @@ def points(
 ) -> list[PointView]:
     """Return how the places of some submissions or teams changed; while a board is frozen, until then."""
     current.track(track)
-    until = None if caller is not None and caller.is_organizer else frozen_since(session)
+    until = shown_until(session, caller)
     found = point_views(history(session, track, submission, until)) if submission else []
     for name, changes in team_histories(session, track, team, until).items():
         found += point_views(changes, name)

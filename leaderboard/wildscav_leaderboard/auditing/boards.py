@@ -1,5 +1,6 @@
 """The boards that follow from matches: computed anew, and compared with those that are published."""
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -166,6 +167,14 @@ def _differing(name: str, published: Any, expected: Any) -> Iterator[tuple[str, 
             yield from _differing(f"{name}.{index}", one, other)
     elif published != expected or type(published) is not type(expected):
         yield name, published, expected
+
+
+def wrong_counts(board: BoardDocument, file: BoardFile) -> Iterator[Finding]:
+    """Yield which rows count other matches than those that are published, while the results are hidden."""
+    played = Counter(match.submission for match in file.matches)
+    for row in board.rows:
+        if row.matches != played[row.submission]:
+            yield wrong_value("matches", row.matches, played[row.submission], **of_row(row))
 
 
 def wrong_conditions(

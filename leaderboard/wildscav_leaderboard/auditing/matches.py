@@ -41,7 +41,7 @@ def wrong_matches(
     for match in file.matches:
         if match.kind != kind or (match.submission is None) != (kind == LADDER):
             yield wrong_value("kind", match.kind, kind, **of_match(match, file))
-        elif match.void is None:
+        elif match.void is None and not match.withheld:
             yield from _wrong_match(match, board, file, conditions)
 
 

@@ -25,7 +25,7 @@ class Row(_Part):
     version: str
     matches: int  # played
     planned: int  # in all
-    faults: int  # matches in which something went wrong in a seat of its own
+    faults: int  # matches in which something went wrong in a seat of its own; on a suite 0 until it is ranked
     since: datetime | None  # when the submission was handed in
 
     @property

@@ -209,19 +209,20 @@ class SeatView(View):
 
 
 class MatchView(View):
-    """A match. Results of hidden matches are shown to those who played them, and to organizers."""
+    """A match, with what whoever asks may see of it."""
 
     id: int
     kind: str
     track: str
     number: int  # of the suite or of its ladder, from 0
     state: str
-    since: datetime
+    since: datetime | None  # None where how long it took is hidden
     created: datetime
     detail: str
     platform_faults: int
     seats: list[SeatView]
     hidden: str | None  # why its record, trails and logs cannot be seen
+    unseen: str | None  # why its outcomes cannot be seen by everyone
     record: str | None  # BLAKE2b digest of its record
 
 

@@ -105,7 +105,10 @@ class PublishedSeat(_Part):
 
 
 class PublishedMatch(_Part):
-    """A match that counts on a board, or one of a ladder that was given up and counts for nobody."""
+    """A match that counts on a board, or one of a ladder that was given up and counts for nobody.
+
+    Of a hidden match of a suite, only what it is and the digest of its record are published.
+    """
 
     id: int  # grows with the order in which matches are made
     kind: str
@@ -119,6 +122,11 @@ class PublishedMatch(_Part):
     record: Digest | None = None  # BLAKE2b digest of its record, 32 hexadecimal digits
     record_size: int = 0  # bytes
     hidden: str | None = None  # why its record cannot be downloaded yet
+
+    @property
+    def withheld(self) -> str:
+        """Why its result is not published yet; an empty text if it is, or there is none."""
+        return self.hidden if self.hidden is not None and self.at is None else ""
 
 
 class End(_Part):

@@ -1,7 +1,8 @@
 """What is published of a season for audits: as much as its public boards count, and nothing more.
 
-While the public boards are frozen, nothing is published that arrived later. What agents print, and what broke
-in their processes, is never published: it may show the maps of hidden matches.
+While the public boards are frozen, nothing is published that arrived later. Of a hidden match of a suite, the
+digest of its record is published, and nothing else. What agents print, and what broke in their processes, is
+never published.
 """
 
 import hashlib
@@ -19,7 +20,7 @@ from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.models import PUBLIC, Board, LadderStep
 from wildscav_leaderboard.matches.models import FINAL, LADDER, SUITE, VOID, Match, MatchResult, MatchSeat
-from wildscav_leaderboard.matches.visibility import hidden_whys
+from wildscav_leaderboard.matches.visibility import Visible, seen_by
 from wildscav_leaderboard.publishing.documents import (
     End,
     Line,
@@ -181,9 +182,9 @@ def _matches(session: Session, season: Season, board: BoardDocument) -> Iterator
     while found := session.execute(wanted.where(Match.id > last).limit(AT_ONCE)).all():
         last = found[-1][0].id
         matches = [match for match, _ in found]
-        seats, hidden = _seats(session, matches), hidden_whys(session, matches)
+        seats, visible = _seats(session, matches), seen_by(session, matches, None)
         for match, result in found:
-            yield _published(match, result, seats.get(match.id, ()), hidden[match.id])
+            yield _published(match, result, seats.get(match.id, ()), visible[match.id])
         session.expunge_all()
 
 
@@ -236,13 +237,22 @@ def _of_ladder(session: Session, board: LadderBoard) -> "Select[Match, MatchResu
 
 
 def _published(
-    match: Match, result: MatchResult | None, seats: Sequence[Seat], hidden: str
+    match: Match, result: MatchResult | None, seats: Sequence[Seat], visible: Visible
 ) -> PublishedMatch:
     submission = None if match.kind == LADDER else match.group_id
     if result is None:
         void = match.detail or "given up" if match.state == VOID else "not over"
         return PublishedMatch(
             id=match.id, kind=match.kind, number=match.number, submission=submission, void=void
+        )
+    if visible.outcome:  # the digest of its record binds the season to the result
+        return PublishedMatch(
+            id=match.id,
+            kind=match.kind,
+            number=match.number,
+            submission=submission,
+            record=result.record,
+            hidden=visible.outcome,
         )
     # Not validated again, which would take most of the time: the season wrote it itself.
     rows = {one["seat"]: one for one in result.row["seats"]}
@@ -258,7 +268,7 @@ def _published(
         seats=tuple(_seat(one, rows[one.seat]) for one in seats if one.seat in rows),
         record=result.record,
         record_size=result.record_size,
-        hidden=hidden or None,
+        hidden=visible.record or None,
     )
 
 

@@ -13,10 +13,10 @@ from wildscav_leaderboard.boards.documents import SuiteBoard
 from wildscav_leaderboard.boards.history import team_histories
 from wildscav_leaderboard.boards.kept import board_updated, earlier_editions, read_board
 from wildscav_leaderboard.boards.models import HIDDEN, PUBLIC, SEASON, audience_of
+from wildscav_leaderboard.matches.visibility import shown_until
 from wildscav_leaderboard.presentation.boards import head_to_head_view, ladder_of, ranked_teams
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.refusals import UnknownCallerError
-from wildscav_leaderboard.seasons.state import frozen_since
 from wildscav_leaderboard.teams.service import team_of
 from wildscav_leaderboard.web.charts import rank_chart
 from wildscav_leaderboard.web.intervals import Scale
@@ -84,7 +84,7 @@ def _rendered(session: Session, track: str, audience: str, updated: datetime, ow
     shown: dict[str, Any] = {"board": found, "own": own, "is_suite": isinstance(found, SuiteBoard)}
     if found is not None:
         teams = ranked_teams(found, CHARTED)
-        until = updated if audience == HIDDEN else min(updated, frozen_since(session) or updated)
+        until = updated if audience == HIDDEN else min(updated, shown_until(session, None) or updated)
         histories = team_histories(session, track, teams, until)
         chart = rank_chart([(teams[name], points) for name, points in histories.items()], until)
         shown |= {"scale": Scale.of(found), "chart": chart, "charted": list(teams)}

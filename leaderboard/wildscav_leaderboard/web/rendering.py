@@ -73,8 +73,7 @@ def page(
         base=base_of(request),
         **values,
     )
-    headers = {"Cache-Control": "private, no-cache" if caller is not None else "no-cache"}
-    return HTMLResponse(text, status, headers)
+    return HTMLResponse(text, status, {"Cache-Control": "private, no-cache"})
 
 
 def base_of(request: Request) -> str:

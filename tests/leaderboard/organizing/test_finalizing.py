@@ -20,7 +20,7 @@ from wildscav_leaderboard.conductor.plans import plan_ladders, plan_suites
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import FINAL, LADDER, WAITING, Match
 from wildscav_leaderboard.matches.service import PlayedRecord, deliver, seats_of, void
-from wildscav_leaderboard.matches.visibility import hidden_why
+from wildscav_leaderboard.matches.visibility import seen_by
 from wildscav_leaderboard.organizing import finalizing
 from wildscav_leaderboard.organizing.service import disqualify_team, rerun
 from wildscav_leaderboard.seasons import state as season_state
@@ -189,7 +189,7 @@ def test_the_final_matches_alone_decide_and_everything_is_published_at_once(
         assert season_state.read_state(session, season_state.FROZEN) is None
         a_match = session.scalars(select(Match).filter_by(kind=FINAL)).first()
         assert a_match is not None
-        assert hidden_why(session, a_match) == ""
+        assert seen_by(session, [a_match], None)[a_match.id].record == ""
         acts = [(one.actor, one.act) for one in session.scalars(select(AuditEntry).order_by(AuditEntry.id))]
         assert acts == [("anna", "finalize"), ("anna", "decide")]
 

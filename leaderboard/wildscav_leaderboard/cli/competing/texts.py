@@ -128,6 +128,6 @@ def figures(metrics: Mapping[str, float] | None) -> str:
 def outcome(match: MatchView, seat: SeatView) -> str:
     """Return how a match ended for a seat, as far as it is known."""
     if seat.status is None:
-        return "hidden" if match.state == "finished" and match.hidden else ""
+        return "hidden" if match.state == "finished" and match.unseen else ""
     status = "" if seat.status == "finished" and seat.metrics else seat.status
     return " · ".join(filter(None, (status, figures(seat.metrics))))
