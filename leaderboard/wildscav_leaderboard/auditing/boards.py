@@ -42,7 +42,7 @@ def computed_board(
         return _ladder(track, published, entered, matches).model_copy(update={"updated": updated})
     played: dict[int, list[PublishedMatch]] = {}
     for match in matches:
-        if match.submission is not None and match.metrics is not None:
+        if match.submission is not None and match.metrics is not None and not match.superseded:
             played.setdefault(match.submission, []).append(match)
     results = [_suite_results(track, one, played.get(one.id, ())) for one in entered]
     return suite_board(track.name, published.conditions, metrics, results, updated)
@@ -77,7 +77,9 @@ def _ladder(
     matches: Sequence[PublishedMatch],
 ) -> LadderBoard:
     own = digest_of(published.conditions)
-    counted = [match for match in matches if match.void is None and match.conditions == own]
+    counted = [
+        match for match in matches if match.void is None and match.conditions == own and not match.superseded
+    ][: published.applied]
     running = Ladder()
     places: dict[str, list[int]] = {}
     wins: dict[str, int] = {}
@@ -171,7 +173,7 @@ def _differing(name: str, published: Any, expected: Any) -> Iterator[tuple[str, 
 
 def wrong_counts(board: BoardDocument, file: BoardFile) -> Iterator[Finding]:
     """Yield which rows count other matches than those that are published, while the results are hidden."""
-    played = Counter(match.submission for match in file.matches)
+    played = Counter(match.submission for match in file.matches if not match.superseded)
     for row in board.rows:
         if row.matches != played[row.submission]:
             yield wrong_value("matches", row.matches, played[row.submission], **of_row(row))

@@ -90,5 +90,5 @@ def _digests_of(name: str, match: PublishedMatch) -> dict[str, str]:
     whose = match.model_dump_json(include={"id", "kind", "number", "submission", "record"})
     contents = {f"{name}/record": whose}
     if not match.withheld:
-        contents[name] = match.model_dump_json(exclude={"hidden"})
+        contents[name] = match.model_dump_json(exclude={"hidden", "superseded"})
     return {one: blake2b(text.encode(), digest_size=8).hexdigest() for one, text in contents.items()}

@@ -51,6 +51,8 @@ def refresh(session: Session, season: Season, now: datetime, scores: SuiteScores
     for track, edition in season.editions.items():
         if edition.settings.mode == "ladder":
             ladders.apply_matches(session, track)
+        if final is not None and track not in final.conditions:
+            continue  # it was added to the settings after the end
         conditions = edition.conditions if final is None else final.conditions[track]
         mark = {**_mark(session, track, conditions), "final": final is not None}
         if not _is_new(session, f"board:{track}", mark, now):

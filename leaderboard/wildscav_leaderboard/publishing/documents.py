@@ -14,6 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from wildscav_leaderboard.boards.documents import BoardDocument
 from wildscav_leaderboard.boards.models import PUBLIC
+from wildscav_leaderboard.seasons.editions import Conditions
 from wildscav_leaderboard.seasons.settings import Mode
 
 SEASON_FILE = "season.json"
@@ -52,6 +53,17 @@ class PublishedTrack(_Part):
     robots: tuple[str, ...]  # that take part in a ladder
 
 
+class PublishedEdition(_Part):
+    """The rules of a track at some time: results are compared within an edition alone."""
+
+    track: str
+    number: int
+    digest: Digest  # of its conditions, which each of its matches names
+    begun: datetime
+    in_force: bool
+    conditions: Conditions
+
+
 class PublishedSecret(_Part):
     """A secret from which the seeds of matches follow."""
 
@@ -73,6 +85,8 @@ class PublishedSeason(_Part):
     secret: PublishedSecret
     final_secret: PublishedSecret  # of the matches that decide the season
     tracks: tuple[PublishedTrack, ...]
+    editions: tuple[PublishedEdition, ...] = ()  # in the order in which they were made
+    left_out: dict[str, str] = {}  # submissions that are on no board, by number, and why
     boards: tuple[PublishedBoard, ...]
     records: str  # where they are: {match} stands for a match's number, {thousand} for its thousands
 
@@ -113,6 +127,8 @@ class PublishedMatch(_Part):
     id: int  # grows with the order in which matches are made
     kind: str
     number: int  # in the suite, or of the ladder's matches
+    judging: int = 1  # more than 1 where organizers had it played again
+    superseded: bool = False  # whether a later judging has taken its place: it counts no more
     submission: int | None  # the one that is evaluated; None on a ladder
     void: str | None = None  # why it was given up; then nothing else is known of it
     at: datetime | None = None  # when its result arrived

@@ -5,12 +5,11 @@ digest of its record is published, and nothing else. What agents print, and what
 never published.
 """
 
-import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
-from sqlalchemy import Select, select
+from sqlalchemy import Select, or_, select
 from sqlalchemy.orm import Session, defer
 
 from wildscav_engine.storage.files import read_limited
@@ -18,13 +17,14 @@ from wildscav_evaluator.suites.rounds import match_count
 from wildscav_evaluator.suites.seeds import LARGEST, SuiteSeed
 from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard
 from wildscav_leaderboard.boards.kept import read_board
-from wildscav_leaderboard.boards.models import PUBLIC, Board, LadderStep
+from wildscav_leaderboard.boards.models import PUBLIC, Board
 from wildscav_leaderboard.matches.models import FINAL, LADDER, SUITE, VOID, Match, MatchResult, MatchSeat
 from wildscav_leaderboard.matches.visibility import Visible, seen_by
 from wildscav_leaderboard.publishing.documents import (
     End,
     Line,
     PublishedBoard,
+    PublishedEdition,
     PublishedMatch,
     PublishedSeason,
     PublishedSeat,
@@ -33,7 +33,7 @@ from wildscav_leaderboard.publishing.documents import (
     PublishedTrack,
 )
 from wildscav_leaderboard.seasons import state as season_state
-from wildscav_leaderboard.seasons.editions import digest_of
+from wildscav_leaderboard.seasons.editions import Edition, EditionRow, digest_of, sha256_of
 from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE, Season
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.teams.models import Team
@@ -80,9 +80,23 @@ def published_season(session: Session, season: Season, addresses: Addresses) -> 
         secret=_secret(season.folder / SECRET_FILE, season.seed, opened=opened),
         final_secret=_secret(season.folder / FINAL_SECRET_FILE, season.final_seed, opened=opened),
         tracks=tuple(_published_track(season, track, opened=opened) for track in settings.tracks),
+        editions=tuple(_editions(session, season)),
+        left_out=season_state.read_state(session, season_state.LEFT_OUT) or {},
         boards=tuple(_boards(session, season, addresses)),
         records=addresses.records,
     )
+
+
+def _editions(session: Session, season: Season) -> Iterator[PublishedEdition]:
+    for row in session.scalars(select(EditionRow).order_by(EditionRow.id)):
+        yield PublishedEdition(
+            track=row.track,
+            number=row.id,
+            digest=row.digest,
+            begun=row.created,
+            in_force=row.id in season.numbers.values(),
+            conditions=Edition.model_validate(row.document).conditions,
+        )
 
 
 def _boards(session: Session, season: Season, addresses: Addresses) -> Iterator[PublishedBoard]:
@@ -110,7 +124,7 @@ def _published_track(season: Season, track: str, *, opened: bool) -> PublishedTr
         name=track,
         mode=settings.mode,
         suite=suite.label,
-        suite_digest=None if suite.source is None else hashlib.sha256(suite.source).hexdigest(),
+        suite_digest=sha256_of(suite.source),
         suite_file=suite.source.decode() if opened and suite.source is not None else None,
         rounds=settings.rounds,
         planned=settings.matches if is_ladder else match_count(suite, track, settings.rounds),
@@ -184,7 +198,11 @@ def _matches(session: Session, season: Season, board: BoardDocument) -> Iterator
         matches = [match for match, _ in found]
         seats, visible = _seats(session, matches), seen_by(session, matches, None)
         for match, result in found:
-            yield _published(match, result, seats.get(match.id, ()), visible[match.id])
+            one = _published(match, result, seats.get(match.id, ()), visible[match.id])
+            superseded = match.superseded is not None and match.superseded <= board.updated
+            if match.judging > 1 or superseded:
+                one = one.model_copy(update={"judging": match.judging, "superseded": superseded})
+            yield one
         session.expunge_all()
 
 
@@ -219,19 +237,27 @@ def _of_suite(board: BoardDocument, kind: str) -> "Select[Match, MatchResult]":
 
 def _of_ladder(session: Session, board: LadderBoard) -> "Select[Match, MatchResult] | None":
     """Return how to find the matches of a ladder up to the last one that the board counts."""
+    counts = or_(Match.superseded.is_(None), Match.superseded > board.updated)
     applied = (
-        select(LadderStep.match_id)
-        .where(LadderStep.track == board.track, LadderStep.conditions == digest_of(board.conditions))
-        .distinct()
-        .order_by(LadderStep.match_id)
+        select(Match.id)
+        .join(MatchResult, MatchResult.match_id == Match.id)
+        .where(
+            Match.track == board.track,
+            Match.kind == LADDER,
+            MatchResult.conditions == digest_of(board.conditions),
+            MatchResult.at <= board.updated,
+            counts,
+        )
+        .order_by(Match.id)
     )
     last = session.scalar(applied.offset(board.applied - 1).limit(1)) if board.applied else None
     if last is None:
         return None
+    later = (Match.judging > 1) & (MatchResult.at <= board.updated)  # of matches that come before
     return (
         select(Match, MatchResult)
         .outerjoin(MatchResult, MatchResult.match_id == Match.id)
-        .where(Match.track == board.track, Match.kind == LADDER, Match.id <= last)
+        .where(Match.track == board.track, Match.kind == LADDER, or_(Match.id <= last, later))
         .order_by(Match.id)
     )
 
