@@ -23,7 +23,7 @@ from wildscav_leaderboard.seasons.state import OPENED, frozen_since, read_state
 from wildscav_leaderboard.teams.service import team_of
 
 OF_SUITE = (
-    "everyone plays this match of the suite, so it is hidden, from its own team too, until the season's "
+    "everyone plays this match of the suite, its own team again too, so it is hidden until the season's "
     "secret is opened at its end"
 )
 FROZEN = "the public boards are frozen, so it is hidden until the season is finalized"

@@ -147,6 +147,15 @@ class ProgressView(View):
     missing: int  # entrants without whom its ladder makes no match for it; 0 once it has one
 
 
+class TotalsView(View):
+    """How a submission did in all of its matches of a suite together."""
+
+    track: str
+    matches: int
+    score: float  # their mean
+    faults: dict[str, int]  # in how many matches it had each kind of fault
+
+
 class SubmissionView(View):
     """A submission. Its team and the organizers see why it failed."""
 
@@ -173,6 +182,7 @@ class SubmissionView(View):
     command: str | None = None
     history: list[TransitionView] = []
     progress: list[ProgressView] = []  # on each of its tracks, while it takes part; not in lists
+    totals: list[TotalsView] = []  # on each suite whose matches are all over; not in lists
 
 
 class SubmissionList(View):

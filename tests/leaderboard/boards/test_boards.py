@@ -97,6 +97,8 @@ def test_a_team_stands_with_its_best_submission_and_only_with_a_complete_one() -
         ("foxes", 2, "1"),
         ("owls", 4, ""),
     ]
+    # Each change of a figure that comes and goes would tell how one match went.
+    assert [(row.matches, row.metrics.keys()) for row in board.rows] == [(20, {"time"}), (5, set())]
 
 
 def test_with_fewer_than_six_matches_everyone_is_tied() -> None:

@@ -49,18 +49,18 @@ class Marks(NamedTuple):
 
     @property
     def parts(self) -> dict[str, str]:
-        figure = str(int(self.figure))
+        figure, milliseconds = str(int(self.figure)), f"{1000.0 * self.latency:,.1f}"
         return {
-            "outcome": rf"{figure[0]},?{figure[1:]}|{self.status}|{self.status.replace('_', ' ')}",
+            "outcome": rf"(?<![\d.]){figure[0]},?{figure[1:]}(?!\d)|{self.status.replace('_', '[_ ]')}",
             "detail": self.detail,
-            "timing": rf"{self.latency}|\b{1000.0 * self.latency:.1f}\b|\b{self.late_steps}\b",
+            "timing": rf"\b{self.latency}|\b{re.escape(milliseconds)}\b|\b{self.late_steps}\b",
             "log": self.log,
         }
 
 
 MARKS = {
-    SUITE: Marks(7717.25, "never_joined", "SUITE-DETAIL", 0.07742, 47119, "SUITE-LOG"),
-    LADDER: Marks(8818.75, "out_of_memory", "LADDER-DETAIL", 0.08853, 48229, "LADDER-LOG"),
+    SUITE: Marks(7717.25, "never_joined", "SUITE-DETAIL", 6.15437, 47119, "SUITE-LOG"),
+    LADDER: Marks(8818.75, "out_of_memory", "LADDER-DETAIL", 7.26548, 48229, "LADDER-LOG"),
 }
 PATTERNS = {
     **{f"{kind} {part}": text for kind, marks in MARKS.items() for part, text in marks.parts.items()},

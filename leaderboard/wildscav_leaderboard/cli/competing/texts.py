@@ -14,6 +14,7 @@ from wildscav_leaderboard.presentation.documents import (
     QuotaView,
     SeatView,
     SubmissionView,
+    TotalsView,
 )
 
 STATE_STYLES = {
@@ -113,6 +114,14 @@ def standing(one: ProgressView) -> str:
     if one.missing:
         return waits_for(one.missing)
     return f"{one.played:,} of {counted(one.planned, 'match')} played"
+
+
+def totals(one: TotalsView) -> str:
+    """Return how a submission did in all matches of a suite, and how to find its faults."""
+    parts = [f"mean {one.score:.4g} in {counted(one.matches, 'match')}"]
+    parts += [f"{count} {name.replace('_', ' ')}" for name, count in one.faults.items()]
+    hint = f" (`wildscav evaluate DIR --track {one.track}` plays on public seeds)" if one.faults else ""
+    return ", ".join(parts) + hint
 
 
 def who(seat: SeatView) -> str:
