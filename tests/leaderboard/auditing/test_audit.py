@@ -55,7 +55,7 @@ def test_before_the_secrets_are_opened_the_rest_is_listed_with_the_reason(
 def test_of_a_hidden_suite_nothing_is_published_but_which_records_there_are(
     hidden: Published, audit: Run
 ) -> None:
-    told = {"id", "kind", "number", "submission", "record", "hidden"}
+    told = {"id", "kind", "number", "judging", "submission", "record", "hidden"}
     for match in hidden.matches("navigation"):
         empty = {name: value for name, value in match.items() if name not in told}
         assert not any(empty.values()), empty
