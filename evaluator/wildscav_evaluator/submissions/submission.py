@@ -3,7 +3,7 @@
 import hashlib
 import os
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Annotated, Any
@@ -92,6 +92,7 @@ class Submission:
     folder: Path  # absolute
     manifest: Manifest
     digest: str  # of every file in the folder, or of the image; 32 hexadecimal digits
+    content: str = ""  # digest of what plays: without the labels in the manifest; empty for an image
     image: str | None = None  # the image that it was built into or is
     entered_as: str | None = None  # another name for it, where several submissions have its name
 
@@ -118,7 +119,8 @@ def load_submission(folder: Path) -> Submission:
         raise SubmissionError(f"{path} is missing: `wildscav init DIR` makes a folder with one")
     manifest = read_manifest(path)
     _check_program(path, manifest)
-    return Submission(folder=folder.resolve(), manifest=manifest, digest=folder_digest(folder))
+    files = dict(_hashed_files(folder))
+    return Submission(folder.resolve(), manifest, _digest_of(files), _digest_of(_content(files, manifest)))
 
 
 def read_manifest(path: Path) -> Manifest:
@@ -226,7 +228,24 @@ def folder_digest(folder: Path) -> str:
         SubmissionError: A link leads out of the folder or in a circle; or an entry is not a file, a folder or
             a link.
     """
+    return _digest_of(dict(_hashed_files(folder)))
+
+
+def _digest_of(files: Mapping[bytes, str]) -> str:
     digest = hashlib.blake2b(digest_size=16)
+    for name, content in files.items():
+        digest.update(name + f"\0{content}\n".encode())
+    return digest.hexdigest()
+
+
+def _content(files: Mapping[bytes, str], manifest: Manifest) -> dict[bytes, str]:
+    """Return the digests of a submission's files; of its manifest, only fields that change how it plays."""
+    plays = manifest.model_dump_json(include={"entry_point", "command", "sensors"})
+    return {**files, MANIFEST.encode(): plays}
+
+
+def _hashed_files(folder: Path) -> Iterator[tuple[bytes, str]]:
+    """Yield the path and the digest of every file in a folder, except what tools leave behind."""
     for path in sorted(folder.rglob("*")):
         relative = path.relative_to(folder)
         if IGNORED_FOLDERS.intersection(relative.parts):
@@ -237,13 +256,10 @@ def folder_digest(folder: Path) -> str:
             raise SubmissionError(
                 f"{path} is a pipe, a socket or a device: a submission may have only files, folders and links"
             )
-        if not path.is_file():
-            continue
-        with path.open("rb") as file:
-            content = hashlib.file_digest(file, "blake2b").hexdigest()
-        # A name need not be UTF-8.
-        digest.update(os.fsencode(relative.as_posix()) + f"\0{content}\n".encode())
-    return digest.hexdigest()
+        if path.is_file():
+            with path.open("rb") as file:
+                # A name need not be UTF-8.
+                yield os.fsencode(relative.as_posix()), hashlib.file_digest(file, "blake2b").hexdigest()
 
 
 def _check_link(path: Path, folder: Path) -> None:

@@ -11,19 +11,19 @@ from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from wildscav_evaluator.output.results import metric_infos
-from wildscav_evaluator.ratings.ladder import Skill
 from wildscav_evaluator.seats import robot_entrant
 from wildscav_leaderboard.boards import ladders
 from wildscav_leaderboard.boards.conditions import conditions_of
 from wildscav_leaderboard.boards.documents import (
     Conditions,
     LadderBoard,
+    LadderRow,
     SuiteBoard,
     digest_of,
     place_of,
 )
 from wildscav_leaderboard.boards.final import Final, read_final, write_final
-from wildscav_leaderboard.boards.ladder_board import LadderResults, ladder_board
+from wildscav_leaderboard.boards.ladder_board import Enough, LadderEntrant, ladder_board
 from wildscav_leaderboard.boards.models import HIDDEN, PUBLIC, SEASON, Board, BoardPoint
 from wildscav_leaderboard.boards.suite_board import SuiteResults, suite_board
 from wildscav_leaderboard.boards.suite_scores import SuiteScores
@@ -57,12 +57,13 @@ def refresh(
         if final is not None and track not in final.conditions:
             continue  # it was added to the settings after the end
         conditions = conditions_of(season, track, sandbox) if final is None else final.conditions[track]
-        mark = {**_mark(session, track, conditions), "final": final is not None}
+        enough = [settings.interval, settings.matches] if settings.mode == "ladder" else []
+        mark = {**_mark(session, track, conditions), "final": final is not None, "enough": enough}
         if season_state.read_state(session, f"board:{track}") == mark:
             continue
         season_state.write_state(session, f"board:{track}", mark, now)
         board = (
-            _ladder_board(session, season, track, conditions, now)
+            _ladder_board(session, season, track, conditions, now, final)
             if settings.mode == "ladder"
             else _suite_board(session, season, track, conditions, now, final, scores or SuiteScores())
         )
@@ -139,10 +140,10 @@ def _add_points(session: Session, board: SuiteBoard | LadderBoard, now: datetime
             continue
         score, low, high = place_of(board, row)
         before = last.get(row.submission)
-        if before is not None and (before.rank, before.last_rank, before.score) == (
-            *(row.rank, row.last_rank),
-            score,
-        ):
+        # Every match changes all ratings of a ladder a little, which is no change of a place.
+        same_score = before is not None and (isinstance(row, LadderRow) or before.score == score)
+        place = (row.rank, row.last_rank, row.matches)
+        if before is not None and same_score and (before.rank, before.last_rank, before.matches) == place:
             continue
         session.add(
             BoardPoint(
@@ -219,41 +220,16 @@ def _suite_board(
 
 
 def _ladder_board(
-    session: Session, season: Season, track: str, conditions: Conditions, now: datetime
+    session: Session, season: Season, track: str, conditions: Conditions, now: datetime, final: Final | None
 ) -> LadderBoard:
-    digest = digest_of(conditions)
-    skills = ladders.skills_of(session, track, digest)
-    standings = ladders.standings_of(session, track, digest)
-    settings = season.track(track)
-
-    def results(name: str, entrant: str, version: str, **others: Any) -> LadderResults:
-        standing = standings.get(entrant, ladders.Standing())
-        return LadderResults(
-            name=name,
-            version=version,
-            planned=settings.matches,
-            faults=standing.faults,
-            skill=skills.get(entrant, Skill()),
-            places=standing.places,
-            wins=standing.wins,
-            **others,
-        )
-
-    entered = [
-        results(
-            one.name,
-            one.entrant,
-            one.version,
-            submission=one.id,
-            team=team.name,
-            team_title=team.title,
-            since=one.created,
-        )
+    field = None if final is None else final.field.get(track)
+    entrants = [
+        LadderEntrant(one.entrant, one.id, one.name, one.version, team.name, team.title, one.created)
         for one, team in _entered(session, track)
+        if field is None or one.id in field
     ]
-    robots = [
-        results(robot, robot_entrant(robot), "", submission=None, team="", team_title="", since=None)
-        for robot in settings.robots
-    ]
-    applied = ladders.applied_matches(session, track, digest)
-    return ladder_board(track, conditions, metric_infos(track), [*entered, *robots], applied, now)
+    settings = season.track(track)
+    entrants += [LadderEntrant(robot_entrant(robot), None, robot) for robot in settings.robots]
+    played = ladders.played_on(session, track, digest_of(conditions))
+    enough = Enough(settings.interval, settings.matches)
+    return ladder_board(track, conditions, metric_infos(track), entrants, played, enough, now)

@@ -26,7 +26,7 @@ from wildscav_leaderboard.conductor.models import Attempt
 from wildscav_leaderboard.conductor.plans import plan_ladders
 from wildscav_leaderboard.conductor.sandboxes import chosen_sandbox
 from wildscav_leaderboard.database.connection import Database, DatabaseError, clock
-from wildscav_leaderboard.matches.models import FINAL, Match
+from wildscav_leaderboard.matches.models import Match
 from wildscav_leaderboard.matches.service import seats_of
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.folder import Season
@@ -266,7 +266,7 @@ class Conductor:
             self._broke(attempt.id, result.row.detail)
             return
         with self.database.reading() as session:
-            is_final = session.get_one(Match, attempt.match_id).kind == FINAL
+            is_final = session.get_one(Match, attempt.match_id).decides
         conditions = digest_of(conditions_of(self.season, result.job.track, self._sandbox, final=is_final))
         try:
             row, record = work.keep_record(result, conditions)

@@ -16,6 +16,7 @@ from wildscav_leaderboard.matches.models import (
     FINISHED,
     LADDER,
     PLAYING,
+    SEASON_ROUND,
     SUITE,
     VOID,
     WAITING,
@@ -80,6 +81,7 @@ def add_ladder_match(
     spec: MatchSpec,
     entrants: Mapping[int, Entrant],
     now: datetime,
+    group: int = SEASON_ROUND,
 ) -> Match:
     """Plan a match of a ladder.
 
@@ -90,8 +92,9 @@ def add_ladder_match(
         spec: The match.
         entrants: Who plays in the seats that have an entrant.
         now: The time.
+        group: Of the ladder: that of the season, or the final round.
     """
-    return add_match(session, _match(LADDER, track, number, 0, spec, now), entrants)
+    return add_match(session, _match(LADDER, track, number, group, spec, now), entrants)
 
 
 def _match(

@@ -2,8 +2,8 @@
 
 Whoever submits often, and looks at the board each time, fits an agent to the matches of the season a little,
 whether that is wanted or not. So the best submissions of each suite play the same number of matches again, on
-the seeds of the second secret, on which nobody has played; these matches alone decide. A ladder is decided by
-its own matches: each of them was played once, by its entrants alone, on a map that nobody had seen.
+the seeds of the second secret, on which nobody has played; these matches alone decide. Ladders
+have final rounds (``final_rounds.py``).
 
 Each step is one transaction that finds out by itself what is to be done next. So it may be interrupted at
 any moment, and begun again.
@@ -27,6 +27,7 @@ from wildscav_leaderboard.conductor.plans import ladders_want_matches
 from wildscav_leaderboard.database.connection import clock
 from wildscav_leaderboard.matches.models import FINAL, FINISHED, PLAYING, VOID, WAITING, Match, MatchResult
 from wildscav_leaderboard.matches.service import add_suite_matches
+from wildscav_leaderboard.organizing import final_rounds
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE, Season
 from wildscav_leaderboard.seasons.refusals import RefusalError
@@ -56,7 +57,8 @@ def begin(session: Session, season: Season, actor: str, best: int, now: datetime
         session: A writing session.
         season: The season.
         actor: Who wants it.
-        best: How many submissions of each suite play the matches that decide it, at most.
+        best: How many submissions of each suite play the matches that decide it, at most; a final round of a
+            ladder has everyone who may be among so many.
         now: The time.
         early: Whether it may begin before the season closes.
 
@@ -70,7 +72,7 @@ def begin(session: Session, season: Season, actor: str, best: int, now: datetime
         raise RefusalError(f"the season is open until {closes}; --now ends it at once")
     value: dict[str, Any] = {"at": now.isoformat(), "best": best, "field": None}
     season_state.write_state(session, season_state.FINALIZING, value, now)
-    log_act(session, actor, "finalize", "season", now, f"the best {best} of each suite play again")
+    log_act(session, actor, "finalize", "season", now, f"the best {best} of each track play again")
 
 
 def advance(session: Session, season: Season, actor: str, now: datetime) -> Progress:
@@ -95,7 +97,7 @@ def advance(session: Session, season: Season, actor: str, now: datetime) -> Prog
         if settling is not None:
             return settling
         state = _choose_field(session, season, state, now)
-    deciding = _deciding(session, state["field"])
+    deciding = _deciding(session, season, state["field"])
     if deciding is not None:
         return deciding
     _decide(session, season, state["field"], actor, now)
@@ -123,12 +125,12 @@ def _choose_field(session: Session, season: Season, state: dict[str, Any], now: 
         for number in field[track]:
             submission = session.get_one(Submission, number)
             add_suite_matches(session, submission, track, specs, now, FINAL)
-    chosen = {**state, "field": field}
+    chosen = {**state, "field": field | final_rounds.fields_of(session, season, state["best"])}
     season_state.write_state(session, season_state.FINALIZING, chosen, now)
     return chosen
 
 
-def _deciding(session: Session, field: dict[str, list[int]]) -> Progress | None:
+def _deciding(session: Session, season: Season, field: dict[str, list[int]]) -> Progress | None:
     """Return how far the matches that decide the season are; None if they are played.
 
     Raises:
@@ -147,8 +149,9 @@ def _deciding(session: Session, field: dict[str, list[int]]) -> Progress | None:
             f"final matches of {numbers} were given up after faults of the platform: find out why "
             "(`wildscav season status`), and have them played again (`wildscav season rerun`)"
         )
-    planned = _count(session, own)
-    played = _count(session, own.where(Match.state == FINISHED))
+    on_ladders = final_rounds.played_and_planned(session, season)
+    planned = _count(session, own) + on_ladders[1]
+    played = _count(session, own.where(Match.state == FINISHED)) + on_ladders[0]
     return None if played == planned else Progress(DECIDING, played, planned, 0, _why_it_stands(session))
 
 
@@ -166,9 +169,9 @@ def _decide(session: Session, season: Season, field: dict[str, list[int]], actor
         RefusalError: Final matches were played under different conditions.
     """
     sandbox = _sandbox(session, season)
+    field = final_rounds.decided_by(session, season, field)
     conditions = {
-        track: conditions_of(season, track, sandbox, final=settings.mode == "suite")
-        for track, settings in season.settings.tracks.items()
+        track: conditions_of(season, track, sandbox, final=track in field) for track in season.settings.tracks
     }
     for track in field:
         _check_conditions(session, track, digest_of(conditions[track]))
@@ -188,7 +191,7 @@ def _check_conditions(session: Session, track: str, digest: str) -> None:
         select(func.count())
         .select_from(Match)
         .join(MatchResult, MatchResult.match_id == Match.id)
-        .where(Match.kind == FINAL, Match.track == track, MatchResult.conditions != digest),
+        .where(Match.decides, Match.track == track, MatchResult.conditions != digest),
     )
     if others:
         raise RefusalError(

@@ -18,7 +18,17 @@ from wildscav_evaluator.suites.seeds import LARGEST, SuiteSeed
 from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard, digest_of
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.models import PUBLIC, Board, LadderStep
-from wildscav_leaderboard.matches.models import FINAL, LADDER, SUITE, VOID, Match, MatchResult, MatchSeat
+from wildscav_leaderboard.matches.models import (
+    FINAL,
+    FINAL_ROUND,
+    LADDER,
+    SEASON_ROUND,
+    SUITE,
+    VOID,
+    Match,
+    MatchResult,
+    MatchSeat,
+)
 from wildscav_leaderboard.matches.visibility import hidden_whys
 from wildscav_leaderboard.publishing.documents import (
     End,
@@ -113,6 +123,7 @@ def _published_track(season: Season, track: str, *, opened: bool) -> PublishedTr
         rounds=settings.rounds,
         planned=settings.matches if is_ladder else match_count(suite, track, settings.rounds),
         robots=settings.robots if is_ladder else (),
+        interval=settings.interval if is_ladder else None,
     )
 
 
@@ -168,7 +179,7 @@ def _matches(session: Session, season: Season, board: BoardDocument) -> Iterator
     """Yield the matches that count on a board, in the order in which they were made."""
     final = board.conditions.commitment == season.final_seed.commitment
     wanted = (
-        _of_ladder(session, board)
+        _of_ladder(session, board, FINAL_ROUND if final else SEASON_ROUND)
         if isinstance(board, LadderBoard)
         else _of_suite(board, FINAL if final else SUITE)
     )
@@ -215,7 +226,7 @@ def _of_suite(board: BoardDocument, kind: str) -> "Select[Match, MatchResult]":
     )
 
 
-def _of_ladder(session: Session, board: LadderBoard) -> "Select[Match, MatchResult] | None":
+def _of_ladder(session: Session, board: LadderBoard, group: int) -> "Select[Match, MatchResult] | None":
     """Return how to find the matches of a ladder up to the last one that the board counts."""
     applied = (
         select(LadderStep.match_id)
@@ -229,7 +240,7 @@ def _of_ladder(session: Session, board: LadderBoard) -> "Select[Match, MatchResu
     return (
         select(Match, MatchResult)
         .outerjoin(MatchResult, MatchResult.match_id == Match.id)
-        .where(Match.track == board.track, Match.kind == LADDER, Match.id <= last)
+        .where(Match.track == board.track, Match.kind == LADDER, Match.group_id == group, Match.id <= last)
         .order_by(Match.id)
     )
 

@@ -8,19 +8,11 @@ from tests.leaderboard.seasons_made import NOON
 from wildscav_engine.specs.map_spec import MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.output.results import MatchRow, MatchTiming, SeatRow, metric_infos
-from wildscav_evaluator.ratings.head_to_head import PairRecord
-from wildscav_evaluator.ratings.ladder import Ladder, Skill
-from wildscav_leaderboard.boards.ladders import (
-    Standing,
-    applied_matches,
-    apply_matches,
-    rated_match,
-    skills_of,
-    standings_of,
-)
+from wildscav_evaluator.ratings.head_to_head import PairRecord, entrant_records
+from wildscav_leaderboard.boards.ladders import apply_matches, latest_conditions, placed_match, played_on
 from wildscav_leaderboard.boards.meetings import head_to_head, records_against
 from wildscav_leaderboard.database.connection import Database
-from wildscav_leaderboard.matches.models import Match
+from wildscav_leaderboard.matches.models import FINAL_ROUND, SEASON_ROUND, Match
 from wildscav_leaderboard.matches.service import Entrant, PlayedRecord, add_ladder_match, deliver, void
 
 SCORE = metric_infos("royale")[0]
@@ -64,12 +56,12 @@ def test_a_match_that_ends_early_waits_for_those_that_were_made_before_it(databa
         end(session, fourth, {"fox": 1, "owl": 2})
         assert apply_matches(session, "royale") == 1
 
-        by_hand = Ladder()
-        for fox, owl in ((2.0, 1.0), (1.0, 2.0), (1.0, 2.0)):
-            seats = [("robot:fox", {"placement": fox}), ("robot:owl", {"placement": owl})]
-            by_hand.apply(rated_match(0, "royale", seats))
-        assert skills_of(session, "royale", "a") == dict(by_hand.skills)
-        assert applied_matches(session, "royale", "a") == 3
+        ends = [(2, 1), (1, 2), (1, 2)]
+        matches = [
+            placed_match(number, [("robot:fox", fox), ("robot:owl", owl)])
+            for number, (fox, owl) in zip((0, 1, 3), ends, strict=True)
+        ]
+        assert played_on(session, "royale", "a").matches == tuple(matches)
 
 
 def test_matches_under_other_conditions_are_another_ladder(database: Database) -> None:
@@ -78,10 +70,10 @@ def test_matches_under_other_conditions_are_another_ladder(database: Database) -
             end(session, plan(session, number, "fox", "owl"), {"fox": 1, "owl": 2}, under)
         assert apply_matches(session, "royale") == 3
 
-        old, new = skills_of(session, "royale", "a"), skills_of(session, "royale", "b")
-        assert old["robot:fox"].mu > new["robot:fox"].mu > Skill().mu
-        assert applied_matches(session, "royale", "b") == 1
-        assert skills_of(session, "royale") == old, "whatever was played last"
+        assert [match.game for match in played_on(session, "royale", "a").matches] == [0, 1]
+        assert len(played_on(session, "royale", "b").matches) == 1
+        assert latest_conditions(session, "royale", SEASON_ROUND) == "a", "whatever was played last"
+        assert latest_conditions(session, "royale", FINAL_ROUND) is None
 
 
 def test_a_match_that_an_opponent_broke_is_no_fault_of_ones_own(database: Database) -> None:
@@ -90,11 +82,9 @@ def test_a_match_that_an_opponent_broke_is_no_fault_of_ones_own(database: Databa
         end(session, plan(session, 1, "fox", "owl", "hare"), {"fox": 1, "owl": 1, "hare": 3})
         apply_matches(session, "royale")
 
-        assert standings_of(session, "royale", "a") == {
-            "robot:fox": Standing((1, 1), 1, 0),
-            "robot:owl": Standing((2, 1), 0, 1),
-            "robot:hare": Standing((3,), 0, 0),
-        }
+        played = played_on(session, "royale", "a")
+        assert played.faults == {"robot:fox": 0, "robot:owl": 1, "robot:hare": 0}
+        assert entrant_records(played.matches)["robot:fox"].wins == 1
         met = head_to_head(session, "royale", "a", ["robot:fox", "robot:owl", "robot:hare"])
         assert met["robot:fox", "robot:owl"] == PairRecord(wins=1, ties=1, losses=0)
         assert met["robot:hare", "robot:fox"] == PairRecord(wins=0, ties=0, losses=1)
