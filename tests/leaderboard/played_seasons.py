@@ -21,7 +21,7 @@ from wildscav_leaderboard.boards.documents import digest_of
 from wildscav_leaderboard.boards.service import after_boards, refresh
 from wildscav_leaderboard.conductor.plans import plan_ladders, plan_suites
 from wildscav_leaderboard.database.connection import Database
-from wildscav_leaderboard.matches.models import FINAL, LADDER, WAITING, Match, MatchSeat
+from wildscav_leaderboard.matches.models import LADDER, WAITING, Match, MatchSeat
 from wildscav_leaderboard.matches.service import PlayedRecord, deliver, seats_of
 from wildscav_leaderboard.organizing import finalizing
 from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE, Season
@@ -97,7 +97,7 @@ def play(session: Session, season: Season, match: Match, now: datetime) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     write_record(path, game, display_names(game.spec.seats, names, robots))
     rows = tuple(_row(game, seat, is_ladder=match.kind == LADDER) for seat in seats)
-    conditions = digest_of(conditions_of(season, match.track, SANDBOX, final=match.kind == FINAL))
+    conditions = digest_of(conditions_of(season, match.track, SANDBOX, final=match.decides))
     deliver(
         session,
         match,

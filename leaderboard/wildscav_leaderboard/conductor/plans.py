@@ -1,7 +1,7 @@
 """Which matches the season plans: the suites of its active submissions, and the next ones of its ladders.
 
-At the end, the ladders get a final round: another ladder with the same rules among the field of each, on games
-of the second secret. It decides alone, so luck in the season's matches is worth nothing in it.
+At the end, the ladders get a final round: another ladder with the same rules among the field of each, on
+games of the second secret. It decides alone, so luck in the season's matches is worth nothing in it.
 """
 
 from collections.abc import Iterable, Sequence

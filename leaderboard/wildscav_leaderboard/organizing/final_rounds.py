@@ -7,13 +7,12 @@ decided by its matches of the season.
 
 from collections.abc import Mapping
 
-from sqlalchemy import func, select
+from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.models import HIDDEN
-from wildscav_leaderboard.conductor.plans import ladders_want_matches
-from wildscav_leaderboard.matches.models import FINAL_ROUND, FINISHED, LADDER, VOID, Match
+from wildscav_leaderboard.matches.models import FINISHED, Match
 from wildscav_leaderboard.seasons.folder import Season
 
 
@@ -27,14 +26,6 @@ def fields_of(session: Session, season: Season, best: int) -> dict[str, list[int
         if len(field) > 1:
             found[track] = field
     return found
-
-
-def played_and_planned(session: Session, season: Season) -> tuple[int, int]:
-    """Return how many matches of the final rounds are played and planned; they are over when both are equal."""
-    counting = select(func.count()).where(Match.kind == LADDER, Match.group_id == FINAL_ROUND)
-    planned = session.scalar(counting.where(Match.state != VOID)) or 0
-    played = session.scalar(counting.where(Match.state == FINISHED)) or 0
-    return played, planned + ladders_want_matches(session, season)
 
 
 def decided_by(session: Session, season: Season, field: Mapping[str, list[int]]) -> dict[str, list[int]]:

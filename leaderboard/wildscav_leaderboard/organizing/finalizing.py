@@ -25,7 +25,16 @@ from wildscav_leaderboard.boards.models import HIDDEN
 from wildscav_leaderboard.conductor.lease import holder_of
 from wildscav_leaderboard.conductor.plans import ladders_want_matches
 from wildscav_leaderboard.database.connection import clock
-from wildscav_leaderboard.matches.models import FINAL, FINISHED, PLAYING, VOID, WAITING, Match, MatchResult
+from wildscav_leaderboard.matches.models import (
+    FINAL,
+    FINISHED,
+    LADDER,
+    PLAYING,
+    VOID,
+    WAITING,
+    Match,
+    MatchResult,
+)
 from wildscav_leaderboard.matches.service import add_suite_matches
 from wildscav_leaderboard.organizing import final_rounds
 from wildscav_leaderboard.seasons import state as season_state
@@ -149,10 +158,11 @@ def _deciding(session: Session, season: Season, field: dict[str, list[int]]) -> 
             f"final matches of {numbers} were given up after faults of the platform: find out why "
             "(`wildscav season status`), and have them played again (`wildscav season rerun`)"
         )
-    on_ladders = final_rounds.played_and_planned(session, season)
-    planned = _count(session, own) + on_ladders[1]
-    played = _count(session, own.where(Match.state == FINISHED)) + on_ladders[0]
-    return None if played == planned else Progress(DECIDING, played, planned, 0, _why_it_stands(session))
+    rounds = select(func.count()).where(Match.decides, Match.kind == LADDER, Match.state != VOID)
+    planned = _count(session, own) + _count(session, rounds)
+    played = sum(_count(session, one.where(Match.state == FINISHED)) for one in (own, rounds))
+    is_over = played == planned and not ladders_want_matches(session, season)
+    return None if is_over else Progress(DECIDING, played, planned, 0, _why_it_stands(session))
 
 
 def _active(session: Session, field: dict[str, list[int]]) -> list[int]:

@@ -115,11 +115,9 @@ def duels(*pairs: str) -> tuple[RatedMatch, ...]:
     return tuple(replace(end, game=game % len(pairs)) for game, end in enumerate(ends))
 
 
-def ladder_of(
-    matches: tuple[RatedMatch, ...], names: str, enough: Enough = Enough(400.0, 100)
-) -> LadderBoard:
+def ladder_of(matches: tuple[RatedMatch, ...], names: str) -> LadderBoard:
     entrants = [LadderEntrant(name, number, name, team=name) for number, name in enumerate(names, 1)]
-    return ladder_board("battle", CONDITIONS, TIME, entrants, Played(matches), enough, NOON)
+    return ladder_board("battle", CONDITIONS, TIME, entrants, Played(matches), Enough(400.0, 100), NOON)
 
 
 def test_a_ladder_ties_those_that_are_equal_and_ranks_nobody_before_a_match() -> None:
