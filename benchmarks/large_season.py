@@ -134,6 +134,7 @@ def _add_submissions(session: Session, now: datetime) -> list[str]:
             message="a message",
             tracks=["navigation", "battle"],
             digest=f"{number:032x}",
+            content=f"{number:032x}",
             archive=f"{number:064x}.zip",
             size=100_000,
             created=created,

@@ -191,7 +191,7 @@ class _Filling:
         folder.mkdir(parents=True)
         tracks = tracks or '["navigation", "battle"]'
         (folder / "submission.toml").write_text(MANIFEST.format(name=name, version=version, tracks=tracks))
-        (folder / "agent.py").write_text(AGENT)
+        (folder / "agent.py").write_text(f"{AGENT}# {version}\n")
         account = find_account(session, team)
         assert account is not None
         archive = checked(self.season, folder)

@@ -3,7 +3,7 @@
 import hashlib
 import os
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Annotated, Any
@@ -88,6 +88,7 @@ class Submission:
     folder: Path  # absolute
     manifest: Manifest
     digest: str  # of the submission's files, or of the image; 32 hexadecimal digits
+    content: str = ""  # digest of what plays: without the labels in the manifest; empty for an image
     image: str | None = None  # the image that it was built into or is
     entered_as: str | None = None  # another name for it, where several submissions have its name
 
@@ -114,7 +115,8 @@ def load_submission(folder: Path) -> Submission:
         raise SubmissionError(f"{path} is missing: `wildscav init DIR` makes a folder with one")
     manifest = read_manifest(path)
     _check_program(path, manifest, submission_files(folder))
-    return Submission(folder=folder.resolve(), manifest=manifest, digest=folder_digest(folder))
+    files = dict(_hashed_files(folder))
+    return Submission(folder.resolve(), manifest, _digest_of(files), _digest_of(_content(files, manifest)))
 
 
 def read_manifest(path: Path) -> Manifest:
@@ -226,11 +228,26 @@ def folder_digest(folder: Path) -> str:
     Raises:
         SubmissionError: See ``submission_files``.
     """
+    return _digest_of(dict(_hashed_files(folder)))
+
+
+def _digest_of(files: Mapping[bytes, str]) -> str:
     digest = hashlib.blake2b(digest_size=16)
+    for name, content in files.items():
+        digest.update(name + f"\0{content}\n".encode())
+    return digest.hexdigest()
+
+
+def _content(files: Mapping[bytes, str], manifest: Manifest) -> dict[bytes, str]:
+    """Return the digests of a submission's files; of its manifest, only fields that change how it plays."""
+    plays = manifest.model_dump_json(include={"entry_point", "command", "sensors"})
+    return {**files, MANIFEST.encode(): plays}
+
+
+def _hashed_files(folder: Path) -> Iterator[tuple[bytes, str]]:
+    """Yield the path of each file of a submission, and a digest that says whether it is executable."""
     for path in submission_files(folder):
         with path.open("rb") as file:
             content = hashlib.file_digest(file, "blake2b").hexdigest()
         mark = "\0executable" if is_executable(path) else ""
-        # A name need not be UTF-8.
-        digest.update(os.fsencode(path.relative_to(folder).as_posix()) + f"\0{content}{mark}\n".encode())
-    return digest.hexdigest()
+        yield os.fsencode(path.relative_to(folder).as_posix()), f"{content}{mark}"  # a name need not be UTF-8

@@ -45,14 +45,15 @@ class SuiteRow(Row):
 class LadderRow(Row):
     """A place on the board of a ladder."""
 
-    rating: float  # on the scale of Elo; 1500 for a new entrant
+    model_config = ConfigDict(frozen=True, extra="ignore")  # older boards have OpenSkill's mu and sigma
+
+    provisional: bool = False  # until its interval is as narrow as the season asks
+    rating: float  # on the scale of Elo; the mean of those who met is 1500
     deviation: float  # standard deviation of the rating
     low: float  # of the rating's 95 % interval
     high: float
     wins: int  # matches in which it was first, alone
-    mean_place: float | None
-    mu: float  # on OpenSkill's scale, from which the ladder goes on
-    sigma: float
+    mean_place: float | None  # a tie counts as the mean of the places that it covers
 
 
 class SuiteBoard(_Part):
@@ -79,7 +80,7 @@ class LadderBoard(_Part):
     applied: int  # matches under these conditions that the ratings come from: the first ones that were made
     metrics: tuple[MetricInfo, ...]  # by which the entrants of a match are placed, and the others
     entered: tuple[int, ...] = ()  # the submissions that take part; each team's best one has a row
-    rows: tuple[LadderRow, ...]  # the highest rating first
+    rows: tuple[LadderRow, ...]  # the highest rating first; a provisional one is where its low is
 
 
 BoardDocument = Annotated[SuiteBoard | LadderBoard, Field(discriminator="mode")]

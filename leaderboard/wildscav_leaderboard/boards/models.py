@@ -1,4 +1,4 @@
-"""The tables of boards: their current documents, the history of ranks, and the steps of ladders."""
+"""The tables of boards: their current documents, the history of ranks, and the places on ladders."""
 
 from datetime import datetime
 from typing import Any
@@ -54,7 +54,7 @@ class BoardPoint(Base):
 
 
 class LadderStep(Base):
-    """An entrant's skill after a match of a ladder. Results under other conditions are another ladder."""
+    """An entrant's place in a match of a ladder. Results under other conditions are another ladder."""
 
     __tablename__ = "ladder_steps"
     __table_args__ = (Index("ix_ladder_steps_track_entrant", "track", "conditions", "entrant", "match_id"),)
@@ -63,7 +63,5 @@ class LadderStep(Base):
     entrant: Mapped[str] = mapped_column(primary_key=True)
     track: Mapped[str]
     conditions: Mapped[str]  # digest of the conditions under which the match was played
-    mu: Mapped[float]  # on OpenSkill's scale
-    sigma: Mapped[float]
     place: Mapped[int]  # of its team in the match, 1 is the best
     fault: Mapped[bool]  # whether something went wrong in its seat

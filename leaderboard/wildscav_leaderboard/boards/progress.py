@@ -6,7 +6,7 @@ from typing import NamedTuple
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
-from wildscav_leaderboard.matches.models import FINAL, FINISHED, SUITE, VOID, Match, MatchResult, MatchSeat
+from wildscav_leaderboard.matches.models import FINISHED, SUITE, VOID, Match, MatchResult, MatchSeat
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.states import ACTIVE
@@ -18,7 +18,7 @@ class Progress(NamedTuple):
 
     track: str
     played: int  # matches
-    planned: int  # on a ladder: until its rating counts as settled
+    planned: int  # on a ladder: at most, if its rating is not settled before
     missing: int  # entrants without whom its ladder makes no match for it; 0 once it has one
 
 
@@ -85,7 +85,7 @@ def _counts(session: Session, submission: Submission) -> dict[str, dict[str, int
     wanted = (
         select(Match.track, Match.state, func.count(Match.id.distinct()))
         .join(MatchSeat, MatchSeat.match_id == Match.id)
-        .where(MatchSeat.submission_id == submission.id, Match.kind != FINAL, Match.state != VOID)
+        .where(MatchSeat.submission_id == submission.id, ~Match.decides, Match.state != VOID)
         .group_by(Match.track, Match.state)
     )
     found: dict[str, dict[str, int]] = {}

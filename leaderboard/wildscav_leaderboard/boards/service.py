@@ -12,12 +12,11 @@ from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from wildscav_evaluator.output.results import MetricInfo
-from wildscav_evaluator.ratings.ladder import Skill
 from wildscav_evaluator.seats import robot_entrant
 from wildscav_leaderboard.boards import ladders
-from wildscav_leaderboard.boards.documents import LadderBoard, SuiteBoard, place_of
+from wildscav_leaderboard.boards.documents import LadderBoard, LadderRow, SuiteBoard, place_of
 from wildscav_leaderboard.boards.final import Final, read_final, write_final
-from wildscav_leaderboard.boards.ladder_board import LadderResults, ladder_board
+from wildscav_leaderboard.boards.ladder_board import Enough, LadderEntrant, ladder_board
 from wildscav_leaderboard.boards.models import HIDDEN, PUBLIC, SEASON, Board, BoardPoint, audience_of
 from wildscav_leaderboard.boards.suite_board import SuiteResults, suite_board
 from wildscav_leaderboard.boards.suite_scores import SuiteScores
@@ -54,10 +53,12 @@ def refresh(session: Session, season: Season, now: datetime, scores: SuiteScores
         if final is not None and track not in final.conditions:
             continue  # it was added to the settings after the end
         conditions = edition.conditions if final is None else final.conditions[track]
-        mark = {**_mark(session, track, conditions), "final": final is not None}
+        settings = season.track(track)
+        enough = [settings.interval, settings.matches] if settings.mode == "ladder" else []
+        mark = {**_mark(session, track, conditions), "final": final is not None, "enough": enough}
         if not _is_new(session, f"board:{track}", mark, now):
             continue
-        rules = _Rules(track, season.track(track), edition.metrics, edition.matches, conditions)
+        rules = _Rules(track, settings, edition.metrics, edition.matches, conditions)
         board = _board(session, rules, entered(session, track), now, final, scores)
         frozen = season_state.read_state(session, season_state.FROZEN) is not None
         _store(session, board, now, (HIDDEN,) if frozen else (HIDDEN, PUBLIC))
@@ -80,7 +81,7 @@ def _refresh_earlier(session: Session, season: Season, now: datetime, scores: Su
     """Bring the boards of earlier editions up to date, whose last matches may still end."""
     if season_state.frozen_since(session) is not None:
         return
-    counted = select(Match.edition_id, func.count()).where(Match.state == FINISHED, Match.kind != FINAL)
+    counted = select(Match.edition_id, func.count()).where(Match.state == FINISHED, ~Match.decides)
     earlier = Match.edition_id.is_not(None), Match.edition_id.not_in(season.numbers.values())
     played = counted.where(*earlier).group_by(Match.edition_id)
     for number, count in session.execute(played).all():
@@ -161,10 +162,10 @@ def _add_points(session: Session, board: SuiteBoard | LadderBoard, now: datetime
             continue
         score, low, high = place_of(board, row)
         before = last.get(row.submission)
-        if before is not None and (before.rank, before.last_rank, before.score) == (
-            *(row.rank, row.last_rank),
-            score,
-        ):
+        # Every match changes all ratings of a ladder a little, which is no change of a place.
+        same_score = before is not None and (isinstance(row, LadderRow) or before.score == score)
+        place = (row.rank, row.last_rank, row.matches)
+        if before is not None and same_score and (before.rank, before.last_rank, before.matches) == place:
             continue
         session.add(
             BoardPoint(
@@ -246,10 +247,10 @@ def _board(
     final: Final | None,
     scores: SuiteScores,
 ) -> SuiteBoard | LadderBoard:
+    if final is not None and rules.track in final.field:
+        entered = [(one, team) for one, team in entered if one.id in final.field[rules.track]]
     if rules.settings.mode == "ladder":
         return _ladder_board(session, rules, entered, now)
-    if final is not None:
-        entered = [(one, team) for one, team in entered if one.id in final.field[rules.track]]
     kind = SUITE if final is None else FINAL
     played = scores.read(session, rules.track, kind, digest_of(rules.conditions))
     results = [
@@ -272,38 +273,11 @@ def _board(
 def _ladder_board(
     session: Session, rules: _Rules, entered: Sequence[tuple[Submission, Team]], now: datetime
 ) -> LadderBoard:
-    track, settings, digest = rules.track, rules.settings, digest_of(rules.conditions)
-    skills = ladders.skills_of(session, track, digest)
-    standings = ladders.standings_of(session, track, digest)
-
-    def results(name: str, entrant: str, version: str, **others: Any) -> LadderResults:
-        standing = standings.get(entrant, ladders.Standing())
-        return LadderResults(
-            name=name,
-            version=version,
-            planned=settings.matches,
-            faults=standing.faults,
-            skill=skills.get(entrant, Skill()),
-            places=standing.places,
-            wins=standing.wins,
-            **others,
-        )
-
-    found = [
-        results(
-            one.name,
-            one.entrant,
-            one.version,
-            submission=one.id,
-            team=team.name,
-            team_title=team.title,
-            since=one.created,
-        )
+    entrants = [
+        LadderEntrant(one.entrant, one.id, one.name, one.version, team.name, team.title, one.created)
         for one, team in entered
     ]
-    found += [
-        results(robot, robot_entrant(robot), "", submission=None, team="", team_title="", since=None)
-        for robot in settings.robots
-    ]
-    applied = ladders.applied_matches(session, track, digest)
-    return ladder_board(track, rules.conditions, rules.metrics, found, applied, now)
+    entrants += [LadderEntrant(robot_entrant(robot), None, robot) for robot in rules.settings.robots]
+    played = ladders.played_on(session, rules.track, digest_of(rules.conditions))
+    enough = Enough(rules.settings.interval, rules.settings.matches)
+    return ladder_board(rules.track, rules.conditions, rules.metrics, entrants, played, enough, now)

@@ -3,12 +3,15 @@
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import JSON, ForeignKey, Index, UniqueConstraint
+from sqlalchemy import JSON, ColumnElement, ForeignKey, Index, UniqueConstraint, and_, or_
+from sqlalchemy.ext.hybrid import hybrid_property
 from sqlalchemy.orm import Mapped, mapped_column
 
 from wildscav_leaderboard.database.base import Base
 
 SUITE, LADDER, FINAL = "suite", "ladder", "final"  # kinds of matches
+# Groups of a ladder's matches: those of the season, and those that decide it.
+SEASON_ROUND, FINAL_ROUND = 0, 1
 WAITING, PLAYING, FINISHED, VOID = "waiting", "playing", "finished", "void"  # states of a match
 
 
@@ -27,7 +30,7 @@ class Match(Base):
     kind: Mapped[str]
     track: Mapped[str]
     number: Mapped[int]  # in the suite, or of the ladder's matches on this track
-    group_id: Mapped[int]  # in a suite: the submission that is evaluated; on a ladder: 0
+    group_id: Mapped[int]  # in a suite: the submission; on a ladder: SEASON_ROUND or FINAL_ROUND
     spec: Mapped[dict[str, Any]] = mapped_column(JSON, repr=False)  # the MatchSpec; hidden until the end
     created: Mapped[datetime]
     since: Mapped[datetime]  # when it came into its state
@@ -39,6 +42,16 @@ class Match(Base):
     deadline: Mapped[datetime | None] = mapped_column(default=None)  # while it is played
     platform_faults: Mapped[int] = mapped_column(default=0)  # attempts that the platform broke
     detail: Mapped[str] = mapped_column(default="")  # why it is void
+
+    @hybrid_property
+    def decides(self) -> bool:
+        """Whether it is one of the matches that decide the season, drawn from the second secret."""
+        return self.kind == FINAL or (self.kind == LADDER and self.group_id == FINAL_ROUND)
+
+    @decides.inplace.expression
+    @classmethod
+    def _decides(cls) -> ColumnElement[bool]:
+        return or_(cls.kind == FINAL, and_(cls.kind == LADDER, cls.group_id == FINAL_ROUND))
 
 
 class MatchSeat(Base):

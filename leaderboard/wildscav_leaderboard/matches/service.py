@@ -13,10 +13,10 @@ from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.output.results import MatchRow, MatchTiming, MetricInfo
 from wildscav_evaluator.seats import submission_seats
 from wildscav_leaderboard.matches.models import (
-    FINAL,
     FINISHED,
     LADDER,
     PLAYING,
+    SEASON_ROUND,
     SUITE,
     VOID,
     WAITING,
@@ -85,6 +85,7 @@ def add_ladder_match(
     spec: MatchSpec,
     entrants: Mapping[int, Entrant],
     now: datetime,
+    group: int = SEASON_ROUND,
 ) -> Match:
     """Plan a match of a ladder.
 
@@ -95,9 +96,10 @@ def add_ladder_match(
         spec: The match.
         entrants: Who plays in the seats that have an entrant.
         now: The time.
+        group: Of the ladder: that of the season, or the final round.
     """
     edition = edition_numbers(session).get(track)
-    return add_match(session, _match(LADDER, track, edition, number, 0, spec, now), entrants)
+    return add_match(session, _match(LADDER, track, edition, number, group, spec, now), entrants)
 
 
 def _match(
@@ -263,7 +265,7 @@ def _conditions_of(session: Session, match: Match) -> str:
     if match.edition_id is None:
         return ""
     edition = edition_by_number(session, match.edition_id)
-    return digest_of(edition.final if match.kind == FINAL else edition.conditions)
+    return digest_of(edition.final if match.decides else edition.conditions)
 
 
 def _same_match(match: Match) -> ColumnElement[bool]:

@@ -132,13 +132,19 @@ def twin_of(session: Session, match: Match) -> Twin | None:
 
 def twins_of(session: Session, matches: Sequence[Match]) -> dict[int, Twin]:
     """Return the matches of ladders in which the same games are played in other seats, by match."""
-    asked = {(match.track, match.number ^ 1): match.id for match in matches if match.kind == LADDER}
+    asked = {
+        (match.track, match.group_id, match.number ^ 1): match.id for match in matches if match.kind == LADDER
+    }
     if not asked:
         return {}
-    of_tracks = [
-        and_(Match.track == track, Match.number.in_([number for one, number in asked if one == track]))
-        for track in dict.fromkeys(track for track, _ in asked)
+    of_ladders = [
+        and_(
+            Match.track == track,
+            Match.group_id == group,
+            Match.number.in_([number for *one, number in asked if one == [track, group]]),
+        )
+        for track, group in dict.fromkeys((track, group) for track, group, _ in asked)
     ]
-    wanted = select(Match.track, Match.number, Match.id, Match.state)
-    found = session.execute(wanted.where(Match.kind == LADDER, or_(*of_tracks)))
-    return {asked[track, number]: Twin(twin, state) for track, number, twin, state in found}
+    wanted = select(Match.track, Match.group_id, Match.number, Match.id, Match.state)
+    found = session.execute(wanted.where(Match.kind == LADDER, or_(*of_ladders)))
+    return {asked[track, group, number]: Twin(twin, state) for track, group, number, twin, state in found}

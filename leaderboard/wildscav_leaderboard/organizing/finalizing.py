@@ -2,8 +2,8 @@
 
 Whoever submits often, and looks at the board each time, fits an agent to the matches of the season a little,
 whether that is wanted or not. So the best submissions of each suite play the same number of matches again, on
-the seeds of the second secret, on which nobody has played; these matches alone decide. A ladder is decided by
-its own matches: each of them was played once, by its entrants alone, on a map that nobody had seen.
+the seeds of the second secret, on which nobody has played; these matches alone decide. Ladders
+have final rounds (``final_rounds.py``).
 
 Each step is one transaction that finds out by itself what is to be done next. So it may be interrupted at
 any moment, and begun again.
@@ -24,8 +24,18 @@ from wildscav_leaderboard.boards.models import HIDDEN
 from wildscav_leaderboard.conductor.lease import holder_of
 from wildscav_leaderboard.conductor.plans import ladders_want_matches
 from wildscav_leaderboard.database.connection import clock
-from wildscav_leaderboard.matches.models import FINAL, FINISHED, PLAYING, VOID, WAITING, Match, MatchSeat
+from wildscav_leaderboard.matches.models import (
+    FINAL,
+    FINISHED,
+    LADDER,
+    PLAYING,
+    VOID,
+    WAITING,
+    Match,
+    MatchSeat,
+)
 from wildscav_leaderboard.matches.service import add_suite_matches
+from wildscav_leaderboard.organizing import final_rounds
 from wildscav_leaderboard.organizing.checking import wrong_secrets
 from wildscav_leaderboard.organizing.service import LONGEST_REASON
 from wildscav_leaderboard.seasons import state as season_state
@@ -60,7 +70,8 @@ def begin(session: Session, season: Season, actor: str, best: int, now: datetime
         session: A writing session.
         season: The season.
         actor: Who wants it.
-        best: How many submissions of each suite play the matches that decide it, at most.
+        best: How many submissions of each suite play the matches that decide it, at most; a final round of a
+            ladder has everyone who may be among so many.
         now: The time.
         early: Whether it may begin before the season closes.
 
@@ -76,7 +87,7 @@ def begin(session: Session, season: Season, actor: str, best: int, now: datetime
         raise RefusalError(f"the season is open until {closes}; --now ends it at once")
     value: dict[str, Any] = {"at": now.isoformat(), "best": best, "field": None}
     season_state.write_state(session, season_state.FINALIZING, value, now)
-    log_act(session, actor, "finalize", "season", now, f"the best {best} of each suite play again")
+    log_act(session, actor, "finalize", "season", now, f"the best {best} of each track play again")
 
 
 def advance(session: Session, season: Season, actor: str, now: datetime) -> Progress:
@@ -104,7 +115,7 @@ def advance(session: Session, season: Season, actor: str, now: datetime) -> Prog
             return settling
         _check_complete(session, season)
         state = _choose_field(session, season, state, now)
-    deciding = _deciding(session, state["field"])
+    deciding = _deciding(session, season, state["field"])
     if deciding is not None:
         return deciding
     _decide(session, season, state["field"], actor, now)
@@ -155,7 +166,7 @@ def _check_complete(session: Session, season: Season) -> None:
         )
         finished = own.where(
             Match.edition_id == season.numbers[track],
-            Match.kind != FINAL,
+            ~Match.decides,
             Match.state == FINISHED,
             Match.superseded.is_(None),
         )
@@ -202,12 +213,12 @@ def _choose_field(session: Session, season: Season, state: dict[str, Any], now: 
         for number in field[track]:
             submission = session.get_one(Submission, number)
             add_suite_matches(session, submission, track, specs, now, FINAL)
-    chosen = {**state, "field": field}
+    chosen = {**state, "field": field | final_rounds.fields_of(session, season, state["best"])}
     season_state.write_state(session, season_state.FINALIZING, chosen, now)
     return chosen
 
 
-def _deciding(session: Session, field: dict[str, list[int]]) -> Progress | None:
+def _deciding(session: Session, season: Season, field: dict[str, list[int]]) -> Progress | None:
     """Return how far the matches that decide the season are; None if they are played.
 
     Raises:
@@ -226,9 +237,11 @@ def _deciding(session: Session, field: dict[str, list[int]]) -> Progress | None:
             f"final matches of {numbers} were given up after faults of the platform: find out why "
             "(`wildscav season status`), and have them played again (`wildscav season rerun`)"
         )
-    planned = _count(session, own)
-    played = _count(session, own.where(Match.state == FINISHED))
-    return None if played == planned else Progress(DECIDING, played, planned, 0, _why_it_stands(session))
+    rounds = select(func.count()).where(Match.decides, Match.kind == LADDER, Match.state != VOID)
+    planned = _count(session, own) + _count(session, rounds)
+    played = sum(_count(session, one.where(Match.state == FINISHED)) for one in (own, rounds))
+    is_over = played == planned and not ladders_want_matches(session, season)
+    return None if is_over else Progress(DECIDING, played, planned, 0, _why_it_stands(session))
 
 
 def _active(session: Session, field: dict[str, list[int]]) -> list[int]:
@@ -240,7 +253,11 @@ def _active(session: Session, field: dict[str, list[int]]) -> list[int]:
 
 def _decide(session: Session, season: Season, field: dict[str, list[int]], actor: str, now: datetime) -> None:
     """Make the boards final, and open the secrets: all at once, or nothing."""
-    conditions = {track: edition.final for track, edition in season.editions.items()}
+    field = final_rounds.decided_by(session, season, field)
+    conditions = {
+        track: edition.final if track in field else edition.conditions
+        for track, edition in season.editions.items()
+    }
     final = Final({track: frozenset(one) for track, one in field.items()}, conditions)
     boards.decide(session, season, final, now)
     secrets = {

@@ -49,8 +49,9 @@ class PublishedTrack(_Part):
     suite_digest: str | None  # of an organizer's own suite: SHA-256 of its file
     suite_file: str | None  # that file, once the secret is opened
     rounds: int
-    planned: int  # matches of each submission; on a ladder, until its rating counts as settled
+    planned: int  # matches of each submission; on a ladder, at most, if its rating is not settled before
     robots: tuple[str, ...]  # that take part in a ladder
+    interval: float | None = None  # of a ladder: at which width a rating is settled, in points of Elo
 
 
 class PublishedEdition(_Part):

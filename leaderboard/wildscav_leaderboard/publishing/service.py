@@ -18,7 +18,17 @@ from wildscav_evaluator.suites.seeds import LARGEST, SuiteSeed
 from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.models import PUBLIC, Board
-from wildscav_leaderboard.matches.models import FINAL, LADDER, SUITE, VOID, Match, MatchResult, MatchSeat
+from wildscav_leaderboard.matches.models import (
+    FINAL,
+    FINAL_ROUND,
+    LADDER,
+    SEASON_ROUND,
+    SUITE,
+    VOID,
+    Match,
+    MatchResult,
+    MatchSeat,
+)
 from wildscav_leaderboard.matches.visibility import Visible, seen_by
 from wildscav_leaderboard.publishing.documents import (
     End,
@@ -129,6 +139,7 @@ def _published_track(season: Season, track: str, *, opened: bool) -> PublishedTr
         rounds=settings.rounds,
         planned=settings.matches if is_ladder else match_count(suite, track, settings.rounds),
         robots=settings.robots if is_ladder else (),
+        interval=settings.interval if is_ladder else None,
     )
 
 
@@ -184,7 +195,7 @@ def _matches(session: Session, season: Season, board: BoardDocument) -> Iterator
     """Yield the matches that count on a board, in the order in which they were made."""
     final = board.conditions.commitment == season.final_seed.commitment
     wanted = (
-        _of_ladder(session, board)
+        _of_ladder(session, board, FINAL_ROUND if final else SEASON_ROUND)
         if isinstance(board, LadderBoard)
         else _of_suite(board, FINAL if final else SUITE)
     )
@@ -235,7 +246,7 @@ def _of_suite(board: BoardDocument, kind: str) -> "Select[Match, MatchResult]":
     )
 
 
-def _of_ladder(session: Session, board: LadderBoard) -> "Select[Match, MatchResult] | None":
+def _of_ladder(session: Session, board: LadderBoard, group: int) -> "Select[Match, MatchResult] | None":
     """Return how to find the matches of a ladder up to the last one that the board counts."""
     counts = or_(Match.superseded.is_(None), Match.superseded > board.updated)
     applied = (
@@ -244,6 +255,7 @@ def _of_ladder(session: Session, board: LadderBoard) -> "Select[Match, MatchResu
         .where(
             Match.track == board.track,
             Match.kind == LADDER,
+            Match.group_id == group,
             MatchResult.conditions == digest_of(board.conditions),
             MatchResult.at <= board.updated,
             counts,
@@ -257,7 +269,8 @@ def _of_ladder(session: Session, board: LadderBoard) -> "Select[Match, MatchResu
     return (
         select(Match, MatchResult)
         .outerjoin(MatchResult, MatchResult.match_id == Match.id)
-        .where(Match.track == board.track, Match.kind == LADDER, or_(Match.id <= last, later))
+        .where(Match.track == board.track, Match.kind == LADDER, Match.group_id == group)
+        .where(or_(Match.id <= last, later))
         .order_by(Match.id)
     )
 

@@ -60,8 +60,6 @@ class Edition(_Part):
     @property
     def final(self) -> Conditions:
         """The conditions of the matches that decide the season."""
-        if self.settings.mode == "ladder":
-            return self.conditions
         return self.conditions.model_copy(update={"commitment": self.final_commitment})
 
     def suite(self) -> Suite:

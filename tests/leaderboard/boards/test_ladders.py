@@ -9,16 +9,8 @@ from wildscav_engine.specs.map_spec import MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.output.results import KeptLimits, MatchRow, MatchTiming, SeatRow, metric_infos
 from wildscav_evaluator.output.versions import CURRENT_VERSIONS
-from wildscav_evaluator.ratings.head_to_head import PairRecord
-from wildscav_evaluator.ratings.ladder import Ladder, Skill
-from wildscav_leaderboard.boards.ladders import (
-    Standing,
-    applied_matches,
-    apply_matches,
-    rated_match,
-    skills_of,
-    standings_of,
-)
+from wildscav_evaluator.ratings.head_to_head import PairRecord, entrant_records
+from wildscav_leaderboard.boards.ladders import apply_matches, placed_match, played_on
 from wildscav_leaderboard.boards.meetings import head_to_head, records_against
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import Match
@@ -98,12 +90,12 @@ def test_a_match_that_ends_early_waits_for_those_that_were_made_before_it(databa
         end(session, fourth, {"fox": 1, "owl": 2})
         assert apply_matches(session, "royale") == 1
 
-        by_hand = Ladder()
-        for fox, owl in ((2.0, 1.0), (1.0, 2.0), (1.0, 2.0)):
-            seats = [("robot:fox", {"placement": fox}), ("robot:owl", {"placement": owl})]
-            by_hand.apply(rated_match(0, "royale", seats))
-        assert skills_of(session, "royale", A) == dict(by_hand.skills)
-        assert applied_matches(session, "royale", A) == 3
+        ends = [(2, 1), (1, 2), (1, 2)]
+        matches = [
+            placed_match(number, [("robot:fox", fox), ("robot:owl", owl)])
+            for number, (fox, owl) in zip((0, 1, 3), ends, strict=True)
+        ]
+        assert played_on(session, "royale", A).matches == tuple(matches)
 
 
 def test_matches_under_other_conditions_are_another_ladder(database: Database) -> None:
@@ -112,10 +104,8 @@ def test_matches_under_other_conditions_are_another_ladder(database: Database) -
             end(session, plan(session, number, "fox", "owl", under=under), {"fox": 1, "owl": 2})
         assert apply_matches(session, "royale") == 3
 
-        old, new = skills_of(session, "royale", A), skills_of(session, "royale", B)
-        assert old["robot:fox"].mu > new["robot:fox"].mu > Skill().mu
-        assert applied_matches(session, "royale", B) == 1
-        assert skills_of(session, "royale") == old, "whatever was played last"
+        assert [match.game for match in played_on(session, "royale", A).matches] == [0, 1]
+        assert len(played_on(session, "royale", B).matches) == 1
 
 
 def test_a_match_that_an_opponent_broke_is_no_fault_of_ones_own(database: Database) -> None:
@@ -124,11 +114,9 @@ def test_a_match_that_an_opponent_broke_is_no_fault_of_ones_own(database: Databa
         end(session, plan(session, 1, "fox", "owl", "hare"), {"fox": 1, "owl": 1, "hare": 3})
         apply_matches(session, "royale")
 
-        assert standings_of(session, "royale", A) == {
-            "robot:fox": Standing((1, 1), 1, 0),
-            "robot:owl": Standing((2, 1), 0, 1),
-            "robot:hare": Standing((3,), 0, 0),
-        }
+        played = played_on(session, "royale", A)
+        assert played.faults == {"robot:fox": 0, "robot:owl": 1, "robot:hare": 0}
+        assert entrant_records(played.matches)["robot:fox"].wins == 1
         met = head_to_head(session, "royale", A, ["robot:fox", "robot:owl", "robot:hare"])
         assert met["robot:fox", "robot:owl"] == PairRecord(wins=1, ties=1, losses=0)
         assert met["robot:hare", "robot:fox"] == PairRecord(wins=0, ties=0, losses=1)
@@ -153,6 +141,11 @@ def test_a_frozen_board_tells_nothing_of_later_meetings(database: Database) -> N
         assert met["robot:owl", "robot:fox"] == PairRecord(losses=2)
 
 
+def wins(session: Session) -> dict[str, int]:
+    records = entrant_records(played_on(session, "royale", A).matches)
+    return {name: record.wins for name, record in records.items()}
+
+
 def test_a_match_that_is_judged_again_counts_once_with_its_later_result(database: Database) -> None:
     with database.writing() as session:
         first, second = (plan(session, number, "fox", "owl") for number in range(2))
@@ -169,6 +162,5 @@ def test_a_match_that_is_judged_again_counts_once_with_its_later_result(database
         end(session, again, {"fox": 2, "owl": 1})
         assert apply_matches(session, "royale") == 2
 
-        assert standings_of(session, "royale", A)["robot:owl"].places == (2, 1)
+        assert wins(session) == {"robot:fox": 1, "robot:owl": 1}
         assert session.get_one(Match, first.id).superseded == NOON
-        assert applied_matches(session, "royale", A) == 2

@@ -52,7 +52,7 @@ def test_progress_counts_what_is_played_of_what_is_planned(season: Conducted) ->
     number = season.active("foxes", BOTH)
     with season.database.reading() as session:
         found = progress_of(session, season.season, season.submission(number))
-    assert found == [Progress("navigation", 0, 2, 0), Progress("battle", 0, 40, 1)]
+    assert found == [Progress("navigation", 0, 2, 0), Progress("battle", 0, 100, 1)]
 
 
 def test_totals_of_a_suite_are_told_when_all_of_its_matches_are_over(season: Conducted) -> None:

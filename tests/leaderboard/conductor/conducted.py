@@ -33,7 +33,7 @@ def made_archive(number: int, tracks: tuple[str, ...] = ("navigation",)) -> Chec
     """Return an archive that nobody unpacks, with other content for each number."""
     digest = blake2b(str(number).encode(), digest_size=16).hexdigest()
     manifest = Manifest(name="runner", version="1", entry_point="agent:Agent", tracks=tracks)
-    return CheckedArchive(Path("none"), ".zip", manifest, list(tracks), digest, digest * 2, 1000)
+    return CheckedArchive(Path("none"), ".zip", manifest, list(tracks), digest, digest, digest * 2, 1000)
 
 
 @dataclass

@@ -267,8 +267,8 @@ class StormySeason(Storm):
         assert self.results.items() <= results.items()
         self.results = results
         order = (LadderStep.match_id, LadderStep.entrant)
-        steps = session.execute(select(*order, LadderStep.mu).order_by(*order))
-        ladder = [(match, entrant, mu) for match, entrant, mu in steps]
+        steps = session.execute(select(*order, LadderStep.place).order_by(*order))
+        ladder = [(match, entrant, place) for match, entrant, place in steps]
         assert ladder[: len(self.ladder)] == self.ladder
         self.ladder = ladder
 

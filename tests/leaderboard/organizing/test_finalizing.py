@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from sqlalchemy import select
 from sqlalchemy.orm import Session
+from tests.evaluator.sample_agents import CRASHER
 from tests.leaderboard.agents import write_agent
 from tests.leaderboard.seasons_made import NOON, make_season, submitted, team_with_member
 
@@ -194,21 +195,29 @@ def test_the_final_matches_alone_decide_and_everything_is_published_at_once(
         assert acts == [("anna", "finalize"), ("anna", "decide")]
 
 
-def test_a_ladder_is_decided_by_the_matches_of_the_season(played: Database, season: Season) -> None:
-    with played.reading() as session:
-        before = read_board(session, "battle", HIDDEN)
+def test_a_ladder_is_decided_by_a_final_round_of_those_who_may_be_among_the_best(
+    played: Database, season: Season
+) -> None:
     end(played, season)
     with played.reading() as session:
-        after = read_board(session, "battle")
+        before, after = read_board(session, "battle", SEASON), read_board(session, "battle")
         assert before is not None
         assert after is not None
-        assert after.rows == before.rows
-        assert after.conditions.commitment == season.seed.commitment
+        # After two matches nobody can be told apart, so all may be among the best two.
+        assert after.entered == before.entered
+        assert before.conditions.commitment == season.seed.commitment
+        assert after.conditions.commitment == season.final_seed.commitment
+        finals = list(session.scalars(select(Match).where(Match.decides, Match.kind == LADDER)))
+        assert [match.number for match in finals] == list(range(len(finals)))
+        assert {row.matches for row in after.rows if row.submission} <= {2, 4}
+        specs = [MatchSpec.model_validate(match.spec).map for match in finals]
+        season_games = session.scalars(select(Match).where(~Match.decides, Match.kind == LADDER))
+        assert not {one.seed for one in specs} & {match.spec["map"]["seed"] for match in season_games}
 
 
 def test_the_season_waits_for_what_was_handed_in(played: Database, season: Season, tmp_path: Path) -> None:
     with played.writing() as session:
-        late = submitted(session, season, "hares", write_agent(tmp_path, "late"))
+        late = submitted(session, season, "hares", write_agent(tmp_path, "late", body=CRASHER))
     begin(played, season)
     state = advance(played, season)
     assert (state.stage, state.pending) == (finalizing.SETTLING, 1)
