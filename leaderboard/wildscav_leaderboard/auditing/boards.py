@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from wildscav_evaluator.output.results import MetricInfo, metric_infos
+from wildscav_evaluator.ratings.matches import RatedMatch
 from wildscav_evaluator.seats import robot_entrant
 from wildscav_leaderboard.auditing.report import Finding, of_row, wrong_value
 from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard, SuiteBoard
@@ -76,7 +77,7 @@ def _ladder(
     matches: Sequence[PublishedMatch],
 ) -> LadderBoard:
     own = digest_of(published.conditions)
-    rated, faults = [], dict[str, int]()
+    rated, faults = list[RatedMatch](), dict[str, int]()
     for match in matches:
         if match.void is not None or match.conditions != own or match.superseded:
             continue

@@ -87,14 +87,11 @@ def ratings_of(matches: tuple[RatedMatch, ...], interval: float) -> dict[str, Ra
         return {}
     found = fitted(matches)
     widths = found.deviations * student_quantile(np.maximum(found.games, 2), 1.0 - CONFIDENCE)
-    rows = zip(found.names, found.ratings, found.deviations, widths, found.games, strict=True)
-    return {
-        name: Rating(
-            *(round(float(value), DECIMALS) for value in (mean, deviation, mean - width, mean + width)),
-            is_settled=bool(games >= FEWEST_GAMES and 2.0 * width <= interval),
-        )
-        for name, mean, deviation, width, games in rows
-    }
+    settled = (found.games >= FEWEST_GAMES) & (2.0 * widths <= interval)
+    values = (found.ratings, found.deviations, found.ratings - widths, found.ratings + widths)
+    columns = [np.round(one, DECIMALS).tolist() for one in values]
+    rows = zip(*columns, settled.tolist(), strict=True)
+    return {name: Rating(*row) for name, row in zip(found.names, rows, strict=True)}
 
 
 def ladder_board(

@@ -213,3 +213,17 @@ def test_the_baselines_are_submissions_like_any_other(name: str) -> None:
 
     assert submission.name == name
     assert set(submission.manifest.tracks) == {"navigation", "gathering", "capture", "battle", "royale"}
+
+
+def test_labels_in_the_manifest_are_not_part_of_the_content(tmp_path: Path) -> None:
+    make(tmp_path)
+    manifest, first = tmp_path / "submission.toml", load_submission(tmp_path)
+    text = manifest.read_text()
+
+    manifest.write_text(text.replace(f'version = "{first.manifest.version}"', 'version = "9"') + "\n# new\n")
+    again = load_submission(tmp_path)
+    assert (again.manifest.version, again.content) == ("9", first.content)
+    assert again.digest != first.digest
+
+    manifest.write_text(text + "\n[sensors.lidar]\n")
+    assert load_submission(tmp_path).content != first.content

@@ -102,6 +102,5 @@ def board_of(strengths: Mapping[str, float], matches: tuple[RatedMatch, ...], en
 
 
 def is_lottery(board: LadderBoard, twins: Sequence[str]) -> bool:
-    """Return whether a board tells identical submissions apart."""
-    ranks = [(row.rank, row.last_rank) for row in board.rows if row.team in twins]
-    return max(rank or 0 for rank, _ in ranks) > min(last or 0 for _, last in ranks)
+    """Return whether a board tells identical submissions apart that are better than everyone else."""
+    return any(row.rank is not None and row.rank > 1 for row in board.rows if row.team in twins)
