@@ -5,6 +5,8 @@ BIN := .venv/bin
 OTHER := .venv-other
 RELEASES ?=
 PART ?= tests/engine tests/platform
+# What Python runs the tests with: .ci/tests runs those that failed once more.
+PYTEST ?= -m pytest
 BENCHMARKS := compile executor legacy maps processes ratings rays schedule server service steps vector_sensors
 .DEFAULT_GOAL := help
 
@@ -39,21 +41,21 @@ demo: .venv/.run ## Evaluate the three baselines on three of the five tracks (un
 test: .venv/.dev ## Run the tests (under 10 minutes); with COVERAGE=1, print which lines and branches they reach.
 ifdef COVERAGE
 	rm -rf out/coverage && mkdir -p out/coverage
-	$(BIN)/python -m coverage run -m pytest -n 2 --dist worksteal
+	$(BIN)/python -m coverage run $(PYTEST) -n 2 --dist worksteal
 	$(BIN)/python .ci/coverage
 else
-	$(BIN)/python -m pytest -n 2 --dist worksteal
+	$(BIN)/python $(PYTEST) -n 2 --dist worksteal
 endif
 
 test-slow: .venv/.training ## Run the slow tests, three at a time: they wait more than they compute.
-	$(BIN)/python -m pytest -n 3 --dist worksteal -m slow
+	$(BIN)/python $(PYTEST) -n 3 --dist worksteal -m slow
 
 test-with: .venv/.dev ## Run PART of the tests with another Python or other releases: PYTHON=python3.14, RELEASES='numba==0.68.0'.
 	rm -rf $(OTHER)
 	$(PYTHON) -m venv --without-pip $(OTHER)
 	$(BIN)/python -m pip --python $(OTHER)/bin/python install --quiet --disable-pip-version-check -e '.[dev]' $(RELEASES)
 	@$(OTHER)/bin/python -c 'import llvmlite, numba, numpy, sys; print("Python", sys.version.split()[0], *(f"{m.__name__} {m.__version__}" for m in (numpy, numba, llvmlite)))'
-	$(OTHER)/bin/python -m pytest -n 2 --dist worksteal $(PART)
+	$(OTHER)/bin/python $(PYTEST) -n 2 --dist worksteal $(PART)
 
 check: .venv/.dev ## Lint, formatting, types and import contracts.
 	$(BIN)/ruff check .

@@ -16,20 +16,20 @@ from tests.leaderboard.results_made import made_result
 
 from wildscav_evaluator.suites.seeds import new_secret
 from wildscav_leaderboard.accounts.service import add_account, new_token, open_web_session
-from wildscav_leaderboard.boards.conditions import conditions_of
-from wildscav_leaderboard.boards.documents import digest_of
 from wildscav_leaderboard.boards.matchmaking import ladder_match
+from wildscav_leaderboard.conductor.editions import begin_editions
 from wildscav_leaderboard.conductor.models import PLAY, Attempt
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import FINISHED, LADDER, SUITE, Match, MatchResult, MatchSeat
+from wildscav_leaderboard.seasons.editions import digest_of
 from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE, Season
+from wildscav_leaderboard.seasons.in_force import in_force
 from wildscav_leaderboard.seasons.settings import SETTINGS_FILE
 from wildscav_leaderboard.submissions.models import Submission, Transition
 from wildscav_leaderboard.teams.models import Member, Team
 
 SUBMISSIONS, PER_TEAM = 1000, 2
 SUITE_MATCHES, LADDER_MATCHES, SEATS = 90, 10_000, 4
-SANDBOX = "process"
 AT_A_TIME = 1000  # rows inserted at once
 SETTINGS = """
 name = "large"
@@ -99,6 +99,8 @@ def make_large_season(folder: Path, port: int) -> tuple[Season, str, str]:
     database = season.database()
     database.upgrade()
     with database.writing() as session:
+        begin_editions(session, season, now)
+        season = in_force(session, season)
         token, cookie = _add_people(session, now)
         entrants = _add_submissions(session, now)
     _add_matches(database, season, entrants, now)
@@ -132,6 +134,7 @@ def _add_submissions(session: Session, now: datetime) -> list[str]:
             message="a message",
             tracks=["navigation", "battle"],
             digest=f"{number:032x}",
+            content=f"{number:032x}",
             archive=f"{number:064x}.zip",
             size=100_000,
             created=created,
@@ -150,7 +153,7 @@ def _add_submissions(session: Session, now: datetime) -> list[str]:
 
 def _add_matches(database: Database, season: Season, entrants: list[str], now: datetime) -> None:
     """Add all matches with their seats, attempts and results."""
-    digests = {track: digest_of(conditions_of(season, track, SANDBOX)) for track in season.settings.tracks}
+    digests = {track: digest_of(edition.conditions) for track, edition in season.editions.items()}
     skill = np.random.default_rng(0)
     strengths = skill.normal(0.0, 10.0, len(entrants))
     rows: list[tuple[dict[str, Any], ...]] = []
@@ -161,7 +164,7 @@ def _add_matches(database: Database, season: Season, entrants: list[str], now: d
         scores = [
             30.0 + float(strengths[(seat.submission_id or 1) - 1]) + skill.normal(0.0, 5.0) for seat in seats
         ]
-        row, timing, record = made_result(match, seats, scores, digests[match.track])
+        row, timing, record = made_result(match, seats, scores)
         rows.append(
             (
                 _columns(match) | {"since": at, "created": at, "state": FINISHED},
@@ -182,7 +185,7 @@ def _add_matches(database: Database, season: Season, entrants: list[str], now: d
                     "at": at,
                     "row": row.model_dump(mode="json"),
                     "timing": timing.model_dump(mode="json"),
-                    "conditions": record.conditions,
+                    "conditions": digests[match.track],
                     "record": record.digest,
                     "record_size": record.size,
                     "fault": None,
@@ -206,6 +209,7 @@ def _matches(season: Season, entrants: list[str]) -> Iterator[tuple[Match, list[
             match = Match(
                 kind=SUITE,
                 track="navigation",
+                edition_id=season.numbers["navigation"],
                 number=place,
                 group_id=group,
                 spec=dumped,
@@ -222,6 +226,7 @@ def _matches(season: Season, entrants: list[str]) -> Iterator[tuple[Match, list[
             match = Match(
                 kind=LADDER,
                 track="battle",
+                edition_id=season.numbers["battle"],
                 number=number + turn,
                 group_id=0,
                 spec=spec.model_dump(mode="json"),

@@ -102,7 +102,7 @@ def _refreshing(season: Season) -> list[Figure]:
     for name in ("of everything", "when nothing is new"):
         begun = time.process_time()
         with database.writing() as session:
-            refresh(session, season, large_season.SANDBOX, now())
+            refresh(session, season, now())
         figures.append(Figure(f"boards, {name}: processor time", time.process_time() - begun, "s"))
     with database.reading() as session:
         results = session.scalar(select(func.count()).select_from(MatchResult)) or 0

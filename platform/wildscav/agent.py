@@ -97,7 +97,7 @@ class MatchInfo:
     start: Vector  # m, soles of the feet
     target: Vector | None  # m, the place to reach (navigation); None if it has to be found (capture)
     supply_waves: tuple[SupplyWave, ...]  # by time; () in tracks without supplies
-    seed: int  # private random seed of this seat; the same in every run of the same match
+    seed: int  # private random seed; the same when the same submission plays the same match
     step_budget: float  # s to answer an observation without spending the time bank
     time_bank: float  # s for answers beyond the budget, in the whole match
     target_distance: float  # m, within which the target counts as reached

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from wildscav.server import Clock, SeatStatus
+from wildscav_evaluator.submission_files import LEFT_OUT
 from wildscav_evaluator.submissions.submission import Manifest
 
 REPOSITORY = Path(__file__).parents[2]
@@ -60,3 +61,7 @@ def test_every_check_is_told(name: str) -> None:
         *("packages", "start-up", "match", "actions", "timing", "output", "end"),
         *("late answers", "cancelled match"),
     }
+
+
+def test_what_is_left_out_of_a_submission_is_told() -> None:
+    assert set(re.findall(r"`([_.]\w+)`", section("The files of a submission"))) == LEFT_OUT

@@ -18,10 +18,9 @@ from wildscav_evaluator.output.results import MatchRow, MatchTiming, SeatRow, Se
 from wildscav_leaderboard.accounts.models import COMPETITOR, ORGANIZER
 from wildscav_leaderboard.accounts.passwords import hashed
 from wildscav_leaderboard.accounts.service import add_account, find_account, new_token, open_web_session
-from wildscav_leaderboard.boards.conditions import conditions_of
-from wildscav_leaderboard.boards.documents import digest_of
 from wildscav_leaderboard.boards.service import refresh
 from wildscav_leaderboard.conductor import lease, steps
+from wildscav_leaderboard.conductor.editions import begin_editions
 from wildscav_leaderboard.conductor.models import Attempt
 from wildscav_leaderboard.conductor.plans import plan_ladders
 from wildscav_leaderboard.database.connection import Database
@@ -125,7 +124,9 @@ class FilledSeason:
     season: Season
     database: Database
     words: Words
-    people: dict[str, Person] = field(default_factory=dict)  # organizer, owner and other, who is of no team
+    people: dict[str, Person] = field(
+        default_factory=dict
+    )  # organizer, owner, opponent, and other, who is of no team
     submissions: dict[str, int] = field(default_factory=dict)  # active, failed, queued, building, …
     # By kind: suite, and one of the owner's there (own_suite); ladder, which may be seen; playing.
     matches: dict[str, int] = field(default_factory=dict)
@@ -152,6 +153,7 @@ class _Filling:
         holding = lease.acquire(session, "arena-1/4711/0a1b2c3d", self.now)
         assert holding is not None
         self._holding = holding
+        begin_editions(session, self.season, self.now)
         self._people(session)
         for entry in self._entries:
             number = self._entered(session, entry.team, entry.name, entry.version)
@@ -164,7 +166,7 @@ class _Filling:
         self._failures(session)
         self._acts(session)
         self._waiting(session)
-        refresh(session, self.season, SANDBOX, self._end)
+        refresh(session, self.season, self._end)
         lease.renew(session, self._holding, datetime.now(UTC))
 
     def _people(self, session: Session) -> None:
@@ -174,7 +176,12 @@ class _Filling:
             account = add_account(session, name, secret, role or COMPETITOR, self.now)
             if name in teams:
                 make_team(session, account, name, teams[name], self.now)
-            person = {"boss": "organizer", "passer-by": "other", "owls": "owner"}.get(name)
+            person = {
+                "boss": "organizer",
+                "passer-by": "other",
+                "owls": "owner",
+                "foxes": "opponent",
+            }.get(name)
             if person is not None:
                 token = new_token(session, account, self.words.label, self.now)
                 cookie, csrf = open_web_session(session, account, datetime.now(UTC))
@@ -185,7 +192,7 @@ class _Filling:
         folder.mkdir(parents=True)
         tracks = tracks or '["navigation", "battle"]'
         (folder / "submission.toml").write_text(MANIFEST.format(name=name, version=version, tracks=tracks))
-        (folder / "agent.py").write_text(AGENT)
+        (folder / "agent.py").write_text(f"{AGENT}# {version}\n")
         account = find_account(session, team)
         assert account is not None
         archive = checked(self.season, folder)
@@ -222,7 +229,7 @@ class _Filling:
         for attempt, match in taken:
             self._wait(0.5)
             self._end_match(session, attempt, match, seats[match.id])
-        refresh(session, self.season, SANDBOX, self.now)
+        refresh(session, self.season, self.now)
         return len(taken)
 
     def _end_match(self, session: Session, attempt: Attempt, match: Match, seats: list[MatchSeat]) -> None:
@@ -238,9 +245,8 @@ class _Filling:
             steps=150,
             seats=tuple(self._timing(seat.seat) for seat in seats),
         )
-        conditions = digest_of(conditions_of(self.season, match.track, SANDBOX))
         row = MatchRow.of(match.number, rows, self._stored(match))
-        record = PlayedRecord("ab" * 16, 1000, conditions)
+        record = PlayedRecord("ab" * 16, 1000)
         steps.played(session, self._holding, attempt.id, row, timing, record, self.now)
         self.filled.matches[match.kind] = match.id
         if match.kind != LADDER and seats[0].entrant.startswith("night-owl"):

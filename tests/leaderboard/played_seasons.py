@@ -16,12 +16,11 @@ from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_evaluator.output.journal import file_digest
 from wildscav_evaluator.output.results import MatchRow, MatchTiming, SeatRow, metric_infos
 from wildscav_evaluator.seats import display_names
-from wildscav_leaderboard.boards.conditions import conditions_of
-from wildscav_leaderboard.boards.documents import digest_of
 from wildscav_leaderboard.boards.service import after_boards, refresh
+from wildscav_leaderboard.conductor.editions import begin_editions
 from wildscav_leaderboard.conductor.plans import plan_ladders, plan_suites
 from wildscav_leaderboard.database.connection import Database
-from wildscav_leaderboard.matches.models import FINAL, LADDER, WAITING, Match, MatchSeat
+from wildscav_leaderboard.matches.models import LADDER, WAITING, Match, MatchSeat
 from wildscav_leaderboard.matches.service import PlayedRecord, deliver, seats_of
 from wildscav_leaderboard.organizing import finalizing
 from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE, Season
@@ -30,7 +29,6 @@ from wildscav_leaderboard.submissions.service import move
 
 RECORD = "records/match.wsr"
 TEAMS = ("foxes", "owls", "hares")
-SANDBOX = "process"
 RICH = "supplies = { waves = [{ center = [0, 0], radius = 30, outdoor_richness = 50 }] }"
 
 
@@ -50,6 +48,7 @@ def played_season(folder: Path, *, teams: tuple[str, ...] = TEAMS) -> tuple[Seas
     database = season.database()
     database.upgrade()
     with database.writing() as session:
+        begin_editions(session, season, NOON)
         for index, team in enumerate(teams):
             team_with_member(session, team)
             enter(session, season, team, folder / "agents", index)
@@ -79,7 +78,7 @@ def play_everything(database: Database, season: Season, now: datetime) -> None:
             ).first()
             moment = now + timedelta(seconds=second)
             if match is None or second % 6 == 5:
-                refresh(session, season, SANDBOX, moment)
+                refresh(session, season, moment)
             if match is None:
                 return
             play(session, season, match, moment)
@@ -97,7 +96,6 @@ def play(session: Session, season: Season, match: Match, now: datetime) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     write_record(path, game, display_names(game.spec.seats, names, robots))
     rows = tuple(_row(game, seat, is_ladder=match.kind == LADDER) for seat in seats)
-    conditions = digest_of(conditions_of(season, match.track, SANDBOX, final=match.kind == FINAL))
     deliver(
         session,
         match,
@@ -106,7 +104,7 @@ def play(session: Session, season: Season, match: Match, now: datetime) -> None:
         MatchTiming(
             submission=None, track=match.track, index=match.number, started=0, wall=1, steps=1, seats=()
         ),
-        PlayedRecord(file_digest(path), path.stat().st_size, conditions),
+        PlayedRecord(file_digest(path), path.stat().st_size),
         metric_infos(match.track)[0],
         after_boards(session, now),
     )

@@ -9,7 +9,7 @@ from wildscav_leaderboard.matches.service import PlayedRecord
 
 
 def made_result(
-    match: Match, seats: Sequence[MatchSeat], scores: Sequence[float], conditions: str = "the same"
+    match: Match, seats: Sequence[MatchSeat], scores: Sequence[float]
 ) -> tuple[MatchRow, MatchTiming, PlayedRecord]:
     """Return the result of a match with a score for each of its seats."""
     rows = tuple(
@@ -46,4 +46,4 @@ def made_result(
         seats=timings,
     )
     digest = blake2b(repr((match.id, tuple(scores))).encode(), digest_size=16).hexdigest()
-    return row, timing, PlayedRecord(digest, 10_000, conditions)
+    return row, timing, PlayedRecord(digest, 10_000)

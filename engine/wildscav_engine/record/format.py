@@ -17,6 +17,7 @@ from pydantic import ValidationError
 
 from wildscav_engine.maps import GENERATOR_VERSION
 from wildscav_engine.simulation.match import Match
+from wildscav_engine.simulation.setup.match_setup import seed_of_seat
 from wildscav_engine.specs.actions import FIELDS
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.specs.result import MatchResult
@@ -25,13 +26,14 @@ from wildscav_engine.storage.binary_format import BinaryFormatError, Layout, dec
 from wildscav_engine.storage.files import read_limited, write_whole
 from wildscav_engine.version import ENGINE_VERSION, SIMULATION_VERSION
 
-RECORD_VERSION = 2  # of the payload and of the header
-LAYOUT = Layout(b"WILDSCAV", RECORD_VERSION, "a record of a match")
+RECORD_VERSION = 3  # of the payload and of the header
+WITHOUT_SEEDS = 2  # the version whose header lacks the seeds, which then follow from the spec
+LAYOUT = Layout(b"WILDSCAV", RECORD_VERSION, "a record of a match", WITHOUT_SEEDS)
 ARRAYS_LIMIT = 128 << 20  # bytes when decompressed, which bounds the memory of a reader
 FILE_LIMIT = ARRAYS_LIMIT + (2 << 20)  # bytes: the header, and arrays that do not compress
 HEADER_KEYS = {
     *("spec", "map_digest", "generator_version", "simulation_version", "engine_version"),
-    *("names", "result", "steps"),
+    *("names", "seeds", "result", "steps"),
 }
 SUFFIX = ".wsr"
 
@@ -50,9 +52,11 @@ class Record:
     simulation_version: int  # of the rules
     engine_version: str
     names: tuple[str, ...]  # display names, one for each seat
+    seeds: tuple[int, ...]  # the private seed that each seat was told
     result: MatchResult
     actions: NDArray[np.float32]  # (T, A, FIELDS) as played, including those of robots
     digests: NDArray[np.uint64]  # (T,) of the state after each step
+    version: int = RECORD_VERSION  # of the file that it was read from
 
     @property
     def steps(self) -> int:
@@ -74,6 +78,7 @@ def record_of(match: Match, names: Sequence[str]) -> Record:
         simulation_version=SIMULATION_VERSION,
         engine_version=ENGINE_VERSION,
         names=tuple(names),
+        seeds=tuple(match.start_info(seat).seed for seat in range(match.seats)),
         result=match.result(),
         actions=np.array(match.actions_played, np.float32).reshape(-1, match.seats, FIELDS),
         digests=np.array(match.digests, np.uint64),
@@ -121,6 +126,7 @@ def encode(record: Record) -> bytes:
         "simulation_version": record.simulation_version,
         "engine_version": record.engine_version,
         "names": list(record.names),
+        "seeds": list(record.seeds),
         "result": record.result.model_dump(mode="json"),
         "steps": record.steps,
     }
@@ -163,10 +169,14 @@ def decode(data: bytes) -> Record:
 def _assemble(header: dict[str, Any], packed: memoryview) -> Record:
     """Build a record from header and payload, and check that they are consistent."""
     header.setdefault("simulation_version", 1)  # the first version wrote no number
-    if set(header) != HEADER_KEYS:
+    version = RECORD_VERSION if "seeds" in header else WITHOUT_SEEDS
+    if {*header, "seeds"} != HEADER_KEYS:
         raise ValueError(f"its header has the keys {sorted(header)}, must have {sorted(HEADER_KEYS)}")
     spec = MatchSpec.model_validate(header["spec"])
     steps, seats = int(header["steps"]), len(spec.seats)
+    seeds = header.get("seeds", [seed_of_seat(spec, seat) for seat in range(seats)])
+    if len(seeds) != seats or any(type(seed) is not int or not 0 <= seed < 1 << 63 for seed in seeds):
+        raise ValueError(f"its seeds are {seeds}, must be {seats} whole numbers from 0 to 2^63 - 1")
     names = tuple(str(name) for name in header["names"])
     if len(names) != seats:
         raise ValueError(f"{len(names)} names for {seats} seats")
@@ -184,9 +194,11 @@ def _assemble(header: dict[str, Any], packed: memoryview) -> Record:
         simulation_version=int(header["simulation_version"]),
         engine_version=str(header["engine_version"]),
         names=names,
+        seeds=tuple(seeds),
         result=MatchResult.model_validate(header["result"]),
         actions=actions.astype(np.float32, copy=False),
         digests=np.frombuffer(arrays, "<u8", steps, action_bytes).astype(np.uint64, copy=False),
+        version=version,
     )
 
 

@@ -1,7 +1,7 @@
 """A single match, as the server, re-simulation and tests play it."""
 
 import copy
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -50,6 +50,8 @@ class Match:
         self.game_map = self._batch.maps[0]
         self.actions_played: list[NDArray[np.float32]] = []
         self.digests: list[int] = []
+        # What seats are told as their private seed, in place of the one that follows from the spec.
+        self.seeds: Mapping[int, int] = {}
 
     @property
     def track(self) -> Track:
@@ -109,7 +111,8 @@ class Match:
         """
         if not 0 <= seat < self.seats:
             raise ValueError(f"there is no seat {seat}; the seats are 0 to {self.seats - 1}")
-        return start_info(self._batch, 0, seat)
+        told = start_info(self._batch, 0, seat)
+        return told._replace(seed=self.seeds.get(seat, told.seed))
 
     def step(self, actions: ArrayLike | None = None) -> None:
         """Play one step; do nothing if the match is over.

@@ -35,6 +35,7 @@ class Layout(NamedTuple):
     magic: bytes  # 8 bytes
     version: int
     description: str  # with its article, for messages
+    earliest: int | None = None  # version that is still read; None: only its own
 
 
 def pack(layout: Layout, header: dict[str, Any], *payload: bytes | memoryview) -> bytes:
@@ -56,10 +57,11 @@ def unpack(layout: Layout, data: bytes) -> tuple[dict[str, Any], memoryview]:
     if len(data) < PREAMBLE.size + CHECKSUM_SIZE or not data.startswith(layout.magic):
         raise BinaryFormatError(f"not {layout.description}")
     _, version, header_size = PREAMBLE.unpack_from(data)
-    if version != layout.version:
+    if not (layout.earliest or layout.version) <= version <= layout.version:
         whose = "an earlier" if version < layout.version else "a later"
+        readable = " or ".join(str(one) for one in (layout.earliest, layout.version) if one is not None)
         raise BinaryFormatError(
-            f"format version {version}, of {whose} engine; this one reads version {layout.version}"
+            f"format version {version}, of {whose} engine; this one reads version {readable}"
         )
     if header_size > HEADER_LIMIT:
         raise BinaryFormatError(f"its header has {header_size:,} bytes, {HEADER_LIMIT:,} are allowed")

@@ -12,7 +12,7 @@ from pathlib import Path
 from wildscav_evaluator.sandbox import Launch, Limits, Promise, RunningAgent, Sandbox
 from wildscav_evaluator.sandbox.agents.host_python import socket_path
 
-DELAY = 0.2  # s
+DELAY = 0.4  # s, four times the budget of a step
 DELAYED_EVERY = 5  # chunks: every fifth is delayed
 CHUNK = 65_536  # bytes at most
 

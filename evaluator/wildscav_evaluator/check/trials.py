@@ -1,36 +1,102 @@
-"""The matches that a check plays: one on each track, one with late answers, and one that is cancelled."""
+"""The matches that a check plays: one on each track, one with late answers, and one that is cancelled.
+
+All are matches of a suite, with its settings and its limits, and all end early. Nothing that an agent is told
+before its first step distinguishes them from the matches that are scored.
+"""
 
 import asyncio
-from collections.abc import Iterator
+import secrets
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
+from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
-from wildscav.server import Clock, HostedMatch, MatchServer
-from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav.server import Clock
+from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.check import findings
 from wildscav_evaluator.check.delaying_proxy import delayed_replies
 from wildscav_evaluator.check.findings import Finding
-from wildscav_evaluator.matches.play import (
-    PlayedMatch,
-    Seating,
-    launch_for,
-    play_match,
-    prepare_logs,
-    socket_folders,
-)
-from wildscav_evaluator.sandbox import DEFAULT_LIMITS, Ending, Sandbox
+from wildscav_evaluator.matches.play import PlayedMatch, Seating, agents_at_play, play_match, prepare_logs
+from wildscav_evaluator.sandbox import Ending, Limits, Sandbox
+from wildscav_evaluator.seats import submission_seats
 from wildscav_evaluator.submissions.images import lacks_packages
 from wildscav_evaluator.submissions.submission import Submission
-from wildscav_evaluator.suites.suite import suite
+from wildscav_evaluator.suites.seeds import SuiteSeed
+from wildscav_evaluator.suites.suite import EVALUATION_MAPS, Suite
 
-TIGHT_CLOCK = Clock(step_budget=0.05, time_bank=0.0)  # a quarter of the proxy's delay
+STEPS = 600  # after which a match ends: a minute at the usual length of a step
+LATE_STEPS = 100  # after which the match with late answers ends
 CANCEL_AT = 3  # steps played before the match is cancelled
-LEAVING_TIME = 5.0  # s for the agent's process to end after that
-LIMITS = DEFAULT_LIMITS
+LEAVING_TIME = 5.0  # s for the agents' processes to end after that
+
+
+class Trial(NamedTuple):
+    """What a check plays on a track."""
+
+    spec: MatchSpec
+    limits: Limits  # of every agent
+    seed: SuiteSeed
+
+    @classmethod
+    def of(cls, suite: Suite, track: str, limits: Limits, seed: int | None = None) -> "Trial":
+        """Draw a match of a suite.
+
+        Args:
+            suite: The suite.
+            track: One of its tracks.
+            limits: Those of agents on the track.
+            seed: Of the suite; None for a fresh one that nobody knows, on a map that no other match is on.
+        """
+        drawn = secrets.randbits(63) if seed is None else seed
+        specs = suite.matches(track, drawn)
+        spec = specs[drawn % len(specs)]
+        if seed is None and suite.tracks[track].known_maps:
+            fresh = spec.map.model_copy(update={"seed": EVALUATION_MAPS | drawn})
+            spec = spec.model_copy(update={"map": fresh})
+        return cls(spec, limits, SuiteSeed(drawn))
+
+    def seating(self, submission: Submission, log: Path) -> Seating:
+        """Return the match with a submission in all its seats, and empty logs of its agents."""
+        seats = submission_seats(self.spec.seats)
+        logs = (log, *(log.with_stem(f"{log.stem}-{number}") for number in range(1, len(seats))))
+        prepare_logs(logs)
+        seeds = self.seed.private(self.spec, [submission.digest] * len(seats))
+        return Seating(self.spec, (submission,) * len(seats), logs, self.limits, seeds=seeds)
+
+
+class ShortMatch(Match):
+    """A match that ends after some steps, whatever its spec says, so that its agents are not told."""
+
+    def __init__(self, steps: int, spec: MatchSpec) -> None:
+        super().__init__(spec)
+        self._steps = steps
+
+    @property
+    def over(self) -> bool:
+        """Whether the match has ended."""
+        return super().over or self.step_number >= self._steps
+
+
+class _HurriedClock(Clock):
+    """The judge's clock, but no step waits longer than its budget, as once a match's patience is used up."""
+
+    def fitted(self, spec: MatchSpec) -> Clock:
+        return _HurriedClock(**asdict(Clock().fitted(spec)))
+
+    def patience(self, spec: MatchSpec) -> float:
+        del spec
+        return 0.0
 
 
 def run_checks(
-    submission: Submission, sandbox: Sandbox, logs: Path, *, clock: Clock | None = None
+    submission: Submission,
+    sandbox: Sandbox,
+    logs: Path,
+    trials: Mapping[str, Trial],
+    *,
+    clock: Clock | None = None,
 ) -> Iterator[Finding]:
     """Yield the findings of a check, each as soon as it is known.
 
@@ -38,6 +104,7 @@ def run_checks(
         submission: The submission, which was loaded and so has valid files.
         sandbox: The sandbox of the judge.
         logs: The folder for the agent's output.
+        trials: What to play, by track; the first also with late answers, and to be cancelled.
         clock: The clock of the judge; the server's default if None.
 
     Raises:
@@ -46,97 +113,51 @@ def run_checks(
     if lacks_packages(submission):
         yield findings.packages(submission.folder)
     with asyncio.Runner() as runner:
-        yield from _run_all(submission, sandbox, logs, clock or Clock(), runner)
+        yield from _run_all(submission, sandbox, logs, trials, clock or Clock(), runner)
 
 
 def _run_all(
-    submission: Submission, sandbox: Sandbox, logs: Path, clock: Clock, runner: asyncio.Runner
+    submission: Submission,
+    sandbox: Sandbox,
+    logs: Path,
+    trials: Mapping[str, Trial],
+    clock: Clock,
+    runner: asyncio.Runner,
 ) -> Iterator[Finding]:
-    for number, track in enumerate(submission.manifest.tracks):
-        spec = suite(track, "quick", seed=0)[0]
-        played, log = _play(submission, spec, sandbox, logs / f"{track}.log", clock, runner)
-        seat = next(iter(played.seats))
-        fitted = clock.fitted(spec)
-        found = list(findings.judge_match(played.seats[seat], fitted, LIMITS, f"match: {track}"))
+    for number, (track, trial) in enumerate(trials.items()):
+        seating, make = trial.seating(submission, logs / f"{track}.log"), partial(ShortMatch, STEPS)
+        played = runner.run(play_match(seating, sandbox=sandbox, clock=clock, make=make))
+        seat, fitted = seating.seats[0], clock.fitted(trial.spec)
+        found = list(findings.judge_match(played.seats[seat], fitted, trial.limits, f"match: {track}"))
         if number == 0:
             yield from found
-            yield findings.output(log.stat().st_size, LIMITS)
+            yield findings.output(seating.logs[0].stat().st_size, trial.limits)
         else:
             yield from (one for one in found if one.check != "start-up")
         if played.seats[seat].status != "finished":
             return  # an agent that cannot play a match fails the rest for the same reason
         if number == 0:
             yield findings.process_exit(played.endings.get(seat))
-    yield from _with_faults(submission, sandbox, logs, clock, runner)
+    trial = next(iter(trials.values()))
+    late = runner.run(_delay_replies(trial.seating(submission, logs / "late.log"), sandbox))
+    yield findings.lateness(next(iter(late.seats.values())), trial.limits, clock)
+    cancelled = runner.run(_cancel_match(trial.seating(submission, logs / "cancelled.log"), sandbox))
+    yield findings.cancelled_match(cancelled, LEAVING_TIME)
 
 
-def _with_faults(
-    submission: Submission, sandbox: Sandbox, logs: Path, clock: Clock, runner: asyncio.Runner
-) -> Iterator[Finding]:
-    spec = short_spec(submission.manifest.tracks[0])
-    late = runner.run(_delay_replies(submission, spec, sandbox, logs / "late.log"))
-    yield findings.lateness(next(iter(late.seats.values())), LIMITS, clock)
-    log = logs / "cancelled.log"
-    prepare_logs([log])
-    yield findings.cancelled_match(runner.run(_cancel_match(submission, spec, sandbox, log)), LEAVING_TIME)
-
-
-def short_spec(track: str) -> MatchSpec:
-    """Return a match of ten seconds on a small map."""
-    small = MapSpec(config=MapConfig(size=60, houses=1), seed=1)
-    return MatchSpec(track=track, map=small, seats=("submission",), time_limit=10.0)
-
-
-def _play(
-    submission: Submission,
-    spec: MatchSpec,
-    sandbox: Sandbox,
-    log: Path,
-    clock: Clock,
-    runner: asyncio.Runner,
-) -> tuple[PlayedMatch, Path]:
-    """Play a match; return it with the log of the submission's first seat."""
-    count = spec.seats.count("submission")
-    logs = tuple(log.with_stem(f"{log.stem}-{seat}") if seat else log for seat in range(count))
-    prepare_logs(logs)
-    played = runner.run(play_match(Seating(spec, (submission,) * count, logs), sandbox=sandbox, clock=clock))
-    return played, log
-
-
-async def _delay_replies(submission: Submission, spec: MatchSpec, sandbox: Sandbox, log: Path) -> PlayedMatch:
+async def _delay_replies(seating: Seating, sandbox: Sandbox) -> PlayedMatch:
     """Play a match in which steps are played without the agent's answers."""
-    prepare_logs([log])
     async with delayed_replies(sandbox) as late:
-        return await play_match(Seating(spec, (submission,), (log,)), sandbox=late, clock=TIGHT_CLOCK)
+        make = partial(ShortMatch, LATE_STEPS)
+        return await play_match(seating, sandbox=late, clock=_HurriedClock(), make=make)
 
 
-async def _cancel_match(
-    submission: Submission, spec: MatchSpec, sandbox: Sandbox, log: Path
-) -> Ending | None:
-    """Cancel a match while it is played; return how the agent's process ended, or None if it did not."""
-    seating = Seating(spec, (submission,), (log,))
-    with socket_folders(1) as folders:
-        server = MatchServer()
-        (address,) = await server.start([f"unix:{folders[0] / 'match.sock'}"])
-        try:
-            sensors = {0: submission.manifest.sensors}
-            hosted = await server.host(
-                spec, names=seating.names, sensors=sensors, clock=Clock(), addresses={0: address}
-            )
-            agent = await sandbox.start(launch_for(submission, address, hosted.tokens[0], log))
-            ending = asyncio.create_task(agent.ended())
-            try:
-                await _wait_for_step(hosted, ending)
-                hosted.cancel()
-                await asyncio.wait([ending], timeout=LEAVING_TIME)
-                return ending.result() if ending.done() else None
-            finally:
-                await agent.stop()
-                await asyncio.wait([ending])
-        finally:
-            await server.stop()
-
-
-async def _wait_for_step(hosted: HostedMatch, ending: "asyncio.Task[Ending]") -> None:
-    while hosted.match.step_number < CANCEL_AT and not ending.done() and not hosted.task.done():  # noqa: ASYNC110
-        await asyncio.sleep(0.005)
+async def _cancel_match(seating: Seating, sandbox: Sandbox) -> Ending | None:
+    """Cancel a match while it is played; return how its first agent's process ended, None if it did not."""
+    seat = seating.seats[0]
+    async with agents_at_play(seating, sandbox) as (hosted, agents):
+        while hosted.match.step_number < CANCEL_AT and seat not in agents.endings and not hosted.task.done():  # noqa: ASYNC110
+            await asyncio.sleep(0.005)
+        hosted.cancel()
+        await agents.leave(LEAVING_TIME)
+        return agents.endings.get(seat)

@@ -39,6 +39,7 @@ class Job:
     faults: tuple[str, ...] = ()  # what broke earlier attempts, one line each
     evaluated: str | None = None  # the submission whose evaluation it belongs to; None in a tournament
     robots: tuple[int, ...] = ()  # the seats of robots that are entrants
+    seeds: tuple[int, ...] = ()  # the private seed of each submission; if empty, those of the spec
     watched: bool = False  # whether its heartbeats carry snapshots, for spectators
 
     @classmethod
@@ -91,7 +92,7 @@ class Job:
     def seating(self) -> Seating:
         """The match, with the submissions in their seats."""
         logs = tuple(self.out / self.log(seat) for seat in self.seats)
-        return Seating(self.spec, self.submissions, logs, self.limits, self.robots)
+        return Seating(self.spec, self.submissions, logs, self.limits, self.robots, self.seeds)
 
 
 def sensors_read(jobs: Sequence[Job]) -> list[Wanted]:

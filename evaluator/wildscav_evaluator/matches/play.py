@@ -6,8 +6,8 @@ platform's fault.
 """
 
 import asyncio
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import AsyncIterator, Callable, Iterator, Sequence
+from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -67,6 +67,7 @@ class Seating:
     logs: tuple[Path, ...]  # one for each submission
     limits: Limits = DEFAULT_LIMITS  # of every agent
     robots: tuple[int, ...] = ()  # the seats of robots that are entrants
+    seeds: tuple[int, ...] = ()  # the private seed of each submission; if empty, those of the spec
 
     @property
     def seats(self) -> tuple[int, ...]:
@@ -166,6 +167,31 @@ async def play_once(
         OSError: An agent's process could not be started.
         PlatformFaultError: A sandbox failed under an agent.
     """
+    async with agents_at_play(seating, sandbox, clock, on_start, make) as (hosted, agents):
+        stall = asyncio.create_task(_watch_for_stall())
+        try:
+            outcome = await _outcome(hosted, agents)
+            late = {seat: agents.late_for_platform(report) for seat, report in outcome.seats.items()}
+            await agents.leave(EXIT_TIME)
+            played = PlayedMatch(
+                outcome.match, _explained(outcome, agents), agents.endings, late_for_platform=late
+            )
+            if stall.done() and any(report.status.fault for report in played.seats.values()):
+                raise PlatformFaultError(f"the evaluator stood still for {stall.result():.0f} s")
+            return played
+        finally:
+            stall.cancel()
+
+
+@asynccontextmanager
+async def agents_at_play(
+    seating: Seating,
+    sandbox: Sandbox,
+    clock: Clock | None = None,
+    on_start: Callable[[HostedMatch], None] | None = None,
+    make: Callable[[MatchSpec], Match] | None = None,
+) -> AsyncIterator[tuple[HostedMatch, MatchAgents]]:
+    """Host a match and start its agents; cancel and stop them in the end. See ``play_once``."""
     with socket_folders(len(seating.seats)) as folders:
         server = MatchServer(endpoint_settings=SEAT_ENDPOINT)
         # Each seat has its own socket: its sandbox passes on no other, and no other token works there.
@@ -178,6 +204,7 @@ async def play_once(
                     seat: submission.manifest.sensors
                     for seat, submission in zip(seating.seats, seating.submissions, strict=True)
                 },
+                seeds=dict(zip(seating.seats, seating.seeds, strict=False)),
                 clock=clock or Clock(),
                 addresses=dict(zip(seating.seats, addresses, strict=True)),
                 starting=True,
@@ -185,35 +212,20 @@ async def play_once(
             )
             if on_start is not None:
                 on_start(hosted)
-            return await _play_hosted(hosted, seating, addresses, sandbox)
+            agents = MatchAgents(hosted, sandbox)
+            try:
+                entries = zip(seating.seats, seating.submissions, seating.logs, addresses, strict=True)
+                for seat, submission, log, address in entries:
+                    limit = hosted.clock.join_timeout
+                    token = hosted.tokens[seat]
+                    launch = launch_for(submission, address, token, log, seating.limits, limit)
+                    await agents.start(seat, launch)
+                yield hosted, agents
+            finally:
+                hosted.cancel()
+                await agents.stop()
         finally:
             await server.stop()
-
-
-async def _play_hosted(
-    hosted: HostedMatch, seating: Seating, addresses: Sequence[str], sandbox: Sandbox
-) -> PlayedMatch:
-    agents = MatchAgents(hosted, sandbox)
-    stall = asyncio.create_task(_watch_for_stall())
-    try:
-        entries = zip(seating.seats, seating.submissions, seating.logs, addresses, strict=True)
-        for seat, submission, log, address in entries:
-            limit = hosted.clock.join_timeout
-            token = hosted.tokens[seat]
-            await agents.start(seat, launch_for(submission, address, token, log, seating.limits, limit))
-        outcome = await _outcome(hosted, agents)
-        late = {seat: agents.late_for_platform(report) for seat, report in outcome.seats.items()}
-        await agents.leave(EXIT_TIME)
-        played = PlayedMatch(
-            outcome.match, _explained(outcome, agents), agents.endings, late_for_platform=late
-        )
-        if stall.done() and any(report.status.fault for report in played.seats.values()):
-            raise PlatformFaultError(f"the evaluator stood still for {stall.result():.0f} s")
-        return played
-    finally:
-        hosted.cancel()
-        stall.cancel()
-        await agents.stop()
 
 
 async def _watch_for_stall() -> float:

@@ -51,6 +51,7 @@ class RecordedMatch(Match):
     def __init__(self, record: Record, seats: Sequence[int]) -> None:
         super().__init__(record.spec)
         self._record = record
+        self.seeds = dict(enumerate(record.seeds))
         self.agreements = {seat: Agreement(seat) for seat in seats}
         self.diverged_at: int | None = None  # the first step, from 1, with another state than recorded
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from wildscav.errors import UserError
-from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.output import results
 from wildscav_evaluator.output.identity import Entrant, Identity, digest_of
@@ -65,6 +65,7 @@ class EvaluationPlan(Plan):
             evaluation=evaluation,
             sandbox=self.sandbox,
             limits=self.limits(track),
+            seeds=self.seed.private(spec, [submission.digest] * spec.seats.count(SUBMISSION)),
         )
 
     def identity(self) -> Identity:

@@ -74,8 +74,9 @@ class TournamentPlan(Plan):
     def _job(
         self, index: int, match: TournamentMatch, by_name: dict[str, Submission], evaluation: str
     ) -> Job:
+        submissions = tuple(by_name[name] for name in match.submissions)
         return Job(
-            tuple(by_name[name] for name in match.submissions),
+            submissions,
             self.track,
             index,
             match.spec,
@@ -85,6 +86,7 @@ class TournamentPlan(Plan):
             sandbox=self.sandbox,
             limits=self.limits(self.track),
             robots=match.robots,
+            seeds=self.seed.private(match.spec, [one.digest for one in submissions]),
         )
 
     def identity(self) -> Identity:

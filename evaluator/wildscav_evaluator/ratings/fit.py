@@ -16,7 +16,7 @@ thus appear to be exactly known.
 """
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,6 +55,12 @@ class Fit:
         width = self.deviations[index] * float(student_quantile(int(self.games[index]), 1.0 - CONFIDENCE))
         rating = self.ratings[index]
         return float(rating - width), float(rating + width)
+
+    def among(self, names: Sequence[str]) -> "Fit":
+        """Return the ratings of some of the entrants."""
+        rows = [self.names.index(name) for name in sorted(names)]
+        arrays = (self.ratings[rows], self.deviations[rows], self.covariance[np.ix_(rows, rows)])
+        return Fit(tuple(sorted(names)), *arrays, self.games[rows], self.groups[rows])
 
 
 def fit(matches: Iterable[RatedMatch]) -> Fit:

@@ -5,15 +5,21 @@ sandbox only keeps the host tidy: a separate session, a minimal environment, one
 libraries, a bounded log, a wall clock, and an end together with the evaluation, however that ends.
 """
 
+import asyncio
 import contextlib
 import os
+import shutil
 import signal
 import sys
+import tempfile
+from dataclasses import replace
 from pathlib import Path
 
+from wildscav.system import leftovers
 from wildscav_evaluator.sandbox.agents.agent_process import AgentProcess, agent_variables, start_process
 from wildscav_evaluator.sandbox.base import Launch, MemoryKill, Promise, SandboxError
 from wildscav_evaluator.sandbox.limits import Limits
+from wildscav_evaluator.submission_files import stage
 
 KILL_ROUNDS = 1000  # rounds, at most, of killing a session that keeps forking
 PASSED_ON = ("PATH", "HOME", "LANG", "LC_ALL", "TMPDIR", "LD_LIBRARY_PATH")
@@ -56,13 +62,18 @@ class ProcessSandbox:
         if sys.platform == "linux":
             arguments.append(str(os.getpid()))
         handle = SessionHandle()
-        agent = await start_process(
-            [*arguments, *(("--", *launch.command) if launch.command else (launch.entry_point,))],
-            launch,
-            handle,
-            environment=environment(launch),
-            folder=launch.folder,
-        )
+        try:
+            folder = await asyncio.to_thread(stage, launch.folder, handle.private)
+            agent = await start_process(
+                [*arguments, *(("--", *launch.command) if launch.command else (launch.entry_point,))],
+                replace(launch, folder=folder),
+                handle,
+                environment=environment(launch),
+                folder=folder,
+            )
+        except BaseException:
+            await handle.release()
+            raise
         handle.session = agent.pid
         return agent
 
@@ -76,7 +87,11 @@ def environment(launch: Launch) -> dict[str, str]:
 class SessionHandle:
     """A handle on an agent: its session of processes."""
 
-    session: int | None = None
+    def __init__(self) -> None:
+        self.session: int | None = None
+        self.private = Path(
+            tempfile.mkdtemp(prefix="code-", dir=leftovers.own_folder())
+        )  # for a copy of the code
 
     def processes(self) -> list[int]:
         """Return the first process, which runs the agent. See ``AgentHandle.processes``."""
@@ -92,7 +107,8 @@ class SessionHandle:
         return MemoryKill.NONE
 
     async def release(self) -> None:
-        """Do nothing: the sandbox sets up nothing besides the processes."""
+        """Remove the copy of the code. See ``AgentHandle.release``."""
+        await asyncio.to_thread(shutil.rmtree, self.private, ignore_errors=True)
 
 
 def kill_session(session: int) -> None:

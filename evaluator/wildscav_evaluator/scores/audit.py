@@ -13,6 +13,7 @@ from pathlib import Path
 
 from wildscav.errors import UserError
 from wildscav.terminal.console import printable
+from wildscav_engine.record.format import WITHOUT_SEEDS
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.ledger.entries import Ended
@@ -25,10 +26,12 @@ from wildscav_evaluator.scores.expected_matches import (
     ExpectedMatch,
     expected_matches,
     kind_of,
+    known_seed,
     match_counts,
 )
 from wildscav_evaluator.scores.hidden_schedule import deviations
 from wildscav_evaluator.scores.rescore import Replayed, disagreements
+from wildscav_evaluator.seats import submission_seats
 from wildscav_evaluator.tournaments.tournament_file import check_tournament
 
 MOST_NAMED = 20  # missing matches that are named individually
@@ -102,6 +105,7 @@ def discrepancies(folder: AuditedFolder, replayed: Sequence[Replayed], recompute
         yield from deviations(folder.reported, settings, replayed, max(counts.values(), default=0))
     yield from disagreements(replayed, folder.reported, recomputed.evaluations, expected)
     yield from _of_versions(folder.reported, replayed)
+    yield from _of_seeds(folder, replayed)
     yield from _of_ledger(folder)
     if fault := check_comparison(folder.out, folder.reported):
         yield fault
@@ -229,6 +233,20 @@ def _of_versions(reported: Results, replayed: Sequence[Replayed]) -> Iterator[st
     for one in replayed:
         if one.versions is not None and one.versions != reported.versions:
             yield f"{one.record}: was played by {one.versions}, but the results say {reported.versions}"
+
+
+def _of_seeds(folder: AuditedFolder, replayed: Sequence[Replayed]) -> Iterator[str]:
+    """Check that agents were told the private seeds that follow from the evaluation's seed, once known."""
+    seed = known_seed(folder.out, folder.reported)
+    digests = {one.submission: one.digest for one in folder.reported.evaluations}
+    for one in replayed:
+        if seed is None or one.spec is None or (one.versions and one.versions.record == WITHOUT_SEEDS):
+            continue
+        seats = submission_seats(one.spec.seats)
+        entrants = [one.submission or one.entrants[seat] for seat in seats]
+        private = seed.private(one.spec, [digests.get(name, "") for name in entrants])
+        if private != tuple(one.seeds[seat] for seat in seats):
+            yield f"{one.record}: its agents were not told the private seeds that follow from the seed"
 
 
 def _of_ledger(folder: AuditedFolder) -> Iterator[str]:

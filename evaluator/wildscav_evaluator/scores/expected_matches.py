@@ -47,12 +47,10 @@ def expected_matches(out: Path, reported: Results) -> Mapping[str, Sequence[Expe
         UserError: The suite's own file, or the opened secret, is not that of the results.
     """
     suite = played_suite(out, reported)
-    seed = reported.seed
-    if reported.commitment is not None:
-        opened = opened_secret(out, reported)
-        seed = None if opened is None else opened.value
-    if seed is None:
+    known = known_seed(out, reported)
+    if known is None:
         return None
+    seed = known.value
     played = [track for track in reported.tracks if track in suite.tracks]
     if reported.tournament is None:
         return {
@@ -115,12 +113,14 @@ def played_suite(out: Path, reported: Results) -> Suite:
     return suite
 
 
-def opened_secret(out: Path, reported: Results) -> SuiteSeed | None:
-    """Return the seed of an evaluation whose secret was opened; None if it is still hidden.
+def known_seed(out: Path, reported: Results) -> SuiteSeed | None:
+    """Return the seed of an evaluation, if it is public or its secret was opened; None while it is hidden.
 
     Raises:
         UserError: The secret is not the one that was committed to.
     """
+    if reported.commitment is None:
+        return None if reported.seed is None else SuiteSeed(reported.seed)
     path = out / OPENED_FILE
     if not path.exists():
         return None

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from wildscav.errors import describe
 from wildscav.terminal.console import printable
-from wildscav_engine.record import FILE_LIMIT, RECORD_VERSION, RecordError, verify_record
+from wildscav_engine.record import FILE_LIMIT, RecordError, verify_record
 from wildscav_engine.record.format import decode
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.storage.files import read_limited
@@ -45,6 +45,7 @@ class Replayed:
     submission: str | None  # None in a tournament, where several submissions meet
     spec: MatchSpec | None = None
     names: tuple[str, ...] = ()  # the display name of each seat
+    seeds: tuple[int, ...] = ()  # the private seed that each seat was told
     # The entrants' seats, with the metrics of each; None if the record is invalid.
     seats: Mapping[int, dict[str, float]] | None = None
     fault: str = ""  # why the record is not valid
@@ -121,9 +122,16 @@ def replay_file(file: RecordFile) -> Replayed:
         engine=record.engine_version,
         simulation=record.simulation_version,
         generator=record.generator_version,
-        record=RECORD_VERSION,
+        record=record.version,
     )
-    return replace(reported, spec=record.spec, names=record.names, seats=seats, versions=versions)
+    return replace(
+        reported,
+        spec=record.spec,
+        names=record.names,
+        seeds=record.seeds,
+        seats=seats,
+        versions=versions,
+    )
 
 
 def recompute(replayed: Sequence[Replayed], reported: Results | None) -> list[Evaluation]:

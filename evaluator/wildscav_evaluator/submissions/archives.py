@@ -23,6 +23,7 @@ from typing import IO
 from wildscav.errors import UserError
 from wildscav.system.limited_process import LimitExceededError, call_limited
 from wildscav_evaluator.cache import cache_folder
+from wildscav_evaluator.submission_files import LEFT_OUT
 
 SUFFIXES = (".zip", ".tar.gz", ".tgz")
 LARGEST = 256 << 20  # bytes of an archive
@@ -133,10 +134,7 @@ def _write_all(archive: Path, folder: Path, largest_content: int, most_entries: 
             if count > most_entries:
                 raise ArchiveError(f"{archive} has more than {most_entries:,} entries")
             path = _checked_path(archive, entry)
-            if path is None:
-                continue
-            if entry.kind == "folder":
-                (folder / path).mkdir(parents=True, exist_ok=True)
+            if path is None or entry.kind == "folder":
                 continue
             # On file systems that ignore case, one file would replace the other.
             if str(path).lower() in seen:
@@ -170,7 +168,7 @@ def _write(archive: Path, entry: Entry, path: Path, left: int) -> int:
 
 
 def _checked_path(archive: Path, entry: Entry) -> Path | None:
-    """Return an entry's path in its folder; None if it is the folder itself."""
+    """Return an entry's path in its folder; None if it is the folder itself or not part of a submission."""
     name, where = entry.name, f"{archive}: {_shown(entry.name)}"
     if entry.kind not in ("file", "folder"):
         raise ArchiveError(f"{where} is {entry.kind}: an archive may have plain files and folders only")
@@ -183,7 +181,7 @@ def _checked_path(archive: Path, entry: Entry) -> Path | None:
         raise ArchiveError(f"{where} leads out of the archive's folder")
     if len(path.parts) > DEEPEST:
         raise ArchiveError(f"{where} is more than {DEEPEST} folders deep")
-    return Path(*path.parts) if path.parts else None
+    return Path(*path.parts) if path.parts and LEFT_OUT.isdisjoint(path.parts) else None
 
 
 def _entries(archive: Path) -> Generator[Entry, None, None]:

@@ -6,7 +6,6 @@ import hashlib
 import io
 import os
 import secrets
-import shutil
 import subprocess
 import tarfile
 from collections.abc import Sequence
@@ -18,7 +17,6 @@ from wildscav.errors import UserError
 from wildscav.system import leftovers
 from wildscav_evaluator.cache import cache_folder
 from wildscav_evaluator.sandbox import SANDBOXES
-from wildscav_evaluator.sandbox.agents.readable_copies import make_readable
 from wildscav_evaluator.sandbox.base import SandboxError
 from wildscav_evaluator.sandbox.containers.container_engine import (
     ContainerEngine,
@@ -32,15 +30,9 @@ from wildscav_evaluator.sandbox.containers.left_containers import (
     enter_container,
     removal,
 )
+from wildscav_evaluator.submission_files import SubmissionError, copy_files
 from wildscav_evaluator.submissions.sdk_wheel import write_sdk_wheel
-from wildscav_evaluator.submissions.submission import (
-    IGNORED_FOLDERS,
-    LARGEST_MANIFEST,
-    MANIFEST,
-    Submission,
-    SubmissionError,
-    read_manifest,
-)
+from wildscav_evaluator.submissions.submission import LARGEST_MANIFEST, MANIFEST, Submission, read_manifest
 
 IMAGE = "image:"  # before the name of a prebuilt image, where a command takes a submission
 REQUIREMENTS = "requirements.txt"
@@ -106,12 +98,7 @@ def build_image(
                 _build(engine, base, folder, _dockerfile("base.Dockerfile"), [*own, *options])
     name = built_name(submission)
     with leftovers.temporary_folder("build-") as folder:
-        # Exactly the files that its digest covers, readable for every user.
-        context = folder / "context"
-        shutil.copytree(
-            submission.folder, context, ignore=shutil.ignore_patterns(*IGNORED_FOLDERS), symlinks=True
-        )
-        make_readable(context)
+        context = copy_files(submission.folder, folder / "context")
         file = dockerfile or _dockerfile("agent.Dockerfile")
         _build(engine, name, context, file, ["--build-arg", f"BASE={base}", *options])
     return name

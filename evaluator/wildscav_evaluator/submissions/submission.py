@@ -3,21 +3,24 @@
 import hashlib
 import os
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
-from wildscav.errors import UserError
+from wildscav_evaluator.submission_files import (
+    LEFT_OUT,
+    SubmissionError,
+    is_executable,
+    submission_files,
+)
 from wildscav_evaluator.submissions.archives import SUFFIXES, is_archive, unpack
 
 MANIFEST = "submission.toml"
 LARGEST_MANIFEST = 16_384  # bytes; the most expensive one of this size takes 260 MB and half a second to read
 LONGEST_SHOWN = 100  # characters of a value in an error
-# Folders that tools leave behind are not part of a submission.
-IGNORED_FOLDERS = frozenset({"__pycache__", ".git", ".venv", ".mypy_cache", ".ruff_cache", ".pytest_cache"})
 
 _NAME = r"^[a-z0-9][a-z0-9-]{1,39}$"
 _ENTRY_POINT = r"^[A-Za-z_]\w*(\.[A-Za-z_]\w*)*:[A-Za-z_]\w*$"
@@ -37,13 +40,6 @@ _HINTS = {
 
 _Name = Annotated[str, Field(max_length=200)]
 _Word = Annotated[str, Field(max_length=4096, pattern=r"^[^\x00]*$")]
-
-
-class SubmissionError(UserError):
-    """A submission's folder or one of its files is not valid."""
-
-    def __init__(self, message: str) -> None:
-        super().__init__(message, exit_code=2)
 
 
 class Manifest(BaseModel):
@@ -91,7 +87,8 @@ class Submission:
 
     folder: Path  # absolute
     manifest: Manifest
-    digest: str  # of every file in the folder, or of the image; 32 hexadecimal digits
+    digest: str  # of the submission's files, or of the image; 32 hexadecimal digits
+    content: str = ""  # digest of what plays: without the labels in the manifest; empty for an image
     image: str | None = None  # the image that it was built into or is
     entered_as: str | None = None  # another name for it, where several submissions have its name
 
@@ -117,8 +114,9 @@ def load_submission(folder: Path) -> Submission:
     if not path.is_file():
         raise SubmissionError(f"{path} is missing: `wildscav init DIR` makes a folder with one")
     manifest = read_manifest(path)
-    _check_program(path, manifest)
-    return Submission(folder=folder.resolve(), manifest=manifest, digest=folder_digest(folder))
+    _check_program(path, manifest, submission_files(folder))
+    files = dict(_hashed_files(folder))
+    return Submission(folder.resolve(), manifest, _digest_of(files), _digest_of(_content(files, manifest)))
 
 
 def read_manifest(path: Path) -> Manifest:
@@ -189,21 +187,26 @@ def _shown(value: object) -> str:
     return text if len(text) <= LONGEST_SHOWN else f"{text[:LONGEST_SHOWN]}…"
 
 
-def _check_program(path: Path, manifest: Manifest) -> None:
-    """Refuse a manifest whose program is not in its folder."""
+def _check_program(path: Path, manifest: Manifest, files: Sequence[Path]) -> None:
+    """Refuse a manifest whose program is not among the files of its submission."""
     if manifest.entry_point is not None:
         module, _, _ = manifest.entry_point.partition(":")
         base = path.parent.joinpath(*module.split("."))
-        if not base.with_suffix(".py").is_file() and not (base / "__init__.py").is_file():
-            raise SubmissionError(
-                f"{path}: entry_point: is {manifest.entry_point!r}, but there is no file "
-                f"{base.with_suffix('.py')}"
-            )
+        file = base.with_suffix(".py")
+        if file not in files and base / "__init__.py" not in files:
+            reason = _missing(file, path.parent)
+            raise SubmissionError(f"{path}: entry_point: is {manifest.entry_point!r}, but {reason}")
     elif manifest.command is not None:
-        _check_command(path, manifest.command[0])
+        _check_command(path, manifest.command[0], files)
 
 
-def _check_command(path: Path, program: str) -> None:
+def _missing(file: Path, folder: Path) -> str:
+    if LEFT_OUT.isdisjoint(file.relative_to(folder).parts):
+        return f"there is no file {file}"
+    return f"{', '.join(sorted(LEFT_OUT))} are not part of a submission"
+
+
+def _check_command(path: Path, program: str, files: Sequence[Path]) -> None:
     """Refuse a relative path that is not an executable file of the submission.
 
     A name without a slash is looked up in the PATH of the sandbox.
@@ -213,44 +216,38 @@ def _check_command(path: Path, program: str) -> None:
     if "/" not in program or PurePosixPath(program).is_absolute():
         return
     file = path.parent / program
-    if ".." in PurePosixPath(program).parts or not file.is_file():
-        raise SubmissionError(f"{path}: command: is {program!r}, but there is no file {file}")
-    if not os.access(file, os.X_OK):
+    if file not in files:
+        raise SubmissionError(f"{path}: command: is {program!r}, but {_missing(file, path.parent)}")
+    if not is_executable(file):
         raise SubmissionError(f"{path}: command: {file} is not executable: chmod +x {file}")
 
 
 def folder_digest(folder: Path) -> str:
-    """Return a digest of the paths and contents of a folder's files, except what tools leave behind.
+    """Return a digest of the files of a submission: their paths, their contents, and which are executable.
 
     Raises:
-        SubmissionError: A link leads out of the folder or in a circle; or an entry is not a file, a folder or
-            a link.
+        SubmissionError: See ``submission_files``.
     """
+    return _digest_of(dict(_hashed_files(folder)))
+
+
+def _digest_of(files: Mapping[bytes, str]) -> str:
     digest = hashlib.blake2b(digest_size=16)
-    for path in sorted(folder.rglob("*")):
-        relative = path.relative_to(folder)
-        if IGNORED_FOLDERS.intersection(relative.parts):
-            continue
-        if path.is_symlink():
-            _check_link(path, folder)
-        elif not (path.is_file() or path.is_dir()):
-            raise SubmissionError(
-                f"{path} is a pipe, a socket or a device: a submission may have only files, folders and links"
-            )
-        if not path.is_file():
-            continue
-        with path.open("rb") as file:
-            content = hashlib.file_digest(file, "blake2b").hexdigest()
-        # A name need not be UTF-8.
-        digest.update(os.fsencode(relative.as_posix()) + f"\0{content}\n".encode())
+    for name, content in files.items():
+        digest.update(name + f"\0{content}\n".encode())
     return digest.hexdigest()
 
 
-def _check_link(path: Path, folder: Path) -> None:
-    """Refuse a link that leads out of a folder or in a circle."""
-    try:
-        target = path.resolve()
-    except (RuntimeError, OSError):
-        raise SubmissionError(f"{path} is a link that leads in a circle") from None
-    if not target.is_relative_to(folder.resolve()):
-        raise SubmissionError(f"{path} is a link that leads out of the submission's folder")
+def _content(files: Mapping[bytes, str], manifest: Manifest) -> dict[bytes, str]:
+    """Return the digests of a submission's files; of its manifest, only fields that change how it plays."""
+    plays = manifest.model_dump_json(include={"entry_point", "command", "sensors"})
+    return {**files, MANIFEST.encode(): plays}
+
+
+def _hashed_files(folder: Path) -> Iterator[tuple[bytes, str]]:
+    """Yield the path of each file of a submission, and a digest that says whether it is executable."""
+    for path in submission_files(folder):
+        with path.open("rb") as file:
+            content = hashlib.file_digest(file, "blake2b").hexdigest()
+        mark = "\0executable" if is_executable(path) else ""
+        yield os.fsencode(path.relative_to(folder).as_posix()), f"{content}{mark}"  # a name need not be UTF-8

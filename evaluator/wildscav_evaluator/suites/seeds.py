@@ -6,12 +6,16 @@ to publish the file.
 """
 
 import hashlib
+import hmac
 import secrets
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from wildscav.errors import UserError
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.storage.files import read_limited
+from wildscav_evaluator.seats import submission_seats
 
 SHORTEST, LONGEST = 32, 4096  # bytes of a secret
 LARGEST = 1 << 20  # bytes of a file that is read
@@ -28,6 +32,25 @@ class SuiteSeed:
     def label(self) -> str:
         """The public part of the seed."""
         return label(None if self.commitment else self.value, self.commitment)
+
+    def private(self, spec: MatchSpec, digests: Sequence[str]) -> tuple[int, ...]:
+        """Return the private seeds that the agents in a match are told.
+
+        Each depends on the submission, so what one agent noted with its seed is of no use to the next, and
+        reveals nothing about this seed.
+
+        Args:
+            spec: The match.
+            digests: Of the submissions, in the order of their seats.
+
+        Returns:
+            The seed of each submission's seat, 63 bits.
+        """
+        key, match = str(self.value).encode(), spec.model_dump_json()
+        return tuple(
+            int.from_bytes(hmac.digest(key, f"{seat} {digest} {match}".encode(), "sha256")[:8], "big") >> 1
+            for seat, digest in zip(submission_seats(spec.seats), digests, strict=True)
+        )
 
 
 def label(seed: int | None, commitment: str | None) -> str:

@@ -48,6 +48,8 @@ class Suite:
         default_factory=dict
     )  # of agents, for tracks with limits of their own
     version: str = ""  # of the package that it comes from, if that is not Wildscav
+    # By track, a digest of what an organizer's own suite says of it: whatever else is in the file may change.
+    fingerprints: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def label(self) -> str:

@@ -7,6 +7,7 @@ to a list of values from which each map or match draws one.
 import tomllib
 from collections.abc import Callable, Mapping
 from copy import deepcopy
+from hashlib import blake2b
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Self, TypeVar
@@ -156,7 +157,7 @@ def read_suite(path: Path) -> Suite:
         source = read_config(path, f"{__name__}:try_suite")
     except OSError as error:
         raise UserError(f"the suite {describe(error)}", 2) from error
-    return _parsed(path, source)
+    return parse_suite(path, source)
 
 
 def try_suite(path: str) -> None:
@@ -166,10 +167,19 @@ def try_suite(path: str) -> None:
         UserError: It is not valid.
         OSError: It cannot be read.
     """
-    _parsed(Path(path), read_limited(Path(path), LARGEST))
+    parse_suite(Path(path), read_limited(Path(path), LARGEST))
 
 
-def _parsed(path: Path, source: bytes) -> Suite:
+def parse_suite(path: Path, source: bytes) -> Suite:
+    """Return the suite that the content of a file describes.
+
+    Args:
+        path: Its path, for errors.
+        source: Its content.
+
+    Raises:
+        UserError: It is not valid.
+    """
     try:
         content = tomllib.loads(source.decode())
     except RecursionError:
@@ -199,7 +209,13 @@ def _suite(file: SuiteFile, source: bytes) -> Suite:
     config = _drawer(MapConfig, file.map.fields, file.map.choose, "map")
     tracks = {name: _track_settings(name, file.tracks[name]) for name in TRACKS if name in file.tracks}
     limits = {track: part.limits for track, part in file.tracks.items()}
-    return Suite(file.name, file.title, config, tracks, source, limits)
+    fingerprints = {track: _fingerprint(file, part) for track, part in file.tracks.items()}
+    return Suite(file.name, file.title, config, tracks, source, limits, fingerprints=fingerprints)
+
+
+def _fingerprint(file: SuiteFile, part: TrackSection) -> str:
+    said = f"{file.name}\n{file.map.model_dump_json()}\n{part.model_dump_json()}"
+    return blake2b(said.encode(), digest_size=16).hexdigest()
 
 
 def _track_settings(track: str, part: TrackSection) -> TrackSettings:

@@ -1,4 +1,4 @@
-"""Headers that every answer carries: what a page may load, and who may show it in a frame."""
+"""Headers that every answer carries: what a page may load, who may frame it, and who may keep it."""
 
 from collections.abc import MutableMapping
 from typing import Any
@@ -45,3 +45,6 @@ def _complete(message: MutableMapping[str, Any], scope: Scope) -> None:
     added = HEADERS | (TLS_HEADERS if scope.get("scheme") == "https" else {})
     for name, value in added.items():
         headers.setdefault(name, value)
+    # What is not for everybody, and says so, may be other for whoever asks next: no shared cache may keep it.
+    if "public" not in headers.setdefault("Cache-Control", "private"):
+        headers.add_vary_header("Cookie, Authorization")

@@ -22,6 +22,7 @@ from wildscav_leaderboard.accounts.service import (
 )
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.in_force import in_force
 from wildscav_leaderboard.seasons.refusals import ForbiddenError, UnknownCallerError
 from wildscav_leaderboard.spectating.render_cache import RenderCache
 
@@ -30,12 +31,6 @@ COOKIE, SECURE_COOKIE = "wildscav", "__Host-wildscav"  # the second where there 
 bearer = HTTPBearer(
     auto_error=False, description="A token from `wildscav login`, or from the account's page."
 )
-
-
-async def season_of(request: Request) -> Season:
-    """Return the season that is served."""
-    season: Season = request.app.state.season
-    return season
 
 
 async def database_of(request: Request) -> Database:
@@ -53,6 +48,13 @@ def reading(database: Annotated[Database, Depends(database_of)]) -> Iterator[Ses
     """Yield a session that reads."""
     with database.reading() as session:
         yield session
+
+
+def season_of(request: Request, session: Annotated[Session, Depends(reading)]) -> Season:
+    """Return the season that is served, with the rules that are in force."""
+    season = in_force(session, request.app.state.season)
+    request.state.season = season  # for what every page shows
+    return season
 
 
 async def renders_of(request: Request) -> RenderCache:
@@ -140,6 +142,26 @@ def known_browser(caller: AnyBrowser) -> Caller:
 
 
 KnownBrowser = Annotated[Caller, Depends(known_browser)]
+
+
+def reader(by_token: AnyProgram, by_cookie: AnyBrowser) -> Caller | None:
+    """Return who reads, for files that programs and pages load; nothing may be changed on its word."""
+    return by_token or by_cookie
+
+
+AnyReader = Annotated[Caller | None, Depends(reader)]
+
+
+def known_reader(caller: AnyReader) -> Caller:
+    """Return who reads.
+
+    Raises:
+        UnknownCallerError: Nobody is logged in.
+    """
+    return known_program(caller)
+
+
+KnownReader = Annotated[Caller, Depends(known_reader)]
 
 
 def organizing_browser(caller: KnownBrowser) -> Caller:

@@ -9,7 +9,8 @@ from wildscav_leaderboard.access.requests import AnyProgram, CurrentSeason, Read
 from wildscav_leaderboard.boards.documents import BoardDocument
 from wildscav_leaderboard.boards.history import history, team_histories
 from wildscav_leaderboard.boards.kept import kept_board, read_board
-from wildscav_leaderboard.boards.models import HIDDEN
+from wildscav_leaderboard.boards.models import HIDDEN, audience_of
+from wildscav_leaderboard.matches.visibility import shown_until
 from wildscav_leaderboard.presentation.boards import head_to_head_view, ladder_of, point_views
 from wildscav_leaderboard.presentation.documents import (
     AnnouncementView,
@@ -19,7 +20,6 @@ from wildscav_leaderboard.presentation.documents import (
 )
 from wildscav_leaderboard.presentation.season import announcement_views, counts_view, season_view
 from wildscav_leaderboard.seasons.refusals import NotFoundError, UnknownCallerError
-from wildscav_leaderboard.seasons.state import frozen_since
 
 router = APIRouter(tags=["boards"])
 Number = Annotated[int, Field(ge=1, le=2**53)]
@@ -47,8 +47,9 @@ def board(
     session: Reading,
     caller: AnyProgram,
     audience: Literal["public", "hidden", "season"] = "public",
+    edition: Number | None = None,
 ) -> Response:
-    """Return the board of a track.
+    """Return the board of a track, or that of one of its earlier editions.
 
     The hidden one is for organizers. That of the season is as it was before final matches decided it.
     """
@@ -56,11 +57,13 @@ def board(
         if caller is None:
             raise UnknownCallerError("only organizers see the hidden board: log in first")
         check_organizer(caller)
-    current.track(track)
-    found = kept_board(session, track, audience)
+    if edition is None:
+        current.track(track)
+    found = kept_board(session, track, audience if edition is None else audience_of(edition))
     if found is None:
         raise NotFoundError(f"there are no results on {track} yet")
-    headers = {"ETag": f'"{audience}-{found.updated:%Y%m%d%H%M%S%f}"', "Cache-Control": "no-cache"}
+    tag = f"{audience}-{edition or 0}-{found.updated:%Y%m%d%H%M%S%f}"
+    headers = {"ETag": f'"{tag}"', "Cache-Control": "private, no-cache"}
     if request.headers.get("if-none-match") == headers["ETag"]:
         return Response(status_code=304, headers=headers)
     return Response(found.json, media_type="application/json", headers=headers)
@@ -77,7 +80,7 @@ def points(
 ) -> list[PointView]:
     """Return how the places of some submissions or teams changed; while a board is frozen, until then."""
     current.track(track)
-    until = None if caller is not None and caller.is_organizer else frozen_since(session)
+    until = shown_until(session, caller)
     found = point_views(history(session, track, submission, until)) if submission else []
     for name, changes in team_histories(session, track, team, until).items():
         found += point_views(changes, name)

@@ -4,31 +4,29 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import FileResponse, PlainTextResponse, Response
-from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.access.requests import (
-    AnyProgram,
+    AnyReader,
     CurrentSeason,
-    KnownProgram,
+    KnownReader,
     Now,
     Reading,
     Renders,
 )
-from wildscav_leaderboard.accounts.service import Caller
 from wildscav_leaderboard.api.submissions import shown_log
 from wildscav_leaderboard.matches.listing import MOST, list_matches
-from wildscav_leaderboard.matches.models import PLAYING, Match, MatchResult, MatchSeat
+from wildscav_leaderboard.matches.models import FINISHED, MatchResult, MatchSeat
 from wildscav_leaderboard.matches.records import path_of_record, record_path
 from wildscav_leaderboard.matches.service import find_match
-from wildscav_leaderboard.matches.visibility import hidden_why, live_hidden_why, twin_of
+from wildscav_leaderboard.matches.visibility import seen_by, twin_of
 from wildscav_leaderboard.presentation.documents import REFUSALS, MatchList, MatchView
 from wildscav_leaderboard.presentation.matches import match_views
 from wildscav_leaderboard.seasons.refusals import ForbiddenError, NotFoundError
 from wildscav_leaderboard.spectating.live import LiveMatches, key_of
 from wildscav_leaderboard.spectating.render_cache import Progress
-from wildscav_leaderboard.spectating.responses import NO_STORE, file_response, progress_response
-from wildscav_leaderboard.submissions.listing import is_own
+from wildscav_leaderboard.spectating.responses import KEPT, NO_STORE, file_response, progress_response
 from wildscav_leaderboard.submissions.models import Submission
+from wildscav_leaderboard.teams.models import Team
 
 router = APIRouter(tags=["matches"])
 Number = Annotated[int, Query(ge=1, le=2**53)]
@@ -36,12 +34,11 @@ RENDERED: dict[int | str, dict[str, Any]] = {
     202: {"description": "It is being rendered: ask again in a moment."},
     503: {"description": "It could not be rendered."},
 }
-KEPT = {"Cache-Control": "public, max-age=86400, immutable"}  # a match that is over never changes
 
 
 @router.get("/matches")
 def matches(
-    caller: AnyProgram,
+    caller: AnyReader,
     session: Reading,
     submission: Number | None = None,
     track: str | None = None,
@@ -60,13 +57,13 @@ def matches(
 
 
 @router.get("/matches/{match}")
-def match(match: int, caller: AnyProgram, session: Reading) -> MatchView:
+def match(match: int, caller: AnyReader, session: Reading) -> MatchView:
     """Return a match."""
     return match_views(session, [find_match(session, match)], caller)[0]
 
 
 @router.get("/matches/{match}/record", response_class=FileResponse)
-def record(match: int, caller: AnyProgram, session: Reading, season: CurrentSeason) -> Response:
+def record(match: int, caller: AnyReader, session: Reading, season: CurrentSeason) -> Response:
     """Return the record of a match, from which anyone can play it again."""
     path = record_path(session, season, match, caller)
     return FileResponse(
@@ -78,7 +75,7 @@ def record(match: int, caller: AnyProgram, session: Reading, season: CurrentSeas
 def trails(
     match: int,
     request: Request,
-    caller: AnyProgram,
+    caller: AnyReader,
     session: Reading,
     season: CurrentSeason,
     renders: Renders,
@@ -90,7 +87,7 @@ def trails(
     Of a match that is being played, return what came after a cursor, which is in the document before.
     """
     found = find_match(session, match)
-    if found.state == PLAYING and not live_hidden_why(session, found):
+    if not seen_by(session, [found], caller)[match].live:
         live: LiveMatches = request.app.state.live
         told = live.trails(key_of(match), after)
         if told is None:
@@ -102,12 +99,16 @@ def trails(
 
 @router.get("/matches/{match}/overview.webp", responses=RENDERED)
 def overview(
-    match: int, caller: AnyProgram, session: Reading, season: CurrentSeason, renders: Renders, now: Now
+    match: int, caller: AnyReader, session: Reading, season: CurrentSeason, renders: Renders, now: Now
 ) -> Response:
     """Return the map of a match from above."""
     found = find_match(session, match)
     twin = twin_of(session, found)
-    if twin is not None and not live_hidden_why(session, found):  # its record will be of the same map
+    if (
+        twin is not None
+        and twin.state == FINISHED
+        and not seen_by(session, [found], caller)[match].live  # its record will be of the same map
+    ):
         match, path = twin.id, path_of_record(session, season, twin.id)
     else:
         path = record_path(session, season, match, caller)
@@ -116,7 +117,7 @@ def overview(
 
 @router.get("/matches/{match}/replay", responses=RENDERED)
 def replay(
-    match: int, caller: AnyProgram, session: Reading, season: CurrentSeason, renders: Renders, now: Now
+    match: int, caller: AnyReader, session: Reading, season: CurrentSeason, renders: Renders, now: Now
 ) -> Response:
     """Have the replay of a match rendered, and return how far it is."""
     path = record_path(session, season, match, caller)
@@ -125,7 +126,7 @@ def replay(
 
 @router.get("/matches/{match}/replay.rrd", responses=RENDERED)
 def replay_file(
-    match: int, caller: AnyProgram, session: Reading, season: CurrentSeason, renders: Renders, now: Now
+    match: int, caller: AnyReader, session: Reading, season: CurrentSeason, renders: Renders, now: Now
 ) -> Response:
     """Return the replay of a match, to watch in Rerun, once it is rendered."""
     path = record_path(session, season, match, caller)
@@ -134,7 +135,7 @@ def replay_file(
 
 @router.get("/matches/{match}/poster.jpg", responses=RENDERED)
 def poster(
-    match: int, caller: AnyProgram, session: Reading, season: CurrentSeason, renders: Renders, now: Now
+    match: int, caller: AnyReader, session: Reading, season: CurrentSeason, renders: Renders, now: Now
 ) -> Response:
     """Return one picture of a match, at the moment that shows most."""
     path = record_path(session, season, match, caller)
@@ -143,7 +144,7 @@ def poster(
 
 @router.get("/matches/{match}/video", responses=RENDERED)
 def video(
-    match: int, caller: AnyProgram, session: Reading, season: CurrentSeason, renders: Renders, now: Now
+    match: int, caller: AnyReader, session: Reading, season: CurrentSeason, renders: Renders, now: Now
 ) -> Response:
     """Have the video of a match rendered, and return how far it is."""
     path = record_path(session, season, match, caller)
@@ -152,7 +153,7 @@ def video(
 
 @router.get("/matches/{match}/video.mp4", responses=RENDERED)
 def video_file(
-    match: int, caller: AnyProgram, session: Reading, season: CurrentSeason, renders: Renders, now: Now
+    match: int, caller: AnyReader, session: Reading, season: CurrentSeason, renders: Renders, now: Now
 ) -> Response:
     """Return the video of a match, or the piece of it that the header Range asks for, once it is rendered."""
     path = record_path(session, season, match, caller)
@@ -160,21 +161,17 @@ def video_file(
 
 
 @router.get("/matches/{match}/logs/{seat}", response_class=PlainTextResponse, responses=REFUSALS)
-def logs(match: int, seat: int, caller: KnownProgram, session: Reading, season: CurrentSeason) -> str:
+def logs(match: int, seat: int, caller: KnownReader, session: Reading, season: CurrentSeason) -> str:
     """Return what an agent of your team printed in a match."""
     found, place = find_match(session, match), session.get(MatchSeat, (match, seat))
-    owner = None if place is None or place.submission_id is None else place.submission_id
-    if owner is None or not is_own(session, caller, session.get_one(Submission, owner)):
+    visible = seen_by(session, [found], caller)[match]
+    owner = None if place is None else session.get(Submission, place.submission_id or 0)
+    if owner is None or not visible.is_own(session.get_one(Team, owner.team_id).name):
         raise NotFoundError(f"your team has no seat {seat} in match {match}")
-    _check_shown(session, found, caller)
+    if visible.record:
+        raise ForbiddenError(visible.record)
     result = session.get_one(MatchResult, match)
     row = next(one for one in result.row["seats"] if one["seat"] == seat)
     if row["log"] is None:
         return "It printed nothing.\n"
     return shown_log(season.match_folder(match) / row["log"])
-
-
-def _check_shown(session: Session, found: Match, caller: Caller) -> None:
-    why = hidden_why(session, found)
-    if why and (found.state != "finished" or not caller.is_organizer):
-        raise ForbiddenError(why)

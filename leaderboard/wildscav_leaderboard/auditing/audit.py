@@ -12,7 +12,12 @@ from wildscav.errors import UserError
 from wildscav_evaluator.executors import Executor
 from wildscav_evaluator.output.results import mean_metrics
 from wildscav_evaluator.suites.seeds import SuiteSeed, seed_of
-from wildscav_leaderboard.auditing.boards import computed_board, differences, wrong_conditions
+from wildscav_leaderboard.auditing.boards import (
+    computed_board,
+    differences,
+    wrong_conditions,
+    wrong_counts,
+)
 from wildscav_leaderboard.auditing.drawn_matches import (
     UnknownSuiteError,
     suite_of,
@@ -141,13 +146,23 @@ class Audit:
         commitment, is_opened = secret.commitment, secret.secret is not None
         is_final = commitment == season.final_secret.commitment
         report.findings += wrong_matches(track, board, file, final=is_final)
-        counted.checked = sum(match.void is None for match in file.matches)
-        counted.skip("they were given up, and count for nobody", len(file.matches) - counted.checked)
+        given_up, withheld = "they were given up, and count for nobody", ""
+        for match in file.matches:
+            withheld = match.withheld or withheld
+            if match.void is None and not match.withheld:
+                counted.checked += 1
+            else:
+                counted.skip(match.withheld or given_up)
         report.findings += memory.changed_matches(
             published, file, report.check("results as an earlier audit saw them", published.label)
         )
         recorded = records.check(report, published, file, board)
         report.findings += _wrong_results(file, recorded)
+        if withheld:
+            rows.skip(withheld, len(board.rows))
+            report.findings += wrong_counts(board, file)
+            _check_draws(report, track, published, file, recorded, seeds[commitment], is_opened=is_opened)
+            return
         self._on_progress(f"computing the board {published.label}", 0, 0)
         matches = [_corrected(match, recorded.get(match.id)) for match in file.matches]
         try:

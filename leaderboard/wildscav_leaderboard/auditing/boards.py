@@ -1,15 +1,16 @@
 """The boards that follow from matches: computed anew, and compared with those that are published."""
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from wildscav_evaluator.output.results import MetricInfo, metric_infos
-from wildscav_evaluator.ratings.ladder import Ladder, Skill
+from wildscav_evaluator.ratings.matches import RatedMatch
 from wildscav_evaluator.seats import robot_entrant
 from wildscav_leaderboard.auditing.report import Finding, of_row, wrong_value
-from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard, SuiteBoard, digest_of
-from wildscav_leaderboard.boards.ladder_board import LadderResults, ladder_board
-from wildscav_leaderboard.boards.ladders import rated_match
+from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard, SuiteBoard
+from wildscav_leaderboard.boards.ladder_board import Enough, LadderEntrant, Played, ladder_board
+from wildscav_leaderboard.boards.ladders import placed_match, places_of
 from wildscav_leaderboard.boards.suite_board import SuiteResults, suite_board
 from wildscav_leaderboard.publishing.documents import (
     BoardFile,
@@ -18,6 +19,7 @@ from wildscav_leaderboard.publishing.documents import (
     PublishedSubmission,
     PublishedTrack,
 )
+from wildscav_leaderboard.seasons.editions import digest_of
 
 
 def computed_board(
@@ -40,7 +42,7 @@ def computed_board(
         return _ladder(track, published, entered, matches).model_copy(update={"updated": updated})
     played: dict[int, list[PublishedMatch]] = {}
     for match in matches:
-        if match.submission is not None and match.metrics is not None:
+        if match.submission is not None and match.metrics is not None and not match.superseded:
             played.setdefault(match.submission, []).append(match)
     results = [_suite_results(track, one, played.get(one.id, ())) for one in entered]
     return suite_board(track.name, published.conditions, metrics, results, updated)
@@ -75,56 +77,25 @@ def _ladder(
     matches: Sequence[PublishedMatch],
 ) -> LadderBoard:
     own = digest_of(published.conditions)
-    counted = [match for match in matches if match.void is None and match.conditions == own]
-    running = Ladder()
-    places: dict[str, list[int]] = {}
-    wins: dict[str, int] = {}
-    faults: dict[str, int] = {}
-    for match in counted:
-        seats = sorted(match.seats, key=lambda seat: seat.seat)
-        rated = rated_match(match.id, track.name, [(seat.entrant, seat.metrics) for seat in seats])
-        running.apply(rated)
-        for seat, place in zip(seats, rated.places, strict=True):
-            places.setdefault(seat.entrant, []).append(place)
-            wins[seat.entrant] = wins.get(seat.entrant, 0) + (place == 1 and rated.places.count(1) == 1)
+    rated, faults = list[RatedMatch](), dict[str, int]()
+    for match in matches:
+        if match.void is not None or match.conditions != own or match.superseded:
+            continue
+        if len(rated) == published.applied:
+            break
+        names = [seat.entrant for seat in match.seats]
+        places = places_of(track.name, [seat.metrics for seat in match.seats])
+        rated.append(placed_match(match.number, list(zip(names, places, strict=True))))
+        for seat in match.seats:
             faults[seat.entrant] = faults.get(seat.entrant, 0) + (seat.fault is not None)
-
-    def results(entrant: str, **others: Any) -> LadderResults:
-        return LadderResults(
-            planned=track.planned,
-            faults=faults.get(entrant, 0),
-            skill=running.skills.get(entrant, Skill()),
-            places=tuple(places.get(entrant, ())),
-            wins=wins.get(entrant, 0),
-            **others,
-        )
-
-    found = [
-        results(
-            one.entrant,
-            submission=one.id,
-            name=one.name,
-            version=one.version,
-            team=one.team,
-            team_title=one.team_title,
-            since=one.created,
-        )
+    entrants = [
+        LadderEntrant(one.entrant, one.id, one.name, one.version, one.team, one.team_title, one.created)
         for one in entered
     ]
-    found += [
-        results(
-            robot_entrant(robot),
-            submission=None,
-            name=robot,
-            version="",
-            team="",
-            team_title="",
-            since=None,
-        )
-        for robot in track.robots
-    ]
+    entrants += [LadderEntrant(robot_entrant(robot), None, robot) for robot in track.robots]
+    played, enough = Played(tuple(rated), faults), Enough(track.interval or 0.0, track.planned)
     conditions, metrics = published.conditions, metric_infos(track.name)
-    return ladder_board(track.name, conditions, metrics, found, len(counted), published.updated)
+    return ladder_board(track.name, conditions, metrics, entrants, played, enough, published.updated)
 
 
 def differences(published: BoardDocument, computed: BoardDocument) -> Iterator[Finding]:
@@ -165,6 +136,14 @@ def _differing(name: str, published: Any, expected: Any) -> Iterator[tuple[str, 
             yield from _differing(f"{name}.{index}", one, other)
     elif published != expected or type(published) is not type(expected):
         yield name, published, expected
+
+
+def wrong_counts(board: BoardDocument, file: BoardFile) -> Iterator[Finding]:
+    """Yield which rows count other matches than those that are published, while the results are hidden."""
+    played = Counter(match.submission for match in file.matches if not match.superseded)
+    for row in board.rows:
+        if row.matches != played[row.submission]:
+            yield wrong_value("matches", row.matches, played[row.submission], **of_row(row))
 
 
 def wrong_conditions(

@@ -16,6 +16,7 @@ from wildscav_leaderboard.auditing.report import Check, Finding, of_match, wrong
 from wildscav_leaderboard.boards.matchmaking import REPEATS, ladder_match, seated
 from wildscav_leaderboard.matches.models import LADDER
 from wildscav_leaderboard.publishing.documents import BoardFile, PublishedMatch, PublishedTrack
+from wildscav_leaderboard.seasons.editions import digest_of
 
 
 class UnknownSuiteError(UserError):
@@ -64,11 +65,12 @@ def wrong_draws(
     track: PublishedTrack, suite: Suite, seed: SuiteSeed, file: BoardFile, recorded: Mapping[int, Recorded]
 ) -> Iterator[Finding]:
     """Yield which matches are not those that the secret gives, of those whose records are known."""
+    conditions = "" if file.board is None else digest_of(file.board.conditions)
     specs = matches_in_rounds(suite, track.name, seed.value, track.rounds) if track.mode == "suite" else ()
     for match in file.matches:
         found = recorded.get(match.id)
-        if found is None or found.spec is None:
-            continue
+        if found is None or found.spec is None or match.conditions != conditions:
+            continue  # of a ladder's earlier edition
         place = of_match(match, file)
         if match.kind != LADDER:
             if match.number >= len(specs) or specs[match.number] != found.spec:

@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from wildscav_evaluator.output.results import mean_metrics
 from wildscav_evaluator.seats import ROBOT_ENTRANT
 from wildscav_leaderboard.auditing.report import Finding, of_match, wrong_value
-from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard, digest_of
+from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard
 from wildscav_leaderboard.matches.models import FINAL, LADDER, SUITE
 from wildscav_leaderboard.publishing.documents import BoardFile, PublishedMatch, PublishedTrack
+from wildscav_leaderboard.seasons.editions import digest_of
 
 
 def wrong_matches(
@@ -35,19 +36,33 @@ def wrong_matches(
         yield from _wrong_numbers_of_ladder(file)
     else:
         yield from _wrong_numbers_of_suite(track, file)
+    yield from _wrongly_superseded(file)
     kind = LADDER if isinstance(board, LadderBoard) else FINAL if final else SUITE
     conditions = digest_of(board.conditions)
     for match in file.matches:
         if match.kind != kind or (match.submission is None) != (kind == LADDER):
             yield wrong_value("kind", match.kind, kind, **of_match(match, file))
-        elif match.void is None:
+        elif match.void is None and not match.withheld:
             yield from _wrong_match(match, board, file, conditions)
+
+
+def _wrongly_superseded(file: BoardFile) -> Iterator[Finding]:
+    """Yield which results count no more although no later judging of the same match has taken their place."""
+    last: dict[tuple[int | None, int, str], int] = {}
+    for match in file.matches:
+        key = match.submission, match.number, match.conditions
+        last[key] = max(last.get(key, 0), match.judging if match.void is None else 0)
+    for match in file.matches:
+        if match.superseded != (match.judging < last[match.submission, match.number, match.conditions]):
+            yield wrong_value("superseded", match.superseded, not match.superseded, **of_match(match, file))
 
 
 def _wrong_numbers_of_ladder(file: BoardFile) -> Iterator[Finding]:
     """Check that no match of the ladder is left out, not even one that was given up."""
     expected = 0
     for match in file.matches:
+        if match.judging > 1 and match.number < expected:
+            continue
         for missing in range(expected, min(match.number, expected + 20)):
             yield Finding(f"the ladder's match number {missing} is missing")
         if match.number < expected:
@@ -61,6 +76,8 @@ def _wrong_numbers_of_suite(track: PublishedTrack, file: BoardFile) -> Iterator[
     seen: set[tuple[int | None, int]] = set()
     for match in file.matches:
         place = of_match(match, file)
+        if match.superseded:
+            continue
         if (match.submission, match.number) in seen:
             yield Finding(f"the submission has two results of match number {match.number}", **place)
         if not 0 <= match.number < track.planned:

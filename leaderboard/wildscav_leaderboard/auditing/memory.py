@@ -57,11 +57,12 @@ class Memory:
     def changed_matches(self, board: PublishedBoard, file: BoardFile, check: Check) -> Iterator[Finding]:
         """Yield which matches of a board are no longer as they were published before."""
         for match in file.matches:
-            name, digest = f"{board.track}/{match.id}", _digest_of(match)
-            check.checked += name in self._before
-            if self._new.get(name, digest) != digest:
+            named = _digests_of(f"{board.track}/{match.id}", match)
+            check.checked += any(name in self._before for name in named)
+            if any(self._new.get(name, digest) != digest for name, digest in named.items()):
                 yield Finding("another board of the track counts it differently", **of_match(match, file))
-            if self._was(name, digest) != digest:
+            changed = [name for name, digest in named.items() if self._was(name, digest) != digest]
+            if changed:
                 yield Finding(
                     "it is no longer what was published of it at an earlier audit",
                     **of_match(match, file),
@@ -81,7 +82,13 @@ class Memory:
         return self._before.get(name, value)
 
 
-def _digest_of(match: PublishedMatch) -> str:
-    """Return a digest of what must not change about a match: all but whether its record is still hidden."""
-    content = match.model_dump_json(exclude={"hidden"})
-    return blake2b(content.encode(), digest_size=8).hexdigest()
+def _digests_of(name: str, match: PublishedMatch) -> dict[str, str]:
+    """Return digests of what must not change about a match, by name: whose record it is, and its result.
+
+    The result has none while it is hidden. Whether the record is still hidden may change.
+    """
+    whose = match.model_dump_json(include={"id", "kind", "number", "submission", "record"})
+    contents = {f"{name}/record": whose}
+    if not match.withheld:
+        contents[name] = match.model_dump_json(exclude={"hidden", "superseded"})
+    return {one: blake2b(text.encode(), digest_size=8).hexdigest() for one, text in contents.items()}

@@ -1,28 +1,16 @@
 """The documents of boards, which pages, the API and the audit share."""
 
 from datetime import datetime
-from hashlib import blake2b
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from wildscav_evaluator.output.results import KeptLimits, MetricInfo, Summary
-from wildscav_evaluator.output.versions import Versions
+from wildscav_evaluator.output.results import MetricInfo, Summary
+from wildscav_leaderboard.seasons.editions import Conditions
 
 
 class _Part(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
-
-
-class Conditions(_Part):
-    """What results depend on besides the submissions. Only results with equal conditions share a board."""
-
-    versions: Versions
-    suite: str
-    rounds: int
-    commitment: str  # SHA-256 of the secret from which the matches follow
-    sandbox: str
-    limits: KeptLimits
 
 
 class Row(_Part):
@@ -37,7 +25,7 @@ class Row(_Part):
     version: str
     matches: int  # played
     planned: int  # in all
-    faults: int  # matches in which something went wrong in a seat of its own
+    faults: int  # matches in which something went wrong in a seat of its own; on a suite 0 until it is ranked
     since: datetime | None  # when the submission was handed in
 
     @property
@@ -57,14 +45,15 @@ class SuiteRow(Row):
 class LadderRow(Row):
     """A place on the board of a ladder."""
 
-    rating: float  # on the scale of Elo; 1500 for a new entrant
+    model_config = ConfigDict(frozen=True, extra="ignore")  # older boards have OpenSkill's mu and sigma
+
+    provisional: bool = False  # until its interval is as narrow as the season asks
+    rating: float  # on the scale of Elo; the mean of those who met is 1500
     deviation: float  # standard deviation of the rating
     low: float  # of the rating's 95 % interval
     high: float
     wins: int  # matches in which it was first, alone
-    mean_place: float | None
-    mu: float  # on OpenSkill's scale, from which the ladder goes on
-    sigma: float
+    mean_place: float | None  # a tie counts as the mean of the places that it covers
 
 
 class SuiteBoard(_Part):
@@ -91,15 +80,10 @@ class LadderBoard(_Part):
     applied: int  # matches under these conditions that the ratings come from: the first ones that were made
     metrics: tuple[MetricInfo, ...]  # by which the entrants of a match are placed, and the others
     entered: tuple[int, ...] = ()  # the submissions that take part; each team's best one has a row
-    rows: tuple[LadderRow, ...]  # the highest rating first
+    rows: tuple[LadderRow, ...]  # the highest rating first; a provisional one is where its low is
 
 
 BoardDocument = Annotated[SuiteBoard | LadderBoard, Field(discriminator="mode")]
-
-
-def digest_of(conditions: Conditions) -> str:
-    """Return a digest of conditions, 32 hexadecimal digits; equal conditions have equal ones."""
-    return blake2b(conditions.model_dump_json().encode(), digest_size=16).hexdigest()
 
 
 def place_of(board: SuiteBoard | LadderBoard, row: Row) -> tuple[float, float, float]:

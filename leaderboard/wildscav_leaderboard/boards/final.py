@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 from sqlalchemy.orm import Session
 
-from wildscav_leaderboard.boards.documents import Conditions
 from wildscav_leaderboard.seasons import state as season_state
+from wildscav_leaderboard.seasons.editions import Conditions
 
 
 class Final(NamedTuple):

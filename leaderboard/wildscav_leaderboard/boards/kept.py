@@ -8,7 +8,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.boards.documents import BoardDocument
-from wildscav_leaderboard.boards.models import PUBLIC, Board
+from wildscav_leaderboard.boards.models import PUBLIC, Board, edition_of_audience
 from wildscav_leaderboard.database.connection import KEPT, once
 
 DOCUMENT: TypeAdapter[BoardDocument] = TypeAdapter(BoardDocument)
@@ -34,6 +34,16 @@ class KeptBoard:
 def board_updated(session: Session, track: str, audience: str = PUBLIC) -> datetime | None:
     """Return when the board of a track changed last; None if there are no results yet."""
     return once(session, Board, lambda: _times(session)).get((track, audience))
+
+
+def earlier_editions(session: Session, track: str) -> list[int]:
+    """Return the editions of a track that are no longer in force and have a board, the latest first."""
+    found = (
+        edition_of_audience(name)
+        for one, name in once(session, Board, lambda: _times(session))
+        if one == track
+    )
+    return sorted((number for number in found if number is not None), reverse=True)
 
 
 def _times(session: Session) -> dict[tuple[str, str], datetime]:

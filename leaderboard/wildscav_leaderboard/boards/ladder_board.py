@@ -1,105 +1,193 @@
 """The board of a ladder: submissions and robots meet each other, and are rated by their places.
 
-The ratings are applied in the order in which the matches were made, up to the first one that is not over
-yet. So the history never moves, whatever order the matches end in; a match that was given up counts for
-nobody.
+Ratings are fitted to all matches at once, up to the first one that is not over yet. So neither the order of
+the matches nor that of their ends changes a rating; a match that was given up counts for nobody.
+
+A rating is provisional until its interval is as narrow as the season asks. Until then its row stands where
+the lower end of the interval is, so that luck in a few matches leads nobody to the top.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
 from wildscav_evaluator.output.results import MetricInfo
-from wildscav_evaluator.ratings.ladder import Skill
-from wildscav_leaderboard.boards.documents import Conditions, LadderBoard, LadderRow
-from wildscav_leaderboard.boards.ranks import better_by_rating, rank_ranges
+from wildscav_evaluator.ratings.bands import FEWEST_GAMES, significantly_better
+from wildscav_evaluator.ratings.fit import AVERAGE, DECIMALS, Fit, fit
+from wildscav_evaluator.ratings.head_to_head import EntrantRecord, entrant_records
+from wildscav_evaluator.ratings.matches import RatedMatch
+from wildscav_evaluator.resampling import CONFIDENCE, student_quantile
+from wildscav_leaderboard.boards.documents import LadderBoard, LadderRow
+from wildscav_leaderboard.boards.ranks import rank_ranges
+from wildscav_leaderboard.seasons.editions import Conditions
 
-WIDTH = 1.959964  # standard deviations, of a 95 % interval
-DECIMALS = 2  # of ratings on a board
+PLACE_DECIMALS = 2  # of mean places on a board
 
 
 @dataclass(frozen=True)
-class LadderResults:
-    """What is known of an entrant of a ladder."""
+class LadderEntrant:
+    """Who takes part in a ladder."""
 
+    entrant: str  # its name in matches
     submission: int | None  # None for a robot
     name: str
-    version: str
-    team: str  # empty for a robot
-    team_title: str
-    since: datetime | None
-    planned: int  # matches until its rating counts as settled
-    faults: int
-    skill: Skill
-    places: tuple[int, ...]  # in the matches that were applied
-    wins: int
+    version: str = ""
+    team: str = ""  # empty for a robot
+    team_title: str = ""
+    since: datetime | None = None
+
+
+class Played(NamedTuple):
+    """The matches of a ladder that count."""
+
+    matches: tuple[RatedMatch, ...] = ()  # in the order in which they were made
+    faults: Mapping[str, int] = {}  # of each entrant: matches in which something went wrong in its seat
+
+
+class Enough(NamedTuple):
+    """When an entrant has played enough."""
+
+    interval: float  # width of the 95 % interval of its rating, in points of Elo
+    matches: int  # it plays no more than these, even if its interval is wider
+
+
+class Rating(NamedTuple):
+    """An entrant's rating on the scale of Elo."""
+
+    mean: float = AVERAGE
+    deviation: float = 0.0
+    low: float = AVERAGE  # of the 95 % interval
+    high: float = AVERAGE
+    is_settled: bool = False  # whether its interval is as narrow as the season asks
+
+    @property
+    def counts(self) -> float:
+        """What its row is ordered by."""
+        return self.mean if self.is_settled else self.low
+
+
+@lru_cache(maxsize=16)
+def fitted(matches: tuple[RatedMatch, ...]) -> Fit:
+    """Return the ratings that follow from some matches, at least one."""
+    return fit(matches)
+
+
+def ratings_of(matches: tuple[RatedMatch, ...], interval: float) -> dict[str, Rating]:
+    """Return the rating of everyone who played, by name.
+
+    Args:
+        matches: The matches of a ladder that count.
+        interval: The width at which a rating is settled.
+    """
+    if not matches:
+        return {}
+    found = fitted(matches)
+    widths = found.deviations * student_quantile(np.maximum(found.games, 2), 1.0 - CONFIDENCE)
+    settled = (found.games >= FEWEST_GAMES) & (2.0 * widths <= interval)
+    values = (found.ratings, found.deviations, found.ratings - widths, found.ratings + widths)
+    columns = [np.round(one, DECIMALS).tolist() for one in values]
+    rows = zip(*columns, settled.tolist(), strict=True)
+    return {name: Rating(*row) for name, row in zip(found.names, rows, strict=True)}
 
 
 def ladder_board(
     track: str,
     conditions: Conditions,
     metrics: tuple[MetricInfo, ...],
-    results: Sequence[LadderResults],
-    applied: int,
+    entrants: Sequence[LadderEntrant],
+    played: Played,
+    enough: Enough,
     updated: datetime,
 ) -> LadderBoard:
-    """Return the board that follows from the skills of all entrants.
+    """Return the board that follows from the matches of a ladder.
 
-    A team stands on it with its submission of the highest rating.
+    A team stands on it with its best submission. Ranks allow for the choice: all submissions are compared.
 
     Args:
         track: The track.
         conditions: Under which the matches were played.
         metrics: Of the track.
-        results: Of the entrants.
-        applied: The matches that the skills come from.
+        entrants: Who takes part.
+        played: The matches.
+        enough: When an entrant has played enough.
         updated: When the last result arrived.
     """
-    ordered = sorted(results, key=lambda one: (not one.places, -one.skill.mu, one.submission or 0, one.name))
-    first: dict[str, LadderResults] = {}
-    for one in ordered:
+    ratings, records = ratings_of(played.matches, enough.interval), entrant_records(played.matches)
+    unrated = Rating()
+
+    def key(one: LadderEntrant) -> tuple[bool, float, int, str]:
+        rating = ratings.get(one.entrant, unrated)
+        return one.entrant not in records, -rating.counts, one.submission or 0, one.name
+
+    first: dict[str, LadderEntrant] = {}
+    for one in sorted(entrants, key=key):
         first.setdefault(one.team or f"robot:{one.name}", one)
-    shown = list(first.values())
-    ranked = [one for one in shown if one.places]
-    means = np.array([one.skill.mu for one in ranked])
-    deviations = np.array([one.skill.sigma for one in ranked])
-    ranges = rank_ranges(better_by_rating(means, deviations)) if ranked else []
-    rows = [_row(one, *ranks) for one, ranks in zip(ranked, ranges, strict=True)]
-    rows += [_row(one, None, None) for one in shown if not one.places]
+    names = [one.entrant for one in entrants if one.entrant in records]
+    ranks = _ranks(played.matches, names, [one.entrant for one in first.values() if one.entrant in records])
+    rows = [
+        _row(
+            one,
+            ratings.get(one.entrant, unrated),
+            records.get(one.entrant),
+            played.faults.get(one.entrant, 0),
+            ranks.get(one.entrant, (None, None)),
+            enough.matches,
+        )
+        for one in first.values()
+    ]
     return LadderBoard(
         track=track,
         conditions=conditions,
         updated=updated,
-        applied=applied,
+        applied=len(played.matches),
         metrics=metrics,
-        entered=tuple(sorted(one.submission for one in results if one.submission is not None)),
+        entered=tuple(sorted(one.submission for one in entrants if one.submission is not None)),
         rows=tuple(rows),
     )
 
 
-def _row(one: LadderResults, rank: int | None, last_rank: int | None) -> LadderRow:
-    rating, deviation = one.skill.rating, one.skill.deviation
-    places = one.places
+def _ranks(
+    matches: tuple[RatedMatch, ...], names: Sequence[str], shown: Sequence[str]
+) -> dict[str, tuple[int, int]]:
+    """Return the best and the worst rank of those that are shown, of all names that are compared."""
+    if not shown:
+        return {}
+    compared = fitted(matches).among(names)
+    better = significantly_better(compared)
+    rows = [compared.names.index(name) for name in shown]
+    return dict(zip(shown, rank_ranges(better[np.ix_(rows, rows)]), strict=True))
+
+
+def _row(
+    one: LadderEntrant,
+    rating: Rating,
+    record: EntrantRecord | None,
+    faults: int,
+    ranks: tuple[int, int] | tuple[None, None],
+    most: int,
+) -> LadderRow:
+    matches = 0 if record is None else record.matches
     return LadderRow(
-        rank=rank,
-        last_rank=last_rank,
+        rank=ranks[0],
+        last_rank=ranks[1],
         team=one.team,
         team_title=one.team_title,
         submission=one.submission,
         name=one.name,
         version=one.version,
-        matches=len(places),
-        planned=max(one.planned, len(places)),
-        faults=one.faults,
+        matches=matches,
+        planned=matches if rating.is_settled else max(most, matches),
+        faults=faults,
         since=one.since,
-        rating=round(rating, DECIMALS),
-        deviation=round(deviation, DECIMALS),
-        low=round(rating - WIDTH * deviation, DECIMALS),
-        high=round(rating + WIDTH * deviation, DECIMALS),
-        wins=one.wins,
-        mean_place=round(sum(places) / len(places), DECIMALS) if places else None,
-        mu=one.skill.mu,
-        sigma=one.skill.sigma,
+        provisional=not rating.is_settled,
+        rating=rating.mean,
+        deviation=rating.deviation,
+        low=rating.low,
+        high=rating.high,
+        wins=0 if record is None else record.wins,
+        mean_place=None if record is None else round(record.mean_place, PLACE_DECIMALS),
     )

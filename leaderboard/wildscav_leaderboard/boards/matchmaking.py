@@ -1,9 +1,10 @@
 """Who meets whom on a ladder.
 
 Whoever has the fewest matches is next, so that new submissions are rated quickly and nobody waits forever.
-It meets those whose ratings are closest to its own, since a match among equals tells the most; of the
-closest, those come first that have played least. Robots, which anchor the scale, are opponents like others,
-but no match is made for their sake. Submissions of one team never meet.
+It plays until its rating is settled. It meets anyone whose rating is near its own, chosen by chance: a match
+against one who is far away tells little. Opponents are not chosen more closely, because whoever was lucky
+would then meet others who were, and the ratings of equals would drift apart. Robots, which anchor the scale,
+are opponents like others, but no match is made for their sake. Submissions of one team never meet.
 
 Every game, a map and a match seed, is played twice by the same entrants, the second time in other seats, so
 that nobody is lucky with the start.
@@ -21,7 +22,7 @@ from wildscav_evaluator.suites.suite import Suite
 from wildscav_evaluator.tournaments.drawing import with_seats
 
 REPEATS = 2  # matches of a game
-CLOSEST = 2  # candidates from which each opponent is chosen
+NEAR = 400.0  # points of rating: odds of 10 : 1
 
 
 @dataclass(frozen=True)
@@ -30,8 +31,9 @@ class Candidate:
 
     name: str  # the submission's entrant, or robot:NAME
     team: int | None  # None for a robot
-    mu: float  # of its skill
+    rating: float  # on the scale of Elo
     matches: int  # that it has played or is planned to play
+    is_settled: bool = False  # whether its rating is known well enough
 
     @property
     def is_robot(self) -> bool:
@@ -40,18 +42,18 @@ class Candidate:
 
 
 def choose_entrants(
-    candidates: Sequence[Candidate], seats: int, enough: int, key: str
+    candidates: Sequence[Candidate], seats: int, most: int, key: str
 ) -> tuple[Candidate, ...] | None:
     """Return who meets in the next game; None if nobody needs one, or too few could meet.
 
     Args:
         candidates: All active submissions and the robots of the track.
         seats: Entrants in a match.
-        enough: Matches after which a submission needs no more of its own.
+        most: Matches after which no more are made for a submission, even if its rating is not settled.
         key: Decides between equals; another one for every game.
     """
     needy = sorted(
-        (one for one in candidates if not one.is_robot and one.matches < enough),
+        (one for one in candidates if not (one.is_robot or one.is_settled) and one.matches < most),
         key=lambda one: (one.matches, _hash(key, one.name)),
     )
     for first in needy:
@@ -65,24 +67,16 @@ def _opponents(
     first: Candidate, candidates: Sequence[Candidate], count: int, key: str
 ) -> list[Candidate] | None:
     """Return opponents of one candidate, of different teams; None if there are too few."""
-    teams = {first.team}
-    chosen: list[Candidate] = []
-    while len(chosen) < count:
-        left = sorted(
-            (
-                one
-                for one in candidates
-                if one not in chosen and one is not first and (one.is_robot or one.team not in teams)
-            ),
-            key=lambda one: (abs(one.mu - first.mu), _hash(key, one.name)),
-        )
-        if not left:
-            return None
-        one = min(left[:CLOSEST], key=lambda one: (one.matches, one.is_robot, _hash(key, one.name)))
-        chosen.append(one)
-        if one.team is not None:
+    near = sorted(
+        (one for one in candidates if one is not first),
+        key=lambda one: (max(0.0, abs(one.rating - first.rating) - NEAR), _hash(key, one.name)),
+    )
+    teams, chosen = {first.team}, list[Candidate]()
+    for one in near:
+        if len(chosen) < count and (one.is_robot or one.team not in teams):
+            chosen.append(one)
             teams.add(one.team)
-    return chosen
+    return chosen if len(chosen) == count else None
 
 
 def _hash(key: str, name: str) -> bytes:

@@ -1,4 +1,4 @@
-"""The tables of boards: their current documents, the history of ranks, and the steps of ladders."""
+"""The tables of boards: their current documents, the history of ranks, and the places on ladders."""
 
 from datetime import datetime
 from typing import Any
@@ -11,6 +11,17 @@ from wildscav_leaderboard.database.base import Base
 # Audiences: everyone; organizers, once the public board is frozen; and everyone who wants to see how a board
 # was before the season was decided.
 PUBLIC, HIDDEN, SEASON = "public", "hidden", "season"
+EDITION = "edition-"
+
+
+def audience_of(edition: int) -> str:
+    """Return the audience of the board of an edition that is no longer in force."""
+    return f"{EDITION}{edition}"
+
+
+def edition_of_audience(audience: str) -> int | None:
+    """Return the edition whose board an audience sees; None if it is that of the edition in force."""
+    return int(audience.removeprefix(EDITION)) if audience.startswith(EDITION) else None
 
 
 class Board(Base):
@@ -43,7 +54,7 @@ class BoardPoint(Base):
 
 
 class LadderStep(Base):
-    """An entrant's skill after a match of a ladder. Results under other conditions are another ladder."""
+    """An entrant's place in a match of a ladder. Results under other conditions are another ladder."""
 
     __tablename__ = "ladder_steps"
     __table_args__ = (Index("ix_ladder_steps_track_entrant", "track", "conditions", "entrant", "match_id"),)
@@ -52,7 +63,5 @@ class LadderStep(Base):
     entrant: Mapped[str] = mapped_column(primary_key=True)
     track: Mapped[str]
     conditions: Mapped[str]  # digest of the conditions under which the match was played
-    mu: Mapped[float]  # on OpenSkill's scale
-    sigma: Mapped[float]
     place: Mapped[int]  # of its team in the match, 1 is the best
     fault: Mapped[bool]  # whether something went wrong in its seat

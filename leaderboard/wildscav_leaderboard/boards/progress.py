@@ -1,11 +1,12 @@
 """How far submissions are on their tracks, and which ladders wait for entrants."""
 
+from collections import Counter
 from typing import NamedTuple
 
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
-from wildscav_leaderboard.matches.models import FINAL, FINISHED, VOID, Match, MatchSeat
+from wildscav_leaderboard.matches.models import FINISHED, SUITE, VOID, Match, MatchResult, MatchSeat
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.states import ACTIVE
@@ -17,8 +18,47 @@ class Progress(NamedTuple):
 
     track: str
     played: int  # matches
-    planned: int  # on a ladder: until its rating counts as settled
+    planned: int  # on a ladder: at most, if its rating is not settled before
     missing: int  # entrants without whom its ladder makes no match for it; 0 once it has one
+
+
+class Totals(NamedTuple):
+    """How a submission did in all of its matches of a suite together, since single ones are hidden."""
+
+    track: str
+    matches: int
+    score: float  # their mean
+    faults: dict[str, int]  # in how many matches it had each kind of fault
+
+
+def totals_of(session: Session, submission: Submission) -> list[Totals]:
+    """Return a submission's totals on each suite on which all of its matches are over.
+
+    There are none before: each change of them would tell one match.
+    """
+    result = (MatchResult.score, MatchResult.fault, MatchResult.row["status"])
+    wanted = (
+        select(Match.track, Match.state, *result)
+        .outerjoin(MatchResult, MatchResult.match_id == Match.id)
+        .where(Match.kind == SUITE, Match.group_id == submission.id)
+        .order_by(Match.track, Match.number)
+    )
+    over = (FINISHED,) if submission.state == ACTIVE else (FINISHED, VOID)
+    scores: dict[str, list[float]] = {}
+    faults: dict[str, list[str]] = {}
+    unfinished = set()
+    for track, state, score, fault, status in session.execute(wanted):
+        if state not in over:
+            unfinished.add(track)
+        if score is not None:
+            scores.setdefault(track, []).append(score)
+        if fault is not None:
+            faults.setdefault(track, []).append(status)
+    return [
+        Totals(track, len(each), sum(each) / len(each), dict(Counter(faults.get(track, ()))))
+        for track, each in scores.items()
+        if track not in unfinished
+    ]
 
 
 def progress_of(session: Session, season: Season, submission: Submission) -> list[Progress]:
@@ -45,7 +85,7 @@ def _counts(session: Session, submission: Submission) -> dict[str, dict[str, int
     wanted = (
         select(Match.track, Match.state, func.count(Match.id.distinct()))
         .join(MatchSeat, MatchSeat.match_id == Match.id)
-        .where(MatchSeat.submission_id == submission.id, Match.kind != FINAL, Match.state != VOID)
+        .where(MatchSeat.submission_id == submission.id, ~Match.decides, Match.state != VOID)
         .group_by(Match.track, Match.state)
     )
     found: dict[str, dict[str, int]] = {}

@@ -6,7 +6,6 @@ submissions are separated on at most one board of twenty, however many there are
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import special
 
 from wildscav_evaluator.resampling import CONFIDENCE, student_quantile
 
@@ -50,20 +49,3 @@ def better_in_pairs(scores: NDArray[np.float64], *, lower_is_better: bool) -> ND
     lead = means[:, np.newaxis] - means
     # Rounded, so that the last bits of a sum decide nothing.
     return np.asarray(np.round((-lead if lower_is_better else lead) - width * errors, 9) > 0.0)
-
-
-def better_by_rating(means: NDArray[np.float64], deviations: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return who is significantly better than whom, by normal distributions of their skills.
-
-    Args:
-        means: (N,)
-        deviations: (N,), standard deviations.
-
-    Returns:
-        (N, N): whether the one of the row is better than the one of the column.
-    """
-    count = len(means)
-    pairs = max(count * (count - 1) / 2, 1)
-    width = -special.ndtri((1.0 - CONFIDENCE) / pairs / 2.0)
-    errors = np.hypot(deviations[:, np.newaxis], deviations)
-    return np.asarray(np.round(means[:, np.newaxis] - means - width * errors, 9) > 0.0)

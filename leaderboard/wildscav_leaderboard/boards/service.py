@@ -4,88 +4,110 @@ A board is computed when results arrive, and stored as a document, so that showi
 the freeze the public and the hidden board are equal; after it the public one stays as it is.
 """
 
+from collections.abc import Iterable, Sequence
 from datetime import datetime, timedelta
-from typing import Any
+from typing import Any, NamedTuple
 
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
-from wildscav_evaluator.output.results import metric_infos
-from wildscav_evaluator.ratings.ladder import Skill
+from wildscav_evaluator.output.results import MetricInfo
 from wildscav_evaluator.seats import robot_entrant
 from wildscav_leaderboard.boards import ladders
-from wildscav_leaderboard.boards.conditions import conditions_of
-from wildscav_leaderboard.boards.documents import (
-    Conditions,
-    LadderBoard,
-    SuiteBoard,
-    digest_of,
-    place_of,
-)
+from wildscav_leaderboard.boards.documents import LadderBoard, LadderRow, SuiteBoard, place_of
 from wildscav_leaderboard.boards.final import Final, read_final, write_final
-from wildscav_leaderboard.boards.ladder_board import LadderResults, ladder_board
-from wildscav_leaderboard.boards.models import HIDDEN, PUBLIC, SEASON, Board, BoardPoint
+from wildscav_leaderboard.boards.ladder_board import Enough, LadderEntrant, ladder_board
+from wildscav_leaderboard.boards.models import HIDDEN, PUBLIC, SEASON, Board, BoardPoint, audience_of
 from wildscav_leaderboard.boards.suite_board import SuiteResults, suite_board
 from wildscav_leaderboard.boards.suite_scores import SuiteScores
-from wildscav_leaderboard.matches.models import FINAL, FINISHED, SUITE, VOID, Match
+from wildscav_leaderboard.matches.models import FINAL, FINISHED, SUITE, VOID, Match, MatchSeat
 from wildscav_leaderboard.matches.service import last_arrival
 from wildscav_leaderboard.seasons import state as season_state
+from wildscav_leaderboard.seasons.editions import Conditions, Edition, EditionRow, digest_of
 from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.in_force import in_force
+from wildscav_leaderboard.seasons.settings import TrackSettings
 from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.models import Submission
+from wildscav_leaderboard.submissions.service import DISQUALIFIED
 from wildscav_leaderboard.teams.models import Team
 
 
-def refresh(
-    session: Session, season: Season, sandbox: str, now: datetime, scores: SuiteScores | None = None
-) -> list[str]:
+def refresh(session: Session, season: Season, now: datetime, scores: SuiteScores | None = None) -> list[str]:
     """Bring the boards up to date; return the tracks whose boards changed.
 
     Args:
         session: A writing session.
         season: The season.
-        sandbox: In which matches are played now.
         now: The time.
         scores: The results that were read before, so that only new ones are read.
     """
+    season = in_force(session, season)
     # A board says that it counts whatever arrived until its time, so it is never earlier than that.
     now = max(now, last_arrival(session) or now)
-    changed, final = [], read_final(session)
-    for track, settings in season.settings.tracks.items():
-        if settings.mode == "ladder":
+    final, scores = read_final(session), scores or SuiteScores()
+    changed = []
+    for track, edition in season.editions.items():
+        if edition.settings.mode == "ladder":
             ladders.apply_matches(session, track)
         if final is not None and track not in final.conditions:
             continue  # it was added to the settings after the end
-        conditions = conditions_of(season, track, sandbox) if final is None else final.conditions[track]
-        mark = {**_mark(session, track, conditions), "final": final is not None}
-        if season_state.read_state(session, f"board:{track}") == mark:
+        conditions = edition.conditions if final is None else final.conditions[track]
+        settings = season.track(track)
+        enough = [settings.interval, settings.matches] if settings.mode == "ladder" else []
+        mark = {**_mark(session, track, conditions), "final": final is not None, "enough": enough}
+        if not _is_new(session, f"board:{track}", mark, now):
             continue
-        season_state.write_state(session, f"board:{track}", mark, now)
-        board = (
-            _ladder_board(session, season, track, conditions, now)
-            if settings.mode == "ladder"
-            else _suite_board(session, season, track, conditions, now, final, scores or SuiteScores())
-        )
-        _store(session, board, now)
+        rules = _Rules(track, settings, edition.metrics, edition.matches, conditions)
+        board = _board(session, rules, entered(session, track), now, final, scores)
+        frozen = season_state.read_state(session, season_state.FROZEN) is not None
+        _store(session, board, now, (HIDDEN,) if frozen else (HIDDEN, PUBLIC))
+        _add_points(session, board, now)
         changed.append(track)
+    _refresh_earlier(session, season, now, scores)
+    session.flush()
     return changed
 
 
-def read_ahead(session: Session, season: Season, sandbox: str, now: datetime, scores: SuiteScores) -> None:
+def _is_new(session: Session, name: str, mark: dict[str, Any], now: datetime) -> bool:
+    """Note the mark of a board; return whether it has changed."""
+    if season_state.read_state(session, name) == mark:
+        return False
+    season_state.write_state(session, name, mark, now)
+    return True
+
+
+def _refresh_earlier(session: Session, season: Season, now: datetime, scores: SuiteScores) -> None:
+    """Bring the boards of earlier editions up to date, whose last matches may still end."""
+    if season_state.frozen_since(session) is not None:
+        return
+    counted = select(Match.edition_id, func.count()).where(Match.state == FINISHED, ~Match.decides)
+    earlier = Match.edition_id.is_not(None), Match.edition_id.not_in(season.numbers.values())
+    played = counted.where(*earlier).group_by(Match.edition_id)
+    for number, count in session.execute(played).all():
+        row = session.get_one(EditionRow, number)
+        if _is_new(session, f"board:{row.track}:{number}", {"results": count}, now):
+            edition = Edition.model_validate(row.document)
+            rules = _Rules(row.track, edition.settings, edition.metrics, edition.matches, edition.conditions)
+            board = _board(session, rules, _entered_before(session, row.id), now, None, scores)
+            _store(session, board, now, (audience_of(row.id),))
+
+
+def read_ahead(session: Session, season: Season, now: datetime, scores: SuiteScores) -> None:
     """Read all results, and compute what follows, so that the first ``refresh`` is as quick as others.
 
     Args:
         session: A session that reads, for however long.
         season: The season.
-        sandbox: In which matches are played now.
         now: The time.
         scores: What is read.
     """
     if read_final(session) is not None:
         return
-    for track, settings in season.settings.tracks.items():
-        if settings.mode == "suite":
-            _suite_board(session, season, track, conditions_of(season, track, sandbox), now, None, scores)
+    for track, edition in in_force(session, season).editions.items():
+        if edition.settings.mode == "suite":
+            rules = _Rules(track, edition.settings, edition.metrics, edition.matches, edition.conditions)
+            _board(session, rules, entered(session, track), now, None, scores)
 
 
 def after_boards(session: Session, now: datetime) -> datetime:
@@ -104,22 +126,25 @@ def _mark(session: Session, track: str, conditions: Conditions) -> dict[str, Any
     submissions = session.execute(
         select(func.count(), func.max(Submission.since)).where(Submission.state == states.ACTIVE)
     ).one()
+    superseded = select(func.count()).where(Match.track == track, Match.superseded.is_not(None))
     teams = session.execute(select(func.count()).where(Team.disqualified.is_not(None))).scalar_one()
     return {
         "results": matches.get(FINISHED, 0),
         "void": matches.get(VOID, 0),
         "planned": sum(matches.values()),
+        "superseded": session.scalar(superseded),
         "submissions": [submissions[0], str(submissions[1])],
         "disqualified": teams,
+        "left_out": season_state.read_state(session, season_state.LEFT_OUT),
         "conditions": digest_of(conditions),
     }
 
 
-def _store(session: Session, board: SuiteBoard | LadderBoard, now: datetime) -> None:
-    """Store a board, and the places on it that changed."""
+def _store(
+    session: Session, board: SuiteBoard | LadderBoard, now: datetime, audiences: Iterable[str]
+) -> None:
     document = board.model_dump(mode="json")
-    frozen = season_state.read_state(session, season_state.FROZEN) is not None
-    for audience in (HIDDEN,) if frozen else (HIDDEN, PUBLIC):
+    for audience in audiences:
         found = session.get(Board, (board.track, audience))
         if found is None:
             session.add(Board(track=board.track, audience=audience, updated=now, document=document))
@@ -127,8 +152,6 @@ def _store(session: Session, board: SuiteBoard | LadderBoard, now: datetime) -> 
             # Never the same time twice, so that whoever kept a board can tell that there is another one.
             found.updated = max(now, found.updated + timedelta(microseconds=1))
             found.document = document
-    _add_points(session, board, now)
-    session.flush()
 
 
 def _add_points(session: Session, board: SuiteBoard | LadderBoard, now: datetime) -> None:
@@ -139,10 +162,10 @@ def _add_points(session: Session, board: SuiteBoard | LadderBoard, now: datetime
             continue
         score, low, high = place_of(board, row)
         before = last.get(row.submission)
-        if before is not None and (before.rank, before.last_rank, before.score) == (
-            *(row.rank, row.last_rank),
-            score,
-        ):
+        # Every match changes all ratings of a ladder a little, which is no change of a place.
+        same_score = before is not None and (isinstance(row, LadderRow) or before.score == score)
+        place = (row.rank, row.last_rank, row.matches)
+        if before is not None and same_score and (before.rank, before.last_rank, before.matches) == place:
             continue
         session.add(
             BoardPoint(
@@ -167,39 +190,69 @@ def _last_points(session: Session, track: str) -> dict[int, BoardPoint]:
 
 def decide(session: Session, season: Season, final: Final, now: datetime) -> None:
     """Make the boards final, for everyone; as they were before, they are kept beside them."""
-    for track in season.settings.tracks:
+    for track in in_force(session, season).editions:
         before = session.get(Board, (track, HIDDEN))
         if before is not None:
             kept = Board(track=track, audience=SEASON, updated=before.updated, document=before.document)
             session.merge(kept)
     write_final(session, final, now)
     season_state.write_state(session, season_state.FROZEN, None, now)
-    refresh(session, season, "", now)
+    refresh(session, season, now)
 
 
-def _entered(session: Session, track: str) -> list[tuple[Submission, Team]]:
-    """Return the submissions that take part on a track, with their teams."""
+def entered(session: Session, track: str) -> list[tuple[Submission, Team]]:
+    """Return the submissions that take part on a track, with their teams, but none that are left out."""
+    left_out = season_state.read_state(session, season_state.LEFT_OUT) or {}
     wanted = (
         select(Submission, Team)
         .join(Team, Team.id == Submission.team_id)
         .where(Submission.state == states.ACTIVE, Team.disqualified.is_(None))
         .order_by(Submission.id)
     )
-    return [(one, team) for one, team in session.execute(wanted) if track in one.tracks]
+    found = session.execute(wanted)
+    return [(one, team) for one, team in found if track in one.tracks and str(one.id) not in left_out]
 
 
-def _suite_board(
+def _entered_before(session: Session, edition: int) -> list[tuple[Submission, Team]]:
+    """Return the submissions that have played under an edition, with their teams, but no disqualified."""
+    seats = select(MatchSeat.submission_id).join(Match, Match.id == MatchSeat.match_id)
+    wanted = (
+        select(Submission, Team)
+        .join(Team, Team.id == Submission.team_id)
+        .where(
+            Submission.id.in_(seats.where(Match.edition_id == edition, Match.state == FINISHED)),
+            Team.disqualified.is_(None),
+            Submission.reason.not_like(f"{DISQUALIFIED}%"),
+        )
+        .order_by(Submission.id)
+    )
+    return [(one, team) for one, team in session.execute(wanted)]
+
+
+class _Rules(NamedTuple):
+    """What a board is made by."""
+
+    track: str
+    settings: TrackSettings
+    metrics: tuple[MetricInfo, ...]
+    planned: int  # matches of a suite
+    conditions: Conditions
+
+
+def _board(
     session: Session,
-    season: Season,
-    track: str,
-    conditions: Conditions,
+    rules: _Rules,
+    entered: Sequence[tuple[Submission, Team]],
     now: datetime,
     final: Final | None,
     scores: SuiteScores,
-) -> SuiteBoard:
-    metrics = metric_infos(track, season.suite_matches[track][0].metrics)
-    played = scores.read(session, track, SUITE if final is None else FINAL, digest_of(conditions))
-    planned = len(season.suite_matches[track])
+) -> SuiteBoard | LadderBoard:
+    if final is not None and rules.track in final.field:
+        entered = [(one, team) for one, team in entered if one.id in final.field[rules.track]]
+    if rules.settings.mode == "ladder":
+        return _ladder_board(session, rules, entered, now)
+    kind = SUITE if final is None else FINAL
+    played = scores.read(session, rules.track, kind, digest_of(rules.conditions))
     results = [
         SuiteResults(
             submission=one.id,
@@ -208,52 +261,23 @@ def _suite_board(
             team=team.name,
             team_title=team.title,
             since=one.created,
-            planned=planned,
+            planned=rules.planned,
             faults=played.faults_of(one.id),
             metrics=played.metrics.get(one.id, {}),
         )
-        for one, team in _entered(session, track)
-        if final is None or one.id in final.field[track]
+        for one, team in entered
     ]
-    return suite_board(track, conditions, metrics, results, now)
+    return suite_board(rules.track, rules.conditions, rules.metrics, results, now)
 
 
 def _ladder_board(
-    session: Session, season: Season, track: str, conditions: Conditions, now: datetime
+    session: Session, rules: _Rules, entered: Sequence[tuple[Submission, Team]], now: datetime
 ) -> LadderBoard:
-    digest = digest_of(conditions)
-    skills = ladders.skills_of(session, track, digest)
-    standings = ladders.standings_of(session, track, digest)
-    settings = season.track(track)
-
-    def results(name: str, entrant: str, version: str, **others: Any) -> LadderResults:
-        standing = standings.get(entrant, ladders.Standing())
-        return LadderResults(
-            name=name,
-            version=version,
-            planned=settings.matches,
-            faults=standing.faults,
-            skill=skills.get(entrant, Skill()),
-            places=standing.places,
-            wins=standing.wins,
-            **others,
-        )
-
-    entered = [
-        results(
-            one.name,
-            one.entrant,
-            one.version,
-            submission=one.id,
-            team=team.name,
-            team_title=team.title,
-            since=one.created,
-        )
-        for one, team in _entered(session, track)
+    entrants = [
+        LadderEntrant(one.entrant, one.id, one.name, one.version, team.name, team.title, one.created)
+        for one, team in entered
     ]
-    robots = [
-        results(robot, robot_entrant(robot), "", submission=None, team="", team_title="", since=None)
-        for robot in settings.robots
-    ]
-    applied = ladders.applied_matches(session, track, digest)
-    return ladder_board(track, conditions, metric_infos(track), [*entered, *robots], applied, now)
+    entrants += [LadderEntrant(robot_entrant(robot), None, robot) for robot in rules.settings.robots]
+    played = ladders.played_on(session, rules.track, digest_of(rules.conditions))
+    enough = Enough(rules.settings.interval, rules.settings.matches)
+    return ladder_board(rules.track, rules.conditions, rules.metrics, entrants, played, enough, now)

@@ -1,7 +1,8 @@
 """The board of a suite: every submission plays the same matches on hidden seeds.
 
 A team stands on it with the submission that has the best mean score, among those that have played all their
-matches. Ranks come from the differences match by match, since all play the same ones.
+matches. Of the others it tells only how many are played: each change of a mean would tell one match. Ranks
+come from the differences match by match, since all play the same ones.
 """
 
 from collections.abc import Iterable, Sequence
@@ -13,8 +14,9 @@ import numpy as np
 
 from wildscav_evaluator.output.results import MetricInfo, Summary
 from wildscav_evaluator.scores.score import mean_of, summarize
-from wildscav_leaderboard.boards.documents import Conditions, SuiteBoard, SuiteRow
+from wildscav_leaderboard.boards.documents import SuiteBoard, SuiteRow
 from wildscav_leaderboard.boards.ranks import better_in_pairs, rank_ranges
+from wildscav_leaderboard.seasons.editions import Conditions
 
 
 @dataclass(frozen=True)
@@ -75,7 +77,7 @@ def suite_board(
     ranges = _ranges(ranked, score)
     rows = [
         *(_row(one, *ranks, metrics) for one, ranks in zip(ranked, ranges, strict=True)),
-        *(_row(one, None, None, metrics) for one in _last_of_teams(waiting)),
+        *(_row(one, None, None, ()) for one in _last_of_teams(waiting)),
     ]
     return SuiteBoard(
         track=track,
@@ -132,7 +134,7 @@ def _row(
         version=one.version,
         matches=len(one.metrics),
         planned=one.planned,
-        faults=one.faults,
+        faults=0 if rank is None else one.faults,
         since=one.since,
         metrics=_summaries(one, metrics),
     )

@@ -47,8 +47,13 @@ class SuiteScores:
         """
         known = self._suites.setdefault((track, kind), _Suite())
         _read_new(session, track, kind, known)
-        finished = select(func.count()).select_from(Match).filter_by(track=track, kind=kind, state=FINISHED)
-        if session.scalar(finished) != len(known.seen):  # what was seen before was never stored
+        finished = (
+            select(func.count())
+            .select_from(Match)
+            .filter_by(track=track, kind=kind, state=FINISHED, superseded=None)
+        )
+        # What was seen before was never stored, or other results have taken its place.
+        if session.scalar(finished) != len(known.seen):
             known = self._suites[track, kind] = _Suite()
             _read_new(session, track, kind, known)
         return known.scores.get(conditions, Scores())
@@ -60,7 +65,7 @@ def _read_new(session: Session, track: str, kind: str, known: _Suite) -> None:
     wanted = (
         select(Match.id, Match.group_id, Match.number, *columns)
         .join(MatchResult, MatchResult.match_id == Match.id)
-        .where(Match.track == track, Match.kind == kind)
+        .where(Match.track == track, Match.kind == kind, Match.superseded.is_(None))
     )
     if known.until is not None:
         wanted = wanted.where(MatchResult.at >= known.until)

@@ -13,23 +13,23 @@ from wildscav.errors import WildscavError, describe
 from wildscav.monitoring.logs import Log, open_log
 from wildscav_evaluator.executors import EXECUTORS, Executor
 from wildscav_evaluator.matches.jobs import Job, JobResult
-from wildscav_leaderboard.boards.conditions import conditions_of
-from wildscav_leaderboard.boards.documents import digest_of
 from wildscav_leaderboard.boards.service import read_ahead, refresh
 from wildscav_leaderboard.boards.suite_scores import SuiteScores
 from wildscav_leaderboard.conductor import lease, steps, work
 from wildscav_leaderboard.conductor.broadcast import Broadcast
 from wildscav_leaderboard.conductor.child import Child
+from wildscav_leaderboard.conductor.editions import begin_editions
 from wildscav_leaderboard.conductor.keeper import LeaseKeeper
 from wildscav_leaderboard.conductor.lease import Holding, LeaseLostError
 from wildscav_leaderboard.conductor.models import Attempt
 from wildscav_leaderboard.conductor.plans import plan_ladders
 from wildscav_leaderboard.conductor.sandboxes import chosen_sandbox
 from wildscav_leaderboard.database.connection import Database, DatabaseError, clock
-from wildscav_leaderboard.matches.models import FINAL, Match
+from wildscav_leaderboard.matches.models import Match
 from wildscav_leaderboard.matches.service import seats_of
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.in_force import in_force
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.webhooks.delivery import Deliverer
 
@@ -108,8 +108,13 @@ class Conductor:
             executor = stack.enter_context(kind(settings.matches, settings.address))
             self._sandbox = chosen_sandbox(self.season, executor, self._log)
             stack.callback(self._release)
+            with self.database.writing() as session:
+                lease.check(session, self._holding)
+                self._publish_nodes(session, executor)
+                for change in begin_editions(session, self.season, now()):
+                    self._log.warning("edition_waits", track=change.track, reason=change.text)
             with self.database.reading() as session:
-                read_ahead(session, self.season, self._sandbox, now(), self._scores)
+                read_ahead(session, self.season, now(), self._scores)
             self._broadcast = Broadcast(self.season.live)
             while not self._stopping.is_set():
                 if not self.round(executor, child):
@@ -122,6 +127,7 @@ class Conductor:
     def round(self, executor: Executor, child: Child) -> bool:
         """Do everything once that there is to do; return whether there was anything."""
         with self.database.writing() as session:
+            self.season = in_force(session, self.season)
             lost = steps.expire(session, self.season, self._holding, now())
             steps.admit(session, now())
             self._publish_nodes(session, executor)
@@ -265,11 +271,8 @@ class Conductor:
         if result.row.metrics is None or result.timing is None:
             self._broke(attempt.id, result.row.detail)
             return
-        with self.database.reading() as session:
-            is_final = session.get_one(Match, attempt.match_id).kind == FINAL
-        conditions = digest_of(conditions_of(self.season, result.job.track, self._sandbox, final=is_final))
         try:
-            row, record = work.keep_record(result, conditions)
+            row, record = work.keep_record(result)
         except (WildscavError, OSError) as error:
             self._broke(attempt.id, describe(error) if isinstance(error, OSError) else str(error))
             return
@@ -286,5 +289,5 @@ class Conductor:
             lease.check(session, self._holding)
             if steps.freeze_when_due(session, self.season, now()):
                 self._log.info("boards_frozen")
-            refresh(session, self.season, self._sandbox, now(), self._scores)
+            refresh(session, self.season, now(), self._scores)
         self._refreshed = time.monotonic()

@@ -1,18 +1,35 @@
-"""Which matches the season plans: the suites of its active submissions, and the next ones of its ladders."""
+"""Which matches the season plans: the suites of its active submissions, and the next ones of its ladders.
 
+At the end, the ladders get a final round: another ladder with the same rules among the field of each, on
+games of the second secret. It decides alone, so luck in the season's matches is worth nothing in it.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from datetime import datetime
+from typing import NamedTuple
 
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
-from wildscav_evaluator.ratings.ladder import Skill
 from wildscav_evaluator.seats import robot_entrant
-from wildscav_leaderboard.boards.ladders import skills_of
+from wildscav_leaderboard.boards.ladder_board import Rating, ratings_of
+from wildscav_leaderboard.boards.ladders import played_on
 from wildscav_leaderboard.boards.matchmaking import REPEATS, Candidate, choose_entrants, ladder_match
-from wildscav_leaderboard.matches.models import LADDER, VOID, WAITING, Match, MatchSeat
+from wildscav_leaderboard.matches.models import (
+    FINAL_ROUND,
+    LADDER,
+    SEASON_ROUND,
+    VOID,
+    WAITING,
+    Match,
+    MatchSeat,
+)
 from wildscav_leaderboard.matches.service import Entrant, add_ladder_match, add_suite_matches
-from wildscav_leaderboard.seasons import state as season_state
+from wildscav_leaderboard.seasons.editions import digest_of
 from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.in_force import in_force, sandbox_of
+from wildscav_leaderboard.seasons.state import FINALIZED, FINALIZING, read_state
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.states import ACTIVE
 from wildscav_leaderboard.teams.models import Team
@@ -20,77 +37,100 @@ from wildscav_leaderboard.teams.models import Team
 
 def plan_suites(session: Session, season: Season, submission: Submission, now: datetime) -> int:
     """Plan the matches of all suites that a submission plays and has not got yet; return how many are new."""
+    season = in_force(session, season)
     return sum(
         add_suite_matches(session, submission, track, season.suite_matches[track], now)
         for track in submission.tracks
-        if season.track(track).mode == "suite"
+        if track in season.suite_matches and is_playable(session, season, track)
     )
+
+
+def is_playable(session: Session, season: Season, track: str) -> bool:
+    """Return whether matches of a track's edition can be made here and now, by the same code as before."""
+    edition = season.editions.get(track)
+    return edition is None or not edition.obstacle(sandbox_of(session, season))
 
 
 def plan_ladders(session: Session, season: Season, now: datetime) -> int:
     """Plan the next matches of all ladders, up to so many that wait; return how many are new."""
-    if is_decided(session):
-        return 0
-    return sum(
-        _plan_ladder(session, season, track, now)
-        for track, settings in season.settings.tracks.items()
-        if settings.mode == "ladder"
-    )
-
-
-def is_decided(session: Session) -> bool:
-    """Return whether the ladders are over, and only the matches are left that decide the season."""
-    ending = season_state.read_state(session, season_state.FINALIZING) or {}
-    return (
-        ending.get("field") is not None
-        or season_state.read_state(session, season_state.FINALIZED) is not None
-    )
+    season = in_force(session, season)
+    return sum(_plan_ladder(session, season, one, now) for one in _rounds(session, season))
 
 
 def ladders_want_matches(session: Session, season: Season) -> bool:
     """Return whether a ladder has submissions that have not played enough, and can meet somebody."""
-    for track, settings in season.settings.tracks.items():
-        if settings.mode == "ladder":
-            found = list(_candidates(session, season, track))
-            if choose_entrants(found, settings.seats, settings.matches, track) is not None:
-                return True
-    return False
+    season = in_force(session, season)
+    return any(_next_game(season, one, _candidates(session, season, one)) for one in _rounds(session, season))
 
 
-def _plan_ladder(session: Session, season: Season, track: str, now: datetime) -> int:
-    settings, new = season.track(track), 0
-    waiting = session.scalar(
-        select(func.count()).select_from(Match).filter_by(track=track, kind=LADDER, state=WAITING)
-    )
-    while (waiting or 0) + new < settings.waiting:
-        found = _candidates(session, season, track)
-        number = next_number(session, track)
-        chosen = choose_entrants(list(found), settings.seats, settings.matches, f"{track}/{number}")
+class _Round(NamedTuple):
+    """What is played on a ladder now."""
+
+    track: str
+    group: int
+    field: Sequence[int] | None  # the submissions that take part in the final round
+
+
+def _rounds(session: Session, season: Season) -> list[_Round]:
+    """Return what is played on all ladders now; nothing once the season is decided."""
+    if read_state(session, FINALIZED) is not None:
+        return []
+    season = in_force(session, season)
+    field = (read_state(session, FINALIZING) or {}).get("field")
+    ladders = [
+        track
+        for track, settings in season.settings.tracks.items()
+        if settings.mode == "ladder" and is_playable(session, season, track)
+    ]
+    if field is None:
+        return [_Round(track, SEASON_ROUND, None) for track in ladders]
+    return [_Round(track, FINAL_ROUND, field.get(track, ())) for track in ladders]
+
+
+def _plan_ladder(session: Session, season: Season, one: _Round, now: datetime) -> int:
+    ladder = {"track": one.track, "kind": LADDER, "group_id": one.group}
+    counting = select(func.count()).select_from(Match)
+    counting = counting.filter_by(**ladder, state=WAITING, edition_id=season.numbers.get(one.track))
+    last = session.scalar(select(func.max(Match.number)).filter_by(**ladder))
+    first = number = 0 if last is None else last + 1
+    free = season.track(one.track).waiting - (session.scalar(counting) or 0)
+    found = _candidates(session, season, one) if free > 0 else {}
+    seed = season.seed if one.group == SEASON_ROUND else season.final_seed
+    while number - first < free:
+        chosen = _next_game(season, one, found, f"{one.track}/{number}")
         if chosen is None:
             break
-        names = sorted(one.name for one in chosen)
+        numbers = {each.name: found.pop(each) for each in chosen}
         for turn in range(REPEATS):
-            spec, seats = ladder_match(season.suite(track), track, season.seed.value, number + turn, names)
-            numbers = {one.name: submission for one, submission in found.items()}
+            drawn = season.suite(one.track), one.track, seed.value, number + turn, sorted(numbers)
+            spec, seats = ladder_match(*drawn)
             entrants = {seat: Entrant(name, numbers[name]) for seat, name in seats.items()}
-            add_ladder_match(session, track, number + turn, spec, entrants, now)
-        new += REPEATS
-    return new
+            add_ladder_match(session, one.track, number + turn, spec, entrants, now, one.group)
+        found |= {replace(each, matches=each.matches + REPEATS): numbers[each.name] for each in chosen}
+        number += REPEATS
+    return number - first
 
 
-def next_number(session: Session, track: str) -> int:
-    """Return the number of the next match on a track's ladder."""
-    last = session.scalar(select(func.max(Match.number)).filter_by(track=track, kind=LADDER))
-    return 0 if last is None else last + 1
+def _next_game(
+    season: Season, one: _Round, found: Iterable[Candidate], key: str = ""
+) -> tuple[Candidate, ...] | None:
+    settings = season.track(one.track)
+    return choose_entrants(list(found), settings.seats, settings.matches, key)
 
 
-def _candidates(session: Session, season: Season, track: str) -> dict[Candidate, int | None]:
+def _candidates(session: Session, season: Season, one: _Round) -> dict[Candidate, int | None]:
     """Return all who may meet on a ladder, and the submission that each is."""
-    skills = skills_of(session, track)
+    settings, edition = season.track(one.track), season.editions.get(one.track)
+    ratings = {}
+    if edition is not None:
+        conditions = edition.conditions if one.group == SEASON_ROUND else edition.final
+        played = played_on(session, one.track, digest_of(conditions))
+        ratings = ratings_of(played.matches, settings.interval)
     counted = session.execute(
         select(MatchSeat.entrant, func.count())
         .join(Match, Match.id == MatchSeat.match_id)
-        .where(Match.track == track, Match.kind == LADDER, Match.state != VOID)
+        .where(Match.track == one.track, Match.kind == LADDER, Match.group_id == one.group)
+        .where(Match.state != VOID, Match.edition_id == season.numbers.get(one.track), Match.judging == 1)
         .group_by(MatchSeat.entrant)
     )
     planned = {entrant: count for entrant, count in counted}  # noqa: C416 (rows are no pairs to mypy)
@@ -101,10 +141,12 @@ def _candidates(session: Session, season: Season, track: str) -> dict[Candidate,
     )
 
     def candidate(name: str, team: int | None) -> Candidate:
-        return Candidate(name, team, skills.get(name, Skill()).mu, planned.get(name, 0))
+        rating = ratings.get(name, Rating())
+        return Candidate(name, team, rating.mean, planned.get(name, 0), rating.is_settled)
 
     found: dict[Candidate, int | None] = {
-        candidate(one.entrant, team.id): one.id for one, team in active if track in one.tracks
+        candidate(each.entrant, team.id): each.id
+        for each, team in active
+        if one.track in each.tracks and (one.field is None or each.id in one.field)
     }
-    robots = (robot_entrant(robot) for robot in season.track(track).robots)
-    return found | {candidate(name, None): None for name in robots}
+    return found | {candidate(robot_entrant(robot), None): None for robot in settings.robots}

@@ -15,11 +15,12 @@ from wildscav_leaderboard.boards.service import after_boards
 from wildscav_leaderboard.conductor import attempts
 from wildscav_leaderboard.conductor.lease import Holding, check
 from wildscav_leaderboard.conductor.models import BUILD, PLAY, VALIDATE, Attempt
-from wildscav_leaderboard.conductor.plans import plan_suites
+from wildscav_leaderboard.conductor.plans import is_playable, plan_suites
 from wildscav_leaderboard.matches import service as matches
 from wildscav_leaderboard.matches.models import PLAYING, Match
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.in_force import in_force
 from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.queue import queue
@@ -137,8 +138,13 @@ def take_matches(
     check(session, holding)
     if is_paused(session):
         return []
-    taken = []
-    for match in matches.next_matches(session, tuple(season.settings.tracks), count):
+    taken, season = [], in_force(session, season)
+    played = {
+        track: season.numbers.get(track)
+        for track in season.settings.tracks
+        if is_playable(session, season, track)
+    }
+    for match in matches.next_matches(session, played, count):
         if not matches.takes_part(session, match):
             matches.void(match, now, "a submission of it no longer takes part")
             continue

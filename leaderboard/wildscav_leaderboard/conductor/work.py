@@ -1,8 +1,8 @@
 """The work that the conductor hands out: building and validating submissions, and playing matches.
 
-Validation is `wildscav check`: the same code, sandbox and limits. Matches are played by an executor of the
-evaluator, each into a folder of its own, whose journal makes sure that a match that was completed before a
-crash is not played again.
+Validation is `wildscav check` with the suites of the season's tracks and their limits, on fresh seeds.
+Matches are played by an executor of the evaluator, each into a folder of its own, whose journal makes sure
+that a match that was completed before a crash is not played again.
 """
 
 import os
@@ -13,17 +13,21 @@ from pathlib import Path
 from wildscav.errors import UserError
 from wildscav.server.hosting.precompile import precompile_for
 from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.check.findings import Finding, Verdict
-from wildscav_evaluator.check.trials import run_checks
+from wildscav_evaluator.check.trials import Trial, run_checks
 from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.output.journal import file_digest
 from wildscav_evaluator.output.layout import LOGS, MATCHES, RECORDS
 from wildscav_evaluator.output.results import MatchRow
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.sandbox.base import SandboxError
+from wildscav_evaluator.seats import robot_entrant
+from wildscav_evaluator.submission_files import SubmissionError
 from wildscav_evaluator.submissions.images import build_image, lacks_packages, with_images
-from wildscav_evaluator.submissions.submission import Submission, SubmissionError
-from wildscav_leaderboard.matches.models import LADDER, Match, MatchSeat
+from wildscav_evaluator.submissions.submission import Submission
+from wildscav_leaderboard.boards.matchmaking import seated
+from wildscav_leaderboard.matches.models import FINAL, LADDER, Match, MatchSeat
 from wildscav_leaderboard.matches.service import PlayedRecord
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.spectating.live import key_of
@@ -62,7 +66,7 @@ def build(season: Season, archive: str, entrant: str, sandbox: str) -> Rejection
 
 
 def validate(season: Season, archive: str, entrant: str, sandbox: str, logs: Path) -> Rejection | None:
-    """Play what `wildscav check` plays; return why the submission fails, or None if it does not.
+    """Try a submission on each track that it enters; return why it fails, or None if it does not.
 
     Raises:
         WildscavError: The platform failed.
@@ -71,10 +75,22 @@ def validate(season: Season, archive: str, entrant: str, sandbox: str, logs: Pat
     (submission,) = with_images([load_archive(season, archive, entrant)], sandbox)
     precompile_for([submission.manifest.sensors])
     logs.mkdir(parents=True, exist_ok=True)
-    for finding in run_checks(submission, SANDBOXES[sandbox], logs):
+    tracks = [track for track in submission.manifest.tracks if track in season.settings.tracks]
+    trials = {track: trial_of(season, track, submission.name) for track in tracks}
+    for finding in run_checks(submission, SANDBOXES[sandbox], logs, trials):
         if finding.verdict == Verdict.BROKEN:
             return _rejection(finding, sandbox, submission.folder)
     return None
+
+
+def trial_of(season: Season, track: str, entrant: str) -> Trial:
+    """Return a match for validation that its agents cannot tell from one of the season."""
+    trial, settings = Trial.of(season.suite(track), track, season.limits(track)), season.track(track)
+    if settings.mode == "suite":
+        return trial
+    others = [robot_entrant(TRACKS[track].robot)] * (settings.seats - 1)
+    spec, _ = seated(trial.spec, 0, sorted([entrant, *others]))
+    return trial._replace(spec=spec)
 
 
 def _rejection(finding: Finding, sandbox: str, folder: Path) -> Rejection:
@@ -110,10 +126,12 @@ def job_of(
     out = season.match_folder(match.id)
     for name in (RECORDS, LOGS, MATCHES):
         (out / name).mkdir(parents=True, exist_ok=True)
+    submissions = tuple(
+        loaded[number] for seat in sorted(by_seat) if (number := by_seat[seat].submission_id) is not None
+    )
+    seed = season.final_seed if match.kind == FINAL else season.seed
     return Job(
-        submissions=tuple(
-            loaded[number] for seat in sorted(by_seat) if (number := by_seat[seat].submission_id) is not None
-        ),
+        submissions=submissions,
         track=match.track,
         index=match.number,
         spec=spec,
@@ -124,11 +142,12 @@ def job_of(
         limits=season.limits(match.track),
         evaluated=None if is_ladder else seats[0].entrant,
         robots=tuple(seat for seat, one in sorted(by_seat.items()) if one.submission_id is None),
+        seeds=seed.private(spec, [one.digest for one in submissions]),
         watched=is_ladder,  # nobody else plays it, so anyone may see its map
     )
 
 
-def keep_record(result: JobResult, conditions: str) -> tuple[MatchRow, PlayedRecord]:
+def keep_record(result: JobResult) -> tuple[MatchRow, PlayedRecord]:
     """Keep a match's record under a name with its digest; return its result, and what is stored of it.
 
     A worker of a conductor that lost its lease may still write a record of the same match. It cannot change
@@ -154,4 +173,4 @@ def keep_record(result: JobResult, conditions: str) -> tuple[MatchRow, PlayedRec
     finally:
         fresh.unlink(missing_ok=True)
     row = result.row.model_copy(update={"record": kept.relative_to(result.job.out).as_posix()})
-    return row, PlayedRecord(digest, kept.stat().st_size, conditions)
+    return row, PlayedRecord(digest, kept.stat().st_size)

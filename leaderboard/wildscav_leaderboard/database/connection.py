@@ -92,9 +92,13 @@ class Database:
         # Imports Alembic, which a web server does not need.
         from wildscav_leaderboard.database.schema import bring_up_to_date, check_known
 
-        with self._reported(), self._writers.begin() as connection:
-            check_known(connection, str(self))
-            bring_up_to_date(connection)
+        with self._reported(), self._writers.connect() as connection:
+            if self.kind == "sqlite":  # which changes a table by copying it, and others refer to it meanwhile
+                connection.connection.cursor().execute("PRAGMA foreign_keys = OFF")
+            with connection.begin():
+                check_known(connection, str(self))
+                bring_up_to_date(connection)
+            connection.invalidate()
 
     def check(self) -> None:
         """Check that the database can be reached, for health checks.

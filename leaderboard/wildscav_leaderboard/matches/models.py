@@ -3,12 +3,15 @@
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import JSON, ForeignKey, Index, UniqueConstraint
+from sqlalchemy import JSON, ColumnElement, ForeignKey, Index, UniqueConstraint, and_, or_
+from sqlalchemy.ext.hybrid import hybrid_property
 from sqlalchemy.orm import Mapped, mapped_column
 
 from wildscav_leaderboard.database.base import Base
 
 SUITE, LADDER, FINAL = "suite", "ladder", "final"  # kinds of matches
+# Groups of a ladder's matches: those of the season, and those that decide it.
+SEASON_ROUND, FINAL_ROUND = 0, 1
 WAITING, PLAYING, FINISHED, VOID = "waiting", "playing", "finished", "void"  # states of a match
 
 
@@ -18,7 +21,7 @@ class Match(Base):
     __tablename__ = "matches"
     __table_args__ = (
         # A match is made once, however often the conductor tries.
-        UniqueConstraint("kind", "track", "number", "group_id"),
+        UniqueConstraint("kind", "track", "number", "group_id", "edition_id", "judging"),
         Index("ix_matches_state_priority", "state", "priority", "id"),
         Index("ix_matches_track_kind", "track", "kind", "id", "state"),
     )
@@ -27,15 +30,28 @@ class Match(Base):
     kind: Mapped[str]
     track: Mapped[str]
     number: Mapped[int]  # in the suite, or of the ladder's matches on this track
-    group_id: Mapped[int]  # in a suite: the submission that is evaluated; on a ladder: 0
+    group_id: Mapped[int]  # in a suite: the submission; on a ladder: SEASON_ROUND or FINAL_ROUND
     spec: Mapped[dict[str, Any]] = mapped_column(JSON, repr=False)  # the MatchSpec; hidden until the end
     created: Mapped[datetime]
     since: Mapped[datetime]  # when it came into its state
+    edition_id: Mapped[int | None] = mapped_column(ForeignKey("editions.id"), default=None)  # its rules
+    judging: Mapped[int] = mapped_column(default=1)  # more than 1 where organizers had it played again
+    superseded: Mapped[datetime | None] = mapped_column(default=None)  # when a later judging took its place
     state: Mapped[str] = mapped_column(default=WAITING)
     priority: Mapped[int] = mapped_column(default=0)  # less is played first
     deadline: Mapped[datetime | None] = mapped_column(default=None)  # while it is played
     platform_faults: Mapped[int] = mapped_column(default=0)  # attempts that the platform broke
     detail: Mapped[str] = mapped_column(default="")  # why it is void
+
+    @hybrid_property
+    def decides(self) -> bool:
+        """Whether it is one of the matches that decide the season, drawn from the second secret."""
+        return self.kind == FINAL or (self.kind == LADDER and self.group_id == FINAL_ROUND)
+
+    @decides.inplace.expression
+    @classmethod
+    def _decides(cls) -> ColumnElement[bool]:
+        return or_(cls.kind == FINAL, and_(cls.kind == LADDER, cls.group_id == FINAL_ROUND))
 
 
 class MatchSeat(Base):

@@ -7,7 +7,7 @@ from sqlalchemy.orm import Session
 from wildscav_leaderboard.accounts.service import Caller
 from wildscav_leaderboard.matches.models import MatchResult
 from wildscav_leaderboard.matches.service import find_match
-from wildscav_leaderboard.matches.visibility import hidden_why
+from wildscav_leaderboard.matches.visibility import seen_by
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import ForbiddenError, NotFoundError
 
@@ -19,8 +19,8 @@ def record_path(session: Session, season: Season, number: int, caller: Caller | 
         NotFoundError: There is no such match, or its record is gone.
         ForbiddenError: It is hidden.
     """
-    why = hidden_why(session, find_match(session, number))
-    if why and not (caller is not None and caller.is_organizer):
+    why = seen_by(session, [find_match(session, number)], caller)[number].record
+    if why:
         raise ForbiddenError(why)
     return path_of_record(session, season, number)
 

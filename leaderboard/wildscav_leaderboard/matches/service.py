@@ -6,7 +6,7 @@ from datetime import datetime
 from itertools import chain, zip_longest
 from typing import NamedTuple
 
-from sqlalchemy import func, select, update
+from sqlalchemy import ColumnElement, and_, func, select, update
 from sqlalchemy.orm import Session
 
 from wildscav_engine.specs.match_spec import MatchSpec
@@ -16,6 +16,7 @@ from wildscav_leaderboard.matches.models import (
     FINISHED,
     LADDER,
     PLAYING,
+    SEASON_ROUND,
     SUITE,
     VOID,
     WAITING,
@@ -23,6 +24,8 @@ from wildscav_leaderboard.matches.models import (
     MatchResult,
     MatchSeat,
 )
+from wildscav_leaderboard.seasons.editions import digest_of
+from wildscav_leaderboard.seasons.in_force import edition_by_number, edition_numbers
 from wildscav_leaderboard.seasons.refusals import NotFoundError
 from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.models import Submission
@@ -40,7 +43,6 @@ class PlayedRecord(NamedTuple):
 
     digest: str  # BLAKE2b, 32 hexadecimal digits
     size: int  # bytes
-    conditions: str = ""  # digest of the conditions under which it was played
 
 
 def add_suite_matches(
@@ -61,14 +63,17 @@ def add_suite_matches(
         now: The time.
         kind: ``SUITE``, or ``FINAL`` for the matches that decide the season.
     """
-    wanted = select(Match.number).filter_by(kind=kind, track=track, group_id=submission.id)
+    edition = edition_numbers(session).get(track)
+    wanted = select(Match.number).filter_by(
+        kind=kind, track=track, group_id=submission.id, edition_id=edition
+    )
     known = set(session.scalars(wanted))
     entrant = Entrant(submission.entrant, submission.id)
     new = [number for number in range(len(specs)) if number not in known]
     for number in new:
         spec = specs[number]
         # Everyone's first match comes before anyone's second one, so that boards fill evenly.
-        match = _match(kind, track, number, submission.id, spec, now, priority=number)
+        match = _match(kind, track, edition, number, submission.id, spec, now, priority=number)
         add_match(session, match, dict.fromkeys(submission_seats(spec.seats), entrant))
     return len(new)
 
@@ -80,6 +85,7 @@ def add_ladder_match(
     spec: MatchSpec,
     entrants: Mapping[int, Entrant],
     now: datetime,
+    group: int = SEASON_ROUND,
 ) -> Match:
     """Plan a match of a ladder.
 
@@ -90,16 +96,26 @@ def add_ladder_match(
         spec: The match.
         entrants: Who plays in the seats that have an entrant.
         now: The time.
+        group: Of the ladder: that of the season, or the final round.
     """
-    return add_match(session, _match(LADDER, track, number, 0, spec, now), entrants)
+    edition = edition_numbers(session).get(track)
+    return add_match(session, _match(LADDER, track, edition, number, group, spec, now), entrants)
 
 
 def _match(
-    kind: str, track: str, number: int, group: int, spec: MatchSpec, now: datetime, priority: int = 0
+    kind: str,
+    track: str,
+    edition: int | None,
+    number: int,
+    group: int,
+    spec: MatchSpec,
+    now: datetime,
+    priority: int = 0,
 ) -> Match:
     return Match(
         kind=kind,
         track=track,
+        edition_id=edition,
         number=number,
         group_id=group,
         spec=spec.model_dump(mode="json"),
@@ -142,16 +158,22 @@ def seats_of(session: Session, matches: Sequence[int]) -> dict[int, list[MatchSe
     return found
 
 
-def next_matches(session: Session, tracks: Sequence[str], count: int) -> list[Match]:
-    """Return the matches that are played next: of each track in turn, by priority and then by age."""
+def next_matches(session: Session, editions: Mapping[str, int | None], count: int) -> list[Match]:
+    """Return the matches that are played next: of each track in turn, by priority and then by age.
+
+    Args:
+        session: A session.
+        editions: The tracks that are played, and the edition of each: no other one's matches are played.
+        count: How many, at most.
+    """
     waiting = [
         session.scalars(
             select(Match)
-            .filter_by(state=WAITING, track=track)
+            .filter_by(state=WAITING, track=track, edition_id=edition)
             .order_by(Match.priority, Match.id)
             .limit(count)
         ).all()
-        for track in tracks
+        for track, edition in editions.items()
     ]
     return [match for match in chain(*zip_longest(*waiting)) if match is not None][:count]
 
@@ -224,7 +246,7 @@ def deliver(
             at=now,
             row=row.model_dump(mode="json"),
             timing=timing.model_dump(mode="json"),
-            conditions=record.conditions,
+            conditions=_conditions_of(session, match),
             record=record.digest,
             record_size=record.size,
             fault=row.fault,
@@ -232,8 +254,59 @@ def deliver(
         )
     )
     match.state, match.since, match.deadline = FINISHED, now, None
+    if match.judging > 1:
+        _supersede(session, match, now)
     session.flush()
     return True
+
+
+def _conditions_of(session: Session, match: Match) -> str:
+    """Return the digest of the conditions under which a match is played: those of its edition."""
+    if match.edition_id is None:
+        return ""
+    edition = edition_by_number(session, match.edition_id)
+    return digest_of(edition.final if match.decides else edition.conditions)
+
+
+def _same_match(match: Match) -> ColumnElement[bool]:
+    """Select all judgings of a match."""
+    return and_(
+        Match.kind == match.kind,
+        Match.track == match.track,
+        Match.number == match.number,
+        Match.group_id == match.group_id,
+        Match.edition_id == match.edition_id,
+    )
+
+
+def _supersede(session: Session, match: Match, now: datetime) -> None:
+    """Let a result take the place of the earlier ones of the same match, which are kept."""
+    earlier = (Match.judging < match.judging, Match.superseded.is_(None))
+    session.execute(update(Match).where(_same_match(match), *earlier).values(superseded=now))
+
+
+def judge_again(session: Session, match: Match, now: datetime) -> Match | None:
+    """Plan to play a match again that is over; return None if that is planned already.
+
+    Its result counts until the new one arrives.
+    """
+    judged = session.scalars(select(Match).where(_same_match(match)).order_by(Match.judging.desc())).all()
+    if judged[0].state in (WAITING, PLAYING):
+        return None
+    again = Match(
+        kind=match.kind,
+        track=match.track,
+        edition_id=match.edition_id,
+        number=match.number,
+        group_id=match.group_id,
+        spec=match.spec,
+        created=now,
+        since=now,
+        priority=match.priority,
+        judging=judged[0].judging + 1,
+    )
+    seats = seats_of(session, [match.id])[match.id]
+    return add_match(session, again, {one.seat: Entrant(one.entrant, one.submission_id) for one in seats})
 
 
 def mark_playing(match: Match, now: datetime, deadline: datetime) -> None:

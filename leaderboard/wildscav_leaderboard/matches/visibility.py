@@ -1,24 +1,32 @@
-"""What may be seen of a match, and by whom, before the season's secret is opened.
+"""What may be seen of a match, and by whom: whoever gives out anything about a match asks ``seen_by``.
 
-Every submission plays the same matches of a suite, and later ones play them again. So what shows their maps
-(records, trails, replays, and what agents print) is hidden until the season is opened, from their own teams
-too: an agent could print what it sees. A match of a ladder is played by its entrants alone, twice, and may be
-seen when both are over.
+Organizers see everything. Who plays whom is for everyone. For the rest:
 
-Once the public boards are frozen, what is played shows nothing before the season is finalized.
+Every submission plays the same matches of a suite, and later ones play them again. An agent could print what
+it sees there, or say it by its outcomes and delays. So all of it is hidden until the season is opened, from
+its own team too. A match of a ladder is played by its entrants alone, twice: everyone may see its outcome at
+once, and its record when both are over. What an agent can write or time there is for its own team alone.
+
+Once the public boards are frozen, what is played shows nothing to other teams before the season is finalized.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
 from typing import NamedTuple
 
 from sqlalchemy import and_, or_, select
 from sqlalchemy.orm import Session
 
+from wildscav_leaderboard.accounts.service import Caller
 from wildscav_leaderboard.matches.models import FINISHED, LADDER, PLAYING, VOID, Match, MatchResult
 from wildscav_leaderboard.seasons.state import OPENED, frozen_since, read_state
+from wildscav_leaderboard.teams.service import team_of
 
-REPEATS = 2  # matches of a game on a ladder
+OF_SUITE = (
+    "everyone plays this match of the suite, its own team again too, so it is hidden until the season's "
+    "secret is opened at its end"
+)
+FROZEN = "the public boards are frozen, so it is hidden until the season is finalized"
 
 
 class Twin(NamedTuple):
@@ -28,65 +36,93 @@ class Twin(NamedTuple):
     state: str
 
 
-def hidden_why(session: Session, match: Match) -> str:
-    """Return why a match's record, trails and logs are hidden; an empty text if they are not."""
-    return hidden_whys(session, [match])[match.id]
+class Visible(NamedTuple):
+    """What somebody may see of a match: each part is why it is hidden, or an empty text."""
+
+    record: str  # its record, with trails, map, replay and video, and the logs of the caller's own team
+    live: str  # its trails and map while it is played
+    outcome: str  # how it ended in every seat: status, fault and figures
+    own: str  # that in seats of the caller's own team; what its agents wrote there; when and how long it took
+    team: str | None  # the caller's
+    everything: bool  # whether all seats are as the caller's own: for organizers
+
+    def is_own(self, team: str | None) -> bool:
+        """Return whether a seat of a team is as the caller's own."""
+        return self.everything or (team is not None and team == self.team)
+
+    def outcome_in(self, team: str | None) -> str:
+        """Return why the outcome in a seat of a team is hidden; an empty text if it is not."""
+        return self.own if self.is_own(team) else self.outcome
 
 
-def hidden_whys(
-    session: Session, matches: Sequence[Match], late: Collection[int] | None = None
-) -> dict[int, str]:
-    """Return why the records, trails and logs of some matches are hidden, by match.
+def seen_by(
+    session: Session,
+    matches: Sequence[Match],
+    caller: Caller | None,
+    results: Mapping[int, datetime] | None = None,
+) -> dict[int, Visible]:
+    """Return what a caller may see of some matches, by match.
 
     Args:
         session: A session.
         matches: The matches.
-        late: Those whose results arrived after the freeze, if they are known.
+        caller: Who asks; None for a stranger.
+        results: When the result of each match arrived, if that is known.
     """
-    late = _after_freeze(session, matches) if late is None else late
+    everything = caller is not None and caller.is_organizer
+    team = None if caller is None else team_of(session, caller.account)
+    name = None if team is None else team.name
+    late = _after_freeze(session, matches, results)
     opened = read_state(session, OPENED) is not None
-    twins = {} if opened else twins_of(session, [match for match in matches if match.state == FINISHED])
+    games = [match for match in matches if match.state in (FINISHED, PLAYING)]
+    twins = {} if opened or everything else twins_of(session, games)
 
-    def why(match: Match) -> str:
-        if match.state != FINISHED:
-            return "the match is not over"
-        if match.id in late:
-            return "the public boards are frozen, so it is hidden until the season is finalized"
-        if opened:
-            return ""
-        if match.kind != LADDER:
-            return (
-                "everyone plays this match of the suite, so it is hidden until the season's secret is opened "
-                "at its end"
-            )
-        twin = twins.get(match.id)
-        if twin is None or twin.state in (FINISHED, VOID):
-            return ""
-        return f"the same game is still to be played again, in other seats, as match {twin.id}"
+    def visible(match: Match) -> Visible:
+        not_over = "" if match.state == FINISHED else "the match is not over"
+        not_played = "" if match.state == PLAYING else "the match is not being played"
+        if everything:
+            return Visible(not_over, not_played, "", "", name, everything)
+        suite = "" if match.kind == LADDER or opened else OF_SUITE
+        frozen = FROZEN if match.id in late else ""
+        record = not_over or frozen or suite or _of_game(match, twins.get(match.id))
+        live = not_played or _of_live(session, twins.get(match.id))
+        return Visible(record, live, suite or frozen, suite, name, everything)
 
-    return {match.id: why(match) for match in matches}
+    return {match.id: visible(match) for match in matches}
 
 
-def _after_freeze(session: Session, matches: Sequence[Match]) -> set[int]:
-    """Return the matches whose results are hidden, since they arrived after the public boards were frozen."""
-    since: datetime | None = frozen_since(session)
-    if since is None:
-        return set()
-    numbers = [match.id for match in matches]
-    results = select(MatchResult.match_id).where(MatchResult.match_id.in_(numbers), MatchResult.at > since)
-    return {*session.scalars(results)}
+def shown_until(session: Session, caller: Caller | None) -> datetime | None:
+    """Return until when the history of boards may be seen by a caller; None if all of it may."""
+    return None if caller is not None and caller.is_organizer else frozen_since(session)
 
 
-def live_hidden_why(session: Session, match: Match) -> str:
-    """Return why a match cannot be watched while it is played; an empty text if it can."""
-    if match.state != PLAYING:
-        return "the match is not being played"
+def _of_game(match: Match, twin: Twin | None) -> str:
+    """Return why a finished match of a ladder is hidden: its map would be known before it is played again."""
+    if match.kind != LADDER or twin is None or twin.state in (FINISHED, VOID):
+        return ""
+    return f"the same game is still to be played again, in other seats, as match {twin.id}"
+
+
+def _of_live(session: Session, twin: Twin | None) -> str:
     if frozen_since(session) is not None:
-        return "the public boards are frozen, so it is hidden until the season is finalized"
-    twin = twin_of(session, match)
+        return FROZEN
     if twin is None or twin.state not in (FINISHED, VOID):
         return "others play the same game later, so it cannot be watched before that"
     return ""
+
+
+def _after_freeze(
+    session: Session, matches: Sequence[Match], results: Mapping[int, datetime] | None
+) -> Collection[int]:
+    """Return the matches whose results are hidden, since they arrived after the public boards were frozen."""
+    since = frozen_since(session)
+    if since is None:
+        return set()
+    if results is not None:
+        return {number for number, at in results.items() if at > since}
+    numbers = [match.id for match in matches]
+    late = select(MatchResult.match_id).where(MatchResult.match_id.in_(numbers), MatchResult.at > since)
+    return set(session.scalars(late))
 
 
 def twin_of(session: Session, match: Match) -> Twin | None:
@@ -96,13 +132,19 @@ def twin_of(session: Session, match: Match) -> Twin | None:
 
 def twins_of(session: Session, matches: Sequence[Match]) -> dict[int, Twin]:
     """Return the matches of ladders in which the same games are played in other seats, by match."""
-    asked = {(match.track, match.number ^ 1): match.id for match in matches if match.kind == LADDER}
+    asked = {
+        (match.track, match.group_id, match.number ^ 1): match.id for match in matches if match.kind == LADDER
+    }
     if not asked:
         return {}
-    of_tracks = [
-        and_(Match.track == track, Match.number.in_([number for one, number in asked if one == track]))
-        for track in dict.fromkeys(track for track, _ in asked)
+    of_ladders = [
+        and_(
+            Match.track == track,
+            Match.group_id == group,
+            Match.number.in_([number for *one, number in asked if one == [track, group]]),
+        )
+        for track, group in dict.fromkeys((track, group) for track, group, _ in asked)
     ]
-    wanted = select(Match.track, Match.number, Match.id, Match.state)
-    found = session.execute(wanted.where(Match.kind == LADDER, or_(*of_tracks)))
-    return {asked[track, number]: Twin(twin, state) for track, number, twin, state in found}
+    wanted = select(Match.track, Match.group_id, Match.number, Match.id, Match.state)
+    found = session.execute(wanted.where(Match.kind == LADDER, or_(*of_ladders)))
+    return {asked[track, group, number]: Twin(twin, state) for track, group, number, twin, state in found}

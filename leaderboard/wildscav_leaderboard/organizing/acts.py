@@ -22,7 +22,7 @@ from wildscav_leaderboard.seasons.names import checked_line
 from wildscav_leaderboard.seasons.refusals import InvalidError, RefusalError
 from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.models import Submission
-from wildscav_leaderboard.submissions.service import find_submission, move
+from wildscav_leaderboard.submissions.service import DISQUALIFIED, find_submission, move
 from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.teams.service import find_team
 
@@ -296,7 +296,7 @@ def disqualify_team(doing: Doing, name: TeamName, *, reason: Reason) -> None:
 def disqualify_submission(doing: Doing, number: Number, *, reason: Reason) -> Submission:
     """Take a submission off all boards."""
     submission = find_submission(doing.session, number)
-    _take_off(doing, submission, f"disqualified: {reason}")
+    _take_off(doing, submission, f"{DISQUALIFIED}{reason}")
     return submission
 
 

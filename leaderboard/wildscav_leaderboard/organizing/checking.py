@@ -7,6 +7,7 @@ from pathlib import Path
 from sqlalchemy import text
 
 from wildscav.errors import UserError
+from wildscav_leaderboard.conductor.editions import edition_changes
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.database.schema import check_is_current
 from wildscav_leaderboard.organizing.stored_files import stored_files
@@ -22,6 +23,7 @@ class Checked:
 
     files: int = 0  # that were checked
     problems: list[str] = field(default_factory=list)
+    changes: list[str] = field(default_factory=list)  # of the rules, which are not in force yet
 
     @property
     def passed(self) -> bool:
@@ -47,6 +49,8 @@ def check_season(folder: Path, on_progress: OnProgress = lambda *_: None) -> Che
     try:
         _check_database(database)
         _check_files(season, database, found, on_progress)
+        with database.reading() as session:
+            found.changes += [one.text for one in edition_changes(session, season)]
     except UserError as error:
         found.problems.append(str(error))
     finally:
@@ -54,14 +58,37 @@ def check_season(folder: Path, on_progress: OnProgress = lambda *_: None) -> Che
     return found
 
 
+def check_rules(season: Season) -> list[str]:
+    """Check the secrets of a season that is about to run; return the changes of its rules not in force yet.
+
+    Raises:
+        UserError: The secrets are not those whose commitments were published, or the database cannot be used.
+    """
+    for problem in wrong_secrets(season.folder):
+        raise UserError(problem)
+    database = season.database()
+    try:
+        database.upgrade()
+        with database.reading() as session:
+            changes = [one.text for one in edition_changes(session, season)]
+    finally:
+        database.close()
+    return [*changes, "`wildscav season apply` brings this into force"] if changes else []
+
+
 def _wrong_commitments(season: Season) -> Iterator[str]:
-    """Yield that the secrets are not those whose commitments were noted when the season was made."""
     path = season.folder / COMMITMENTS_FILE
-    secrets = [(season.folder / name).read_bytes() for name in (SECRET_FILE, FINAL_SECRET_FILE)]
     if not path.is_file():
         yield f"{path} is missing, so nobody can tell whether the secrets are still those of the beginning"
-    elif path.read_text("utf-8", "replace") != commitments_text(*secrets):
-        yield f"the secrets do not have the commitments in {path}, which were published"
+    yield from wrong_secrets(season.folder)
+
+
+def wrong_secrets(folder: Path) -> Iterator[str]:
+    """Yield that the secrets are not those whose commitments were noted when the season was made."""
+    path = folder / COMMITMENTS_FILE
+    secrets = [(folder / name).read_bytes() for name in (SECRET_FILE, FINAL_SECRET_FILE)]
+    if path.is_file() and path.read_text("utf-8", "replace") != commitments_text(*secrets):
+        yield f"the secrets do not have the commitments in {path}, which were published: put the files back"
 
 
 def _check_database(database: Database) -> None:

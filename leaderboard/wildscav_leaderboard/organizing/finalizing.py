@@ -2,13 +2,14 @@
 
 Whoever submits often, and looks at the board each time, fits an agent to the matches of the season a little,
 whether that is wanted or not. So the best submissions of each suite play the same number of matches again, on
-the seeds of the second secret, on which nobody has played; these matches alone decide. A ladder is decided by
-its own matches: each of them was played once, by its entrants alone, on a map that nobody had seen.
+the seeds of the second secret, on which nobody has played; these matches alone decide. Ladders
+have final rounds (``final_rounds.py``).
 
 Each step is one transaction that finds out by itself what is to be done next. So it may be interrupted at
 any moment, and begun again.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
@@ -17,22 +18,35 @@ from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.boards import service as boards
-from wildscav_leaderboard.boards.conditions import conditions_of
-from wildscav_leaderboard.boards.documents import digest_of
 from wildscav_leaderboard.boards.final import Final
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.models import HIDDEN
 from wildscav_leaderboard.conductor.lease import holder_of
 from wildscav_leaderboard.conductor.plans import ladders_want_matches
 from wildscav_leaderboard.database.connection import clock
-from wildscav_leaderboard.matches.models import FINAL, FINISHED, PLAYING, VOID, WAITING, Match, MatchResult
+from wildscav_leaderboard.matches.models import (
+    FINAL,
+    FINISHED,
+    LADDER,
+    PLAYING,
+    VOID,
+    WAITING,
+    Match,
+    MatchSeat,
+)
 from wildscav_leaderboard.matches.service import add_suite_matches
+from wildscav_leaderboard.organizing import final_rounds
+from wildscav_leaderboard.organizing.acts import LONGEST_REASON
+from wildscav_leaderboard.organizing.checking import wrong_secrets
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE, Season
+from wildscav_leaderboard.seasons.in_force import in_force, sandbox_of
+from wildscav_leaderboard.seasons.names import checked_line
 from wildscav_leaderboard.seasons.refusals import RefusalError
 from wildscav_leaderboard.seasons.state import log_act
 from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.models import Submission
+from wildscav_leaderboard.submissions.service import find_submission
 
 SETTLING, DECIDING, DONE = "settling", "deciding", "done"  # stages
 PENDING = (states.SUBMITTED, states.QUEUED, states.BUILDING, states.VALIDATING)
@@ -56,7 +70,8 @@ def begin(session: Session, season: Season, actor: str, best: int, now: datetime
         session: A writing session.
         season: The season.
         actor: Who wants it.
-        best: How many submissions of each suite play the matches that decide it, at most.
+        best: How many submissions of each suite play the matches that decide it, at most; a final round of a
+            ladder has everyone who may be among so many.
         now: The time.
         early: Whether it may begin before the season closes.
 
@@ -65,12 +80,14 @@ def begin(session: Session, season: Season, actor: str, best: int, now: datetime
     """
     if season_state.read_state(session, season_state.FINALIZING) is not None:
         return
+    for problem in wrong_secrets(season.folder):
+        raise RefusalError(problem)
     if now < season.settings.closes and not early:
         closes = f"{season.settings.closes:%Y-%m-%d %H:%M} UTC"
         raise RefusalError(f"the season is open until {closes}; --now ends it at once")
     value: dict[str, Any] = {"at": now.isoformat(), "best": best, "field": None}
     season_state.write_state(session, season_state.FINALIZING, value, now)
-    log_act(session, actor, "finalize", "season", now, f"the best {best} of each suite play again")
+    log_act(session, actor, "finalize", "season", now, f"the best {best} of each track play again")
 
 
 def advance(session: Session, season: Season, actor: str, now: datetime) -> Progress:
@@ -90,12 +107,15 @@ def advance(session: Session, season: Season, actor: str, now: datetime) -> Prog
     state = season_state.read_state(session, season_state.FINALIZING)
     if state is None:
         raise RefusalError("the season is not being decided")
+    season = in_force(session, season)
+    _check_playable(session, season)
     if state["field"] is None:
         settling = _settling(session, season)
         if settling is not None:
             return settling
+        _check_complete(session, season)
         state = _choose_field(session, season, state, now)
-    deciding = _deciding(session, state["field"])
+    deciding = _deciding(session, season, state["field"])
     if deciding is not None:
         return deciding
     _decide(session, season, state["field"], actor, now)
@@ -112,9 +132,79 @@ def _settling(session: Session, season: Season) -> Progress | None:
     return Progress(SETTLING, planned - left, planned, pending, _why_it_stands(session))
 
 
+def _check_playable(session: Session, season: Season) -> None:
+    """Check that no match waits that cannot be played here.
+
+    Raises:
+        RefusalError: Some do; it names the submissions.
+    """
+    sandbox = sandbox_of(session, season)
+    for track, edition in season.editions.items():
+        obstacle = edition.obstacle(sandbox)
+        if not obstacle:
+            continue
+        seats = select(MatchSeat.entrant).join(Match, Match.id == MatchSeat.match_id)
+        waiting = seats.where(Match.edition_id == season.numbers[track], Match.state == WAITING)
+        names = sorted(set(session.scalars(waiting)))
+        if names:
+            raise RefusalError(
+                f"matches of {track} wait ({', '.join(names)}), and cannot be played: {obstacle}; bring that "
+                "back, or have all entries judged again (`wildscav season apply`)"
+            )
+
+
+def _check_complete(session: Session, season: Season) -> None:
+    """Check that no entry would drop out of a board because its matches were not played.
+
+    Raises:
+        RefusalError: Some would; it names each of them.
+    """
+    missing = []
+    for track, edition in season.editions.items():
+        own = select(MatchSeat.entrant, func.count(Match.id.distinct())).join(
+            Match, Match.id == MatchSeat.match_id
+        )
+        finished = own.where(
+            Match.edition_id == season.numbers[track],
+            ~Match.decides,
+            Match.state == FINISHED,
+            Match.superseded.is_(None),
+        )
+        played = {name: count for name, count in session.execute(finished.group_by(MatchSeat.entrant))}  # noqa: C416
+        needed = edition.matches if edition.settings.mode == "suite" else 1
+        missing += [
+            f"{one.entrant} of {team.name} ({played.get(one.entrant, 0)} of {needed} matches of {track})"
+            for one, team in boards.entered(session, track)
+            if played.get(one.entrant, 0) < needed
+        ]
+    if missing:
+        raise RefusalError(
+            f"these would drop out of a board: {', '.join(missing)}; have their matches played (`wildscav "
+            "season rerun`), or leave them out on purpose (`--leave-out N --reason …`)"
+        )
+
+
+def leave_out(session: Session, actor: str, numbers: Sequence[int], reason: str, now: datetime) -> None:
+    """Leave submissions out of all boards from now on; the reason is shown to everyone.
+
+    Raises:
+        NotFoundError: There is no such submission.
+        RefusalError: It does not take part, or the reason is not valid.
+    """
+    reason = checked_line(reason, "reason", LONGEST_REASON)
+    left_out = dict(season_state.read_state(session, season_state.LEFT_OUT) or {})
+    for number in numbers:
+        submission = find_submission(session, number)
+        if submission.state != states.ACTIVE:
+            raise RefusalError(f"submission {number} is {submission.state}: it is on no board")
+        left_out[str(number)] = reason
+        log_act(session, actor, "leave out", f"submission {number}", now, reason)
+    season_state.write_state(session, season_state.LEFT_OUT, left_out, now)
+
+
 def _choose_field(session: Session, season: Season, state: dict[str, Any], now: datetime) -> dict[str, Any]:
     """Choose who plays the matches that decide each suite, and plan them."""
-    boards.refresh(session, season, _sandbox(session, season), now)
+    boards.refresh(session, season, now)
     field: dict[str, list[int]] = {}
     for track, specs in season.final_matches.items():
         board = read_board(session, track, HIDDEN)
@@ -123,12 +213,12 @@ def _choose_field(session: Session, season: Season, state: dict[str, Any], now: 
         for number in field[track]:
             submission = session.get_one(Submission, number)
             add_suite_matches(session, submission, track, specs, now, FINAL)
-    chosen = {**state, "field": field}
+    chosen = {**state, "field": field | final_rounds.fields_of(session, season, state["best"])}
     season_state.write_state(session, season_state.FINALIZING, chosen, now)
     return chosen
 
 
-def _deciding(session: Session, field: dict[str, list[int]]) -> Progress | None:
+def _deciding(session: Session, season: Season, field: dict[str, list[int]]) -> Progress | None:
     """Return how far the matches that decide the season are; None if they are played.
 
     Raises:
@@ -147,9 +237,11 @@ def _deciding(session: Session, field: dict[str, list[int]]) -> Progress | None:
             f"final matches of {numbers} were given up after faults of the platform: find out why "
             "(`wildscav season status`), and have them played again (`wildscav season rerun`)"
         )
-    planned = _count(session, own)
-    played = _count(session, own.where(Match.state == FINISHED))
-    return None if played == planned else Progress(DECIDING, played, planned, 0, _why_it_stands(session))
+    rounds = select(func.count()).where(Match.decides, Match.kind == LADDER, Match.state != VOID)
+    planned = _count(session, own) + _count(session, rounds)
+    played = sum(_count(session, one.where(Match.state == FINISHED)) for one in (own, rounds))
+    is_over = played == planned and not ladders_want_matches(session, season)
+    return None if is_over else Progress(DECIDING, played, planned, 0, _why_it_stands(session))
 
 
 def _active(session: Session, field: dict[str, list[int]]) -> list[int]:
@@ -160,18 +252,12 @@ def _active(session: Session, field: dict[str, list[int]]) -> list[int]:
 
 
 def _decide(session: Session, season: Season, field: dict[str, list[int]], actor: str, now: datetime) -> None:
-    """Make the boards final, and open the secrets: all at once, or nothing.
-
-    Raises:
-        RefusalError: Final matches were played under different conditions.
-    """
-    sandbox = _sandbox(session, season)
+    """Make the boards final, and open the secrets: all at once, or nothing."""
+    field = final_rounds.decided_by(session, season, field)
     conditions = {
-        track: conditions_of(season, track, sandbox, final=settings.mode == "suite")
-        for track, settings in season.settings.tracks.items()
+        track: edition.final if track in field else edition.conditions
+        for track, edition in season.editions.items()
     }
-    for track in field:
-        _check_conditions(session, track, digest_of(conditions[track]))
     final = Final({track: frozenset(one) for track, one in field.items()}, conditions)
     boards.decide(session, season, final, now)
     secrets = {
@@ -182,21 +268,6 @@ def _decide(session: Session, season: Season, field: dict[str, list[int]], actor
     log_act(session, actor, "decide", "season", now, "the boards are final, and the secrets are opened")
 
 
-def _check_conditions(session: Session, track: str, digest: str) -> None:
-    others = _count(
-        session,
-        select(func.count())
-        .select_from(Match)
-        .join(MatchResult, MatchResult.match_id == Match.id)
-        .where(Match.kind == FINAL, Match.track == track, MatchResult.conditions != digest),
-    )
-    if others:
-        raise RefusalError(
-            f"{others:,} of the final matches of {track} were played with another sandbox or version of "
-            "Wildscav than there is now, so they cannot be compared: run what played them again"
-        )
-
-
 def _why_it_stands(session: Session) -> str:
     """Return why nothing is being played; an empty text if something is."""
     paused = season_state.read_state(session, season_state.PAUSED)
@@ -205,12 +276,6 @@ def _why_it_stands(session: Session) -> str:
     if holder_of(session, clock(session)) is None:
         return "nobody plays the matches: `wildscav season serve` starts what does"
     return ""
-
-
-def _sandbox(session: Session, season: Season) -> str:
-    """Return the sandbox in which the matches were played."""
-    nodes = season_state.read_state(session, season_state.NODES) or {}
-    return str(nodes.get("sandbox") or season.settings.execution.sandbox or "process")
 
 
 def _count(session: Session, counting: Any) -> int:

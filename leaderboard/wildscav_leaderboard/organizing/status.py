@@ -9,12 +9,14 @@ from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.boards.progress import missing_entrants
 from wildscav_leaderboard.conductor.attempts import running
+from wildscav_leaderboard.conductor.editions import edition_changes
 from wildscav_leaderboard.conductor.lease import holder_of
 from wildscav_leaderboard.conductor.models import Attempt
 from wildscav_leaderboard.database.connection import clock
 from wildscav_leaderboard.matches.models import Match
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.in_force import in_force
 from wildscav_leaderboard.seasons.models import AuditEntry
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.teams.service import count_teams
@@ -35,6 +37,7 @@ class Status:
     submissions: dict[str, int]  # by state
     matches: dict[str, int]  # by state
     missing: dict[str, int]  # entrants without whom a ladder makes no matches, by track
+    changes: list[str]  # of the rules, which are not in force yet
     attempts: list[Attempt]  # that have not ended
     faults: list[Attempt]  # of the last day, the latest first
 
@@ -55,7 +58,8 @@ def status(session: Session, season: Season, now: datetime) -> Status:
         teams=count_teams(session),
         submissions=_counts(session, Submission),
         matches=_counts(session, Match),
-        missing=missing_entrants(session, season),
+        missing=missing_entrants(session, in_force(session, season)),
+        changes=[one.text for one in edition_changes(session, season)],
         attempts=running(session),
         faults=list(session.scalars(broken.order_by(Attempt.id.desc()).limit(FAULTS))),
     )

@@ -8,7 +8,7 @@ from sqlalchemy.orm import Session
 from wildscav_evaluator.ratings.head_to_head import PairRecord
 from wildscav_evaluator.seats import ROBOT_ENTRANT, robot_entrant
 from wildscav_leaderboard.boards import meetings
-from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard, LadderRow, digest_of
+from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard, LadderRow
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.models import BoardPoint
 from wildscav_leaderboard.presentation.documents import (
@@ -19,6 +19,7 @@ from wildscav_leaderboard.presentation.documents import (
     PointView,
 )
 from wildscav_leaderboard.presentation.entrants import robot_name, titled
+from wildscav_leaderboard.seasons.editions import digest_of
 from wildscav_leaderboard.seasons.refusals import NotFoundError
 from wildscav_leaderboard.submissions.models import Submission, entrant_of
 

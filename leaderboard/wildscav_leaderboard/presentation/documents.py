@@ -147,6 +147,15 @@ class ProgressView(View):
     missing: int  # entrants without whom its ladder makes no match for it; 0 once it has one
 
 
+class TotalsView(View):
+    """How a submission did in all of its matches of a suite together."""
+
+    track: str
+    matches: int
+    score: float  # their mean
+    faults: dict[str, int]  # in how many matches it had each kind of fault
+
+
 class SubmissionView(View):
     """A submission. Its team and the organizers see why it failed."""
 
@@ -173,6 +182,7 @@ class SubmissionView(View):
     command: str | None = None
     history: list[TransitionView] = []
     progress: list[ProgressView] = []  # on each of its tracks, while it takes part; not in lists
+    totals: list[TotalsView] = []  # on each suite whose matches are all over; not in lists
 
 
 class SubmissionList(View):
@@ -209,19 +219,20 @@ class SeatView(View):
 
 
 class MatchView(View):
-    """A match. Results of hidden matches are shown to those who played them, and to organizers."""
+    """A match, with what whoever asks may see of it."""
 
     id: int
     kind: str
     track: str
     number: int  # of the suite or of its ladder, from 0
     state: str
-    since: datetime
+    since: datetime | None  # None where how long it took is hidden
     created: datetime
     detail: str
     platform_faults: int
     seats: list[SeatView]
     hidden: str | None  # why its record, trails and logs cannot be seen
+    unseen: str | None  # why its outcomes cannot be seen by everyone
     record: str | None  # BLAKE2b digest of its record
 
 
@@ -246,6 +257,7 @@ class TrackView(View):
     """A track of the season."""
 
     name: str
+    edition: int | None  # that is in force; None before the conductor has run
     mode: str
     suite: str
     rounds: int

@@ -8,14 +8,12 @@ from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.accounts.service import Caller
 from wildscav_leaderboard.matches.listing import results_of
-from wildscav_leaderboard.matches.models import LADDER, Match, MatchResult, MatchSeat
-from wildscav_leaderboard.matches.visibility import hidden_whys
+from wildscav_leaderboard.matches.models import Match, MatchResult, MatchSeat
+from wildscav_leaderboard.matches.visibility import Visible, seen_by
 from wildscav_leaderboard.presentation.documents import MatchView, SeatView
 from wildscav_leaderboard.presentation.entrants import EntrantNames, robot_name, titled
-from wildscav_leaderboard.seasons.state import frozen_since
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.teams.models import Team
-from wildscav_leaderboard.teams.service import team_of
 
 OUTCOME = ("status", "fault", "metrics")  # of a seat; its detail is for its own team
 ANSWERS = ("latency_p50", "latency_p99", "latency_max", "late_steps")  # how long an agent took
@@ -27,23 +25,9 @@ def match_views(session: Session, matches: Sequence[Match], caller: Caller | Non
         return []
     seats, names = _seats(session, [match.id for match in matches])
     results = results_of(session, list(matches))
-    own = None if caller is None else team_of(session, caller.account)
-    everything = caller is not None and caller.is_organizer
-    since = frozen_since(session)
-    late = {number for number, result in results.items() if since is not None and result.at > since}
-    hidden = hidden_whys(session, matches, late)
+    seen = seen_by(session, matches, caller, {number: result.at for number, result in results.items()})
     return [
-        _view(
-            match,
-            seats.get(match.id, []),
-            results.get(match.id),
-            names,
-            {None if own is None else own.name},
-            hidden[match.id],
-            everything=everything,
-            # Whoever meets on a ladder may know at once how it went.
-            shown=not hidden[match.id] or (match.kind == LADDER and match.id not in late),
-        )
+        _view(match, seats.get(match.id, []), results.get(match.id), names, seen[match.id])
         for match in matches
     ]
 
@@ -73,31 +57,29 @@ def _view(
     seats: Sequence[MatchSeat],
     result: MatchResult | None,
     names: Mapping[int, EntrantNames],
-    own: set[str | None],
-    hidden: str,
-    *,
-    everything: bool,
-    shown: bool,
+    visible: Visible,
 ) -> MatchView:
     rows, timings = _rows(result)
     views = []
     for seat in seats:
         known = None if seat.submission_id is None else names.get(seat.submission_id)
-        is_own = everything or (known is not None and known.team in own)
-        row = rows.get(seat.seat) if shown or is_own else None
-        views.append(_seat(seat, known, row, timings.get(seat.seat) if is_own else None, detailed=is_own))
+        team = None if known is None else known.team
+        row = None if visible.outcome_in(team) else rows.get(seat.seat)
+        detailed = visible.is_own(team) and not visible.own
+        views.append(_seat(seat, known, row, timings.get(seat.seat) if detailed else None, detailed=detailed))
     return MatchView(
         id=match.id,
         kind=match.kind,
         track=match.track,
         number=match.number,
         state=match.state,
-        since=match.since,
+        since=None if visible.own else match.since,
         created=match.created,
-        detail=match.detail,
+        detail="" if visible.own else match.detail,
         platform_faults=match.platform_faults,
         seats=views,
-        hidden=hidden or None,
+        hidden=visible.record or None,
+        unseen=visible.outcome or None,
         record=None if result is None else result.record,
     )
 

@@ -39,6 +39,7 @@ class StatusView(View):
     submissions: dict[str, int]  # by state
     matches: dict[str, int]  # by state
     missing: dict[str, int]  # entrants without whom a ladder makes no matches, by track
+    changes: list[str]  # of the rules, which are not in force yet
     attempts: list[AttemptView]  # that have not ended
     faults: list[AttemptView]  # of the platform, in the last day, the latest first
 

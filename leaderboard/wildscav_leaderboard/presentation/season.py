@@ -43,6 +43,7 @@ def season_view(session: Session, season: Season) -> SeasonView:
         tracks=[
             TrackView(
                 name=name,
+                edition=season.numbers.get(name),
                 mode=track.mode,
                 suite=track.suite,
                 rounds=track.rounds,

@@ -6,8 +6,13 @@ from datetime import datetime
 from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.accounts.service import Caller
-from wildscav_leaderboard.boards.progress import progress_of
-from wildscav_leaderboard.presentation.documents import ProgressView, SubmissionView, TransitionView
+from wildscav_leaderboard.boards.progress import progress_of, totals_of
+from wildscav_leaderboard.presentation.documents import (
+    ProgressView,
+    SubmissionView,
+    TotalsView,
+    TransitionView,
+)
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.listing import is_own, team_names
@@ -37,11 +42,13 @@ def submission_view(
     """Return a submission with its history, and unless ``season`` is None, how far it is on its tracks."""
     (view,) = submission_views(session, [submission], caller, now)
     history = [TransitionView.model_validate(one) for one in history_of(session, submission)]
-    if not is_own(session, caller, submission):
+    own = is_own(session, caller, submission)
+    if not own:
         history = [one.model_copy(update={"detail": ""}) for one in history]
     told = [] if season is None else progress_of(session, season, submission)
     progress = [ProgressView.model_validate(one) for one in told]
-    return view.model_copy(update={"history": history, "progress": progress})
+    totals = [TotalsView.model_validate(one) for one in (totals_of(session, submission) if own else ())]
+    return view.model_copy(update={"history": history, "progress": progress, "totals": totals})
 
 
 def _view(

@@ -11,7 +11,7 @@ PLACE = (
     *("rank", "last_rank", "team", "team_title", "submission", "name", "version"),
     *("matches", "planned", "faults", "since"),
 )
-RATING = ("rating", "deviation", "low", "high", "wins", "mean_place", "mu", "sigma")
+RATING = ("rating", "deviation", "low", "high", "provisional", "wins", "mean_place")
 STATISTICS = ("mean", "std", "low", "high")
 MATCH = ("match", "kind", "number", "at", "record", "void")
 SEAT = ("seat", "entrant", "submission", "status", "fault")

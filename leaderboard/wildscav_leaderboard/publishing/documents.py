@@ -14,6 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from wildscav_leaderboard.boards.documents import BoardDocument
 from wildscav_leaderboard.boards.models import PUBLIC
+from wildscav_leaderboard.seasons.editions import Conditions
 from wildscav_leaderboard.seasons.settings import Mode
 
 SEASON_FILE = "season.json"
@@ -48,8 +49,20 @@ class PublishedTrack(_Part):
     suite_digest: str | None  # of an organizer's own suite: SHA-256 of its file
     suite_file: str | None  # that file, once the secret is opened
     rounds: int
-    planned: int  # matches of each submission; on a ladder, until its rating counts as settled
+    planned: int  # matches of each submission; on a ladder, at most, if its rating is not settled before
     robots: tuple[str, ...]  # that take part in a ladder
+    interval: float | None = None  # of a ladder: at which width a rating is settled, in points of Elo
+
+
+class PublishedEdition(_Part):
+    """The rules of a track at some time: results are compared within an edition alone."""
+
+    track: str
+    number: int
+    digest: Digest  # of its conditions, which each of its matches names
+    begun: datetime
+    in_force: bool
+    conditions: Conditions
 
 
 class PublishedSecret(_Part):
@@ -73,6 +86,8 @@ class PublishedSeason(_Part):
     secret: PublishedSecret
     final_secret: PublishedSecret  # of the matches that decide the season
     tracks: tuple[PublishedTrack, ...]
+    editions: tuple[PublishedEdition, ...] = ()  # in the order in which they were made
+    left_out: dict[str, str] = {}  # submissions that are on no board, by number, and why
     boards: tuple[PublishedBoard, ...]
     records: str  # where they are: {match} stands for a match's number, {thousand} for its thousands
 
@@ -105,11 +120,16 @@ class PublishedSeat(_Part):
 
 
 class PublishedMatch(_Part):
-    """A match that counts on a board, or one of a ladder that was given up and counts for nobody."""
+    """A match that counts on a board, or one of a ladder that was given up and counts for nobody.
+
+    Of a hidden match of a suite, only what it is and the digest of its record are published.
+    """
 
     id: int  # grows with the order in which matches are made
     kind: str
     number: int  # in the suite, or of the ladder's matches
+    judging: int = 1  # more than 1 where organizers had it played again
+    superseded: bool = False  # whether a later judging has taken its place: it counts no more
     submission: int | None  # the one that is evaluated; None on a ladder
     void: str | None = None  # why it was given up; then nothing else is known of it
     at: datetime | None = None  # when its result arrived
@@ -119,6 +139,11 @@ class PublishedMatch(_Part):
     record: Digest | None = None  # BLAKE2b digest of its record, 32 hexadecimal digits
     record_size: int = 0  # bytes
     hidden: str | None = None  # why its record cannot be downloaded yet
+
+    @property
+    def withheld(self) -> str:
+        """Why its result is not published yet; an empty text if it is, or there is none."""
+        return self.hidden if self.hidden is not None and self.at is None else ""
 
 
 class End(_Part):

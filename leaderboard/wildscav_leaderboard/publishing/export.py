@@ -23,6 +23,7 @@ from wildscav_leaderboard.publishing.documents import (
 from wildscav_leaderboard.publishing.readme import readme
 from wildscav_leaderboard.publishing.service import Addresses, board_lines, published_season
 from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE, Season
+from wildscav_leaderboard.seasons.in_force import in_force
 
 IN_FOLDER = Addresses(
     lines={"public": "tracks/{track}.ndjson", "season": "tracks/{track}-season.ndjson"},
@@ -63,7 +64,7 @@ def export(season: Season, database: Database, folder: Path) -> Exported:
             made = place / "export"
             made.mkdir()
             with database.reading() as session:
-                counts = _write(session, season, made)
+                counts = _write(session, in_force(session, season), made)
             _write_sums(made)
             made.rename(folder)
     except OSError as error:

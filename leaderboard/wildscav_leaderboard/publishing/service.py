@@ -1,29 +1,40 @@
 """What is published of a season for audits: as much as its public boards count, and nothing more.
 
-While the public boards are frozen, nothing is published that arrived later. What agents print, and what broke
-in their processes, is never published: it may show the maps of hidden matches.
+While the public boards are frozen, nothing is published that arrived later. Of a hidden match of a suite, the
+digest of its record is published, and nothing else. What agents print, and what broke in their processes, is
+never published.
 """
 
-import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
-from sqlalchemy import Select, select
+from sqlalchemy import Select, or_, select
 from sqlalchemy.orm import Session, defer
 
 from wildscav_engine.storage.files import read_limited
 from wildscav_evaluator.suites.rounds import match_count
 from wildscav_evaluator.suites.seeds import LARGEST, SuiteSeed
-from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard, digest_of
+from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard
 from wildscav_leaderboard.boards.kept import read_board
-from wildscav_leaderboard.boards.models import PUBLIC, Board, LadderStep
-from wildscav_leaderboard.matches.models import FINAL, LADDER, SUITE, VOID, Match, MatchResult, MatchSeat
-from wildscav_leaderboard.matches.visibility import hidden_whys
+from wildscav_leaderboard.boards.models import PUBLIC, Board
+from wildscav_leaderboard.matches.models import (
+    FINAL,
+    FINAL_ROUND,
+    LADDER,
+    SEASON_ROUND,
+    SUITE,
+    VOID,
+    Match,
+    MatchResult,
+    MatchSeat,
+)
+from wildscav_leaderboard.matches.visibility import Visible, seen_by
 from wildscav_leaderboard.publishing.documents import (
     End,
     Line,
     PublishedBoard,
+    PublishedEdition,
     PublishedMatch,
     PublishedSeason,
     PublishedSeat,
@@ -32,6 +43,7 @@ from wildscav_leaderboard.publishing.documents import (
     PublishedTrack,
 )
 from wildscav_leaderboard.seasons import state as season_state
+from wildscav_leaderboard.seasons.editions import Edition, EditionRow, digest_of, sha256_of
 from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE, Season
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.teams.models import Team
@@ -78,9 +90,23 @@ def published_season(session: Session, season: Season, addresses: Addresses) -> 
         secret=_secret(season.folder / SECRET_FILE, season.seed, opened=opened),
         final_secret=_secret(season.folder / FINAL_SECRET_FILE, season.final_seed, opened=opened),
         tracks=tuple(_published_track(season, track, opened=opened) for track in settings.tracks),
+        editions=tuple(_editions(session, season)),
+        left_out=season_state.read_state(session, season_state.LEFT_OUT) or {},
         boards=tuple(_boards(session, season, addresses)),
         records=addresses.records,
     )
+
+
+def _editions(session: Session, season: Season) -> Iterator[PublishedEdition]:
+    for row in session.scalars(select(EditionRow).order_by(EditionRow.id)):
+        yield PublishedEdition(
+            track=row.track,
+            number=row.id,
+            digest=row.digest,
+            begun=row.created,
+            in_force=row.id in season.numbers.values(),
+            conditions=Edition.model_validate(row.document).conditions,
+        )
 
 
 def _boards(session: Session, season: Season, addresses: Addresses) -> Iterator[PublishedBoard]:
@@ -108,11 +134,12 @@ def _published_track(season: Season, track: str, *, opened: bool) -> PublishedTr
         name=track,
         mode=settings.mode,
         suite=suite.label,
-        suite_digest=None if suite.source is None else hashlib.sha256(suite.source).hexdigest(),
+        suite_digest=sha256_of(suite.source),
         suite_file=suite.source.decode() if opened and suite.source is not None else None,
         rounds=settings.rounds,
         planned=settings.matches if is_ladder else match_count(suite, track, settings.rounds),
         robots=settings.robots if is_ladder else (),
+        interval=settings.interval if is_ladder else None,
     )
 
 
@@ -168,7 +195,7 @@ def _matches(session: Session, season: Season, board: BoardDocument) -> Iterator
     """Yield the matches that count on a board, in the order in which they were made."""
     final = board.conditions.commitment == season.final_seed.commitment
     wanted = (
-        _of_ladder(session, board)
+        _of_ladder(session, board, FINAL_ROUND if final else SEASON_ROUND)
         if isinstance(board, LadderBoard)
         else _of_suite(board, FINAL if final else SUITE)
     )
@@ -180,9 +207,13 @@ def _matches(session: Session, season: Season, board: BoardDocument) -> Iterator
     while found := session.execute(wanted.where(Match.id > last).limit(AT_ONCE)).all():
         last = found[-1][0].id
         matches = [match for match, _ in found]
-        seats, hidden = _seats(session, matches), hidden_whys(session, matches)
+        seats, visible = _seats(session, matches), seen_by(session, matches, None)
         for match, result in found:
-            yield _published(match, result, seats.get(match.id, ()), hidden[match.id])
+            one = _published(match, result, seats.get(match.id, ()), visible[match.id])
+            superseded = match.superseded is not None and match.superseded <= board.updated
+            if match.judging > 1 or superseded:
+                one = one.model_copy(update={"judging": match.judging, "superseded": superseded})
+            yield one
         session.expunge_all()
 
 
@@ -215,33 +246,52 @@ def _of_suite(board: BoardDocument, kind: str) -> "Select[Match, MatchResult]":
     )
 
 
-def _of_ladder(session: Session, board: LadderBoard) -> "Select[Match, MatchResult] | None":
+def _of_ladder(session: Session, board: LadderBoard, group: int) -> "Select[Match, MatchResult] | None":
     """Return how to find the matches of a ladder up to the last one that the board counts."""
+    counts = or_(Match.superseded.is_(None), Match.superseded > board.updated)
     applied = (
-        select(LadderStep.match_id)
-        .where(LadderStep.track == board.track, LadderStep.conditions == digest_of(board.conditions))
-        .distinct()
-        .order_by(LadderStep.match_id)
+        select(Match.id)
+        .join(MatchResult, MatchResult.match_id == Match.id)
+        .where(
+            Match.track == board.track,
+            Match.kind == LADDER,
+            Match.group_id == group,
+            MatchResult.conditions == digest_of(board.conditions),
+            MatchResult.at <= board.updated,
+            counts,
+        )
+        .order_by(Match.id)
     )
     last = session.scalar(applied.offset(board.applied - 1).limit(1)) if board.applied else None
     if last is None:
         return None
+    later = (Match.judging > 1) & (MatchResult.at <= board.updated)  # of matches that come before
     return (
         select(Match, MatchResult)
         .outerjoin(MatchResult, MatchResult.match_id == Match.id)
-        .where(Match.track == board.track, Match.kind == LADDER, Match.id <= last)
+        .where(Match.track == board.track, Match.kind == LADDER, Match.group_id == group)
+        .where(or_(Match.id <= last, later))
         .order_by(Match.id)
     )
 
 
 def _published(
-    match: Match, result: MatchResult | None, seats: Sequence[Seat], hidden: str
+    match: Match, result: MatchResult | None, seats: Sequence[Seat], visible: Visible
 ) -> PublishedMatch:
     submission = None if match.kind == LADDER else match.group_id
     if result is None:
         void = match.detail or "given up" if match.state == VOID else "not over"
         return PublishedMatch(
             id=match.id, kind=match.kind, number=match.number, submission=submission, void=void
+        )
+    if visible.outcome:  # the digest of its record binds the season to the result
+        return PublishedMatch(
+            id=match.id,
+            kind=match.kind,
+            number=match.number,
+            submission=submission,
+            record=result.record,
+            hidden=visible.outcome,
         )
     # Not validated again, which would take most of the time: the season wrote it itself.
     rows = {one["seat"]: one for one in result.row["seats"]}
@@ -257,7 +307,7 @@ def _published(
         seats=tuple(_seat(one, rows[one.seat]) for one in seats if one.seat in rows),
         record=result.record,
         record_size=result.record_size,
-        hidden=hidden or None,
+        hidden=visible.record or None,
     )
 
 

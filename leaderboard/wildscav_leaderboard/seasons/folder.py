@@ -1,7 +1,8 @@
 """A season's folder, and what is in it."""
 
 import os
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from wildscav_evaluator.suites.seeds import SuiteSeed, read_secret
 from wildscav_evaluator.suites.suite import Suite
 from wildscav_evaluator.suites.suite_file import SUFFIX, find_suite, read_suite
 from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.seasons.editions import DECIDING, Edition
 from wildscav_leaderboard.seasons.settings import (
     SETTINGS_FILE,
     SeasonSettings,
@@ -28,12 +30,15 @@ FILES = "files"
 PUBLISHED = "published"  # what `wildscav season finalize` exports
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Season:
     """A season: its folder and its settings. Everything that changes is in its database."""
 
     folder: Path  # absolute
     settings: SeasonSettings
+    editions: Mapping[str, Edition] = field(default_factory=dict)  # that are in force, by track
+    numbers: Mapping[str, int] = field(default_factory=dict)  # of these editions
+    as_written: "Season | None" = None  # the season as its folder says, if editions are in force
 
     @classmethod
     def open(cls, folder: Path) -> "Season":
@@ -67,6 +72,16 @@ class Season:
                     f"{', '.join(found.tracks)}"
                 )
         _ = self.seed, self.final_seed
+
+    def with_editions(self, editions: Mapping[str, Edition], numbers: Mapping[str, int]) -> "Season":
+        """Return the season with the rules of some editions instead of those of its folder."""
+        written = self.as_written or self
+        tracks = {name: one for name, one in written.settings.tracks.items() if name in editions}
+        for name, edition in editions.items():
+            ruled = {setting: getattr(edition.settings, setting) for setting in DECIDING}
+            tracks[name] = tracks.get(name, edition.settings).model_copy(update=ruled)
+        settings = written.settings.model_copy(update={"tracks": tracks})
+        return Season(self.folder, settings, editions, numbers, written)
 
     @cached_property
     def seed(self) -> SuiteSeed:
@@ -133,6 +148,8 @@ class Season:
         Raises:
             UserError: There is none of that name, or its file cannot be read.
         """
+        if track in self.editions:
+            return self.editions[track].suite()
         name = self.track(track).suite
         return read_suite(self.folder / name) if name.endswith(SUFFIX) else find_suite(name)
 

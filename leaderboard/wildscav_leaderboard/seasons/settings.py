@@ -116,7 +116,8 @@ class TrackSettings(_Part):
     # In mode ladder:
     seats: Annotated[int, Field(ge=2, le=100)] = 4  # entrants in a match
     robots: tuple[str, ...] = ()  # robots that take part as entrants, whose ratings anchor the scale
-    matches: Annotated[int, Field(ge=1, le=100_000)] = 40  # until a submission's rating counts as settled
+    interval: Annotated[float, Field(gt=0.0, le=10_000.0)] = 200.0  # at whose width a rating is settled
+    matches: Annotated[int, Field(ge=1, le=100_000)] = 100  # after which a submission plays no more, anyhow
     waiting: Annotated[int, Field(ge=1, le=10_000)] = 8  # matches that are made in advance, at most
 
 

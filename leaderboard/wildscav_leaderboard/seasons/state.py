@@ -15,7 +15,9 @@ FROZEN = "frozen"  # {"at"}: the public boards stay as they were then
 # played; then it names the submissions of each suite that play the matches that decide the season.
 FINALIZING = "finalizing"
 FINALIZED = "finalized"  # {"at", "field", "conditions"}: those matches are played, and the boards are final
+LEFT_OUT = "left_out"  # {number: reason}: submissions that are on no board, although they take part
 OPENED = "opened"  # {"secret", "final_secret"}: the secrets are public
+EDITIONS = "editions"  # {track: number}: the editions that are in force
 NODES = "nodes"  # {"nodes": […], "sandbox"}: where the conductor plays, for pages
 
 
@@ -43,6 +45,12 @@ def write_state(session: Session, name: str, value: dict[str, Any] | None, now: 
         session.delete(found)
     elif found is not None and value is not None:
         found.value, found.updated = value, now
+
+
+def is_decided(session: Session) -> bool:
+    """Return whether the ladders are over, and only the matches are left that decide the season."""
+    ending = read_state(session, FINALIZING) or {}
+    return ending.get("field") is not None or read_state(session, FINALIZED) is not None
 
 
 def frozen_since(session: Session) -> datetime | None:

@@ -22,6 +22,7 @@ class CheckedArchive:
     manifest: Manifest
     tracks: list[str]  # of the season that its manifest names
     digest: str  # of the folder's content
+    content: str  # digest of what plays: without the version and the other labels in the manifest
     sha256: str  # of the archive
     size: int  # bytes
 
@@ -62,7 +63,8 @@ def check_archive(path: Path, season: Season) -> CheckedArchive:
     suffix = next(suffix for suffix in SUFFIXES if path.name.endswith(suffix))
     with path.open("rb") as file:
         sha256 = hashlib.file_digest(file, "sha256").hexdigest()
-    return CheckedArchive(path, suffix, submission.manifest, tracks, submission.digest, sha256, size)
+    digests = submission.digest, submission.content
+    return CheckedArchive(path, suffix, submission.manifest, tracks, *digests, sha256, size)
 
 
 def _without_folder(text: str, path: Path) -> str:

@@ -22,6 +22,7 @@ class Submission(Base):
     message: Mapped[str]  # of the competitor, one line
     tracks: Mapped[list[str]]  # of the season that its manifest names
     digest: Mapped[str]  # of the folder's content, 32 hexadecimal digits
+    content: Mapped[str]  # digest of what plays, without labels; empty for older submissions
     archive: Mapped[str]  # name of its file in the season's files: its SHA-256 and suffix
     size: Mapped[int]  # bytes of the archive
     created: Mapped[datetime] = mapped_column(index=True)

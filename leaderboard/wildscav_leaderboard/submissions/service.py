@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from datetime import datetime
 
-from sqlalchemy import select
+from sqlalchemy import or_, select
 from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.accounts.models import Account
@@ -20,6 +20,11 @@ from wildscav_leaderboard.webhooks.service import queue_message
 
 LONGEST_MESSAGE = 200  # characters
 PLATFORM = "platform"
+DISQUALIFIED = "disqualified: "  # begins the reason for which a submission is disabled
+INSTEAD = {  # of handing in the same content again, by the state of the earlier submission
+    states.DISABLED: " (restore it, and it goes on with its results)",
+    states.FAILED: " (change what made it fail)",
+}
 
 
 class StateError(RefusalError):
@@ -56,7 +61,7 @@ def hand_in(
     """Enter a submission whose archive is in the season's files.
 
     Raises:
-        RefusalError: The season is not open, the quota is used up, or the same content takes part already.
+        RefusalError: The season is not open, the quota is used up, or the team has had the same content.
     """
     check_accepting(session, season, team, now)
     message = checked_line(message, "message", LONGEST_MESSAGE, empty=True)
@@ -69,6 +74,7 @@ def hand_in(
         message=message,
         tracks=archive.tracks,
         digest=archive.digest,
+        content=archive.content,
         archive=archive_name(archive),
         size=archive.size,
         created=now,
@@ -83,13 +89,16 @@ def hand_in(
 
 
 def _check_new(session: Session, team: Team, archive: CheckedArchive) -> None:
-    """Refuse content that the team has in the season already, so that no quota is lost by accident."""
-    wanted = select(Submission).filter_by(team_id=team.id, digest=archive.digest)
-    for same in session.scalars(wanted):
-        if same.state not in states.FINAL:
+    """Refuse content that the team has had on a track: a copy would be a second try of the same agent."""
+    same_content = or_(Submission.content == archive.content, Submission.digest == archive.digest)
+    for same in session.scalars(select(Submission).where(Submission.team_id == team.id, same_content)):
+        if same.state == states.CANCELLED or same.fault == PLATFORM:
+            continue  # it never took part
+        if shared := [track for track in same.tracks if track in archive.tracks]:
+            instead = INSTEAD.get(same.state, "")
             raise RefusalError(
-                f"your team's submission {same.id} has the same content and is {same.state}: nothing was "
-                "submitted or charged"
+                f"your team's submission {same.id} has the same content on {', '.join(shared)} and is "
+                f"{same.state}{instead}: nothing was submitted or charged"
             )
 
 

@@ -1,9 +1,9 @@
 """The pages of boards: who leads, how it came about, and who beat whom."""
 
 from datetime import datetime
-from typing import Any
+from typing import Annotated, Any
 
-from fastapi import APIRouter, Request
+from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse
 from markupsafe import Markup
 from sqlalchemy.orm import Session
@@ -11,12 +11,12 @@ from sqlalchemy.orm import Session
 from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Reading, check_organizer
 from wildscav_leaderboard.boards.documents import SuiteBoard
 from wildscav_leaderboard.boards.history import team_histories
-from wildscav_leaderboard.boards.kept import board_updated, read_board
-from wildscav_leaderboard.boards.models import HIDDEN, PUBLIC, SEASON
+from wildscav_leaderboard.boards.kept import board_updated, earlier_editions, read_board
+from wildscav_leaderboard.boards.models import HIDDEN, PUBLIC, SEASON, audience_of
+from wildscav_leaderboard.matches.visibility import shown_until
 from wildscav_leaderboard.presentation.boards import head_to_head_view, ladder_of, ranked_teams
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.refusals import UnknownCallerError
-from wildscav_leaderboard.seasons.state import frozen_since
 from wildscav_leaderboard.teams.service import team_of
 from wildscav_leaderboard.web.charts import rank_chart
 from wildscav_leaderboard.web.intervals import Scale
@@ -24,6 +24,7 @@ from wildscav_leaderboard.web.page_parts import PageParts
 from wildscav_leaderboard.web.rendering import environment, page
 
 router = APIRouter()
+Number = Annotated[int, Query(ge=1, le=2**53)]
 CHARTED = 8  # teams whose history is drawn
 
 
@@ -35,23 +36,30 @@ def board(
     session: Reading,
     caller: AnyBrowser,
     audience: str = PUBLIC,
+    edition: Number | None = None,
 ) -> HTMLResponse:
-    """Show the board of a track."""
-    if audience not in (PUBLIC, SEASON):
+    """Show the board of a track, or that of one of its earlier editions."""
+    editions = earlier_editions(session, track)
+    if edition is None and track not in season.settings.tracks and editions:
+        edition = editions[0]  # the track was removed
+    if edition is not None:
+        audience = audience_of(edition)
+    elif audience not in (PUBLIC, SEASON):
         if caller is None:
             raise UnknownCallerError("log in first")
         check_organizer(caller)
         audience = HIDDEN
-    settings = season.track(track)
-    updated = board_updated(session, track, audience)
+    found, updated = read_board(session, track, audience), board_updated(session, track, audience)
     team = None if caller is None else team_of(session, caller.account)
     return page(
         request,
         "board.html",
         caller,
         track=track,
-        settings=settings,
+        mode=season.track(track).mode if found is None else found.mode,
         audience=audience,
+        edition=edition,
+        editions=editions,
         updated=updated,
         frozen=season_state.read_state(session, season_state.FROZEN) is not None,
         finalized=season_state.read_state(session, season_state.FINALIZED) is not None,
@@ -76,7 +84,7 @@ def _rendered(session: Session, track: str, audience: str, updated: datetime, ow
     shown: dict[str, Any] = {"board": found, "own": own, "is_suite": isinstance(found, SuiteBoard)}
     if found is not None:
         teams = ranked_teams(found, CHARTED)
-        until = updated if audience == HIDDEN else min(updated, frozen_since(session) or updated)
+        until = updated if audience == HIDDEN else min(updated, shown_until(session, None) or updated)
         histories = team_histories(session, track, teams, until)
         chart = rank_chart([(teams[name], points) for name, points in histories.items()], until)
         shown |= {"scale": Scale.of(found), "chart": chart, "charted": list(teams)}

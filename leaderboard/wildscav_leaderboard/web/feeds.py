@@ -14,9 +14,9 @@ from wildscav_leaderboard.access.requests import CurrentSeason, Reading
 from wildscav_leaderboard.boards.documents import BoardDocument, Row
 from wildscav_leaderboard.boards.history import latest_points
 from wildscav_leaderboard.boards.kept import read_board
+from wildscav_leaderboard.matches.visibility import shown_until
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.models import Announcement
-from wildscav_leaderboard.seasons.state import frozen_since
 from wildscav_leaderboard.submissions.service import find_submission
 from wildscav_leaderboard.teams.service import find_team
 from wildscav_leaderboard.web.rendering import base_of, environment
@@ -60,7 +60,7 @@ def board_feed(request: Request, track: str, season: CurrentSeason, session: Rea
             "at": point.at,
             "link": f"/submissions/{one.id}",
         }
-        for point, one, team in latest_points(session, track, ENTRIES, frozen_since(session))
+        for point, one, team in latest_points(session, track, ENTRIES, shown_until(session, None))
     ]
     title = f"{season.settings.title}: {track}"
     return _feed(request, season, f"boards/{track}", title, f"/boards/{track}", entries)

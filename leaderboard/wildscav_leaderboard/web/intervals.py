@@ -26,8 +26,10 @@ class Scale:
 
     @classmethod
     def of(cls, board: BoardDocument) -> "Scale":
-        """Return the scale that shows all intervals of a board."""
-        ends = [end for row in board.rows if row.rank is not None for end in place_of(board, row)[1:]]
+        """Return the scale that shows all intervals of a board, or all that are settled if there are any."""
+        ranked = [row for row in board.rows if row.rank is not None]
+        settled = [row for row in ranked if not getattr(row, "provisional", False)]
+        ends = [end for row in settled or ranked for end in place_of(board, row)[1:]]
         lowest, highest = min(ends, default=0.0), max(ends, default=1.0)
         room = (highest - lowest or 1.0) * MARGIN
         return cls(board, lowest - room, highest + room)
@@ -38,4 +40,5 @@ class Scale:
         return Bar(low, middle, high)
 
     def _at(self, value: float) -> float:
-        return round(100.0 * (value - self.lowest) / (self.highest - self.lowest), 2)
+        share = (value - self.lowest) / (self.highest - self.lowest)
+        return round(100.0 * min(max(share, 0.0), 1.0), 2)

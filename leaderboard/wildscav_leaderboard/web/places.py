@@ -12,10 +12,10 @@ from wildscav_leaderboard.boards.history import histories_of
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.models import BoardPoint
 from wildscav_leaderboard.boards.progress import Progress, progress_of
+from wildscav_leaderboard.matches.visibility import shown_until
 from wildscav_leaderboard.presentation.boards import opponent_views
 from wildscav_leaderboard.presentation.documents import OpponentView, SubmissionView
 from wildscav_leaderboard.seasons.folder import Season
-from wildscav_leaderboard.seasons.state import frozen_since
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.states import ACTIVE
 from wildscav_leaderboard.web.charts import Chart, rank_chart
@@ -45,7 +45,7 @@ def track_places(
 ) -> list[TrackPlace]:
     """Return where a submission, as it is shown, stands on each track on which there is something to say."""
     tracks = [track for track in one.tracks if track in season.settings.tracks]
-    until = None if caller is not None and caller.is_organizer else frozen_since(session)
+    until = shown_until(session, caller)
     points, met = histories_of(session, one.id, until), opponent_views(session, tracks, one)
     better = {track: _better(session, track, view) for track in tracks}
     new = [track for track in tracks if not points.get(track) and better[track] is None]

@@ -14,13 +14,13 @@ from wildscav_leaderboard.boards.history import histories_of_team
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.matches.listing import list_matches
 from wildscav_leaderboard.matches.models import FINISHED
+from wildscav_leaderboard.matches.visibility import shown_until
 from wildscav_leaderboard.playing.permission import tracks_of
 from wildscav_leaderboard.presentation.documents import MatchView
 from wildscav_leaderboard.presentation.matches import match_views
 from wildscav_leaderboard.presentation.people import team_view
 from wildscav_leaderboard.presentation.season import counts_view, season_view
 from wildscav_leaderboard.presentation.submissions import submission_view, submission_views
-from wildscav_leaderboard.seasons.state import frozen_since
 from wildscav_leaderboard.submissions.listing import is_own, list_submissions
 from wildscav_leaderboard.submissions.service import find_submission
 from wildscav_leaderboard.teams.models import Team
@@ -80,7 +80,7 @@ def _team_places(
     session: Session, boards: Mapping[str, BoardDocument | None], team: Team
 ) -> list[tuple[Any, ...]]:
     """Return a team's row on each board on which it has one, with the chart of its ranks."""
-    points, frozen = histories_of_team(session, team.id), frozen_since(session)
+    points, frozen = histories_of_team(session, team.id), shown_until(session, None)
     found = []
     for track, board in boards.items():
         if board is None:
@@ -124,7 +124,7 @@ def submission(
         },
         told=any(seat.metrics for seat in seats),
         timed=any(seat.latency_p99 is not None for seat in seats),
-        unseen=list(dict.fromkeys(str(view.hidden) for view in unseen)),
+        unseen=list(dict.fromkeys(str(view.unseen) for view in unseen)),
         unseen_count=len(unseen),
         places=places,
         playable=tracks_of(season, found.state, found.tracks),

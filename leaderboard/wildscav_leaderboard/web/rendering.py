@@ -63,7 +63,7 @@ def page(
         status: The status of the answer.
         values: What the template shows.
     """
-    season = request.app.state.season
+    season = getattr(request.state, "season", request.app.state.season)
     content = environment().get_template(template)
     text = content.render(
         season=season,
@@ -73,8 +73,7 @@ def page(
         base=base_of(request),
         **values,
     )
-    headers = {"Cache-Control": "private, no-cache" if caller is not None else "no-cache"}
-    return HTMLResponse(text, status, headers)
+    return HTMLResponse(text, status, {"Cache-Control": "private, no-cache"})
 
 
 def base_of(request: Request) -> str:

@@ -12,7 +12,7 @@ from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Now,
 from wildscav_leaderboard.matches.models import FINISHED, PLAYING
 from wildscav_leaderboard.matches.records import record_path
 from wildscav_leaderboard.matches.service import find_match
-from wildscav_leaderboard.matches.visibility import live_hidden_why
+from wildscav_leaderboard.matches.visibility import seen_by
 from wildscav_leaderboard.playing.permission import open_tracks, refused_why
 from wildscav_leaderboard.presentation.documents import MatchView, SeatView
 from wildscav_leaderboard.presentation.matches import match_views
@@ -40,7 +40,7 @@ def match(
     """Show a match: its result, and how it went."""
     found = find_match(session, number)
     (view,) = match_views(session, [found], caller)
-    unwatched = live_hidden_why(session, found)
+    unwatched = seen_by(session, [found], caller)[number].live
     film = None
     if view.hidden is None and renders.is_kept("video", str(number)):
         film = Progress("ready", path=renders.folder / renders.file_name("video", str(number)))

@@ -104,6 +104,7 @@ class MatchServer:
         *,
         names: Sequence[str],
         sensors: Mapping[int, Mapping[str, Mapping[str, Any]]] | None = None,
+        seeds: Mapping[int, int] | None = None,
         clock: Clock | None = None,
         addresses: Mapping[int, str] | None = None,
         starting: bool = False,
@@ -115,6 +116,7 @@ class MatchServer:
             spec: The match.
             names: Display name of every seat.
             sensors: For each seat, its sensors with their options.
+            seeds: The private seeds of seats that are not to be told the one that follows from the spec.
             clock: The time limits of the seats.
             addresses: For seats that can be joined at one address only, that address, as ``start`` returned
                 it; their tokens are invalid at any other.
@@ -143,6 +145,7 @@ class MatchServer:
             seats.append(Seat(number, secrets.token_urlsafe(24), TimeBank(clock), wanted))
         # In a thread, so that other matches play on while the map is made.
         match = await asyncio.to_thread(_set_up, spec, [seat.sensors for seat in seats], make)
+        match.seeds = seeds or match.seeds
         hosted = HostedMatch(match, names, seats, clock, self._time, starting=starting)
         self._matches.add(hosted)
         self._reservations.update(

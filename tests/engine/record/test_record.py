@@ -1,5 +1,6 @@
 """Records: what they keep, and what verification finds."""
 
+import base64
 import dataclasses
 import json
 import math
@@ -15,6 +16,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.engine.versions.pins import read_pins
 
 from wildscav_engine import SIMULATION_VERSION
 from wildscav_engine.maps import GENERATOR_VERSION, generate_map
@@ -62,6 +64,8 @@ def test_a_record_reads_back_as_it_was_written(record: Record, tmp_path: Path) -
         "generator_version",
         "engine_version",
         "names",
+        "seeds",
+        "version",
         "result",
     ):
         assert getattr(again, field) == getattr(record, field)
@@ -152,6 +156,31 @@ def test_a_record_from_before_the_rules_were_numbered_is_of_version_1(record: Re
     assert old.simulation_version == 1
 
 
+def test_a_record_from_before_seats_had_seeds_of_their_own_is_read_and_holds(record: Record) -> None:
+    header, payload = unpack(LAYOUT, encode(record))
+    del header["seeds"]
+    old = decode(pack(LAYOUT._replace(version=2), header, bytes(payload)))
+    assert (old.version, old.seeds) == (2, record.seeds)
+    assert verify_record(old).holds
+    pinned = decode(base64.b64decode(read_pins()["record"]["2"]["a match"]))
+    assert (pinned.version, len(pinned.seeds)) == (2, 2)
+
+
+def test_a_record_has_the_seeds_that_seats_were_told(country: GameMap) -> None:
+    match = Match(MatchSpec(track="navigation", map=country.spec, seats=("submission",) * 2), country)
+    own = match.start_info(0).seed
+    match.seeds = {1: 5}
+    assert match.start_info(1).seed == 5
+    assert decode(encode(record_of(match, ["one", "two"]))).seeds == (own, 5)
+
+
+@pytest.mark.parametrize("seeds", [[1, 2], [1, 2, -1], [1, 2, 1 << 63], [1, 2, True], [1, 2, 3.0], None])
+def test_seeds_that_no_seat_is_told_are_refused(record: Record, seeds: object) -> None:
+    header, payload = unpack(LAYOUT, encode(record))
+    with pytest.raises(RecordError, match="not valid"):
+        decode(pack(LAYOUT, {**header, "seeds": seeds}, bytes(payload)))
+
+
 @settings(max_examples=40)
 @given(st.data())
 def test_damage_anywhere_is_one_clear_line(record: Record, data: st.DataObject) -> None:
@@ -173,7 +202,7 @@ def test_damage_anywhere_is_one_clear_line(record: Record, data: st.DataObject) 
         (b"WILDSCAV" + b"\x63\x00" + bytes(60), "format version 99"),
         (
             b"WILDSCAV" + b"\x01\x00" + bytes(60),
-            "format version 1, of an earlier engine; this one reads version 2",
+            "format version 1, of an earlier engine; this one reads version 2 or 3",
         ),
     ],
 )

@@ -1,16 +1,24 @@
 """`wildscav check`: what it tries with an agent, and how it explains what fails."""
 
+import dataclasses
+import json
 import re
 from pathlib import Path
 
 import pytest
 from tests.evaluator.sample_agents import WALKER, Command, Submit
+from tests.evaluator.sandbox.available import missing
 
 from wildscav.server import Clock
+from wildscav.server.hosting.observations import match_info
+from wildscav_engine.maps import map_spec
+from wildscav_engine.simulation.match import Match
 from wildscav_evaluator.check.findings import Finding, Verdict, advice_on
-from wildscav_evaluator.check.trials import run_checks
-from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES
+from wildscav_evaluator.check.trials import Trial, run_checks
+from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES, Limits
 from wildscav_evaluator.submissions.submission import Submission
+from wildscav_evaluator.suites.suite import EVALUATION_MAPS, SUITES
+from wildscav_evaluator.suites.suite_file import read_suite
 
 pytestmark = pytest.mark.usefixtures("compiled")
 
@@ -22,7 +30,8 @@ CHECKS = ["start-up", MATCH, "actions", "timing", "output", "end", "late answers
 
 
 def findings(submission: Submission, logs: Path, clock: Clock = PATIENT) -> dict[str, Finding]:
-    found = list(run_checks(submission, SANDBOXES["process"], logs, clock=clock))
+    trials = {"navigation": Trial.of(SUITES["quick"], "navigation", DEFAULT_LIMITS, seed=0)}
+    found = list(run_checks(submission, SANDBOXES["process"], logs, trials, clock=clock))
     return {finding.check: finding for finding in found}
 
 
@@ -36,13 +45,84 @@ def test_an_agent_that_keeps_the_rules_passes_every_check(submit: Submit, tmp_pa
     assert int(went_on[1]) > 10  # however quick it is
 
 
+LONG = """
+name = "long"
+map = { size = 40, houses = 0 }
+[tracks.navigation]
+maps = 1
+match = { time_limit = 300.0, seats = ["submission", "submission"] }
+limits = { memory = "256MiB" }
+"""
+# Writes down what it is told, and stays where it is.
+TELLER = """
+    def reset(self, match):
+        import dataclasses, json
+        print(json.dumps(dataclasses.asdict(match)), flush=True)
+
+    def act(self, observation):
+        return Action()
+"""
+
+
+def test_a_match_ends_early_and_its_agents_are_told_what_the_suite_says(
+    submit: Submit, tmp_path: Path
+) -> None:
+    (tmp_path / "long.toml").write_text(LONG)
+    suite = read_suite(tmp_path / "long.toml")
+    trials = {"navigation": Trial.of(suite, "navigation", suite.limits["navigation"])}
+
+    found = list(run_checks(submit("teller", TELLER), SANDBOXES["process"], tmp_path, trials))
+
+    assert {one.verdict for one in found} == {Verdict.KEPT}, found
+    assert found[1].seen == "600 steps played to the end"
+    (scored,) = suite.matches("navigation", seed=0)
+    told = [json.loads(path.read_text().splitlines()[0]) for path in sorted(tmp_path.glob("*.log"))]
+    assert len(told) == 6  # two agents in three matches
+    expected = {seat: match_info(Match(scored), seat, Clock().fitted(scored)) for seat in (0, 1)}
+    for one in told:
+        kept = {name: one[name] for name in one if name not in ("seed", "start", "target", "supply_waves")}
+        assert kept.items() <= dataclasses.asdict(expected[one["seat"]]).items()
+
+
+@pytest.mark.parametrize("name", ["bubblewrap", "oci"])
+def test_an_agent_that_needs_more_memory_than_the_suite_allows_fails(
+    submit: Submit, tmp_path: Path, name: str
+) -> None:
+    if missing(name):
+        pytest.skip(missing(name))
+    big = submit("big", "    def reset(self, match): self.table = bytes(b'x' * (300 << 20))\n" + WALKER)
+    limits = Limits(memory="256MiB")  # type: ignore[arg-type]
+    trial = Trial.of(SUITES["quick"], "navigation", limits)
+
+    found = run_checks(big, SANDBOXES[name], tmp_path / "logs", {"navigation": trial})
+    match = next(one for one in found if one.check == MATCH)
+
+    assert match.verdict == Verdict.BROKEN
+    assert match.seen.startswith("out_of_memory")
+    assert "it may use 256 MiB" in match.advice
+
+
+def test_a_fresh_match_is_on_no_map_of_the_suite_and_differs_each_time(tmp_path: Path) -> None:
+    (tmp_path / "known.toml").write_text('name = "known"\n[tracks.navigation]\nmaps = [1, 2]\n')
+    suite = read_suite(tmp_path / "known.toml")
+    known = [map_spec(1), map_spec(2)]
+
+    fresh = [Trial.of(suite, "navigation", DEFAULT_LIMITS).spec for _ in range(8)]
+
+    assert len({spec.seed for spec in fresh}) == len({spec.map.seed for spec in fresh}) == 8
+    assert all(spec.map.seed >= EVALUATION_MAPS for spec in fresh)
+    assert all(spec.map.config in [one.config for one in known] for spec in fresh)
+    public = Trial.of(suite, "navigation", DEFAULT_LIMITS, seed=0).spec
+    assert public == suite.matches("navigation", 0)[0]
+
+
 def test_packages_that_were_not_installed_are_named_before_anything_is_played(
     submit: Submit, tmp_path: Path
 ) -> None:
     submission = submit("walker", WALKER)
     (submission.folder / "requirements.txt").write_text("torch\n")
 
-    first = next(run_checks(submission, SANDBOXES["process"], tmp_path / "logs", clock=PATIENT))
+    first = next(run_checks(submission, SANDBOXES["process"], tmp_path / "logs", {}, clock=PATIENT))
 
     assert (first.check, first.verdict) == ("packages", Verdict.DOUBTFUL)
     assert f"wildscav build {submission.folder}" in first.advice

@@ -20,7 +20,7 @@ from wildscav_evaluator.matches.jobs import AttemptFailed, Job, JobEvent
 from wildscav_evaluator.matches.workers import Workers
 from wildscav_evaluator.output.layout import LOGS, MATCHES, RECORDS, REPLAYS
 from wildscav_evaluator.sandbox.process import WARNING
-from wildscav_evaluator.submissions.submission import SubmissionError
+from wildscav_evaluator.submission_files import SubmissionError
 
 SPEC = MatchSpec(track="navigation", map=MapSpec(config=MapConfig(size=40, houses=0)), time_limit=2.0)
 

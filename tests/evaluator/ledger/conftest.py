@@ -26,6 +26,9 @@ AGENT = """
 from wildscav import Action, Agent
 
 class Player(Agent):
+    def reset(self, match):
+        print(match.seed)
+
     def act(self, observation):
         return Action(walk_direction={direction}, walk_speed=6.0)
 """

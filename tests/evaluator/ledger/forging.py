@@ -84,6 +84,7 @@ class Forgery:
         path = self.record(name, index)
         record = read_record(path)
         match, target = Match(record.spec), record.spec
+        match.seeds = dict(enumerate(record.seeds))
         start = match.start_info(0)
         assert start.target is not None
         assert target.seats == ("submission",)

@@ -11,11 +11,21 @@ from wildscav_evaluator.sandbox.containers.container_engine import ENGINES
 REAL = ["bubblewrap", *(pytest.param(f"oci-{name}", marks=pytest.mark.slow) for name in ENGINES)]
 
 
-@pytest.fixture(scope="module", params=REAL)
-def real(request: pytest.FixtureRequest) -> Iterator[Sandbox]:
-    """Each sandbox that isolates; skipped where it cannot be had."""
+def sandbox_named(request: pytest.FixtureRequest) -> Iterator[Sandbox]:
     name, _, engine = request.param.partition("-")
     with engine_named(engine, request):
         if why := missing(name):
             pytest.skip(f"{request.param}: {why}")
         yield SANDBOXES[name]
+
+
+@pytest.fixture(scope="module", params=REAL)
+def real(request: pytest.FixtureRequest) -> Iterator[Sandbox]:
+    """Each sandbox that isolates; skipped where it cannot be had."""
+    yield from sandbox_named(request)
+
+
+@pytest.fixture(scope="module", params=["process", *REAL])
+def sandbox(request: pytest.FixtureRequest) -> Iterator[Sandbox]:
+    """Each sandbox; skipped where it cannot be had."""
+    yield from sandbox_named(request)

@@ -13,6 +13,7 @@ from tests.evaluator.submissions.python_image import python_image
 from wildscav_evaluator.cli.options.selection import load_submissions
 from wildscav_evaluator.sandbox import SANDBOXES, Ending, Launch, SandboxError
 from wildscav_evaluator.sandbox.containers.container_engine import ENGINES, bare_image, call, find_engine
+from wildscav_evaluator.submission_files import SubmissionError
 from wildscav_evaluator.submissions.images import (
     IMAGE,
     _manifest_in,
@@ -21,7 +22,7 @@ from wildscav_evaluator.submissions.images import (
     load_image,
     with_images,
 )
-from wildscav_evaluator.submissions.submission import Submission, SubmissionError, load_submission
+from wildscav_evaluator.submissions.submission import Submission, load_submission
 
 pytestmark = pytest.mark.slow
 Submit = Callable[..., Submission]

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from wildscav_evaluator.submissions.submission import SubmissionError, folder_digest, load_submission
+from wildscav_evaluator.submission_files import SubmissionError
+from wildscav_evaluator.submissions.submission import folder_digest, load_submission
 
 GOOD = """
 name = "walker"
@@ -77,6 +78,12 @@ def test_a_program_in_any_language_may_be_the_agent(tmp_path: Path) -> None:
         ('entry_point = "agent:Walker"', 'command = ["./go"]', "command: is './go', but there is no file"),
         ('entry_point = "agent:Walker"', 'command = ["../go"]', "command: is '../go', but there is no file"),
         ('entry_point = "agent:Walker"', 'command = ["./agent.py"]', "agent.py is not executable: chmod +x"),
+        (
+            'entry_point = "agent:Walker"',
+            'command = [".venv/bin/go"]',
+            ".venv, __pycache__ are not part of a",
+        ),
+        ('"agent:Walker"', '"__pycache__.agent:Walker"', "__pycache__ are not part of"),
         ("\n", "\nauthor = ['Ann']\n", "author: is ['Ann'], must be text of at most 200 characters"),
         ("\n", "\nurl = 'ftp://ann'\n", "url: is 'ftp://ann', must be text of at most 500"),
         ('"agent:Walker"', '"brain:Walker"', "entry_point: is 'brain:Walker', but there is no file"),
@@ -103,6 +110,9 @@ def test_a_wrong_manifest_gets_one_line_with_file_and_field(
     tmp_path: Path, was: str, becomes: str, says: str
 ) -> None:
     make(tmp_path, GOOD.replace(was, becomes, 1))
+    for left_out in (".venv/bin/go", "__pycache__/agent.py"):
+        (tmp_path / left_out).parent.mkdir(parents=True)
+        (tmp_path / left_out).touch(0o755)
 
     with pytest.raises(SubmissionError) as caught:
         load_submission(tmp_path)
@@ -203,3 +213,17 @@ def test_the_baselines_are_submissions_like_any_other(name: str) -> None:
 
     assert submission.name == name
     assert set(submission.manifest.tracks) == {"navigation", "gathering", "capture", "battle", "royale"}
+
+
+def test_labels_in_the_manifest_are_not_part_of_the_content(tmp_path: Path) -> None:
+    make(tmp_path)
+    manifest, first = tmp_path / "submission.toml", load_submission(tmp_path)
+    text = manifest.read_text()
+
+    manifest.write_text(text.replace(f'version = "{first.manifest.version}"', 'version = "9"') + "\n# new\n")
+    again = load_submission(tmp_path)
+    assert (again.manifest.version, again.content) == ("9", first.content)
+    assert again.digest != first.digest
+
+    manifest.write_text(text + "\n[sensors.lidar]\n")
+    assert load_submission(tmp_path).content != first.content

@@ -67,6 +67,7 @@ def test_a_season_is_audited_before_and_after_its_end(site: str, played: tuple[S
     report = audited(site, season)
     assert report.findings == []
     assert any(check.unchecked for check in report.checks)
+    assert audited(site, season).findings == []  # what was hidden is remembered by its records
 
     end_season(database, season)
     report = audited(f"{site}/", season)

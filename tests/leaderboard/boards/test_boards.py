@@ -6,26 +6,19 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.leaderboard.boards.simulated_ladders import CONDITIONS, ROBOTS, board_of, is_lottery, play_ladder
 from tests.leaderboard.seasons_made import NOON
 
-from wildscav_evaluator.output.results import KeptLimits, MetricInfo
-from wildscav_evaluator.output.versions import CURRENT_VERSIONS
-from wildscav_evaluator.ratings.ladder import Skill
+from wildscav_evaluator.output.results import MetricInfo
+from wildscav_evaluator.ratings.matches import RatedMatch
 from wildscav_evaluator.suites.official import OFFICIAL
-from wildscav_leaderboard.boards.documents import Conditions
-from wildscav_leaderboard.boards.ladder_board import LadderResults, ladder_board
+from wildscav_leaderboard.boards.documents import LadderBoard
+from wildscav_leaderboard.boards.ladder_board import Enough, LadderEntrant, Played, ladder_board
+from wildscav_leaderboard.boards.ladders import placed_match
 from wildscav_leaderboard.boards.matchmaking import Candidate, choose_entrants, ladder_match
 from wildscav_leaderboard.boards.ranks import better_in_pairs, rank_ranges
 from wildscav_leaderboard.boards.suite_board import SuiteResults, suite_board
 
-CONDITIONS = Conditions(
-    versions=CURRENT_VERSIONS,
-    suite="official",
-    rounds=1,
-    commitment="ab" * 32,
-    sandbox="oci",
-    limits=KeptLimits(),
-)
 TIME = (MetricInfo(name="time", title="time", unit="s", lower_is_better=True),)
 
 
@@ -97,6 +90,8 @@ def test_a_team_stands_with_its_best_submission_and_only_with_a_complete_one() -
         ("foxes", 2, "1"),
         ("owls", 4, ""),
     ]
+    # Each change of a figure that comes and goes would tell how one match went.
+    assert [(row.matches, row.metrics.keys()) for row in board.rows] == [(20, {"time"}), (5, set())]
 
 
 def test_with_fewer_than_six_matches_everyone_is_tied() -> None:
@@ -116,51 +111,58 @@ def test_rank_ranges_hold_together(count: int, matches: int, seed: int) -> None:
         assert scores[one].mean() > scores[other].mean()
 
 
-def entrant(number: int, team: str, skill: Skill, places: tuple[int, ...]) -> LadderResults:
-    return LadderResults(
-        submission=number or None,
-        name=f"agent{number}",
-        version="1",
-        team=team,
-        team_title=team,
-        since=NOON,
-        planned=40,
-        faults=0,
-        skill=skill,
-        places=places,
-        wins=0,
-    )
+def duels(*pairs: str) -> tuple[RatedMatch, ...]:
+    """Return games of two entrants, each played twice with the same end, such as "ab": a beats b."""
+    ends = [placed_match(number, [(pair[0], 1), (pair[1], 2)]) for number, pair in enumerate(pairs * 2)]
+    return tuple(replace(end, game=game % len(pairs)) for game, end in enumerate(ends))
 
 
-def test_a_ladder_ties_those_whose_ratings_are_uncertain() -> None:
-    board = ladder_board(
-        "battle",
-        CONDITIONS,
-        TIME,
-        [
-            entrant(1, "owls", Skill(30.0, 1.0), (1, 1)),
-            entrant(2, "foxes", Skill(30.5, 1.0), (1, 2)),
-            entrant(3, "hares", Skill(10.0, 1.0), (4,)),
-            entrant(4, "newts", Skill(), ()),
-        ],
-        7,
-        NOON,
-    )
+def ladder_of(matches: tuple[RatedMatch, ...], names: str) -> LadderBoard:
+    entrants = [LadderEntrant(name, number, name, team=name) for number, name in enumerate(names, 1)]
+    return ladder_board("battle", CONDITIONS, TIME, entrants, Played(matches), Enough(400.0, 100), NOON)
+
+
+def test_a_ladder_ties_those_that_are_equal_and_ranks_nobody_before_a_match() -> None:
+    matches = duels(*["ab", "ba"] * 12, *["ac", "bc"] * 12)
+    board = ladder_of(matches, "abcd")
     assert [(row.team, row.ranks) for row in board.rows] == [
-        ("foxes", "1–2"),
-        ("owls", "1–2"),
-        ("hares", "3"),
-        ("newts", ""),
+        ("a", "1–2"),
+        ("b", "1–2"),
+        ("c", "3"),
+        ("d", ""),
     ]
 
 
+def test_who_won_its_few_matches_is_provisional_and_does_not_lead() -> None:
+    board = ladder_of(duels(*["ab", "ba", "ab", "ab"] * 10, "nb", "na"), "abn")
+    rows = {row.team: row for row in board.rows}
+    assert rows["n"].rating > rows["a"].rating
+    assert [(row.team, row.provisional) for row in board.rows] == [("a", False), ("b", False), ("n", True)]
+    assert rows["n"].ranks == "1–3"
+    assert (rows["n"].planned, rows["a"].planned) == (100, rows["a"].matches)
+
+
+def test_identical_submissions_are_not_told_apart_however_many_seasons_they_play() -> None:
+    """OpenSkill's ratings, with opponents of the nearest rating, told them apart in 87 % of seasons."""
+    twins = {f"twin{number}": 1.0 for number in range(10)}
+    enough = Enough(200.0, 100)
+    boards = [
+        board_of(twins | ROBOTS, play_ladder(twins | ROBOTS, seed, enough), enough) for seed in range(12)
+    ]
+    assert sum(is_lottery(board, list(twins)) for board in boards) <= 2  # 5 % are promised
+    rows = [row for board in boards for row in board.rows if row.team]
+    assert not any(row.provisional for row in rows)
+    middle = 1500.0 + (1.0 - np.mean([1.0] * 10 + list(ROBOTS.values()))) * 400.0 / np.log(10.0)
+    assert np.mean([row.low <= middle <= row.high for row in rows]) > 0.88  # 95 % are promised of each
+
+
 def candidates(counts: list[int], robots: int = 0) -> list[Candidate]:
-    found = [Candidate(f"agent-{i}", i, 25.0 + i, count) for i, count in enumerate(counts)]
-    return found + [Candidate(f"robot:r{i}", None, 25.0, 0) for i in range(robots)]
+    found = [Candidate(f"agent-{i}", i, 1500.0 + i, count) for i, count in enumerate(counts)]
+    return found + [Candidate(f"robot:r{i}", None, 1500.0, 0) for i in range(robots)]
 
 
 def test_submissions_of_one_team_never_meet() -> None:
-    own = [Candidate("a-1", 1, 25.0, 0), Candidate("a-2", 1, 25.0, 0)]
+    own = [Candidate("a-1", 1, 1500.0, 0), Candidate("a-2", 1, 1500.0, 0)]
     assert choose_entrants(own, 2, 40, "k") is None
     met = choose_entrants([*own, Candidate("b-3", 2, 9.0, 99)], 2, 40, "k")
     assert met is not None
@@ -180,9 +182,9 @@ def test_nobody_plays_once_everyone_has_played_enough() -> None:
 @given(st.integers(2, 20), st.integers(2, 6), st.integers(0, 1000))
 def test_nobody_starves_and_the_new_come_first(count: int, seats: int, salt: int) -> None:
     played = dict.fromkeys(range(count), 0)
-    robots = [Candidate(f"robot:r{i}", None, 25.0, 0) for i in range(seats)]
+    robots = [Candidate(f"robot:r{i}", None, 1500.0, 0) for i in range(seats)]
     for game in range(count * 4):
-        pool = [Candidate(f"agent-{i}", i, 25.0 + i * salt % 7, played[i]) for i in played]
+        pool = [Candidate(f"agent-{i}", i, 1500.0 + i * salt % 7, played[i]) for i in played]
         met = choose_entrants([*pool, *robots], seats, 10_000, f"{salt}/{game}")
         assert met is not None
         assert len(met) == seats == len(set(met))

@@ -7,35 +7,61 @@ from tests.leaderboard.seasons_made import NOON
 
 from wildscav_engine.specs.map_spec import MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.output.results import MatchRow, MatchTiming, SeatRow, metric_infos
-from wildscav_evaluator.ratings.head_to_head import PairRecord
-from wildscav_evaluator.ratings.ladder import Ladder, Skill
-from wildscav_leaderboard.boards.ladders import (
-    Standing,
-    applied_matches,
-    apply_matches,
-    rated_match,
-    skills_of,
-    standings_of,
-)
+from wildscav_evaluator.output.results import KeptLimits, MatchRow, MatchTiming, SeatRow, metric_infos
+from wildscav_evaluator.output.versions import CURRENT_VERSIONS
+from wildscav_evaluator.ratings.head_to_head import PairRecord, entrant_records
+from wildscav_leaderboard.boards.ladders import apply_matches, placed_match, played_on
 from wildscav_leaderboard.boards.meetings import head_to_head, records_against
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import Match
-from wildscav_leaderboard.matches.service import Entrant, PlayedRecord, add_ladder_match, deliver, void
+from wildscav_leaderboard.matches.service import (
+    Entrant,
+    PlayedRecord,
+    add_ladder_match,
+    deliver,
+    judge_again,
+    void,
+)
+from wildscav_leaderboard.seasons.editions import Conditions, Edition, digest_of
+from wildscav_leaderboard.seasons.in_force import enter_edition
+from wildscav_leaderboard.seasons.settings import TrackSettings
 
 SCORE = metric_infos("royale")[0]
 TIMING = MatchTiming(submission=None, track="royale", index=0, started=0.0, wall=1.0, steps=1, seats=())
 
 
-def plan(session: Session, number: int, *entrants: str) -> Match:
+def edition(rounds: int) -> Edition:
+    """An edition of the track; the number of rounds tells it from others."""
+    conditions = Conditions(
+        versions=CURRENT_VERSIONS,
+        suite="tiny",
+        rounds=rounds,
+        commitment="c",
+        sandbox="process",
+        limits=KeptLimits(),
+    )
+    return Edition(
+        settings=TrackSettings(mode="ladder"),
+        suite_file=None,
+        conditions=conditions,
+        final_commitment="f",
+        matches=1,
+        metrics=metric_infos("royale"),
+    )
+
+
+FIRST, SECOND = edition(1), edition(2)
+A, B = digest_of(FIRST.conditions), digest_of(SECOND.conditions)
+
+
+def plan(session: Session, number: int, *entrants: str, under: Edition = FIRST) -> Match:
+    enter_edition(session, "royale", under, NOON)
     seats = {seat: Entrant(f"robot:{name}", None) for seat, name in enumerate(entrants)}
     spec = MatchSpec(track="royale", map=MapSpec(seed=1), seats=("fighter",) * len(entrants))
     return add_ladder_match(session, "royale", number, spec, seats, NOON)
 
 
-def end(
-    session: Session, match: Match, placements: Mapping[str, float], under: str = "a", broken: str = ""
-) -> None:
+def end(session: Session, match: Match, placements: Mapping[str, float], broken: str = "") -> None:
     """Let a match end: every entrant has its place, and perhaps one of them breaks."""
     names = {metric.name: 0.0 for metric in metric_infos("royale")}
     seats = tuple(
@@ -49,7 +75,7 @@ def end(
         for seat, (name, place) in enumerate(placements.items())
     )
     row = MatchRow.of(match.number, seats, None)
-    deliver(session, match, None, row, TIMING, PlayedRecord("ab" * 16, 1, under), SCORE, NOON)
+    deliver(session, match, None, row, TIMING, PlayedRecord("ab" * 16, 1), SCORE, NOON)
 
 
 def test_a_match_that_ends_early_waits_for_those_that_were_made_before_it(database: Database) -> None:
@@ -64,24 +90,22 @@ def test_a_match_that_ends_early_waits_for_those_that_were_made_before_it(databa
         end(session, fourth, {"fox": 1, "owl": 2})
         assert apply_matches(session, "royale") == 1
 
-        by_hand = Ladder()
-        for fox, owl in ((2.0, 1.0), (1.0, 2.0), (1.0, 2.0)):
-            seats = [("robot:fox", {"placement": fox}), ("robot:owl", {"placement": owl})]
-            by_hand.apply(rated_match(0, "royale", seats))
-        assert skills_of(session, "royale", "a") == dict(by_hand.skills)
-        assert applied_matches(session, "royale", "a") == 3
+        ends = [(2, 1), (1, 2), (1, 2)]
+        matches = [
+            placed_match(number, [("robot:fox", fox), ("robot:owl", owl)])
+            for number, (fox, owl) in zip((0, 1, 3), ends, strict=True)
+        ]
+        assert played_on(session, "royale", A).matches == tuple(matches)
 
 
 def test_matches_under_other_conditions_are_another_ladder(database: Database) -> None:
     with database.writing() as session:
-        for number, under in enumerate(("a", "b", "a")):
-            end(session, plan(session, number, "fox", "owl"), {"fox": 1, "owl": 2}, under)
+        for number, under in enumerate((FIRST, SECOND, FIRST)):
+            end(session, plan(session, number, "fox", "owl", under=under), {"fox": 1, "owl": 2})
         assert apply_matches(session, "royale") == 3
 
-        old, new = skills_of(session, "royale", "a"), skills_of(session, "royale", "b")
-        assert old["robot:fox"].mu > new["robot:fox"].mu > Skill().mu
-        assert applied_matches(session, "royale", "b") == 1
-        assert skills_of(session, "royale") == old, "whatever was played last"
+        assert [match.game for match in played_on(session, "royale", A).matches] == [0, 1]
+        assert len(played_on(session, "royale", B).matches) == 1
 
 
 def test_a_match_that_an_opponent_broke_is_no_fault_of_ones_own(database: Database) -> None:
@@ -90,19 +114,17 @@ def test_a_match_that_an_opponent_broke_is_no_fault_of_ones_own(database: Databa
         end(session, plan(session, 1, "fox", "owl", "hare"), {"fox": 1, "owl": 1, "hare": 3})
         apply_matches(session, "royale")
 
-        assert standings_of(session, "royale", "a") == {
-            "robot:fox": Standing((1, 1), 1, 0),
-            "robot:owl": Standing((2, 1), 0, 1),
-            "robot:hare": Standing((3,), 0, 0),
-        }
-        met = head_to_head(session, "royale", "a", ["robot:fox", "robot:owl", "robot:hare"])
+        played = played_on(session, "royale", A)
+        assert played.faults == {"robot:fox": 0, "robot:owl": 1, "robot:hare": 0}
+        assert entrant_records(played.matches)["robot:fox"].wins == 1
+        met = head_to_head(session, "royale", A, ["robot:fox", "robot:owl", "robot:hare"])
         assert met["robot:fox", "robot:owl"] == PairRecord(wins=1, ties=1, losses=0)
         assert met["robot:hare", "robot:fox"] == PairRecord(wins=0, ties=0, losses=1)
-        assert set(head_to_head(session, "royale", "a", ["robot:fox", "robot:owl"])) == {
+        assert set(head_to_head(session, "royale", A, ["robot:fox", "robot:owl"])) == {
             ("robot:fox", "robot:owl"),
             ("robot:owl", "robot:fox"),
         }
-        assert records_against(session, "royale", "a", "robot:hare") == {
+        assert records_against(session, "royale", A, "robot:hare") == {
             "robot:fox": PairRecord(losses=1),
             "robot:owl": PairRecord(losses=1),
         }
@@ -114,6 +136,29 @@ def test_a_frozen_board_tells_nothing_of_later_meetings(database: Database) -> N
             end(session, plan(session, number, "fox", "owl"), {"fox": fox, "owl": owl})
         apply_matches(session, "royale")
 
-        assert records_against(session, "royale", "a", "robot:fox", 2) == {"robot:owl": PairRecord(wins=2)}
-        met = head_to_head(session, "royale", "a", ["robot:fox", "robot:owl"], 2)
+        assert records_against(session, "royale", A, "robot:fox", 2) == {"robot:owl": PairRecord(wins=2)}
+        met = head_to_head(session, "royale", A, ["robot:fox", "robot:owl"], 2)
         assert met["robot:owl", "robot:fox"] == PairRecord(losses=2)
+
+
+def wins(session: Session) -> dict[str, int]:
+    records = entrant_records(played_on(session, "royale", A).matches)
+    return {name: record.wins for name, record in records.items()}
+
+
+def test_a_match_that_is_judged_again_counts_once_with_its_later_result(database: Database) -> None:
+    with database.writing() as session:
+        first, second = (plan(session, number, "fox", "owl") for number in range(2))
+        for match in (first, second):
+            end(session, match, {"fox": 1, "owl": 2})
+        again = judge_again(session, first, NOON)
+        assert again is not None
+        assert judge_again(session, first, NOON) is None, "it is planned already"
+        apply_matches(session, "royale")
+        assert wins(session) == {"robot:fox": 2, "robot:owl": 0}, "the old one counts until then"
+
+        end(session, again, {"fox": 2, "owl": 1})
+        assert apply_matches(session, "royale") == 2
+
+        assert wins(session) == {"robot:fox": 1, "robot:owl": 1}
+        assert session.get_one(Match, first.id).superseded == NOON

@@ -13,15 +13,17 @@ from wildscav_evaluator.suites.suite_file import find_suite
 from wildscav_leaderboard.boards.matchmaking import Candidate, choose_entrants, ladder_match
 
 ENOUGH = 6  # matches
-FIGHTER = Candidate("robot:fighter", None, 25.0, 0)
+FIGHTER = Candidate("robot:fighter", None, 1500.0, 0)
 
 
-def submission(name: str, team: int, mu: float = 25.0, matches: int = 0) -> Candidate:
-    return Candidate(name, team, mu, matches)
+def submission(name: str, team: int, rating: float = 1500.0, matches: int = 0) -> Candidate:
+    return Candidate(name, team, rating, matches)
 
 
 candidates = st.lists(
-    st.builds(submission, st.uuids().map(str), st.integers(1, 6), st.floats(0.0, 50.0), st.integers(0, 9)),
+    st.builds(
+        submission, st.uuids().map(str), st.integers(1, 6), st.floats(500.0, 2500.0), st.integers(0, 9)
+    ),
     unique_by=lambda one: one.name,
     max_size=12,
 )
@@ -70,16 +72,21 @@ def test_a_new_submission_comes_before_those_that_played_more() -> None:
     assert chosen[0].name == "new"
 
 
-def test_it_meets_those_whose_ratings_are_near_its_own() -> None:
-    near = [submission(f"near {number}", number, 23.0 + number, 9) for number in range(2, 5)]
-    far = [submission("weak", 6, 5.0, 1), submission("strong", 7, 45.0, 1)]
-    chosen = choose_entrants([submission("new", 1), *near, *far], 3, ENOUGH, "")
-    assert names(chosen) < {"new", *names(near)}
+def test_it_meets_anyone_whose_rating_is_near_its_own_and_nobody_who_is_far_away() -> None:
+    near = [submission(f"near {number}", number, 1400.0 + 100.0 * number, 9) for number in range(2, 5)]
+    far = [submission("weak", 6, 950.0, 1), submission("strong", 7, 2100.0, 1)]
+    found = [submission("new", 1), *near, *far]
+    met = Counter(name for key in range(60) for name in names(choose_entrants(found, 2, ENOUGH, str(key))))
+    assert set(met) == {"new", *names(near)}
+    assert min(met.values()) >= 10, "how near they are does not matter"
+    assert names(choose_entrants([submission("new", 1), *far], 2, ENOUGH, "")) == {"new", "weak"}
 
 
-def test_of_two_near_ones_it_meets_the_one_that_played_less() -> None:
-    found = [submission("new", 1), submission("near", 2, 26.0, 5), submission("nearer", 3, 25.5, 8)]
-    assert names(choose_entrants(found, 2, ENOUGH, "")) == {"new", "near"}
+def test_who_is_settled_needs_no_more_matches_and_who_never_is_stops_at_the_most() -> None:
+    settled = [replace(submission("a", 1, matches=2), is_settled=True), FIGHTER]
+    assert choose_entrants(settled, 2, ENOUGH, "") is None
+    assert names(choose_entrants([*settled, submission("b", 2, matches=4)], 2, ENOUGH, "")) > {"b"}
+    assert choose_entrants([*settled, submission("b", 2, matches=ENOUGH)], 2, ENOUGH, "") is None
 
 
 def test_nobody_plays_when_all_have_played_enough() -> None:
@@ -106,14 +113,15 @@ def played_out(found: list[Candidate], seats: int) -> Counter[str]:
 
 @pytest.mark.parametrize("seats", [2, 3, 4])
 def test_a_ladder_comes_to_rest_when_everyone_has_played_enough_and_hardly_more(seats: int) -> None:
-    found = [submission(f"s{number}", number, mu=20.0 + number) for number in range(10)]
+    found = [submission(f"s{number}", number, rating=1450.0 + number) for number in range(10)]
     played = played_out([*found, FIGHTER], seats)
     for one in found:
-        assert ENOUGH <= played[one.name] <= 2 * ENOUGH
+        assert ENOUGH <= played[one.name] <= 3 * ENOUGH
+    assert sum(played[one.name] for one in found) <= 1.6 * ENOUGH * len(found)
 
 
 def test_robots_play_too_so_that_they_anchor_the_scale() -> None:
-    found = [submission(f"s{number}", number, mu=24.0 + number) for number in range(3)]
+    found = [submission(f"s{number}", number, rating=1490.0 + number) for number in range(3)]
     assert played_out([*found, FIGHTER], 2)[FIGHTER.name] > 0
 
 

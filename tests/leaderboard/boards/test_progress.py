@@ -7,7 +7,7 @@ import pytest
 from tests.leaderboard.conductor.conducted import Conducted
 from tests.leaderboard.seasons_made import make_season, team_with_member
 
-from wildscav_leaderboard.boards.progress import Progress, missing_entrants, progress_of
+from wildscav_leaderboard.boards.progress import Progress, Totals, missing_entrants, progress_of, totals_of
 from wildscav_leaderboard.seasons.folder import Season
 
 BOTH = ("navigation", "battle")
@@ -52,7 +52,18 @@ def test_progress_counts_what_is_played_of_what_is_planned(season: Conducted) ->
     number = season.active("foxes", BOTH)
     with season.database.reading() as session:
         found = progress_of(session, season.season, season.submission(number))
-    assert found == [Progress("navigation", 0, 2, 0), Progress("battle", 0, 40, 1)]
+    assert found == [Progress("navigation", 0, 2, 0), Progress("battle", 0, 100, 1)]
+
+
+def test_totals_of_a_suite_are_told_when_all_of_its_matches_are_over(season: Conducted) -> None:
+    number = season.active("foxes", BOTH)
+    found = []
+    for score in (3.0, 5.0):
+        ((attempt, _),) = season.take_matches(1)
+        assert season.played(attempt, score)
+        with season.database.reading() as session:
+            found.append(totals_of(session, season.submission(number)))
+    assert found == [[], [Totals("navigation", 2, 4.0, {})]]
 
 
 def test_whatever_takes_no_part_has_no_progress(season: Conducted) -> None:

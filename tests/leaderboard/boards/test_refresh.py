@@ -9,8 +9,6 @@ from tests.leaderboard.conductor.conducted import Conducted
 from tests.leaderboard.results_made import made_result
 from tests.leaderboard.seasons_made import make_season, team_with_member
 
-from wildscav_leaderboard.boards.conditions import conditions_of
-from wildscav_leaderboard.boards.documents import digest_of
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.service import read_ahead, refresh
 from wildscav_leaderboard.boards.suite_scores import SuiteScores
@@ -18,8 +16,6 @@ from wildscav_leaderboard.conductor import steps
 from wildscav_leaderboard.conductor.models import Attempt
 from wildscav_leaderboard.matches.service import find_match, seats_of
 from wildscav_leaderboard.seasons import state as season_state
-
-SANDBOX = "process"
 
 
 class CutOffError(Exception):
@@ -44,8 +40,7 @@ def season(tmp_path: Path) -> Iterator[Conducted]:
 
 def deliver(session: Session, season: Conducted, attempt: Attempt, score: float) -> None:
     match = find_match(session, attempt.match_id or 0)
-    conditions = digest_of(conditions_of(season.season, match.track, SANDBOX))
-    result = made_result(match, seats_of(session, [match.id])[match.id], [score], conditions)
+    result = made_result(match, seats_of(session, [match.id])[match.id], [score])
     assert steps.played(session, season.holding, attempt.id, *result, season.now)
 
 
@@ -55,7 +50,7 @@ def boards_agree(season: Conducted, scores: SuiteScores) -> None:
     def board(session: Session, known: SuiteScores) -> object:
         season_state.write_state(session, "board:navigation", None, season.now)
         session.flush()
-        refresh(session, season.season, SANDBOX, season.now, known)
+        refresh(session, season.season, season.now, known)
         return read_board(session, "navigation")
 
     with season.database.writing() as session:
@@ -81,7 +76,7 @@ def test_results_that_arrive_after_a_clock_was_set_back(season: Conducted) -> No
     first, second, *_ = (attempt for attempt, _ in season.take_matches(4))
     season.write(lambda session: deliver(session, season, first, 10.0))
     with season.database.reading() as session:
-        read_ahead(session, season.season, SANDBOX, season.now, scores)
+        read_ahead(session, season.season, season.now, scores)
     season.wait(-3600)
     season.write(lambda session: deliver(session, season, second, 11.0))
     boards_agree(season, scores)
@@ -94,7 +89,7 @@ def test_results_that_were_seen_and_never_stored(season: Conducted) -> None:
 
     def cut_off(session: Session) -> None:
         deliver(session, season, second, 99.0)
-        refresh(session, season.season, SANDBOX, season.now, scores)
+        refresh(session, season.season, season.now, scores)
         raise CutOffError
 
     with pytest.raises(CutOffError):
@@ -107,10 +102,8 @@ def test_results_that_were_seen_and_never_stored(season: Conducted) -> None:
 def test_a_board_is_left_alone_while_nothing_changes(season: Conducted) -> None:
     ((attempt, _), *_others) = season.take_matches(1)
     season.write(lambda session: deliver(session, season, attempt, 10.0))
-    assert season.write(lambda session: refresh(session, season.season, SANDBOX, season.now)) == [
+    assert season.write(lambda session: refresh(session, season.season, season.now)) == [
         "navigation",
         "battle",
     ]
-    assert season.write(lambda session: refresh(session, season.season, SANDBOX, season.now)) == []
-    # The same results under other conditions are another board.
-    assert season.write(lambda session: refresh(session, season.season, "bubblewrap", season.now))
+    assert season.write(lambda session: refresh(session, season.season, season.now)) == []

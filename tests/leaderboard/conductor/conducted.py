@@ -14,6 +14,7 @@ from tests.leaderboard.seasons_made import NOON
 from wildscav_evaluator.submissions.submission import Manifest
 from wildscav_leaderboard.accounts.models import Account
 from wildscav_leaderboard.conductor import lease, steps
+from wildscav_leaderboard.conductor.editions import begin_editions
 from wildscav_leaderboard.conductor.lease import Holding
 from wildscav_leaderboard.conductor.models import Attempt
 from wildscav_leaderboard.database.connection import Database
@@ -32,7 +33,7 @@ def made_archive(number: int, tracks: tuple[str, ...] = ("navigation",)) -> Chec
     """Return an archive that nobody unpacks, with other content for each number."""
     digest = blake2b(str(number).encode(), digest_size=16).hexdigest()
     manifest = Manifest(name="runner", version="1", entry_point="agent:Agent", tracks=tracks)
-    return CheckedArchive(Path("none"), ".zip", manifest, list(tracks), digest, digest * 2, 1000)
+    return CheckedArchive(Path("none"), ".zip", manifest, list(tracks), digest, digest, digest * 2, 1000)
 
 
 @dataclass
@@ -51,6 +52,7 @@ class Conducted:
         found = self.write(lambda session: lease.acquire(session, lease.new_holder(), self.now))
         assert found is not None
         self.holding = found
+        self.write(lambda session: begin_editions(session, self.season, self.now))
         return found
 
     def wait(self, seconds: float) -> None:

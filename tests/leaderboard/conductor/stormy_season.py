@@ -21,6 +21,7 @@ from wildscav_leaderboard.accounts.models import Account
 from wildscav_leaderboard.boards.models import LadderStep
 from wildscav_leaderboard.boards.service import refresh
 from wildscav_leaderboard.conductor import lease, steps
+from wildscav_leaderboard.conductor.editions import begin_editions
 from wildscav_leaderboard.conductor.lease import Holding
 from wildscav_leaderboard.conductor.models import BUILD, Attempt
 from wildscav_leaderboard.conductor.plans import plan_ladders
@@ -116,6 +117,8 @@ class StormySeason(Storm):
         try:
             with self.transaction(fate) as session:
                 holding = lease.acquire(session, f"{name}/{self.started}", self.time + process.ahead)
+                if holding is not None:
+                    begin_editions(session, self.season, self.time)
         except CutOffError:
             return
         if holding is not None:
@@ -240,7 +243,7 @@ class StormySeason(Storm):
 
         def act(session: Session, now: datetime) -> None:
             lease.check(session, process.holding)
-            refresh(session, self.season, "process", now)
+            refresh(session, self.season, now)
 
         self.step(process, fate, act)
 
@@ -268,8 +271,8 @@ class StormySeason(Storm):
         assert self.results.items() <= results.items()
         self.results = results
         order = (LadderStep.match_id, LadderStep.entrant)
-        steps = session.execute(select(*order, LadderStep.mu).order_by(*order))
-        ladder = [(match, entrant, mu) for match, entrant, mu in steps]
+        steps = session.execute(select(*order, LadderStep.place).order_by(*order))
+        ladder = [(match, entrant, place) for match, entrant, place in steps]
         assert ladder[: len(self.ladder)] == self.ladder
         self.ladder = ladder
 

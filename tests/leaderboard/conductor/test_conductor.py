@@ -1,11 +1,13 @@
 """A real conductor builds, validates and plays real submissions in real sandboxes."""
 
+import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 from sqlalchemy import select
 from sqlalchemy.orm import Session
-from tests.evaluator.sample_agents import CRASHER
+from tests.evaluator.sample_agents import CRASHER, WALKER
 from tests.leaderboard.agents import write_agent
 from tests.leaderboard.real_conductor import conduct
 from tests.leaderboard.seasons_made import make_season, submitted, team_with_member
@@ -47,16 +49,33 @@ def submission_of(session: Session, number: int) -> Submission:
     return session.get_one(Submission, number)
 
 
-def finished(session: Session) -> list[Match]:
-    return list(session.scalars(select(Match).filter_by(state=FINISHED, kind=SUITE).order_by(Match.number)))
+def finished(session: Session, kind: str = SUITE) -> list[Match]:
+    return list(session.scalars(select(Match).filter_by(state=FINISHED, kind=kind).order_by(Match.number)))
+
+
+# Writes down everything that it is told.
+TELLER = (
+    """
+    def reset(self, match):
+        import dataclasses, json
+        print(json.dumps(dataclasses.asdict(match)), flush=True)
+"""
+    + WALKER
+)
+# What differs from match to match, and so tells nothing.
+DRAWN = ("seed", "seat", "team", "start", "target", "supply_waves")
 
 
 def test_a_submission_becomes_active_and_its_matches_are_played(
     sqlite: Database, season: Season, tmp_path: Path
 ) -> None:
-    number = hand_in(sqlite, season, write_agent(tmp_path, "walker"))
+    number = hand_in(sqlite, season, write_agent(tmp_path, "teller", TELLER, '["navigation", "battle"]'))
 
-    conduct(sqlite, season, lambda session: len(finished(session)) == SUITE_MATCHES)
+    conduct(
+        sqlite,
+        season,
+        lambda session: len(finished(session)) == SUITE_MATCHES and len(finished(session, LADDER)) >= 2,
+    )
 
     with sqlite.reading() as session:
         one = submission_of(session, number)
@@ -66,8 +85,31 @@ def test_a_submission_becomes_active_and_its_matches_are_played(
             result = session.get_one(MatchResult, match.id)
             path = season.match_folder(match.id) / result.row["record"]
             assert file_digest(path) == result.record
-            assert read_record(path).names[0] == one.entrant
+            record = read_record(path)
+            assert record.names[0] == one.entrant
+            assert record.seeds == season.seed.private(record.spec, [one.digest])
             assert result.score is not None
+        ladder = finished(session, LADDER)
+        told = {
+            track: [fields for match in matches for fields in told_in(season.match_folder(match.id) / "logs")]
+            for track, matches in (("navigation", finished(session)), ("battle", ladder))
+        }
+    validated = told_in(season.submission_folder(number) / "logs")
+    assert sorted(fields["track"] for fields in validated) == ["battle", *["navigation"] * 3]
+    for fields in validated:
+        for scored in told[fields["track"]]:
+            assert without_drawn(fields) == without_drawn(scored)
+    seeds = {fields["seed"] for fields in (*validated, *told["navigation"], *told["battle"])}
+    assert len(seeds) == 2 + SUITE_MATCHES + len(ladder)  # the three trials on navigation are of one match
+
+
+def told_in(logs: Path) -> list[dict[str, Any]]:
+    """What agents were told, as they wrote it down first of all."""
+    return [json.loads(path.read_text().splitlines()[0]) for path in sorted(logs.glob("*.log"))]
+
+
+def without_drawn(fields: dict[str, Any]) -> dict[str, Any]:
+    return {name: value for name, value in fields.items() if name not in DRAWN}
 
 
 SLOW = """

@@ -4,7 +4,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from tests.leaderboard.seasons_made import make_season
+from tests.leaderboard.agents import write_agent
+from tests.leaderboard.seasons_made import NOON, checked, make_season
 
 from wildscav.errors import UserError
 from wildscav_engine.storage.files import write_whole
@@ -12,7 +13,9 @@ from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.output.journal import file_digest
 from wildscav_evaluator.output.results import MatchRow
 from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS
-from wildscav_leaderboard.conductor.work import keep_record
+from wildscav_leaderboard.conductor.work import job_of, keep_record, trial_of
+from wildscav_leaderboard.matches.models import FINAL, LADDER, SUITE, Match, MatchSeat
+from wildscav_leaderboard.submissions.archives import archive_name
 
 
 @pytest.fixture
@@ -40,7 +43,7 @@ def result(tmp_path: Path) -> JobResult:
 
 
 def test_a_worker_that_comes_too_late_cannot_change_a_record_that_is_kept(result: JobResult) -> None:
-    row, record = keep_record(result, "conditions")
+    row, record = keep_record(result)
     write_whole(result.job.out / result.job.record, b"another record of the same match")
     kept = result.job.out / str(row.record)
     assert row.record != result.row.record
@@ -49,14 +52,46 @@ def test_a_worker_that_comes_too_late_cannot_change_a_record_that_is_kept(result
 
 
 def test_a_record_is_kept_once_however_often_it_comes(result: JobResult) -> None:
-    first, _ = keep_record(result, "conditions")
-    again, record = keep_record(result, "conditions")
+    first, _ = keep_record(result)
+    again, record = keep_record(result)
     assert first == again
     assert file_digest(result.job.out / str(again.record)) == record.digest
     assert len(list((result.job.out / result.job.record).parent.iterdir())) == 2
 
 
+@pytest.mark.parametrize("kind", [SUITE, LADDER, FINAL])
+def test_the_private_seeds_of_a_match_follow_from_the_secret_that_its_map_follows_from(
+    tmp_path: Path, kind: str
+) -> None:
+    season = make_season(tmp_path / "season")
+    archive = checked(season, write_agent(tmp_path, "walker"))
+    matches = season.final_matches if kind == FINAL else season.suite_matches
+    spec = matches["navigation"][0]
+    match = Match(
+        kind=kind,
+        track="navigation",
+        number=0,
+        group_id=5,
+        spec=spec.model_dump(mode="json"),
+        created=NOON,
+        since=NOON,
+    )
+    match.id = 1
+    seat = MatchSeat(match_id=1, seat=0, submission_id=5, entrant="walker-1")
+
+    job = job_of(season, match, [seat], {5: archive_name(archive)}, "process")
+
+    secret = season.final_seed if kind == FINAL else season.seed
+    assert job.seeds == secret.private(spec, [archive.digest])
+
+
+def test_a_ladder_is_tried_with_the_seats_of_its_matches(tmp_path: Path) -> None:
+    season = make_season(tmp_path / "season")
+    spec, limits, _ = trial_of(season, "battle", "walker-1")
+    assert (sorted(spec.seats), limits) == (["fighter", "submission"], season.limits("battle"))
+
+
 def test_a_match_without_a_record_is_refused(result: JobResult) -> None:
     without = replace(result, row=result.row.model_copy(update={"record": None}))
     with pytest.raises(UserError, match="the match match-1 has no record"):
-        keep_record(without, "conditions")
+        keep_record(without)

@@ -188,7 +188,7 @@ TABLE = (
     everyone("GET /matches/{number}", "/matches/{ladder}"),
     everyone("GET /matches/{number}", "/matches/{suite}?video=true"),
     everyone("GET /matches/{number}", "/matches/{ladder}?video=true"),
-    everyone("GET /matches/{number}/watch", "/matches/{suite}/watch", 403),
+    each("GET /matches/{number}/watch", "/matches/{suite}/watch", 403, 403, 403, 200),
     everyone("GET /matches/{number}/watch", "/matches/{ladder}/watch"),
     everyone("GET /login"),
     everyone("POST /login", "", 303, OWLS),

@@ -13,7 +13,7 @@ from tests.leaderboard.spectating.served import served
 from wildscav_leaderboard.hosting.app import create_app
 
 MOST = 10  # queries of a page
-MORE_IF_LOGGED_IN = 2  # who it is, and of which team
+MORE_IF_LOGGED_IN = 3  # who it is, of which team, and what that team alone sees
 
 
 @pytest.fixture(scope="module")

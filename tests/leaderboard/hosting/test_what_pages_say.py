@@ -54,12 +54,13 @@ def test_results_that_cannot_be_seen_are_named_once(
 ) -> None:
     path = f"/submissions/{{active}}?before={hostile_season.matches['own_suite'] + 1}"
     page = text_of(client, hostile_season, path)
-    assert page.count("cannot be seen yet, but by its own team: everyone plays this match of the suite") == 1
-    assert "cannot be seen" not in text_of(client, hostile_season, path, "owner")
+    assert page.count("cannot be seen yet: everyone plays this match of the suite") == 1
+    assert "cannot be seen yet: everyone plays" in text_of(client, hostile_season, path, "owner")
+    assert "cannot be seen" not in text_of(client, hostile_season, path, "organizer")
     match = text_of(client, hostile_season, "/matches/{own_suite}")
-    assert "Only its team sees the result. Everyone plays this match" in match
+    assert "The result cannot be seen yet: everyone plays this match" in match
     assert "p99" not in match  # no column without anything in it
-    assert "p99" in text_of(client, hostile_season, "/matches/{own_suite}", "owner")
+    assert "p99" in text_of(client, hostile_season, "/matches/{own_suite}", "organizer")
 
 
 def test_a_track_without_a_rank_says_why(client: httpx.Client, hostile_season: FilledSeason) -> None:

@@ -44,6 +44,6 @@ def test_programs_stay_programs_and_links_to_files_become_files(tmp_path: Path) 
 def test_a_link_to_a_folder_is_refused_and_nothing_is_left(tmp_path: Path) -> None:
     folder = write_agent(tmp_path, "walker")
     (folder / "lib").symlink_to(".")
-    with pytest.raises(UserError, match="is a link to a folder, which cannot be packed"):
+    with pytest.raises(UserError, match="is a link to a folder, which no submission may have"):
         packed(folder)
     assert [path.name for path in tmp_path.iterdir()] == ["walker"]

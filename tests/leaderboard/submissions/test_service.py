@@ -128,6 +128,43 @@ def test_the_same_content_is_not_taken_twice(
     enter(database, season, foxes, agents[0])
 
 
+@pytest.mark.parametrize(
+    ("steps", "fault", "advice"),
+    [
+        (
+            (states.QUEUED, states.BUILDING, states.VALIDATING, states.ACTIVE, states.DISABLED),
+            None,
+            "restore it",
+        ),
+        ((states.QUEUED, states.FAILED), "agent", "change what made it fail"),
+        ((states.QUEUED, states.FAILED), "platform", None),
+    ],
+)
+def test_a_new_version_string_is_no_new_content_even_of_a_submission_that_is_over(
+    database: Database,
+    season: Season,
+    agents: list[Path],
+    foxes: str,
+    steps: tuple[str, ...],
+    fault: str | None,
+    advice: str | None,
+) -> None:
+    first = enter(database, season, foxes, agents[0])
+    with database.writing() as session:
+        for state in steps:
+            same_fault = fault if state == states.FAILED else None
+            move(session, session.get_one(Submission, first.id), state, NOON, fault=same_fault)
+    manifest = agents[0] / "submission.toml"
+    manifest.write_text(manifest.read_text().replace('"1"', '"1.1"') + '\nauthor = "a fox"\n')
+    if advice is None:
+        enter(database, season, foxes, agents[0])
+        return
+    with pytest.raises(RefusalError, match=rf"submission {first.id} has the same content .*{advice}"):
+        enter(database, season, foxes, agents[0])
+    manifest.write_text(manifest.read_text().replace("navigation", "battle"))
+    enter(database, season, foxes, agents[0])  # on no track of the first
+
+
 def test_a_disqualified_team_hands_nothing_in(
     database: Database, season: Season, agents: list[Path], foxes: str
 ) -> None:

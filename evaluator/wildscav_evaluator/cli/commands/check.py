@@ -8,6 +8,7 @@ import typer
 from wildscav.cli.json_option import AsJson
 from wildscav.errors import UserError, describe
 from wildscav.system.output_folders import check_folder
+from wildscav_evaluator.cli.options.evaluation import SuiteOption
 from wildscav_evaluator.cli.options.sandbox import InSandbox, chosen_sandbox
 
 
@@ -21,22 +22,27 @@ def check(
         ),
     ],
     logs: Annotated[Path, typer.Option(help="Folder for the agent's output.")] = Path("out/check"),
+    suite: SuiteOption = "quick",
     sandbox: InSandbox = None,
     as_json: AsJson = False,
 ) -> None:
     """Check whether a submission keeps the rules, in the judge's sandbox with its clock and its limits.
 
-    The submission plays a match of the quick suite on each of its tracks, one in which it is always late, and
-    one that is cancelled. Every failure is explained, with advice on how to fix it.
+    The submission plays the beginning of a match of the suite on each of its tracks, one in which it is often
+    late, and one that is cancelled. Every failure is explained, with advice on how to fix it.
     """
-    from wildscav_evaluator.cli.options.selection import load_submissions
+    from wildscav_evaluator.check.trials import Trial
+    from wildscav_evaluator.cli.options.selection import load_submissions, suite_tracks
     from wildscav_evaluator.cli.sessions.check import run_check
-    from wildscav_evaluator.sandbox import SANDBOXES
+    from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES
+    from wildscav_evaluator.suites.suite_file import find_suite
 
     check_folder("--logs", logs)
-    loaded = load_submissions([submission])
+    loaded, chosen = load_submissions([submission]), find_suite(suite)
+    limits = {track: chosen.limits.get(track, DEFAULT_LIMITS) for track in suite_tracks(loaded, [], chosen)}
+    trials = {track: Trial.of(chosen, track, limits[track], seed=0) for track in limits}
     name, (runs,) = chosen_sandbox(sandbox, loaded)
     try:
-        run_check(runs, SANDBOXES[name], logs, as_json=as_json)
+        run_check(runs, SANDBOXES[name], logs, trials, as_json=as_json)
     except OSError as error:
         raise UserError(describe(error)) from error

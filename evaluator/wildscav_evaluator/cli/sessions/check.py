@@ -1,5 +1,6 @@
 """What ``wildscav check`` shows: a table of the findings, and how to fix failures."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from rich.table import Table
@@ -10,7 +11,7 @@ from wildscav.server.hosting.precompile import precompile_for
 from wildscav.terminal.console import console, counted, print_json
 from wildscav.terminal.engine_progress import preparing
 from wildscav_evaluator.check.findings import Finding, Verdict
-from wildscav_evaluator.check.trials import run_checks
+from wildscav_evaluator.check.trials import Trial, run_checks
 from wildscav_evaluator.cli.result_tables.ranking import plain_table
 from wildscav_evaluator.sandbox import Sandbox
 from wildscav_evaluator.submissions.submission import Submission
@@ -19,7 +20,14 @@ STYLES = {Verdict.KEPT: "green", Verdict.DOUBTFUL: "yellow", Verdict.BROKEN: "re
 SHOWN_LINES = 8  # of what a failing agent printed
 
 
-def run_check(submission: Submission, sandbox: Sandbox, logs: Path, *, as_json: bool = False) -> None:
+def run_check(
+    submission: Submission,
+    sandbox: Sandbox,
+    logs: Path,
+    trials: Mapping[str, Trial],
+    *,
+    as_json: bool = False,
+) -> None:
     """Check a submission and print the findings.
 
     Raises:
@@ -29,7 +37,7 @@ def run_check(submission: Submission, sandbox: Sandbox, logs: Path, *, as_json: 
         precompile_for([submission.manifest.sensors])
     findings = []
     with console.status("playing") as status:
-        for finding in run_checks(submission, sandbox, logs):
+        for finding in run_checks(submission, sandbox, logs, trials):
             findings.append(finding)
             status.update(f"played: {finding.check}")
     console.print(_table(submission, findings))

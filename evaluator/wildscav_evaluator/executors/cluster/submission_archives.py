@@ -8,27 +8,26 @@ import contextlib
 import io
 import tarfile
 import tempfile
-from collections.abc import Iterator
 from pathlib import Path
 
 from wildscav.errors import UserError
 from wildscav.system import leftovers
 from wildscav_evaluator.cache import cache_folder
+from wildscav_evaluator.submission_files import SubmissionError, add_files, submission_files
 from wildscav_evaluator.submissions.archives import LARGEST_CONTENT
-from wildscav_evaluator.submissions.submission import IGNORED_FOLDERS, SubmissionError, folder_digest
+from wildscav_evaluator.submissions.submission import folder_digest
 
 KEPT = "shipped-submissions"  # the folder in a node's cache
 
 
 def pack(folder: Path) -> bytes:
-    """Return an archive of a submission's folder: what its digest covers, links and empty folders.
+    """Return an archive of a submission's files.
 
     Raises:
-        UserError: Its files are too large to be sent to other machines.
+        UserError: They are too large to be sent to other machines.
         OSError: A file cannot be read.
     """
-    entries = list(_entries(folder))
-    size = sum(path.lstat().st_size for path in entries)
+    size = sum(path.stat().st_size for path in submission_files(folder))
     if size > LARGEST_CONTENT:
         raise UserError(
             f"{folder} has {size >> 20:,} MiB of files, and a cluster gets {LARGEST_CONTENT >> 20:,} MiB of "
@@ -36,23 +35,8 @@ def pack(folder: Path) -> bytes:
         )
     buffer = io.BytesIO()
     with tarfile.open(fileobj=buffer, mode="w", format=tarfile.PAX_FORMAT) as archive:
-        for path in entries:
-            archive.add(path, path.relative_to(folder).as_posix(), recursive=False, filter=_anonymous)
+        add_files(archive, folder)
     return buffer.getvalue()
-
-
-def _entries(folder: Path) -> Iterator[Path]:
-    for path in sorted(folder.rglob("*")):
-        if not IGNORED_FOLDERS.intersection(path.relative_to(folder).parts):
-            yield path
-
-
-def _anonymous(entry: tarfile.TarInfo) -> tarfile.TarInfo:
-    """Leave out of an entry who owns it and when it was changed."""
-    entry.uid = entry.gid = 0
-    entry.uname = entry.gname = ""
-    entry.mtime = 0
-    return entry
 
 
 def arrived(archive: bytes, digest: str) -> Path:

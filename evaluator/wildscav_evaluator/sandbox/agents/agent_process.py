@@ -45,7 +45,7 @@ def agent_variables(launch: Launch, address: str) -> dict[str, str]:
     return {
         **ONE_THREAD,
         "PYTHONUNBUFFERED": "1",  # so that the log has the last output of an agent that is killed
-        "PYTHONDONTWRITEBYTECODE": "1",  # so that a submission's folder keeps its digest
+        "PYTHONDONTWRITEBYTECODE": "1",  # so that a submission's folder stays as it is
         "WILDSCAV_ADDRESS": address,
         "WILDSCAV_TOKEN": launch.token,
         **({} if launch.start_limit is None else {"WILDSCAV_START_LIMIT": f"{launch.start_limit:g}"}),

@@ -1,6 +1,5 @@
 """The Python for agents without their own image: that of this machine, read-only."""
 
-import os
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -60,22 +59,3 @@ def socket_path(address: str) -> Path:
     if not address.startswith("unix:"):
         raise ValueError(f"address is {address!r}: a sandboxed agent has no network, only a unix socket")
     return Path(address.removeprefix("unix:").removeprefix("//"))
-
-
-def is_world_readable(folder: Path) -> bool:
-    """Return whether every user may read a folder and everything in it."""
-    return all(_readable(Path(entry)) for entry in _walk(folder))
-
-
-def _walk(folder: Path) -> list[str]:
-    found = [str(folder)]
-    for base, folders, files in os.walk(folder):
-        found += [os.path.join(base, name) for name in (*folders, *files)]  # noqa: PTH118
-    return found
-
-
-def _readable(path: Path) -> bool:
-    if path.is_symlink():
-        return True
-    mode = path.stat().st_mode
-    return mode & 0o005 == 0o005 if path.is_dir() else bool(mode & 0o004)

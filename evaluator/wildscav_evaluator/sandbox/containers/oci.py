@@ -28,7 +28,6 @@ from wildscav_evaluator.sandbox.agents.agent_process import (
     python_command,
     start_process,
 )
-from wildscav_evaluator.sandbox.agents.readable_copies import readable_copy
 from wildscav_evaluator.sandbox.base import Ending, Launch, MemoryKill, Promise, SandboxError
 from wildscav_evaluator.sandbox.containers.container_engine import (
     OWNER,
@@ -59,6 +58,7 @@ from wildscav_evaluator.sandbox.limits import Limits
 from wildscav_evaluator.sandbox.linux.kernel_log import logged_kill
 from wildscav_evaluator.sandbox.linux.seccomp import container_profile
 from wildscav_evaluator.sandbox.linux.users import agent_user
+from wildscav_evaluator.submission_files import stage
 
 INIT = 1  # the container's init process, which reaps zombies
 MOST_PROCESSES = 32_768  # of a user; the limit that engines set themselves
@@ -319,10 +319,8 @@ def _mounts(launch: Launch, handle: ContainerHandle) -> list[str]:
     if handle.engine.name == "docker":
         mounts |= guard_files() if launch.image is None else _copied_guard(handle.folder)
     if launch.image is None:
-        folder = launch.folder
-        if not host_python.is_world_readable(folder):
-            folder = readable_copy(folder, handle.folder)
-        mounts = {**_host_runtime(handle.engine).folders, host_python.CODE: folder, **mounts}
+        code = {host_python.CODE: stage(launch.folder, handle.folder)}
+        mounts = _host_runtime(handle.engine).folders | code | mounts
     return [
         word
         for there, here in mounts.items()

@@ -19,12 +19,12 @@ from wildscav_evaluator.sandbox.agents.agent_process import (
     python_command,
     start_process,
 )
-from wildscav_evaluator.sandbox.agents.readable_copies import readable_copy
 from wildscav_evaluator.sandbox.base import Launch, MemoryKill, Promise, SandboxError
 from wildscav_evaluator.sandbox.limits import Limits
 from wildscav_evaluator.sandbox.linux.cgroup import AgentGroup, find_version
 from wildscav_evaluator.sandbox.linux.seccomp import bpf_filter
 from wildscav_evaluator.sandbox.linux.users import agent_user
+from wildscav_evaluator.submission_files import stage
 
 # Enters the control group, limits open files, and becomes bubblewrap.
 ENTER = """
@@ -56,7 +56,7 @@ class BubblewrapSandbox:
         handle = CgroupHandle(AgentGroup(find_version(), launch.limits))
         agent = None
         try:
-            handle.stage(launch.folder)
+            handle.folder = await asyncio.to_thread(stage, launch.folder, handle.private)
             agent = await _start(launch, handle)
             await _await_start(agent, handle)
         except BaseException:
@@ -91,16 +91,9 @@ class CgroupHandle:
 
     def __init__(self, group: AgentGroup) -> None:
         self.group = group
-        self.folder = Path()  # the folder of the code, readable for the agent's user
+        self.folder = Path()  # the folder of the code
+        self.private = Path(tempfile.mkdtemp(prefix="code-", dir=leftovers.own_folder()))  # for a copy of it
         self.status: int | None = None  # the pipe of bubblewrap's reports, open while it runs
-        self._copy: Path | None = None
-
-    def stage(self, folder: Path) -> None:
-        """Set the folder of the code: the submission's, or a copy if the agent's user could not read it."""
-        if os.getuid() == 0 and not host_python.is_world_readable(folder):
-            self._copy = Path(tempfile.mkdtemp(prefix="code-", dir=leftovers.own_folder()))
-            folder = readable_copy(folder, self._copy)
-        self.folder = folder
 
     def processes(self) -> list[int]:
         """Return the processes of the group. See ``AgentHandle.processes``."""
@@ -120,8 +113,7 @@ class CgroupHandle:
         if self.status is not None:
             os.close(self.status)
             self.status = None
-        if self._copy is not None:
-            shutil.rmtree(self._copy, ignore_errors=True)
+        await asyncio.to_thread(shutil.rmtree, self.private, ignore_errors=True)
 
 
 async def _await_start(agent: AgentProcess, handle: CgroupHandle) -> None:

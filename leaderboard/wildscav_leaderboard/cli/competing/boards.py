@@ -88,6 +88,8 @@ def _fill_ladder(table: "Table", board: "LadderBoard") -> None:
         # Before its first match an entrant has the rating with which all begin, which says nothing.
         rating = Text("" if row.rank is None else f"{row.rating:.0f}", "bold")
         interval = "" if row.rank is None else f"{row.low:.0f}–{row.high:.0f}"
+        if row.rank is not None and row.provisional:
+            interval += "\nprovisional"
         figures = (interval, str(row.wins), place)
         table.add_row(*_who(row), rating, *figures, *_counts(row))
 

@@ -55,8 +55,14 @@ def _of_match(client: "SeasonClient", match: int, seat: int | None) -> list[dict
 
 
 def _own_seats(client: "SeasonClient", match: int) -> list[int]:
-    team = client.me().team
-    seats = [one.seat for one in client.match(match).seats if team is not None and one.team == team.name]
+    """Return the seats whose logs the user may read: those of the user's team, or for organizers, all."""
+    me = client.me()
+    own = None if me.team is None else me.team.name
+    seats = [
+        one.seat
+        for one in client.match(match).seats
+        if one.team is not None and (me.role == "organizer" or one.team == own)
+    ]
     if not seats:
         raise UserError(f"your team has no seat in match {match}")
     return seats

@@ -57,7 +57,9 @@ def _table(found: "list[MatchView]", submission: int | None) -> "Table":
         outcomes = dict.fromkeys(texts.outcome(one, seat) for seat in own or one.seats[:1])
         entrants = ", ".join(dict.fromkeys(texts.who(seat) for seat in one.seats))
         table.add_row(
-            *texts.row(one.id, one.track, texts.state(one.state), texts.minute(one.since)),
+            *texts.row(
+                one.id, one.track, texts.state(one.state), texts.minute(one.since) if one.since else ""
+            ),
             *texts.row(entrants, ", ".join(filter(None, outcomes))),
         )
     return table
@@ -69,9 +71,9 @@ def _show(one: "MatchView", url: str) -> None:
     rows: dict[str, str | Text] = {
         "match": f"{one.id}: {one.track}, {one.kind}",
         "state": texts.state(one.state),
-        "since": f"{texts.moment(one.since)} UTC",
+        "since": f"{texts.moment(one.since)} UTC" if one.since else "",
         "what happened": one.detail,
-        "hidden": one.hidden or "",
+        "hidden": one.hidden or one.unseen or "",
         "page": f"{url}/matches/{one.id}",
         "watch it": "" if one.hidden else f"wildscav replay {one.id}",
     }

@@ -107,6 +107,7 @@ def show(one: "SubmissionView", url: str) -> None:
         "queue": texts.waiting(one),
         "deadline": "" if one.deadline is None else f"{texts.moment(one.deadline)} UTC",
         **{each.track: texts.standing(each) for each in one.progress},
+        **{f"{each.track}, all matches": texts.totals(each) for each in one.totals},
         "charged": "" if one.charged else "no",
         "page": f"{url}/submissions/{one.id}",
     }

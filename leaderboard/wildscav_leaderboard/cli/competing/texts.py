@@ -14,6 +14,7 @@ from wildscav_leaderboard.presentation.documents import (
     QuotaView,
     SeatView,
     SubmissionView,
+    TotalsView,
 )
 
 STATE_STYLES = {
@@ -115,6 +116,14 @@ def standing(one: ProgressView) -> str:
     return f"{one.played:,} of {counted(one.planned, 'match')} played"
 
 
+def totals(one: TotalsView) -> str:
+    """Return how a submission did in all matches of a suite, and how to find its faults."""
+    parts = [f"mean {one.score:.4g} in {counted(one.matches, 'match')}"]
+    parts += [f"{count} {name.replace('_', ' ')}" for name, count in one.faults.items()]
+    hint = f" (`wildscav evaluate DIR --track {one.track}` plays on public seeds)" if one.faults else ""
+    return ", ".join(parts) + hint
+
+
 def who(seat: SeatView) -> str:
     """Return who plays in a seat, as people read it."""
     return seat.team_title or seat.name
@@ -128,6 +137,6 @@ def figures(metrics: Mapping[str, float] | None) -> str:
 def outcome(match: MatchView, seat: SeatView) -> str:
     """Return how a match ended for a seat, as far as it is known."""
     if seat.status is None:
-        return "hidden" if match.state == "finished" and match.hidden else ""
+        return "hidden" if match.state == "finished" and match.unseen else ""
     status = "" if seat.status == "finished" and seat.metrics else seat.status
     return " · ".join(filter(None, (status, figures(seat.metrics))))

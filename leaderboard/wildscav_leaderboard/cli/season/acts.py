@@ -49,11 +49,11 @@ def _command(acts: list[Act]) -> Callable[..., None]:
             given[next(iter(act.fields))] = what
         _do(Season.open(folder), act, act.read(given))
 
-    first, *options = [_parameter(acts[0], name) for name in acts[0].fields] or [None]
+    taken = [_keyword("folder", SeasonFolder), *(_parameter(acts[0], name) for name in acts[0].fields)]
     if len(acts) > 1:
         texts = [str(next(iter(one.fields.values())).description) for one in acts]
-        first = _keyword("what", Annotated[str, typer.Argument(help=" or ".join(texts), show_default=False)])
-    taken = [_keyword("folder", SeasonFolder), *filter(None, [first]), *options]
+        argument = typer.Argument(help=" or ".join(texts), show_default=False)
+        taken[1] = _keyword("what", Annotated[str, argument])
     do.__signature__ = inspect.Signature(taken)  # type: ignore[attr-defined]
     do.__annotations__ = {one.name: one.annotation for one in taken}
     do.__doc__ = acts[0].help

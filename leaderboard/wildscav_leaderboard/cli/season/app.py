@@ -5,6 +5,7 @@ from typing import Any
 import typer
 from typer.core import TyperGroup
 
+from wildscav_leaderboard.cli.season.apply import apply
 from wildscav_leaderboard.cli.season.backups import backup, check, restore
 from wildscav_leaderboard.cli.season.demo import demo
 from wildscav_leaderboard.cli.season.export import export
@@ -41,5 +42,5 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for function in (demo, init, serve, status, finalize, export, backup, restore, check):
+for function in (demo, init, serve, status, apply, finalize, export, backup, restore, check):
     app.command(function.__name__)(function)

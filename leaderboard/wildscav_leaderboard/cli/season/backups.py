@@ -56,11 +56,22 @@ def check(folder: SeasonFolder, as_json: AsJson = False) -> None:
     with _progress("files are checked") as on_progress:
         found = check_season(folder, on_progress)
     if as_json:
-        print_json({"passed": found.passed, "files": found.files, "problems": found.problems})
+        print_json(
+            {
+                "passed": found.passed,
+                "files": found.files,
+                "problems": found.problems,
+                "changes": found.changes,
+            }
+        )
     for problem in found.problems:
         error_console.print(problem, soft_wrap=True)
     if not found.passed:
         raise typer.Exit(1)
+    if found.changes and not as_json:
+        _say(
+            "\n".join([*found.changes, f"{command('wildscav')} season apply {folder} brings this into force"])
+        )
     if not as_json:
         _say(f"nothing is wrong: settings, secrets, database and {counted(found.files, 'file')}")
 

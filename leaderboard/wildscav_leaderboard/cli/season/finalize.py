@@ -29,6 +29,16 @@ def finalize(
     ] = 10,
     now: Annotated[bool, typer.Option("--now", help="End a season that is still open.")] = False,
     yes: Annotated[bool, typer.Option("--yes", help="With --now: do not ask.")] = False,
+    leave_out: Annotated[
+        list[int],
+        typer.Option(
+            help="A submission that is on no board although it takes part; may be repeated.",
+            show_default=False,
+        ),
+    ] = [],  # noqa: B006 (Typer's way)
+    reason: Annotated[
+        str, typer.Option(help="With --leave-out: why; everyone sees it.", show_default=False)
+    ] = "",
     out: Annotated[
         Path | None,
         typer.Option(
@@ -52,6 +62,8 @@ def finalize(
         database.upgrade()
         with database.writing() as session:
             finalizing.begin(session, season, command_line(), best, datetime.now(UTC), early=now)
+            if leave_out:
+                finalizing.leave_out(session, command_line(), leave_out, reason, datetime.now(UTC))
         _wait(season, database)
         console.print("the season is over: its boards are final, and its secrets are opened", soft_wrap=True)
         _publish(season, database, out or season.folder / PUBLISHED)

@@ -27,6 +27,7 @@ def serve(
     from wildscav_leaderboard.hosting.serve import CONDUCTOR, WEB
     from wildscav_leaderboard.hosting.serve import serve as run
     from wildscav_leaderboard.hosting.web_server import address_of
+    from wildscav_leaderboard.organizing.checking import check_rules
     from wildscav_leaderboard.seasons.folder import Season
 
     if log_format not in ("text", "json"):
@@ -41,6 +42,8 @@ def serve(
     if WEB in parts:
         changed = changed.model_copy(update={"port": check_port(changed.host, changed.port)})
     season = Season(season.folder, season.settings.model_copy(update={"web": changed}))
+    for line in check_rules(season):
+        console.print(line, soft_wrap=True, highlight=False, markup=False)
     if WEB in parts:
         console.print(f"{season.settings.title}: {address_of(season)} (Ctrl-C ends it)", soft_wrap=True)
     run(season, parts, "json" if log_format == "json" else "text")

@@ -65,6 +65,7 @@ def _table(title: str, one: "Status") -> Table:
         "submissions": _counted(one.submissions),
         "matches": _counted(one.matches),
         "waiting": _waiting(one.missing),
+        "not in force": "\n".join(one.changes),
         "faults in a day": f"{len(one.faults):,}",
     }
     for name, text in rows.items():

@@ -52,7 +52,8 @@ def recorded(path: Path, *submissions: object, logs: Path) -> Path:
     seats = ("submission",) * len(submissions) + ("fighter",)
     spec = MatchSpec(track="battle", map=MAP, seats=seats, time_limit=2.0)
     places = tuple(logs / f"{number}.log" for number in range(len(submissions)))
-    seating = Seating(spec, submissions, places)  # type: ignore[arg-type]
+    seeds = tuple(range(4, 4 + len(submissions)))  # as an evaluation tells them
+    seating = Seating(spec, submissions, places, seeds=seeds)  # type: ignore[arg-type]
     logs.mkdir(exist_ok=True)
     played = asyncio.run(play_match(seating))
     write_record(path, played.match, seating.names)

@@ -120,7 +120,7 @@ def _deliver(session: Any, match: Any, entrant: str, record: Path, now: datetime
     timing = MatchTiming(
         submission=None, track="battle", index=0, started=0.0, wall=1.0, steps=20, seats=(_TIMING,)
     )
-    stored = PlayedRecord(file_digest(record), record.stat().st_size, "conditions")
+    stored = PlayedRecord(file_digest(record), record.stat().st_size)
     deliver(session, match, None, row, timing, stored, metric_infos("battle")[0], now)
 
 

@@ -5,6 +5,8 @@ import json
 from tests.leaderboard.cli.competing.season_site import Competitor
 
 from wildscav_engine.record import read_record
+from wildscav_leaderboard.accounts.models import ORGANIZER
+from wildscav_leaderboard.accounts.service import find_account
 
 
 def test_the_matches_of_a_submission_are_listed_with_their_outcomes(competitor: Competitor) -> None:
@@ -42,6 +44,12 @@ def test_logs_are_for_the_own_team_and_control_no_terminal(competitor: Competito
         refused = competitor.run("logs", *arguments)
         assert refused.returncode == 1
         assert "your team has no" in refused.stderr
+
+    with competitor.site.database.writing() as session:
+        account = find_account(session, "carol")
+        assert account is not None
+        account.role = ORGANIZER
+    assert competitor.run("logs", "--match", match).stdout == done.stdout
 
 
 def test_a_match_is_replayed_by_its_number(competitor: Competitor) -> None:

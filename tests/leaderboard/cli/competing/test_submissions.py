@@ -71,7 +71,7 @@ def test_the_seasons_refusals_are_told_in_one_line(competitor: Competitor) -> No
     competitor.submitted("walker")
     same = competitor.run("submit", "walker")
     assert (same.returncode, same.stderr.count("\n")) == (1, 1)
-    assert "has the same content and is submitted: nothing was submitted or charged" in same.stderr
+    assert "has the same content on battle and is submitted: nothing was submitted or charged" in same.stderr
     write_agent(competitor.folder, "royal", tracks='["royale"]')
     assert (
         "plays royale, and the season has only navigation, battle" in competitor.run("submit", "royal").stderr
@@ -182,5 +182,5 @@ def test_a_ladder_that_waits_for_teams_says_so(competitor: Competitor) -> None:
     assert "its ladder" not in competitor.run("submissions", number).stdout
     competitor.site.move(number, "queued", "building", "validating", "active")
     shown = competitor.run("submissions", number).stdout
-    assert re.search(r"battle +0 of 40 matches played", shown)
+    assert re.search(r"battle +0 of 100 matches played", shown)
     assert re.search(r"team +Swans \(swans\)", shown)

@@ -56,14 +56,14 @@ def filled_season(tmp_path: Path) -> Season:
         announce(Doing(session, season, "anna", NOON), "Welcome", "with “quotes”,\nlines and a \\ in it")
         one = submitted(session, season, "foxes", write_agent(tmp_path, "walker"))
         plan_suites(session, season, one, NOON)
-        (match,) = next_matches(session, ["navigation"], 1)
+        (match,) = next_matches(session, {"navigation": None}, 1)
         metrics = {metric.name: 0.1 + 0.2 for metric in metric_infos("navigation")}
         seat = SeatRow(seat=0, submission=one.entrant, status="finished", metrics=metrics)
         row = MatchRow.of(match.number, (seat,), "records/one.wsr")
         timing = MatchTiming(
             submission=None, track="navigation", index=0, started=0.0, wall=1.0, steps=1, seats=()
         )
-        played = PlayedRecord(DIGEST, len(RECORD), "conditions")
+        played = PlayedRecord(DIGEST, len(RECORD))
         deliver(session, match, None, row, timing, played, metric_infos("navigation")[0], NOON)
         path = season.match_folder(match.id) / "records" / "one.wsr"
     path.parent.mkdir(parents=True)

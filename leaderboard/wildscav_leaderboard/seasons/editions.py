@@ -1,0 +1,126 @@
+"""Editions: the rules under which a track is played, each immutable and known by its digest.
+
+Everything that decides whether two results can be compared belongs to an edition. A match is planned, played
+and counted under one edition. A change of the settings, of the engine or of the sandbox makes another
+edition, which comes into force only when the organizers apply it (``conductor/editions.py``).
+"""
+
+import hashlib
+from datetime import datetime
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict
+from sqlalchemy import JSON, UniqueConstraint
+from sqlalchemy.orm import Mapped, mapped_column
+
+from wildscav_evaluator.output.results import KeptLimits, MetricInfo
+from wildscav_evaluator.output.versions import CURRENT_VERSIONS, Versions
+from wildscav_evaluator.suites.suite import Suite
+from wildscav_evaluator.suites.suite_file import find_suite, parse_suite
+from wildscav_leaderboard.database.base import Base
+from wildscav_leaderboard.seasons.settings import Mode, TrackSettings
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Conditions(_Part):
+    """What results depend on besides the submissions. Only results with equal conditions share a board."""
+
+    versions: Versions
+    suite: str
+    suite_digest: str | None = None  # SHA-256 of the file of an organizer's own suite
+    mode: Mode = "suite"
+    rounds: int
+    seats: int = 1  # entrants in a match
+    robots: tuple[str, ...] = ()  # that take part as entrants
+    commitment: str  # SHA-256 of the secret from which the matches follow
+    sandbox: str
+    limits: KeptLimits
+
+
+def digest_of(conditions: Conditions) -> str:
+    """Return a digest of conditions, 32 hexadecimal digits; equal conditions have equal ones."""
+    return blake2b(conditions.model_dump_json().encode(), digest_size=16).hexdigest()
+
+
+class Edition(_Part):
+    """The rules of a track, and what follows from them."""
+
+    settings: TrackSettings  # those that ``DECIDING`` does not name may change within an edition
+    suite_file: str | None  # the file of an organizer's own suite
+    conditions: Conditions
+    final_commitment: str  # to the secret of the matches that decide the season
+    matches: int  # of the suite, in all rounds
+    metrics: tuple[MetricInfo, ...]  # the first is the score
+
+    @property
+    def final(self) -> Conditions:
+        """The conditions of the matches that decide the season."""
+        return self.conditions.model_copy(update={"commitment": self.final_commitment})
+
+    def suite(self) -> Suite:
+        """Return its suite.
+
+        Raises:
+            UserError: It is not installed here.
+        """
+        if self.suite_file is None:
+            return find_suite(self.settings.suite)
+        return parse_suite(Path(self.settings.suite), self.suite_file.encode())
+
+    def obstacle(self, sandbox: str) -> str:
+        """Return why its matches cannot be played here and now; an empty text if they can."""
+        made, now = self.conditions.versions, CURRENT_VERSIONS
+        if made != now:
+            return f"they belong to {made}, and this is {now}"
+        if self.conditions.sandbox != sandbox:
+            return f"they belong to the sandbox {self.conditions.sandbox}, and this is {sandbox}"
+        if self.suite_file is None and find_suite(self.settings.suite).label != self.conditions.suite:
+            return f"they belong to the suite {self.conditions.suite}, which is not installed here"
+        return ""
+
+
+DECIDING = ("mode", "suite", "rounds", "seats", "robots")  # settings of a track that belong to its edition
+
+
+def changes_between(track: str, before: Edition, after: Edition) -> list[str]:
+    """Return in what an edition differs from another one, in words.
+
+    What a suite's file says of other tracks, or in comments, is no difference.
+    """
+    old, new = before.conditions.model_dump(mode="json"), after.conditions.model_dump(mode="json")
+    del new["suite_digest"]
+    files = before.suite_file, after.suite_file
+    if None not in files and len({one.suite().fingerprints[track] for one in (before, after)}) == 1:
+        del new["suite"]
+    return [f"{name} {_shown(old[name])} → {_shown(new[name])}" for name in new if old[name] != new[name]]
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, dict):
+        return " ".join(f"{name} {one}" for name, one in value.items() if one is not None)
+    if isinstance(value, list):
+        return ", ".join(value) or "none"
+    return str(value)[:16]
+
+
+def sha256_of(source: bytes | None) -> str | None:
+    """Return the SHA-256 of the file of an organizer's own suite; None if the suite has none."""
+    return None if source is None else hashlib.sha256(source).hexdigest()
+
+
+class EditionRow(Base):
+    """An edition as it is stored. Rows are only added."""
+
+    __tablename__ = "editions"
+    __table_args__ = (UniqueConstraint("track", "digest"),)
+
+    id: Mapped[int] = mapped_column(primary_key=True, init=False)
+    track: Mapped[str]
+    digest: Mapped[str]  # of its conditions
+    created: Mapped[datetime]
+    document: Mapped[dict[str, Any]] = mapped_column(JSON, repr=False)  # an ``Edition``

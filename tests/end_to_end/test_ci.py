@@ -1,0 +1,82 @@
+"""What counts as a failure when `.ci/run` runs the tests, on a small folder of tests."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SCRIPT = Path(__file__).parents[2] / ".ci" / "tests"
+TESTS = """
+import os
+from pathlib import Path
+
+import pytest
+
+
+def fail_once(name):
+    if not Path(name).exists():
+        Path(name).touch()
+        raise RuntimeError("the first time")
+
+
+@pytest.fixture
+def shaky():
+    fail_once("of the fixture")
+
+
+def test_good():
+    pass
+
+
+@pytest.mark.parametrize("value", ["a b", "c::d"])
+def test_flaky(value):
+    fail_once(value)
+
+
+def test_of_a_flaky_fixture(shaky):
+    pass
+
+
+def test_bad():
+    assert "bad" not in os.environ["HAVE"], os.getpid()
+
+
+def test_that_crashes():
+    if "crash" in os.environ["HAVE"]:
+        os._exit(1)
+"""
+
+
+@pytest.mark.parametrize(
+    ("have", "code", "closing_lines", "flaky"),
+    [
+        ("", 0, ["2 failed, 3 passed, 1 error in", "3 passed in"], True),
+        ("bad", 1, ["3 failed, 2 passed, 1 error in", "1 failed, 3 passed in"], True),
+        ("crash", 1, ["3 failed, 2 passed, 1 error in"], False),  # which no second run makes up for
+    ],
+)
+def test_what_passes_alone_is_flaky_and_what_fails_twice_fails(
+    tmp_path: Path, have: str, code: int, closing_lines: list[str], flaky: bool
+) -> None:
+    (tmp_path / "pytest.ini").write_text("[pytest]\naddopts = -q -p xdist")
+    (tmp_path / "test_all.py").write_text(TESTS)
+
+    done = subprocess.run(
+        [sys.executable, SCRIPT, "-n", "1"],
+        capture_output=True,
+        cwd=tmp_path,
+        env=os.environ | {"HAVE": have, "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"},  # starts quickly
+        text=True,
+        timeout=120,
+    )
+
+    assert done.returncode == code, done.stdout
+    found = [line.rpartition(" ")[0] for line in done.stdout.splitlines() if line[:1].isdigit()]
+    assert found == closing_lines
+    named = tmp_path / "out" / "flaky-tests"
+    expected = ["test_flaky[a b]", "test_flaky[c::d]", "test_of_a_flaky_fixture"] if flaky else []
+    assert (named.read_text().splitlines() if named.exists() else []) == [
+        f"test_all.py::{name}" for name in expected
+    ]

@@ -1,0 +1,275 @@
+"""The rules of a season are versions: an edit shows its effect, waits to be applied, and empties no board."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from sqlalchemy import func, select
+from tests.leaderboard.conductor.conducted import Conducted
+from tests.leaderboard.seasons_made import make_season, team_with_member
+
+from wildscav.errors import UserError
+from wildscav_leaderboard.boards.documents import BoardDocument
+from wildscav_leaderboard.boards.kept import read_board
+from wildscav_leaderboard.boards.models import PUBLIC, audience_of
+from wildscav_leaderboard.boards.service import refresh
+from wildscav_leaderboard.conductor.editions import (
+    EditionChange,
+    apply_editions,
+    begin_editions,
+    edition_changes,
+)
+from wildscav_leaderboard.matches.models import FINISHED, VOID, WAITING, Match
+from wildscav_leaderboard.organizing import finalizing
+from wildscav_leaderboard.organizing.checking import check_rules
+from wildscav_leaderboard.seasons import state as season_state
+from wildscav_leaderboard.seasons.folder import SECRET_FILE, Season
+from wildscav_leaderboard.seasons.in_force import edition_numbers
+from wildscav_leaderboard.seasons.initial_files import COMMITMENTS_FILE, commitments_text
+from wildscav_leaderboard.seasons.models import AuditEntry
+from wildscav_leaderboard.seasons.refusals import RefusalError
+from wildscav_leaderboard.seasons.settings import SETTINGS_FILE
+
+
+@pytest.fixture
+def season(tmp_path: Path) -> Iterator[Conducted]:
+    """A season in which the foxes and the owls have played navigation."""
+    made = make_season(tmp_path / "season")
+    database = made.database()
+    database.upgrade()
+    conducted = Conducted(made, database)
+    with database.writing() as session:
+        for team in ("foxes", "owls"):
+            team_with_member(session, team)
+    conducted.take_over()
+    for team in ("foxes", "owls"):
+        conducted.active(team)
+    play(conducted)
+    yield conducted
+    database.close()
+
+
+def play(season: Conducted, score: float = 1.0) -> int:
+    """Play whatever waits and can be played, and bring the boards up to date; return how many matches."""
+    count = 0
+    while taken := season.take_matches(8):
+        for attempt, _ in taken:
+            season.wait(1)
+            assert season.played(attempt, score)
+        count += len(taken)
+    season.write(lambda session: refresh(session, season.season, season.now))
+    return count
+
+
+def edit(season: Conducted, file: str, old: str, new: str) -> list[EditionChange]:
+    """Edit a file, and start the season again."""
+    path = season.season.folder / file
+    assert old in path.read_text()
+    path.write_text(path.read_text().replace(old, new))
+    season.season = Season.open(season.season.folder)
+    return season.write(lambda session: begin_editions(session, season.season, season.now))
+
+
+def apply(season: Conducted) -> list[EditionChange]:
+    return season.write(lambda session: apply_editions(session, season.season, "anna", season.now))
+
+
+def board(season: Conducted, audience: str = PUBLIC) -> BoardDocument | None:
+    with season.database.reading() as session:
+        return read_board(session, "navigation", audience)
+
+
+def ranked(season: Conducted, audience: str = PUBLIC) -> list[tuple[str, int]]:
+    """The teams that have a rank, and their matches."""
+    found = board(season, audience)
+    return [] if found is None else [(row.team, row.matches) for row in found.rows if row.rank is not None]
+
+
+def counts(season: Conducted) -> dict[str, int]:
+    with season.database.reading() as session:
+        found = session.execute(select(Match.state, func.count()).group_by(Match.state))
+        return {state: count for state, count in found}  # noqa: C416
+
+
+EDITS = {
+    "the suite": ("tiny.toml", "time_limit = 4 }\n\n[tracks.battle]", "time_limit = 5 }\n\n[tracks.battle]"),
+    "rounds": (
+        SETTINGS_FILE,
+        'suite = "tiny.toml"\n\n[tracks.battle]',
+        'suite = "tiny.toml"\nrounds = 2\n\n[tracks.battle]',
+    ),
+    "limits": ("tiny.toml", "[tracks.battle]", 'limits = { memory = "128MiB" }\n\n[tracks.battle]'),
+    "the sandbox": (SETTINGS_FILE, 'sandbox = "process"', 'sandbox = "bubblewrap"'),
+}
+
+
+@pytest.mark.parametrize("what", EDITS)
+def test_an_edit_drops_nobody_until_it_is_applied(season: Conducted, what: str) -> None:
+    before = board(season)
+    assert ranked(season) == [("foxes", 2), ("owls", 2)]
+
+    change = edit(season, *EDITS[what])[0]
+
+    assert (change.track, change.entries) == ("navigation", 2)
+    assert "these 2 entries have to be judged again: about 4 seconds" in change.text or what == "rounds"
+    season.write(lambda session: refresh(session, season.season, season.now))
+    assert board(season) == before, "the old edition goes on"
+
+    old = season.write(edition_numbers)["navigation"]
+    apply(season)
+    season.write(lambda session: refresh(session, season.season, season.now))
+    assert ranked(season, audience_of(old)) == [("foxes", 2), ("owls", 2)], "old results stay on their board"
+    if what == "the sandbox":
+        return  # this process plays in another one
+    each = 4 if what == "rounds" else 2
+    assert play(season) == 2 * each
+    assert ranked(season) == [("foxes", each), ("owls", each)]
+    with season.database.reading() as session:
+        acts = session.scalars(select(AuditEntry).filter_by(act="apply")).all()
+    assert acts[0].subject.endswith(" of navigation")
+
+
+def test_matches_that_wait_are_played_by_the_edition_that_counts_them(season: Conducted) -> None:
+    season.active("foxes")
+    edit(season, *EDITS["the suite"])
+    taken = season.take_matches(1)
+    assert [match.spec["time_limit"] for _, match in taken] == [4], "that of the edition in force"
+    apply(season)
+    assert counts(season)[VOID] == 1, "what waited under the old edition is given up"
+    assert season.played(taken[0][0]), "what was being played ends"
+    (match,) = (season.match(match.id) for _, match in taken)
+    season.write(lambda session: refresh(session, season.season, season.now))
+    found = board(season, audience_of(match.edition_id or 0))
+    assert found is not None
+    assert sorted(row.matches for row in found.rows) == [2, 2], "each team's best one"
+    assert 3 in found.entered, "and counts where it was planned"
+    assert {match.spec["time_limit"] for _, match in season.take_matches(9)} == {5}
+
+
+def test_an_edit_that_is_undone_brings_the_old_results_back(season: Conducted) -> None:
+    before = ranked(season)
+    file, old, new = EDITS["the suite"]
+    edit(season, file, old, new)
+    apply(season)
+    edit(season, file, new, old)
+    apply(season)
+    assert play(season) == 0, "all of it was played before"
+    assert ranked(season) == before
+
+
+def test_rules_may_be_edited_freely_while_nobody_has_played(tmp_path: Path) -> None:
+    made = make_season(tmp_path / "season")
+    database = made.database()
+    database.upgrade()
+    season = Conducted(made, database)
+    season.take_over()
+    assert edit(season, *EDITS["the suite"]) == []
+    assert edit(season, *EDITS["rounds"]) == []
+    database.close()
+
+
+def test_a_comment_in_a_suite_and_rules_of_other_tracks_change_no_edition(season: Conducted) -> None:
+    assert edit(season, "tiny.toml", 'name = "tiny"', '# Our own suite.\nname = "tiny"') == []
+    assert edit(season, "tiny.toml", "[tracks.battle]\nmaps = 1", "[tracks.battle]\nmaps = 2") == []
+    assert season.write(edition_numbers)["navigation"] == 1
+
+
+def test_an_edition_that_cannot_be_played_here_waits_until_it_can(season: Conducted) -> None:
+    season.active("owls")
+    (navigation, *_) = edit(season, *EDITS["the sandbox"])
+    assert "2 matches of the edition in force wait until then" in navigation.text
+    assert "they belong to the sandbox process, and this is bubblewrap" in navigation.text
+    assert season.take_matches(8) == []
+    later = season.season.settings.closes
+
+    def finalize() -> finalizing.Progress:
+        with season.database.writing() as session:
+            finalizing.begin(session, season.season, "anna", 1, later, early=False)
+            return finalizing.advance(session, season.season, "anna", later)
+
+    with pytest.raises(RefusalError, match=r"matches of navigation wait \(runner-3\), and cannot be played"):
+        finalize()
+    file, old, new = EDITS["the sandbox"]
+    assert edit(season, file, new, old) == []
+    assert play(season) == 2
+
+
+def test_a_track_that_is_removed_goes_on_until_that_is_applied(season: Conducted) -> None:
+    season.active("foxes")
+    path = season.season.folder / SETTINGS_FILE
+    text = path.read_text()
+    track = text[text.index("[tracks.navigation]") : text.index("[tracks.battle]")]
+
+    (change,) = edit(season, SETTINGS_FILE, track, "")
+
+    assert change.text == (
+        "navigation is removed: its boards stay as they are; 2 matches of the edition in force are given up"
+    )
+    assert len(season.take_matches(1)) == 1
+    apply(season)
+    season.write(lambda session: refresh(session, season.season, season.now))
+    assert WAITING not in counts(season), "nothing waits for ever"
+    assert ranked(season) == [("foxes", 2), ("owls", 2)]
+
+
+def lose_a_match(season: Conducted) -> int:
+    """Let a match of the owls' newest submission be given up; return the submission."""
+    number = season.active("owls")
+    season.take_matches(1)
+    season.write(lambda session: give_up(session.scalars(select(Match).where(Match.state != FINISHED)).all()))
+    return number
+
+
+def give_up(matches: object) -> None:
+    for match in matches:  # type: ignore[attr-defined]
+        match.state, match.deadline, match.detail = VOID, None, "given up"
+
+
+def test_a_season_does_not_end_while_somebody_would_drop_out(season: Conducted) -> None:
+    number, later = lose_a_match(season), season.season.settings.closes
+
+    def advance(*left_out: int) -> str:
+        with season.database.writing() as session:
+            finalizing.begin(session, season.season, "anna", 1, later, early=False)
+            if left_out:
+                finalizing.leave_out(session, "anna", left_out, "the disk of its host was lost", later)
+            return finalizing.advance(session, season.season, "anna", later).stage
+
+    with pytest.raises(RefusalError, match=rf"runner-{number} of owls \(0 of 2 matches of navigation\)"):
+        advance()
+    assert advance(number) == finalizing.DECIDING
+    with season.database.reading() as session:
+        (entry,) = session.scalars(select(AuditEntry).filter_by(act="leave out")).all()
+        assert (entry.subject, entry.detail) == (f"submission {number}", "the disk of its host was lost")
+    season.write(lambda session: refresh(session, season.season, season.now))
+    found = board(season)
+    assert found is not None
+    assert number not in found.entered
+
+
+def test_another_secret_is_refused_wherever_it_would_be_used(season: Conducted) -> None:
+    folder = season.season.folder
+    secrets = [(folder / name).read_bytes() for name in (SECRET_FILE, "final-secret.txt")]
+    (folder / COMMITMENTS_FILE).write_text(commitments_text(*secrets))
+    assert check_rules(season.season) == []
+    (folder / SECRET_FILE).write_bytes(secrets[1])
+    other = Season.open(folder)
+    with pytest.raises(UserError, match="the secrets do not have the commitments"):
+        check_rules(other)
+    with season.database.writing() as session:
+        with pytest.raises(RefusalError, match="the secrets do not have the commitments"):
+            finalizing.begin(session, other, "anna", 1, season.season.settings.closes, early=False)
+        with pytest.raises(RefusalError, match="whose commitments were published"):
+            edition_changes(session, other)
+
+
+def test_nothing_can_be_applied_once_final_matches_are_played(season: Conducted) -> None:
+    with pytest.raises(RefusalError, match="there is nothing to apply"):
+        apply(season)
+    season.write(
+        lambda session: season_state.write_state(
+            session, season_state.FINALIZING, {"at": "", "best": 1, "field": {}}, season.now
+        )
+    )
+    with pytest.raises(RefusalError, match="no rule may change now"):
+        apply(season)
