@@ -16,7 +16,7 @@ from wildscav.server.hosting.observations import match_info
 from wildscav.server.hosting.reports import MatchOutcome, SeatStatus
 from wildscav.server.hosting.seat import Seat
 from wildscav.server.hosting.seat_clock import SeatClock
-from wildscav.server.hosting.time_limits import Clock
+from wildscav.server.hosting.time_limits import Clock, WaitMeter
 from wildscav.wire.errors import RefusalError
 from wildscav.wire.matches import decode_sdk, encode_match_info, encode_seat_result
 
@@ -94,8 +94,14 @@ class HostedMatch:
         """The task that plays the match."""
         return self._task
 
-    def launched(self, seat: int) -> None:
-        """Note that a seat's agent has been started. Its start-up time begins now."""
+    def launched(self, seat: int, meter: WaitMeter | None = None) -> None:
+        """Note that a seat's agent has been started. Its start-up time begins now.
+
+        Args:
+            seat: The seat.
+            meter: Measures for how long the machine has no processor for the agent, which its bank does not pay.
+        """
+        self._seats[seat].meter = meter
         self._launched[seat] = time.perf_counter()
         if len(self._launched) == len(self._seats):
             self._all_launched.set()
@@ -274,11 +280,6 @@ class HostedMatch:
         if seat.bank.used_up:
             seat.set_outcome(
                 SeatStatus.TIMED_OUT,
-                f"its time bank was used up, and step {seat.late[0]} was the first without its answer: "
+                f"its time bank was used up, and step {seat.first_late} was the first without its answer: "
                 f"{own} of {steps} steps were played with an answer of its own",
-            )
-        elif seat.conduct.late_steps:
-            seat.set_outcome(
-                SeatStatus.FINISHED,
-                f"the match had no more time to wait: {own} of {steps} steps were played with its answer",
             )
