@@ -78,9 +78,8 @@ class SessionHandle:
 
     session: int | None = None
 
-    def processes(self) -> list[int]:
-        """Return the first process, which runs the agent. See ``AgentHandle.processes``."""
-        return [] if self.session is None else [self.session]
+    def meter(self) -> None:
+        """Return that waits cannot be measured, because nothing tells apart its own from those for others."""
 
     async def kill(self) -> None:
         """Kill the session. See ``AgentHandle.kill``."""

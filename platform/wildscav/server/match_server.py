@@ -19,8 +19,8 @@ from wildscav.server.hosting.precompile import precompile
 from wildscav.server.hosting.reports import SeatStatus
 from wildscav.server.hosting.seat import Seat, parse_sensors
 from wildscav.server.hosting.seat_clock import SeatClock
-from wildscav.server.hosting.time_limits import Clock, TimeBank
 from wildscav.server.server_metrics import ServerMetrics
+from wildscav.time_limits import Clock, TimeBank
 from wildscav.wire.errors import ProtocolRefusalError, RefusalError
 
 if TYPE_CHECKING:

@@ -19,10 +19,11 @@ from wildscav_evaluator.sandbox.agents.agent_process import (
     python_command,
     start_process,
 )
+from wildscav_evaluator.sandbox.agents.processor_waits import GroupMeter
 from wildscav_evaluator.sandbox.agents.readable_copies import readable_copy
 from wildscav_evaluator.sandbox.base import Launch, MemoryKill, Promise, SandboxError
 from wildscav_evaluator.sandbox.limits import Limits
-from wildscav_evaluator.sandbox.linux.cgroup import AgentGroup, find_version
+from wildscav_evaluator.sandbox.linux.cgroup import AgentGroup, find_version, meter_of
 from wildscav_evaluator.sandbox.linux.seccomp import bpf_filter
 from wildscav_evaluator.sandbox.linux.users import agent_user
 
@@ -102,9 +103,9 @@ class CgroupHandle:
             folder = readable_copy(folder, self._copy)
         self.folder = folder
 
-    def processes(self) -> list[int]:
-        """Return the processes of the group. See ``AgentHandle.processes``."""
-        return self.group.members()
+    def meter(self) -> GroupMeter | None:
+        """Return what measures the waits of the group. See ``AgentHandle.meter``."""
+        return meter_of(self.group.counted)
 
     async def kill(self) -> None:
         """Kill the group. See ``AgentHandle.kill``."""

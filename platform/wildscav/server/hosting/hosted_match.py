@@ -16,7 +16,7 @@ from wildscav.server.hosting.observations import match_info
 from wildscav.server.hosting.reports import MatchOutcome, SeatStatus
 from wildscav.server.hosting.seat import Seat
 from wildscav.server.hosting.seat_clock import SeatClock
-from wildscav.server.hosting.time_limits import Clock, WaitMeter
+from wildscav.time_limits import Clock, WaitMeter
 from wildscav.wire.errors import RefusalError
 from wildscav.wire.matches import decode_sdk, encode_match_info, encode_seat_result
 
@@ -94,14 +94,12 @@ class HostedMatch:
         """The task that plays the match."""
         return self._task
 
-    def launched(self, seat: int, meter: WaitMeter | None = None) -> None:
-        """Note that a seat's agent has been started. Its start-up time begins now.
-
-        Args:
-            seat: The seat.
-            meter: Measures for how long the machine has no processor for the agent, which its bank does not pay.
-        """
+    def measure(self, seat: int, meter: WaitMeter) -> None:
+        """Credit a seat's bank from now on with its agent's waits for a processor."""
         self._seats[seat].meter = meter
+
+    def launched(self, seat: int) -> None:
+        """Note that a seat's agent has been started. Its start-up time begins now."""
         self._launched[seat] = time.perf_counter()
         if len(self._launched) == len(self._seats):
             self._all_launched.set()

@@ -22,7 +22,7 @@ from wildscav.proto.match_pb2 import Action
 from wildscav.server.hosting.observations import SeatObservations
 from wildscav.server.hosting.seat import Seat
 from wildscav.server.hosting.seat_clock import SeatClock
-from wildscav.server.hosting.time_limits import Clock
+from wildscav.time_limits import Clock
 from wildscav.wire.actions import ACTION_FIELDS, decode_action
 from wildscav.wire.observations import encode_observation
 
@@ -129,10 +129,10 @@ class Lockstep:
         """Charge a seat for the open step, and return whether it had enough time."""
         elapsed = now - self._asked_at(seat)
         seat.times.append(max(0.0, elapsed - seat.sensor_time) if seat.asked == self._step else elapsed)
-        if elapsed <= self._clock.step_budget:
-            return True
-        in_time = seat.bank.charge(elapsed, seat.waited())
-        seat.begin_waiting()  # no wait is credited twice, even if the seat owes this answer in further steps
+        beyond = elapsed > self._clock.step_budget
+        in_time = seat.bank.charge(elapsed, seat.waited() if beyond else 0.0)
+        if beyond:
+            seat.begin_waiting()  # no wait counts twice, even if the seat owes this answer in further steps
         return in_time
 
     def _count_late(self, seat: Seat) -> None:

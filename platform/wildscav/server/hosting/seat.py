@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from wildscav.errors import SensorError
 from wildscav.proto.match_pb2 import SeatConduct
 from wildscav.server.hosting.reports import Conduct, SeatReport, SeatStatus, ThinkTime
-from wildscav.server.hosting.time_limits import TimeBank, WaitMeter
+from wildscav.time_limits import TimeBank, WaitMeter
 from wildscav.wire.errors import RefusalError
 from wildscav.wire.matches import encode_conduct
 

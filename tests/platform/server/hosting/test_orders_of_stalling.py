@@ -17,13 +17,13 @@ from wildscav.server import Clock
 from wildscav.server.hosting.lockstep import Lockstep
 from wildscav.server.hosting.seat import Seat
 from wildscav.server.hosting.seat_clock import SeatClock
-from wildscav.server.hosting.time_limits import TimeBank
+from wildscav.time_limits import TimeBank
 from wildscav_engine.simulation.match import Match
 
 STEPS, BUDGET, BANK = 4, 1 / 16, 1 / 4  # s; sums of powers of two, so that times are exact
 CLOCK = Clock(step_budget=BUDGET, time_bank=BANK)
 NEVER = 1000.0  # s beyond the budget
-# How long beyond its budget a seat takes in each step: its whole bank in one, a part of it in each, or for ever.
+# How long beyond its budget a seat takes in each step: its bank in one, a part of it in each, or for ever.
 WAYS = (
     *(tuple(BANK - HOP if step == at else 0.0 for step in range(STEPS)) for at in range(STEPS)),
     (BANK / STEPS - HOP,) * STEPS,
@@ -45,7 +45,7 @@ class Waits:
 
 
 def play(ways: Sequence[Sequence[float]], waits: Sequence[float] = ()) -> tuple[list[Seat], float]:
-    """Play a match in which each seat takes its time in its way; return the seats and how long it lasted, s."""
+    """Play a match in which each seat takes its time in its way; return the seats and its length, s."""
     loop = HandSetLoop()
 
     async def run() -> tuple[list[Seat], float]:
@@ -119,4 +119,6 @@ def test_an_agent_that_never_gets_a_processor_does_not_hold_the_match_up_for_eve
     (starved, _), seconds = play((WAYS[5], WAYS[4]), waits=(1.0, 0.0))
 
     assert starved.bank.used_up
-    assert seconds <= STEPS * BUDGET + 3 * BANK + 2 * HOP * STEPS  # two banks, and as much as one was credited
+    assert (
+        seconds <= STEPS * BUDGET + 3 * BANK + 2 * HOP * STEPS
+    )  # two banks, and as much as one was credited

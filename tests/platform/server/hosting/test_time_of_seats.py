@@ -117,7 +117,10 @@ def test_the_first_step_without_an_answer_is_named(tmp_path: Path) -> None:
                 await clock.pass_time(TURN + BANK if step == 1 else TURN)
         asleep, awake = (await hosted.finished()).seats.values()
         assert asleep.late_steps == 19
-        assert (asleep.detail.startswith("its time bank was used up, and step 1 was the first"), awake.detail) == (True, "")
+        assert (
+            asleep.detail.startswith("its time bank was used up, and step 1 was the first"),
+            awake.detail,
+        ) == (True, "")
 
     serving_by_hand(tmp_path, play)
 

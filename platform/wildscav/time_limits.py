@@ -1,10 +1,10 @@
 """The time limits of a match's seats.
 
 A seat has a budget for each step, and a bank of its own for the whole match that pays for time beyond the
-budgets. Once the bank is used up, an answer that does not arrive within the budget is late: the step is played
-without it. What one seat spends never shortens another's bank, because seats may spend theirs in turn: a match
-lasts at most the time to join, the budgets of its steps and the banks of all seats. An organizer who wants
-shorter matches sets the longest time, and every bank is made smaller alike.
+budgets. Once the bank is used up, an answer that does not arrive within the budget is late: the step is
+played without it. What one seat spends never shortens another's bank. Seats may spend theirs in turn, so a
+match lasts at most the time to join, the budgets of its steps and the banks of all seats. An organizer who
+wants shorter matches sets the longest time, and every bank is made smaller alike.
 
 Time in which the machine had no processor for an agent, because of others' work, is credited: the bank does
 not pay for it. The credits of a seat are at most as much as its bank held at the start, so that every match

@@ -1,11 +1,10 @@
 """The clock of a seat, and how long a match may last by it."""
 
 import pytest
-
 from tests.platform.helpers.seats import small_spec
 
 from wildscav.server import Clock
-from wildscav.server.hosting.time_limits import MARGIN, TimeBank
+from wildscav.time_limits import MARGIN, TimeBank
 
 
 @pytest.mark.parametrize(
