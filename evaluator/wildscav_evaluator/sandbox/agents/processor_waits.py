@@ -1,103 +1,138 @@
-"""How long an agent's processes were ready to run and had no processor: the machine's fault, not theirs.
+"""How long an agent was ready to run and had no processor because of others: a lower bound.
 
-Linux counts for every thread how long it ran and how long it waited for a processor, in
-``/proc/PID/schedstat``. This module uses the main thread of the process that waited longest. Waits that the
-agent causes itself do not count: the time that its other threads ran, for which the main thread may have
-waited, and times in which the agent used all the processor time that its limit allows.
+Linux counts for every thread how long it ran and how long it waited for a processor
+(``/proc/PID/schedstat``), and for a control group how much processor time all its threads used, children that
+have ended included, and how long its own limit held them back. While a thread waits, a processor runs
+another thread of the agent, or somebody else's, or the agent's limit holds it back. So what is left of its
+wait without the time that the agent's other threads ran, and without the time that its limit held it back,
+is the work of others. Threads or children that compete with each other, or with the limit, earn nothing.
+
+The main threads of the agent's first processes are measured, and the one that waited longest counts.
 """
 
 import asyncio
-import contextlib
 import os
 import time
-from bisect import bisect_right
-from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
-INTERVAL = 0.25  # s between two samples
-USED_UP = 0.9  # share of its limit on processor time from which an agent's waits are its own fault
-TICKS = os.sysconf("SC_CLK_TCK") if hasattr(os, "sysconf") else 100  # per second, in a process's times
-
-
-class Sample(NamedTuple):
-    """The kernel's counters of one process."""
-
-    main_ran: float  # s, its main thread
-    main_waited: float  # s, its main thread
-    ran: float  # s, all threads
+INTERVAL = 0.25  # s between two looks for new processes
+MOST_PROCESSES = 8  # that are measured, so that an agent with many costs the event loop no more time
+LONGEST_FILE = 4096  # bytes, of one of the kernel's files of counters
 
 
-class WaitMeter:
-    """Samples one agent's processes, and computes how long they waited for a processor.
+class Group(Protocol):
+    """A control group that counts what its processes use."""
 
-    Args:
-        processes: Returns the current numbers of the agent's processes.
-        cpus: Cores' worth of processor time that the agent may use.
-    """
+    counters: tuple[Path, ...]  # its files of counters
 
-    def __init__(self, processes: Callable[[], Iterable[int]], cpus: float) -> None:
-        self._processes, self._cpus = processes, cpus
-        self._last: dict[int, Sample] = {}
-        self._times = [time.monotonic()]
-        self._waited = [0.0]  # s in total, at those times
+    def members(self) -> list[int]:
+        """Return its processes."""
+        ...
 
-    async def run(self) -> None:
-        """Take samples until cancelled."""
-        while True:
-            self.take()
-            await asyncio.sleep(INTERVAL)
-
-    def take(self) -> None:
-        """Take a sample."""
-        now = time.monotonic()
-        samples = {process: sample for process in self._processes() if (sample := take_sample(process))}
-        grown = [
-            Sample(*(new - old for new, old in zip(sample, self._last[process], strict=True)))
-            for process, sample in samples.items()
-            if process in self._last
-        ]
-        self._last = samples
-        seconds = now - self._times[-1]
-        self._times.append(now)
-        self._waited.append(self._waited[-1] + self._processor_wait(grown, seconds))
-
-    def _processor_wait(self, grown: list[Sample], seconds: float) -> float:
-        """Return for how long since the last sample the machine had no processor for the agent, s."""
-        ran = sum(sample.ran for sample in grown)
-        if not grown or ran >= USED_UP * self._cpus * seconds:
-            return 0.0
-        longest = max(grown, key=lambda sample: sample.main_waited)
-        others = max(0.0, ran - longest.main_ran)
-        return min(seconds, max(0.0, longest.main_waited - others))
-
-    def waited(self, start: float, end: float) -> float:
-        """Return how long the agent waited for a processor between two moments, s.
+    def used(self, contents: list[bytes]) -> tuple[float, float]:
+        """Return how long its threads ran, and how long its limit held it back, s.
 
         Args:
-            start: By the monotonic clock.
-            end: By the same clock.
+            contents: Of the files of counters.
         """
-        return self._until(end) - self._until(start)
-
-    def _until(self, moment: float) -> float:
-        """Return how long it had waited up to a moment, s, interpolated linearly between samples."""
-        after = bisect_right(self._times, moment)
-        if after in (0, len(self._times)):
-            return self._waited[0 if after == 0 else -1]
-        before, share = after - 1, 0.0
-        if self._times[after] > self._times[before]:
-            share = (moment - self._times[before]) / (self._times[after] - self._times[before])
-        return self._waited[before] + share * (self._waited[after] - self._waited[before])
+        ...
 
 
-def take_sample(process: int) -> Sample | None:
-    """Return the kernel's counters of a process; None if it is gone, or the kernel does not count."""
-    with contextlib.suppress(OSError, ValueError, IndexError):
-        folder = Path(f"/proc/{process}")
-        ran, waited, _ = (folder / "schedstat").read_text("ascii").split()
-        # "pid (name) state …"; the name may hold spaces and brackets.
-        fields = (folder / "stat").read_text("utf-8", "replace").rpartition(")")[2].split()
-        user, system = int(fields[11]), int(fields[12])
-        return Sample(int(ran) / 1e9, int(waited) / 1e9, (user + system) / TICKS)
-    return None
+class Reading(NamedTuple):
+    """The kernel's counters at one moment, s."""
+
+    when: float
+    ran: float  # all threads
+    held_back: float  # by the agent's own limit
+    leaders: dict[int, tuple[float, float]]  # how long the main thread of each process ran, and waited
+
+
+class GroupMeter:
+    """Measures the waits of an agent in a control group. See ``wildscav.time_limits.WaitMeter``.
+
+    It keeps the kernel's files open, because opening them takes longer than reading them.
+
+    Args:
+        group: The agent's control group.
+
+    Raises:
+        OSError: The group does not count.
+    """
+
+    def __init__(self, group: Group) -> None:
+        self._group = group
+        self._since: Reading | None = None
+        self._files: dict[int, int] = {}  # of processes, by their numbers
+        self._counters: list[int] = []
+        try:
+            self._counters += [os.open(path, os.O_RDONLY) for path in group.counters]
+            self._since = self._read()
+        except (OSError, ValueError, KeyError) as error:
+            self.close()
+            raise OSError(f"the control group does not count: {error}") from error
+
+    async def run(self) -> None:
+        """Look for new processes until cancelled."""
+        try:
+            while True:
+                self.find_processes()
+                await asyncio.sleep(INTERVAL)
+        finally:
+            self.close()
+
+    def find_processes(self) -> None:
+        """Measure new processes of the group, too."""
+        for process in self._group.members():
+            if len(self._files) >= MOST_PROCESSES:
+                break
+            if process not in self._files:
+                try:
+                    self._files[process] = os.open(f"/proc/{process}/schedstat", os.O_RDONLY)
+                except OSError:  # it is gone, or the kernel does not count
+                    continue
+
+    def close(self) -> None:
+        """Close all files; nothing more is measured."""
+        for file in (*self._files.values(), *self._counters):
+            os.close(file)
+        self._files.clear()
+        self._counters.clear()
+
+    def start(self) -> None:
+        """Begin to measure from now on."""
+        self._since = self._read_or_none()
+
+    def waited(self) -> float:
+        """Return for how long others kept the agent from running since the start, s; a lower bound."""
+        since, now = self._since, self._read_or_none()
+        return 0.0 if since is None or now is None else waited_for_others(since, now)
+
+    def _read_or_none(self) -> Reading | None:
+        try:
+            return self._read() if self._counters else None
+        except (OSError, ValueError, KeyError):  # the group is gone
+            return None
+
+    def _read(self) -> Reading:
+        when, leaders = time.monotonic(), {}
+        for process, file in list(self._files.items()):
+            try:
+                ran, waited, _ = os.pread(file, LONGEST_FILE, 0).split()
+            except OSError:  # it has ended
+                os.close(self._files.pop(process))
+            else:
+                leaders[process] = (int(ran) / 1e9, int(waited) / 1e9)
+        used = self._group.used([os.pread(file, LONGEST_FILE, 0) for file in self._counters])
+        return Reading(when, *used, leaders)
+
+
+def waited_for_others(since: Reading, now: Reading) -> float:
+    """Return for how long others kept an agent from running between two readings, s; a lower bound."""
+    ran, longest = now.ran - since.ran, 0.0
+    for process, (leader_ran, leader_waited) in now.leaders.items():
+        if process in since.leaders:
+            before = since.leaders[process]
+            others = max(0.0, ran - (leader_ran - before[0]))  # the agent's other threads
+            longest = max(longest, leader_waited - before[1] - others)
+    return min(now.when - since.when, max(0.0, longest - (now.held_back - since.held_back)))
