@@ -7,8 +7,7 @@ match lasts at most the time to join, the budgets of its steps and the banks of 
 wants shorter matches sets the longest time, and every bank is made smaller alike.
 
 Time in which the machine had no processor for an agent, because of others' work, is credited: the bank does
-not pay for it. The credits of a seat are at most as much as its bank held at the start, so that every match
-ends.
+not pay for it. No more than one budget is credited in a step, so that every match ends.
 """
 
 from dataclasses import dataclass, replace
@@ -65,7 +64,7 @@ class Clock:
 
     def deadline(self, spec: "MatchSpec") -> float:
         """Return after how long a match hangs that has not ended, s, with all that may be credited."""
-        return self.bound(spec) + self.fitted(spec).time_bank * _seats(spec) + MARGIN
+        return self.bound(spec) + spec.step_limit * self.step_budget + MARGIN
 
 
 def _seats(spec: "MatchSpec") -> int:
@@ -90,10 +89,10 @@ class WaitMeter(Protocol):
 class TimeBank:
     """The time bank of one seat."""
 
-    __slots__ = ("_budget", "_most_credit", "_used_up", "credited", "left")
+    __slots__ = ("_budget", "_used_up", "credited", "left")
 
     def __init__(self, clock: Clock) -> None:
-        self._budget, self._most_credit = clock.step_budget, clock.time_bank
+        self._budget = clock.step_budget
         self.left = clock.time_bank  # s
         self.credited = 0.0  # s beyond budgets for which it did not pay
         self._used_up = False
@@ -104,7 +103,7 @@ class TimeBank:
         Args:
             waited: s of it in which the machine had no processor for the agent.
         """
-        return self._budget + self.left + min(waited, self._most_credit - self.credited)
+        return self._budget + self.left + min(waited, self._budget)
 
     @property
     def used_up(self) -> bool:
@@ -121,7 +120,7 @@ class TimeBank:
         over = elapsed - self._budget
         if over <= 0.0:
             return True
-        credit = min(over, waited, self._most_credit - self.credited)
+        credit = min(over, waited, self._budget)
         self.credited += credit
         over -= credit
         if over > self.left:

@@ -31,8 +31,8 @@ def wait(watchdog: Watchdog, seconds: float) -> str:
         ([], 360, "before the first step"),
         ([Heartbeat(0, 0)], 360, "before the first step"),
         ([Heartbeat(500, 100), AttemptFailed("no memory")], 360, "before the first step"),
-        # 0.1 s for a step, 30 s of bank, and as much that may be credited.
-        ([Heartbeat(500, 1_100)], 150, "after step 1,100"),
+        # 0.1 s for a step, as much that may be credited, and 30 s of bank.
+        ([Heartbeat(500, 1_100)], 120, "after step 1,100"),
         # A match of ten minutes.
         ([Heartbeat(500, 100), RenderingReplay()], 900, "while it rendered the replay"),
     ],
