@@ -79,7 +79,7 @@ class ShortMatch(Match):
 
 
 class _EmptyBanks(Clock):
-    """The judge's clock, as agents are told it, but their banks are empty: no step waits beyond its budget."""
+    """The clock as agents are told it, but their banks are empty: no step waits beyond its budget."""
 
     def bank(self) -> TimeBank:
         """Return a bank that is used up."""
