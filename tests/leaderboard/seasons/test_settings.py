@@ -41,7 +41,7 @@ from wildscav_leaderboard.seasons.settings import SETTINGS_FILE, SettingsError
         (
             'mode = "ladder"',
             'mode = "ladder"\nwall_clock = 2',
-            "tracks.battle.wall_clock: a match cannot end within 2 s: the budgets of its 40 steps alone are 4 s",
+            "tracks.battle.wall_clock: a match cannot end within 2 s: the budgets of its 40 steps",
         ),
         ('robots = ["fighter"]', 'robots = ["figter"]', "tracks.battle.robots: 'figter' is none of "),
     ],

@@ -27,7 +27,6 @@ from wildscav_evaluator.sandbox.agents.agent_process import (
     python_command,
     start_process,
 )
-from wildscav_evaluator.sandbox.agents.processor_waits import GroupMeter
 from wildscav_evaluator.sandbox.agents.readable_copies import readable_copy
 from wildscav_evaluator.sandbox.base import Ending, Launch, MemoryKill, Promise, SandboxError
 from wildscav_evaluator.sandbox.containers.container_engine import (
@@ -60,6 +59,7 @@ from wildscav_evaluator.sandbox.linux.cgroup import group_of_process, meter_of
 from wildscav_evaluator.sandbox.linux.kernel_log import logged_kill
 from wildscav_evaluator.sandbox.linux.seccomp import container_profile
 from wildscav_evaluator.sandbox.linux.users import agent_user
+from wildscav_evaluator.sandbox.processor_waits import GroupMeter
 
 INIT = 1  # the container's init process, which reaps zombies
 MOST_PROCESSES = 32_768  # of a user; the limit that engines set themselves
