@@ -4,7 +4,7 @@ import asyncio
 
 from wildscav.server import HostedMatch, SeatStatus
 from wildscav_evaluator.sandbox import Ending, Launch, RunningAgent, Sandbox
-from wildscav_evaluator.sandbox.agents.processor_waits import INTERVAL
+from wildscav_evaluator.sandbox.processor_waits import INTERVAL
 
 METER_TRIES = 40  # to find the processes of a container, which start a moment later
 

@@ -8,8 +8,8 @@ from typing import Protocol
 
 from wildscav.errors import UserError
 from wildscav.time_limits import MARGIN
-from wildscav_evaluator.sandbox.agents.processor_waits import GroupMeter
 from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, Limits
+from wildscav_evaluator.sandbox.processor_waits import GroupMeter
 
 
 class SandboxError(UserError):

@@ -13,8 +13,8 @@ from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.agents import status_of
 from wildscav_evaluator.matches.play import MAX_ATTEMPTS, PlatformFaultError, PlayedMatch, Seating, play_match
 from wildscav_evaluator.sandbox import Ending, Launch, Limits, Promise, RunningAgent
-from wildscav_evaluator.sandbox.agents.processor_waits import GroupMeter
 from wildscav_evaluator.sandbox.process import ProcessSandbox
+from wildscav_evaluator.sandbox.processor_waits import GroupMeter
 from wildscav_evaluator.submissions.submission import Submission
 
 pytestmark = pytest.mark.usefixtures("compiled")

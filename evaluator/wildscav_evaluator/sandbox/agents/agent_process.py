@@ -10,9 +10,9 @@ from typing import Protocol
 
 from wildscav_evaluator.sandbox.agents import host_python
 from wildscav_evaluator.sandbox.agents.capped_log import CappedLog
-from wildscav_evaluator.sandbox.agents.processor_waits import GroupMeter
 from wildscav_evaluator.sandbox.agents.tracebacks import last_words, overdue_stack
 from wildscav_evaluator.sandbox.base import Ending, Launch, MemoryKill, signal_name
+from wildscav_evaluator.sandbox.processor_waits import GroupMeter
 
 GRACE = 0.5  # s for an ended agent's output to end; less than a match waits for the last words
 SHORT_OF_MEMORY = "this machine is short of memory: the kernel killed an agent that was within its limit"

@@ -27,7 +27,6 @@ from wildscav_evaluator.sandbox.agents.agent_process import (
     python_command,
     start_process,
 )
-from wildscav_evaluator.sandbox.agents.processor_waits import GroupMeter
 from wildscav_evaluator.sandbox.base import Ending, Launch, MemoryKill, Promise, SandboxError
 from wildscav_evaluator.sandbox.containers.container_engine import (
     OWNER,
@@ -59,6 +58,7 @@ from wildscav_evaluator.sandbox.linux.cgroup import group_of_process, meter_of
 from wildscav_evaluator.sandbox.linux.kernel_log import logged_kill
 from wildscav_evaluator.sandbox.linux.seccomp import container_profile
 from wildscav_evaluator.sandbox.linux.users import agent_user
+from wildscav_evaluator.sandbox.processor_waits import GroupMeter
 from wildscav_evaluator.submission_files import stage
 
 INIT = 1  # the container's init process, which reaps zombies

@@ -19,12 +19,12 @@ from wildscav_evaluator.sandbox.agents.agent_process import (
     python_command,
     start_process,
 )
-from wildscav_evaluator.sandbox.agents.processor_waits import GroupMeter
 from wildscav_evaluator.sandbox.base import Launch, MemoryKill, Promise, SandboxError
 from wildscav_evaluator.sandbox.limits import Limits
 from wildscav_evaluator.sandbox.linux.cgroup import AgentGroup, find_version, meter_of
 from wildscav_evaluator.sandbox.linux.seccomp import bpf_filter
 from wildscav_evaluator.sandbox.linux.users import agent_user
+from wildscav_evaluator.sandbox.processor_waits import GroupMeter
 from wildscav_evaluator.submission_files import stage
 
 # Enters the control group, limits open files, and becomes bubblewrap.

@@ -16,9 +16,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from wildscav.system import leftovers
-from wildscav_evaluator.sandbox.agents.processor_waits import GroupMeter
 from wildscav_evaluator.sandbox.base import MemoryKill, SandboxError
 from wildscav_evaluator.sandbox.limits import Limits
+from wildscav_evaluator.sandbox.processor_waits import GroupMeter
 
 CONTROLLERS = ("cpu", "memory", "pids")
 ACCOUNTS = "cpuacct"  # version 1's controller that counts processor time; often one with cpu

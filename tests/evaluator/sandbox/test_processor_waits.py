@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 
 from wildscav_evaluator.sandbox import SandboxError
-from wildscav_evaluator.sandbox.agents.processor_waits import GroupMeter, Reading, waited_for_others
 from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS
 from wildscav_evaluator.sandbox.linux.cgroup import AgentGroup, CountedGroup, find_version, meter_of
+from wildscav_evaluator.sandbox.processor_waits import GroupMeter, Reading, waited_for_others
 
 BUSY = "import os\nos.sched_setaffinity(0, {core})\nprint('ready', flush=True)\nwhile True: pass"
 NOTHING = Reading(0.0, 0.0, 0.0, {1: (0.0, 0.0), 2: (0.0, 0.0)})
