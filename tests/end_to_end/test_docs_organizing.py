@@ -21,7 +21,8 @@ BLOCKS = re.findall(r"```(\w+)\n(.*?)```", TEXT, re.DOTALL)
 LINES = [line for kind, block in BLOCKS if kind == "console" for line in block.splitlines()]
 INLINE = re.findall(r"`(wildscav season [^`]+)`", TEXT)
 ENDLESS = ("serve", "demo")
-OF_SOMEBODY = ("rerun", "disqualify", "disable", "enable")  # need a submission, a team or an account
+# These need a submission, a team or an account.
+OF_SOMEBODY = ("rerun", "disqualify", "requalify", "reactivate", "disable", "enable")
 AT_THE_END = {"finalize": ("--now", "--yes")}  # or it would wait for the date
 
 

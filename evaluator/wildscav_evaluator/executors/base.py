@@ -15,7 +15,7 @@ from wildscav_evaluator.submissions.submission import Submission
 Item = TypeVar("Item")
 Value = TypeVar("Value")
 
-OnStart = Callable[[Job], None]
+OnStart = Callable[[Job], bool | None]
 OnEvent = Callable[[Job, JobEvent], None]
 
 
@@ -59,7 +59,8 @@ class Players(Protocol):
 
         Args:
             jobs: The jobs, in the order in which to start them.
-            on_start: Called with every job before it is started, or started again.
+            on_start: Called with every job before it is started, or started again; if it returns False, the
+                job is left out, and has no result.
             on_event: Called with the progress of each match, and with what broke an attempt.
 
         Raises:

@@ -152,10 +152,9 @@ class RayExecutor:
         """Play the jobs that were prepared. See ``Players.run``."""
         mine = list(jobs)
 
-        def start(question: Question) -> Mapping[str, bytes]:
+        def start(question: Question) -> Mapping[str, bytes] | None:
             job = mine[cast("Starting", question).number]
-            on_start(job)
-            return files_of_earlier_run(job)
+            return None if on_start(job) is False else files_of_earlier_run(job)
 
         for message in self._request(Play(), start):
             if isinstance(message, Nodes):

@@ -173,7 +173,7 @@ class Workers:
     def run(
         self,
         jobs: Iterable[Job],
-        on_start: Callable[[Job], None] = lambda _: None,
+        on_start: Callable[[Job], bool | None] = lambda _: None,
         on_event: Callable[[Job, JobEvent], None] = lambda _job, _event: None,
     ) -> Iterator[JobResult]:
         """Run all jobs and yield their results as they arrive.
@@ -182,7 +182,7 @@ class Workers:
 
         Args:
             jobs: The jobs, in the order in which to start them.
-            on_start: Called with every job when it is started, or started again.
+            on_start: Called with every job when it is started, or started again; False leaves it out.
             on_event: Called with the progress of each match, and with what broke an attempt.
         """
         waiting = deque(jobs)
@@ -229,13 +229,16 @@ def _wait_for_workers(busy: dict[Connection, Worker]) -> list[Worker]:
 
 
 def _next_job(
-    worker: Worker, waiting: deque[Job], busy: dict[Connection, Worker], on_start: Callable[[Job], None]
+    worker: Worker,
+    waiting: deque[Job],
+    busy: dict[Connection, Worker],
+    on_start: Callable[[Job], bool | None],
 ) -> None:
-    if waiting:
+    while waiting and worker.connection not in busy:
         job = waiting.popleft()
-        on_start(job)
-        worker.assign(job)
-        busy[worker.connection] = worker
+        if on_start(job) is not False:
+            worker.assign(job)
+            busy[worker.connection] = worker
 
 
 def _work(connection: Connection, parent: int, _lock: Lock | None) -> None:

@@ -55,12 +55,13 @@ def refresh(session: Session, season: Season, now: datetime, scores: SuiteScores
         conditions = edition.conditions if final is None else final.conditions[track]
         settings = season.track(track)
         enough = [settings.interval, settings.matches] if settings.mode == "ladder" else []
-        mark = {**_mark(session, track, conditions), "final": final is not None, "enough": enough}
+        frozen = season_state.read_state(session, season_state.FROZEN) is not None
+        state = {"final": final is not None, "frozen": frozen, "enough": enough}
+        mark = {**_mark(session, track, conditions), **state}
         if not _is_new(session, f"board:{track}", mark, now):
             continue
         rules = _Rules(track, settings, edition.metrics, edition.matches, conditions)
         board = _board(session, rules, entered(session, track), now, final, scores)
-        frozen = season_state.read_state(session, season_state.FROZEN) is not None
         _store(session, board, now, (HIDDEN,) if frozen else (HIDDEN, PUBLIC))
         _add_points(session, board, now)
         changed.append(track)

@@ -233,9 +233,9 @@ class Conductor:
             return bool(taken)
         attempts = {job.evaluation: attempt for attempt, job in jobs}
 
-        def begin(job: Job) -> None:
+        def begin(job: Job) -> bool:
             with self.database.writing() as session:
-                steps.begun(session, self._holding, attempts[job.evaluation].id, now())
+                return steps.begun(session, self._holding, attempts[job.evaluation].id, now())
 
         with executor.players([job for _, job in jobs]) as players:
             for result in players.run([job for _, job in jobs], begin, self._broadcast.note):

@@ -42,13 +42,23 @@ def admit(session: Session, now: datetime) -> None:
 
 
 def freeze_when_due(session: Session, season: Season, now: datetime) -> bool:
-    """Freeze the public boards once the time comes that the settings name; return whether it came now."""
-    due = season.settings.freezes
-    names = (season_state.FROZEN, season_state.FINALIZED)
-    if due is None or now < due or any(season_state.read_state(session, name) for name in names):
+    """Freeze the public boards once at the time that the settings name; return whether that changed anything.
+
+    If that time is moved into the future afterwards, the boards go on until then.
+    """
+    due, frozen = season.settings.freezes, season_state.read_state(session, season_state.FROZEN)
+    if season_state.read_state(session, season_state.FINALIZED) is not None:
         return False
-    season_state.freeze(session, now)
-    season_state.log_act(session, CONDUCTOR, "freeze", "boards", now, f"due at {due:%Y-%m-%d %H:%M} UTC")
+    if due is not None and now >= due:
+        if not season_state.freeze(session, now, due):
+            return False
+        verb, detail = "freeze", f"due at {due:%Y-%m-%d %H:%M} UTC"
+    elif frozen is not None and frozen.get("due") is not None:
+        season_state.write_state(session, season_state.FROZEN, None, now)
+        verb, detail = "unfreeze", "the time of the freeze was moved"
+    else:
+        return False
+    season_state.log_act(session, CONDUCTOR, verb, "boards", now, detail)
     return True
 
 
@@ -147,7 +157,7 @@ def take_matches(
     }
     for match in matches.next_matches(session, played, count):
         if not matches.takes_part(session, match):
-            matches.void(match, now, "a submission of it no longer takes part")
+            matches.void(match, now, f"{matches.WITHDRAWN}a submission of it no longer takes part")
             continue
         lasts = season.clock(match.track).deadline(MatchSpec.model_validate(match.spec))
         attempt = attempts.begin(session, PLAY, holding, now, lasts, match=match.id)
@@ -156,13 +166,19 @@ def take_matches(
     return taken
 
 
-def begun(session: Session, holding: Holding, attempt_id: int, now: datetime) -> None:
-    """Note that a match that was taken is begun now."""
+def begun(session: Session, holding: Holding, attempt_id: int, now: datetime) -> bool:
+    """Note that a match that was taken begins now; return False if it waits again: the season is paused."""
     check(session, holding)
     attempt = session.get_one(Attempt, attempt_id)
     match = session.get_one(Match, attempt.match_id)
-    if attempt.ended is None and match.state == PLAYING:
-        attempt.begun = match.since = now
+    if attempt.ended is not None or match.state != PLAYING:
+        return True
+    if attempt.begun is None and is_paused(session):
+        attempts.end(attempt, attempts.RETURNED, now, "the season is paused")
+        matches.mark_waiting(match, now)
+        return False
+    attempt.begun = match.since = now
+    return True
 
 
 def played(

@@ -30,6 +30,8 @@ from wildscav_leaderboard.seasons.refusals import NotFoundError
 from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.models import Submission
 
+WITHDRAWN = "withdrawn: "  # begins why a match is void that is planned again if its submission plays again
+
 
 class Entrant(NamedTuple):
     """Who plays in a seat."""
@@ -66,6 +68,12 @@ def add_suite_matches(
     edition = edition_numbers(session).get(track)
     wanted = select(Match.number).filter_by(
         kind=kind, track=track, group_id=submission.id, edition_id=edition
+    )
+    withdrawn = Match.id.in_(wanted.with_only_columns(Match.id)), Match.state == VOID
+    session.execute(
+        update(Match)
+        .where(*withdrawn, Match.detail.startswith(WITHDRAWN))
+        .values(state=WAITING, since=now, detail="")
     )
     known = set(session.scalars(wanted))
     entrant = Entrant(submission.entrant, submission.id)
@@ -189,7 +197,7 @@ def withdraw(session: Session, submission: Submission, now: datetime) -> None:
     session.execute(
         update(Match)
         .where(Match.id.in_(own), Match.state == WAITING)
-        .values(state=VOID, since=now, detail=f"submission {submission.id} no longer takes part")
+        .values(state=VOID, since=now, detail=f"{WITHDRAWN}submission {submission.id} no longer takes part")
     )
 
 

@@ -13,8 +13,9 @@ from wildscav_leaderboard.accounts.passwords import hashed, new_password
 from wildscav_leaderboard.accounts.service import add_account, known_account, set_password
 from wildscav_leaderboard.accounts.service import invite as new_invitation
 from wildscav_leaderboard.conductor import attempts
+from wildscav_leaderboard.conductor.plans import plan_suites
 from wildscav_leaderboard.matches import service as matches
-from wildscav_leaderboard.matches.models import VOID, WAITING, Match
+from wildscav_leaderboard.matches.models import FINAL, VOID, WAITING, Match
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.acts import Act, Doing
 from wildscav_leaderboard.seasons.models import Announcement
@@ -22,11 +23,13 @@ from wildscav_leaderboard.seasons.names import checked_line
 from wildscav_leaderboard.seasons.refusals import InvalidError, RefusalError
 from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.models import Submission
+from wildscav_leaderboard.submissions.quotas import check_room
 from wildscav_leaderboard.submissions.service import DISQUALIFIED, find_submission, move
 from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.teams.service import find_team
 
 LONGEST_REASON, LONGEST_TITLE, LONGEST_TEXT = 500, 100, 5000  # characters
+TEAM_DISQUALIFIED = "the team is disqualified: "  # begins why its submissions are disabled
 COMMAND_LINE = "command line"  # how the actor of an act begins that no account did
 ACTS: dict[str, Act] = {}  # by the names that forms use
 
@@ -145,9 +148,14 @@ def resume(doing: Doing) -> None:
 )
 def freeze(doing: Doing) -> None:
     """Keep the public boards as they are until the season is over; organizers still see the hidden ones."""
-    if season_state.read_state(doing.session, season_state.FROZEN) is not None:
+    if not season_state.freeze(doing.session, doing.now):
         raise RefusalError("the public boards are frozen already")
-    season_state.freeze(doing.session, doing.now)
+
+
+@act("Unfreeze the public boards", "boards", path="/unfreeze", command="unfreeze", says="the boards go on")
+def unfreeze(doing: Doing) -> None:
+    """Show on the public boards what is played. A date of the settings that has passed freezes no more."""
+    _unset(doing, season_state.FROZEN, "the public boards are not frozen")
 
 
 def _unset(doing: Doing, name: str, otherwise: str) -> None:
@@ -282,7 +290,7 @@ def disqualify_team(doing: Doing, name: TeamName, *, reason: Reason) -> None:
     team.disqualified = reason
     wanted = select(Submission).where(Submission.team_id == team.id, Submission.state.not_in(states.FINAL))
     for submission in doing.session.scalars(wanted).all():
-        _take_off(doing, submission, f"the team is disqualified: {reason}")
+        _take_off(doing, submission, f"{TEAM_DISQUALIFIED}{reason}")
 
 
 @act(
@@ -305,3 +313,73 @@ def _take_off(doing: Doing, submission: Submission, reason: str) -> None:
     state = states.DISABLED if submission.state == states.ACTIVE else states.CANCELLED
     move(doing.session, submission, state, doing.now, reason=reason)
     matches.withdraw(doing.session, submission, doing.now)
+
+
+@act(
+    *("Requalify", "team {name}"),
+    path="/teams/{name}/requalify",
+    command="requalify",
+    says="{name} takes part again",
+    detail="{reason}",
+)
+def requalify_team(doing: Doing, name: TeamName, *, reason: Reason) -> None:
+    """Let a disqualified team or submission take part again, with the results that it had."""
+    team = find_team(doing.session, name)
+    if team.disqualified is None:
+        raise RefusalError(f"the team {name} is not disqualified")
+    why, team.disqualified = f"{TEAM_DISQUALIFIED}{team.disqualified}", None
+    wanted = select(Submission).filter_by(team_id=team.id, state=states.DISABLED, reason=why)
+    for submission in doing.session.scalars(wanted.order_by(Submission.id)).all():
+        take_part_again(doing, submission, reason)
+
+
+@act(
+    *("Requalify", "submission {number}"),
+    path="/submissions/{number}/requalify",
+    command="requalify",
+    says="{number} takes part again",
+    detail="{reason}",
+)
+def requalify_submission(doing: Doing, number: Number, *, reason: Reason) -> Submission:
+    """Let a disqualified submission take part again, with the results that it had."""
+    submission = find_submission(doing.session, number)
+    if not submission.reason.startswith(DISQUALIFIED):
+        raise RefusalError(f"submission {number} is {submission.state}, and not disqualified")
+    return take_part_again(doing, submission, reason)
+
+
+@act(
+    *("Reactivate", "submission {number}"),
+    path="/submissions/{number}/reactivate",
+    command="reactivate",
+    says="submission {number} takes part again",
+    detail="{reason}",
+)
+def reactivate(doing: Doing, number: Number, *, reason: Reason) -> Submission:
+    """Let a submission take part again that a newer one replaced, or that its team disabled."""
+    submission = find_submission(doing.session, number)
+    if submission.reason.startswith((DISQUALIFIED, TEAM_DISQUALIFIED)):
+        raise RefusalError(
+            f"submission {number} is disqualified: `wildscav season requalify` takes that back"
+        )
+    return take_part_again(doing, submission, reason)
+
+
+def take_part_again(doing: Doing, submission: Submission, reason: str) -> Submission:
+    """Let a disabled submission take part again: what it has not played yet is planned.
+
+    Raises:
+        RefusalError: It is not disabled, its team is disqualified, or has enough others that take part.
+    """
+    session, season, _, now = doing
+    _check_not_disqualified(session, submission)
+    if submission.state == states.DISABLED:
+        check_room(session, season.settings.quotas, submission)
+    move(session, submission, states.ACTIVE, now, detail=reason)
+    if not season_state.is_decided(session):
+        plan_suites(session, season, submission, now)
+    field = (season_state.read_state(session, season_state.FINALIZING) or {}).get("field") or {}
+    for track, specs in season.final_matches.items():
+        if submission.id in field.get(track, ()):
+            matches.add_suite_matches(session, submission, track, specs, now, FINAL)
+    return submission

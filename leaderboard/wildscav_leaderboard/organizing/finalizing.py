@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import func, select
+from sqlalchemy import func, select, update
 from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.boards import service as boards
@@ -34,7 +34,7 @@ from wildscav_leaderboard.matches.models import (
     Match,
     MatchSeat,
 )
-from wildscav_leaderboard.matches.service import add_suite_matches
+from wildscav_leaderboard.matches.service import WITHDRAWN, add_suite_matches
 from wildscav_leaderboard.organizing import final_rounds
 from wildscav_leaderboard.organizing.acts import LONGEST_REASON
 from wildscav_leaderboard.organizing.checking import wrong_secrets
@@ -88,6 +88,36 @@ def begin(session: Session, season: Season, actor: str, best: int, now: datetime
     value: dict[str, Any] = {"at": now.isoformat(), "best": best, "field": None}
     season_state.write_state(session, season_state.FINALIZING, value, now)
     log_act(session, actor, "finalize", "season", now, f"the best {best} of each track play again")
+
+
+def abort(session: Session, actor: str, now: datetime) -> None:
+    """Take back that the season is to be decided: what is not played yet of its final matches is withdrawn.
+
+    Raises:
+        RefusalError: It is not being decided, or it is decided already.
+    """
+    if season_state.read_state(session, season_state.FINALIZED) is not None:
+        raise RefusalError("the season is over, and its secrets are opened: that cannot be taken back")
+    if season_state.read_state(session, season_state.FINALIZING) is None:
+        raise RefusalError("the season is not being decided")
+    for name in (season_state.FINALIZING, season_state.LEFT_OUT):
+        season_state.write_state(session, name, None, now)
+    withdrawn = {"state": VOID, "since": now, "detail": f"{WITHDRAWN}the end of the season was taken back"}
+    session.execute(update(Match).where(Match.decides, Match.state == WAITING).values(withdrawn))
+    log_act(session, actor, "abort finalize", "season", now)
+
+
+def finalize_again(session: Session, season: Season, actor: str, now: datetime) -> bool:
+    """Make the final boards anew if the season is decided, without who is disqualified since.
+
+    Returns:
+        Whether it is decided, so that what was published is to be replaced.
+    """
+    if season_state.read_state(session, season_state.FINALIZED) is None:
+        return False
+    changed = ", ".join(boards.refresh(session, season, now)) or "nothing"
+    log_act(session, actor, "finalize again", "season", now, f"published anew; changed: {changed}")
+    return True
 
 
 def advance(session: Session, season: Season, actor: str, now: datetime) -> Progress:

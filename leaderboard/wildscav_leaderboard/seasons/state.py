@@ -10,7 +10,8 @@ from wildscav_leaderboard.database.connection import KEPT, once
 from wildscav_leaderboard.seasons.models import AuditEntry, StateValue
 
 PAUSED = "paused"  # {"reason"}: the conductor starts nothing
-FROZEN = "frozen"  # {"at"}: the public boards stay as they were then
+FROZEN = "frozen"  # {"at"}, and "due" if the settings ask for it: the public boards stay as they were then
+FREEZE_DONE = "freeze_done"  # {"due"}: the date of the settings that has frozen them last
 # {"at", "best", "field"}: nothing more is accepted. The field is null until everything that was handed in is
 # played; then it names the submissions of each suite that play the matches that decide the season.
 FINALIZING = "finalizing"
@@ -43,6 +44,7 @@ def write_state(session: Session, name: str, value: dict[str, Any] | None, now: 
         session.add(StateValue(name=name, value=value, updated=now))
     elif found is not None and value is None:
         session.delete(found)
+        session.flush()
     elif found is not None and value is not None:
         found.value, found.updated = value, now
 
@@ -61,10 +63,21 @@ def frozen_since(session: Session) -> datetime | None:
     return datetime.fromisoformat(str(frozen["at"]))
 
 
-def freeze(session: Session, now: datetime) -> None:
-    """Keep the public boards as they are."""
-    if read_state(session, FROZEN) is None:
-        write_state(session, FROZEN, {"at": now.isoformat()}, now)
+def freeze(session: Session, now: datetime, due: datetime | None = None) -> bool:
+    """Keep the public boards as they are; return whether that is new.
+
+    Args:
+        session: A writing session.
+        now: The time.
+        due: The date of the settings that asks for it, which is obeyed once; None if an organizer does.
+    """
+    date = None if due is None else {"due": due.isoformat()}
+    if read_state(session, FROZEN) is not None or (date and read_state(session, FREEZE_DONE) == date):
+        return False
+    write_state(session, FROZEN, {"at": now.isoformat(), **(date or {})}, now)
+    if date:
+        write_state(session, FREEZE_DONE, date, now)
+    return True
 
 
 def log_act(session: Session, actor: str, act: str, subject: str, now: datetime, detail: str = "") -> None:

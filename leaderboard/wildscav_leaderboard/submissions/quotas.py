@@ -67,6 +67,22 @@ def active_of(session: Session, team_id: int) -> list[Submission]:
     return list(session.scalars(wanted.order_by(Submission.id.desc())))
 
 
+def check_room(session: Session, quotas: Quotas, submission: Submission) -> None:
+    """Check that a submission may take part besides the others of its team.
+
+    Raises:
+        TooMuchError: Enough of them take part on one of its tracks; it names them.
+    """
+    others = active_of(session, submission.team_id)
+    for track in submission.tracks:
+        numbers = [str(one.id) for one in others if track in one.tracks]
+        if len(numbers) >= quotas.active:
+            raise TooMuchError(
+                f"{counted(quotas.active, 'submission')} of your team may take part on {track} at once, and "
+                f"{', '.join(numbers)} already do: disable one of them first"
+            )
+
+
 def surplus(session: Session, quotas: Quotas, team_id: int) -> list[Submission]:
     """Return the active submissions of a team that newer ones replace on every one of their tracks."""
     newer: Counter[str] = Counter()

@@ -87,6 +87,14 @@ def run(
     return {(result.job.evaluated, result.job.index): result for result in watch.tally.done.values()}
 
 
+def test_a_job_that_is_refused_when_its_turn_comes_is_left_out(submit: Submit, out: Path) -> None:
+    walker = submit("walker", WALKER)
+    jobs = [job(walker, number, out) for number in range(3)]
+    with Workers(1) as workers:
+        results = list(workers.run(jobs, lambda one: one.index == 1))
+    assert [one.job.index for one in results] == [1]
+
+
 @pytest.mark.parametrize("count", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_a_match_whose_worker_is_killed_is_played_again_in_another(
     submit: Submit, out: Path, sockets: Path, capsys: pytest.CaptureFixture[str], count: int

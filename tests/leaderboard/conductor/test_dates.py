@@ -13,6 +13,8 @@ from wildscav_leaderboard.boards.service import decide
 from wildscav_leaderboard.conductor.conductor import Conductor
 from wildscav_leaderboard.conductor.steps import freeze_when_due
 from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.organizing.acts import freeze, unfreeze
+from wildscav_leaderboard.seasons.acts import Doing
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.models import AuditEntry
 from wildscav_leaderboard.seasons.refusals import RefusalError
@@ -38,6 +40,37 @@ def test_the_boards_freeze_at_their_date_once(database: Database, season: Season
         with database.writing() as session:
             assert freeze_when_due(session, season, now) is comes
     assert acts(database) == [("conductor", "freeze")]
+
+
+def test_boards_go_on_when_the_date_is_moved_and_freeze_again_then(
+    database: Database, season: Season
+) -> None:
+    later = season.settings.model_copy(update={"freezes": DUE + timedelta(days=1)})
+    moved = Season(season.folder, later)
+    for one, now, comes, frozen in (
+        (season, DUE, True, True),
+        (moved, DUE + SECOND, True, False),
+        (moved, DUE + 2 * SECOND, False, False),
+        (moved, DUE + timedelta(days=1), True, True),
+    ):
+        with database.writing() as session:
+            assert freeze_when_due(session, one, now) is comes
+            assert (read_state(session, FROZEN) is not None) is frozen
+    assert acts(database) == [("conductor", "freeze"), ("conductor", "unfreeze"), ("conductor", "freeze")]
+
+
+def test_what_organizers_unfreeze_or_freeze_stays_so_whatever_date_has_passed(
+    database: Database, season: Season
+) -> None:
+    with database.writing() as session:
+        doing = Doing(session, season, "anna", DUE)
+        freeze_when_due(session, season, DUE)
+        unfreeze(doing)
+        assert not freeze_when_due(session, season, DUE + SECOND)
+        freeze(doing)
+        later = season.settings.model_copy(update={"freezes": DUE + timedelta(days=1)})
+        assert not freeze_when_due(session, Season(season.folder, later), DUE + SECOND)
+        assert read_state(session, FROZEN) is not None
 
 
 def test_boards_without_a_date_do_not_freeze(database: Database, tmp_path: Path) -> None:

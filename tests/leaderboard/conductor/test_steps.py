@@ -13,10 +13,11 @@ from wildscav.time_limits import Clock
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_leaderboard.conductor import attempts, steps
 from wildscav_leaderboard.conductor.lease import LeaseLostError
+from wildscav_leaderboard.conductor.models import Attempt
 from wildscav_leaderboard.conductor.plans import plan_ladders, plan_suites
 from wildscav_leaderboard.matches.models import LADDER, Match, MatchResult, MatchSeat
 from wildscav_leaderboard.organizing import acts
-from wildscav_leaderboard.seasons.acts import Doing
+from wildscav_leaderboard.seasons.acts import Act, Doing
 from wildscav_leaderboard.seasons.refusals import RefusalError
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.service import cancel, history_of
@@ -252,11 +253,11 @@ def test_matches_of_whoever_left_are_given_up(season: Conducted) -> None:
     number = season.active()
     ((attempt, match),) = season.take_matches(1)
     season.write(lambda session: acts.disqualify_submission(doing(season, session), number, reason="cheats"))
-    assert season.match(2).detail == f"submission {number} no longer takes part"
+    assert season.match(2).detail == f"withdrawn: submission {number} no longer takes part"
     assert season.broke(attempt.id)
     assert season.match(match.id).state == "waiting"
     assert season.take_matches(5) == []
-    assert season.match(match.id).detail == "a submission of it no longer takes part"
+    assert season.match(match.id).detail == "withdrawn: a submission of it no longer takes part"
 
 
 def test_a_disqualified_team_takes_part_in_nothing(season: Conducted) -> None:
@@ -311,6 +312,64 @@ def test_a_paused_season_begins_nothing_and_loses_nothing(season: Conducted) -> 
     assert season.take() is not None
     assert len(season.take_matches(5)) == 2
     assert season.submission(number).state == "building"
+
+
+def test_what_was_taken_before_a_pause_and_has_not_begun_waits_again_at_no_cost(season: Conducted) -> None:
+    def begin(one: Attempt) -> bool:
+        return season.write(lambda session: steps.begun(session, season.holding, one.id, season.now))
+
+    season.active()
+    (begun, playing), (taken, match) = season.write(
+        lambda session: steps.take_matches(session, season.season, season.holding, season.now, 2)
+    )
+    assert begin(begun)
+    season.write(lambda session: acts.pause(doing(season, session), reason="the machine moves"))
+    assert begin(begun)  # another try of a match that is being played
+    assert not begin(taken)
+    assert [season.match(one.id).state for one in (playing, match)] == ["playing", "waiting"]
+    assert season.match(match.id).platform_faults == 0
+    with season.database.reading() as session:
+        assert session.get_one(Attempt, taken.id).outcome == attempts.RETURNED
+
+
+def test_whoever_was_disqualified_by_mistake_goes_on_where_it_was(season: Conducted) -> None:
+    number = season.active()
+    ((attempt, played), *_) = season.take_matches(1)
+    assert season.played(attempt, 5.0)
+
+    def act(one: Act, *what: object) -> None:
+        season.write(lambda session: one(doing(season, session), *what, reason="a mistake"))
+
+    for take_off, bring_back, what in (
+        (acts.disqualify_submission, acts.requalify_submission, number),
+        (acts.disqualify_team, acts.requalify_team, "foxes"),
+    ):
+        act(take_off, what)
+        assert (season.submission(number).state, season.match(2).state) == ("disabled", "void")
+        if what == "foxes":
+            with pytest.raises(RefusalError, match="`wildscav season requalify` takes that back"):
+                act(acts.reactivate, number)
+        act(bring_back, what)
+        assert [season.match(one).state for one in (played.id, 2)] == ["finished", "waiting"]
+        assert season.submission(number).state == "active"
+        with pytest.raises(RefusalError, match="not disqualified"):
+            act(bring_back, what)
+
+
+def test_a_replaced_submission_takes_part_again_where_there_is_room(season: Conducted) -> None:
+    oldest, second, third = (season.active() for _ in range(3))
+
+    def reactivate() -> None:
+        season.write(lambda session: acts.reactivate(doing(season, session), oldest, reason="asked for"))
+
+    with pytest.raises(RefusalError, match=f"and {third}, {second} already do"):
+        reactivate()
+    season.write(
+        lambda session: acts.disqualify_submission(doing(season, session), second, reason="it cheats")
+    )
+    reactivate()
+    assert season.submission(oldest).state == "active"
+    assert season.match(1).state == "waiting"
 
 
 def test_a_conductor_with_an_old_epoch_can_do_nothing(season: Conducted) -> None:

@@ -71,6 +71,7 @@ TABLE = (
     organizers("POST /api/v1/organizer/pause", "", 204, {"reason": "a new disk"}),
     organizers("POST /api/v1/organizer/resume", "", 409),
     organizers("POST /api/v1/organizer/freeze", "", 204),
+    organizers("POST /api/v1/organizer/unfreeze", "", 409),
     organizers("POST /api/v1/organizer/announcements", "", 204, {"title": "Welcome"}),
     organizers("POST /api/v1/organizer/invitations", "", 201, {}),
     organizers(
@@ -87,6 +88,21 @@ TABLE = (
         "/api/v1/organizer/teams/owls/disqualify",
         204,
         {"reason": "it reads the map"},
+    ),
+    organizers(
+        "POST /api/v1/organizer/teams/{name}/requalify",
+        "/api/v1/organizer/teams/owls/requalify",
+        409,
+        {"reason": "a mistake"},
+    ),
+    *(
+        organizers(
+            f"POST /api/v1/organizer/submissions/{{number}}/{act}",
+            f"/api/v1/organizer/submissions/{{active}}/{act}",
+            409,
+            {"reason": "a mistake"},
+        )
+        for act in ("requalify", "reactivate")
     ),
     organizers("GET /api/v1/organizer/accounts"),
     organizers(

@@ -5,7 +5,7 @@ from datetime import timedelta
 from pathlib import Path
 
 import pytest
-from sqlalchemy import select
+from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 from tests.evaluator.sample_agents import CRASHER
 from tests.leaderboard.agents import write_agent
@@ -268,6 +268,27 @@ def test_who_is_disqualified_meanwhile_is_on_no_final_board(played: Database, se
     assert advance(played, season).stage == finalizing.DONE
     with played.reading() as session:
         assert leaders(session) == [("owls", 2)]
+
+
+def test_an_end_that_waits_is_taken_back_and_may_be_begun_again(played: Database, season: Season) -> None:
+    begin(played, season)
+    advance(played, season)
+    finals = select(func.count()).where(Match.decides, Match.state == WAITING)
+    with played.writing() as session:
+        planned = session.scalar(finals)
+        assert planned
+        finalizing.abort(session, "anna", NOON)
+        assert session.scalar(finals) == 0
+        assert season_state.read_state(session, season_state.FINALIZING) is None
+        with pytest.raises(RefusalError, match="is not being decided"):
+            finalizing.abort(session, "anna", NOON)
+    begin(played, season)
+    advance(played, season)
+    with played.writing() as session:
+        assert session.scalar(finals) == planned
+    end(played, season)
+    with played.writing() as session, pytest.raises(RefusalError, match="its secrets are opened"):
+        finalizing.abort(session, "anna", LATER)
 
 
 def test_a_team_that_is_disqualified_afterwards_leaves_the_final_board(

@@ -120,6 +120,8 @@ class MatchSchedule:
                 return
             number, host = self._waiting.popleft(), idle[0]
             files = yield Starting(number)
+            if files is None:
+                continue
             folders = {one.folder for one in self._jobs[number].submissions}
             shipments = {folder: self._shipments[folder] for folder in folders}
             host.number, host.silent = number, 0.0

@@ -58,7 +58,10 @@ class Question:
 
 @dataclass(frozen=True)
 class Starting(Question):
-    """A match is about to start. The answer: files of an earlier run that it needs, by their paths."""
+    """A match is about to start. The answer: files of an earlier run that it needs, by their paths, or None.
+
+    None leaves the match out.
+    """
 
     number: int  # of its job
 

@@ -1,5 +1,6 @@
 """The command ``wildscav season finalize``."""
 
+import shutil
 import time
 from datetime import UTC, datetime
 from pathlib import Path
@@ -39,6 +40,9 @@ def finalize(
     reason: Annotated[
         str, typer.Option(help="With --leave-out: why; everyone sees it.", show_default=False)
     ] = "",
+    abort: Annotated[
+        bool, typer.Option("--abort", help="Take back a `finalize` that waits: the season goes on.")
+    ] = False,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -49,33 +53,49 @@ def finalize(
     """End a season: the best play again on fresh hidden seeds, the boards become final, all becomes public.
 
     It waits until the conductor has played the matches. If it is interrupted, run it again, and it goes on.
+    After the end, it makes the boards without whoever is disqualified since, and publishes all anew.
     """
     from wildscav_leaderboard.cli.season.acts import command_line
     from wildscav_leaderboard.organizing import finalizing
     from wildscav_leaderboard.seasons.folder import PUBLISHED, Season
 
     season = Season.open(folder)
-    if now and not yes and datetime.now(UTC) < season.settings.closes:
+    if now and not yes and not abort and datetime.now(UTC) < season.settings.closes:
         typer.confirm(QUESTION, abort=True)
     database = season.database()
     try:
         database.upgrade()
         with database.writing() as session:
-            finalizing.begin(session, season, command_line(), best, datetime.now(UTC), early=now)
-            if leave_out:
-                finalizing.leave_out(session, command_line(), leave_out, reason, datetime.now(UTC))
+            actor, at = command_line(), datetime.now(UTC)
+            if abort:
+                finalizing.abort(session, actor, at)
+            elif not (again := finalizing.finalize_again(session, season, actor, at)):
+                finalizing.begin(session, season, actor, best, at, early=now)
+                if leave_out:
+                    finalizing.leave_out(session, actor, leave_out, reason, at)
+        if abort:
+            console.print("the end of the season is taken back", soft_wrap=True)
+            return
         _wait(season, database)
         console.print("the season is over: its boards are final, and its secrets are opened", soft_wrap=True)
-        _publish(season, database, out or season.folder / PUBLISHED)
+        _publish(season, database, out or season.folder / PUBLISHED, again=again)
     finally:
         database.close()
 
 
-def _publish(season: "Season", database: "Database", out: Path) -> None:
-    """Export what is published, unless that was done before."""
+def _publish(season: "Season", database: "Database", out: Path, *, again: bool) -> None:
+    """Export what is published, unless that was done before; again, a folder is replaced as a whole."""
     from wildscav_leaderboard.publishing.export import export
 
-    if not out.exists():
+    if again and out.exists():
+        new, old = (out.with_name(f".{out.name}.{what}") for what in ("new", "old"))
+        for left in (new, old):  # by an interrupted try
+            shutil.rmtree(left, ignore_errors=True)
+        export(season, database, new)
+        out.rename(old)
+        new.rename(out)
+        shutil.rmtree(old)
+    elif not out.exists():
         export(season, database, out)
     console.print(f"published in {out}; anyone can check it:", soft_wrap=True, highlight=False)
     console.print(f"  {command('wildscav')} audit {out}", soft_wrap=True, highlight=False)

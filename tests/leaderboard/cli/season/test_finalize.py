@@ -33,10 +33,14 @@ def test_a_season_that_is_over_is_published(
 ) -> None:
     closed = datetime.now(UTC) - timedelta(minutes=1)
     season = make_season(tmp_path / "season", current=True, closes=closed)
+    published = season.folder / PUBLISHED
     for _ in range(2):  # and again
         assert command(monkeypatch, "finalize", season.folder) == 0
         assert "its boards are final, and its secrets are opened" in capsys.readouterr().out
-    published = season.folder / PUBLISHED
+        assert not (published / "of an earlier time").exists()
+        (published / "of an earlier time").touch()
+    assert command(monkeypatch, "finalize", season.folder, "--abort") == 1
+    assert [one.name for one in season.folder.glob("*published*")] == [PUBLISHED]
     assert (published / "secret.txt").read_bytes() == (season.folder / "secret.txt").read_bytes()
     assert (published / "final-secret.txt").is_file()
 
