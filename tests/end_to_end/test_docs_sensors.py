@@ -32,7 +32,7 @@ PAGE = ROOT / "docs" / "sensors.md"
 TEXT = PAGE.read_text("utf-8")
 CAMERAS = ("depth", "segmentation", "normals", "camera")
 WORDS = {"true": True, "false": False}
-PATIENT = Clock(step_budget=20.0, time_bank=60.0, game_time_factor=40.0)
+PATIENT = Clock(step_budget=20.0, time_bank=60.0)
 
 
 def blocks(language: str) -> list[str]:

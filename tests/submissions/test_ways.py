@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wildscav import MatchInfo
 from wildscav.opponents import SubmissionOpponent, submission
 from wildscav.opponents.seat_messages import seat_info
-from wildscav.server.hosting.time_limits import Clock
+from wildscav.time_limits import Clock
 from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.specs.actions import FIELDS, Field

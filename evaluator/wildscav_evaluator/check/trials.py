@@ -7,12 +7,11 @@ before its first step distinguishes them from the matches that are scored.
 import asyncio
 import secrets
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-from wildscav.server import Clock
+from wildscav.time_limits import Clock, TimeBank
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.check import findings
@@ -79,15 +78,14 @@ class ShortMatch(Match):
         return super().over or self.step_number >= self._steps
 
 
-class _HurriedClock(Clock):
-    """The judge's clock, but no step waits longer than its budget, as once a match's patience is used up."""
+class _EmptyBanks(Clock):
+    """The clock as agents are told it, but their banks are empty: no step waits beyond its budget."""
 
-    def fitted(self, spec: MatchSpec) -> Clock:
-        return _HurriedClock(**asdict(Clock().fitted(spec)))
-
-    def patience(self, spec: MatchSpec) -> float:
-        del spec
-        return 0.0
+    def bank(self) -> TimeBank:
+        """Return a bank that is used up."""
+        bank = TimeBank(self)
+        bank.use_up()
+        return bank
 
 
 def run_checks(
@@ -113,7 +111,7 @@ def run_checks(
     if lacks_packages(submission):
         yield findings.packages(submission.folder)
     with asyncio.Runner() as runner:
-        yield from _run_all(submission, sandbox, logs, trials, clock or Clock(), runner)
+        yield from _run_all(submission, sandbox, logs, trials, clock, runner)
 
 
 def _run_all(
@@ -121,10 +119,11 @@ def _run_all(
     sandbox: Sandbox,
     logs: Path,
     trials: Mapping[str, Trial],
-    clock: Clock,
+    given: Clock | None,
     runner: asyncio.Runner,
 ) -> Iterator[Finding]:
     for number, (track, trial) in enumerate(trials.items()):
+        clock = given or Clock(longest=trial.limits.wall_clock)
         seating, make = trial.seating(submission, logs / f"{track}.log"), partial(ShortMatch, STEPS)
         played = runner.run(play_match(seating, sandbox=sandbox, clock=clock, make=make))
         seat, fitted = seating.seats[0], clock.fitted(trial.spec)
@@ -139,6 +138,7 @@ def _run_all(
         if number == 0:
             yield findings.process_exit(played.endings.get(seat))
     trial = next(iter(trials.values()))
+    clock = given or Clock(longest=trial.limits.wall_clock)
     late = runner.run(_delay_replies(trial.seating(submission, logs / "late.log"), sandbox))
     yield findings.lateness(next(iter(late.seats.values())), trial.limits, clock)
     cancelled = runner.run(_cancel_match(trial.seating(submission, logs / "cancelled.log"), sandbox))
@@ -149,7 +149,9 @@ async def _delay_replies(seating: Seating, sandbox: Sandbox) -> PlayedMatch:
     """Play a match in which steps are played without the agent's answers."""
     async with delayed_replies(sandbox) as late:
         make = partial(ShortMatch, LATE_STEPS)
-        return await play_match(seating, sandbox=late, clock=_HurriedClock(), make=make)
+        return await play_match(
+            seating, sandbox=late, clock=_EmptyBanks(longest=seating.limits.wall_clock), make=make
+        )
 
 
 async def _cancel_match(seating: Seating, sandbox: Sandbox) -> Ending | None:

@@ -2,10 +2,11 @@
 
 import asyncio
 
-from wildscav.server import HostedMatch, SeatReport, SeatStatus
-from wildscav_evaluator.matches.lateness import late_for_platform
+from wildscav.server import HostedMatch, SeatStatus
 from wildscav_evaluator.sandbox import Ending, Launch, RunningAgent, Sandbox
-from wildscav_evaluator.sandbox.agents.processor_waits import WaitMeter
+from wildscav_evaluator.sandbox.processor_waits import INTERVAL
+
+METER_TRIES = 40  # to find the processes of a container, which start a moment later
 
 
 class MatchAgents:
@@ -20,7 +21,6 @@ class MatchAgents:
         self._hosted, self._sandbox = hosted, sandbox
         self._running: dict[int, RunningAgent] = {}
         self._watchers: dict[int, asyncio.Task[Ending]] = {}
-        self._meters: dict[int, WaitMeter] = {}
         self._metering: list[asyncio.Task[None]] = []
 
     async def start(self, seat: int, launch: Launch) -> None:
@@ -32,9 +32,17 @@ class MatchAgents:
         agent = await self._sandbox.start(launch)
         self._running[seat] = agent
         self._watchers[seat] = asyncio.create_task(self._watch(seat, agent))
-        meter = self._meters[seat] = WaitMeter(agent.processes, launch.limits.cpus)
-        self._metering.append(asyncio.create_task(meter.run()))
+        self._metering.append(asyncio.create_task(self._measure(seat, agent)))
         self._hosted.launched(seat)
+
+    async def _measure(self, seat: int, agent: RunningAgent) -> None:
+        """Measure an agent's waits for a processor while it runs, if its sandbox can."""
+        for _ in range(METER_TRIES if self._sandbox.isolated else 0):
+            meter = await asyncio.to_thread(agent.meter)
+            if meter is not None:
+                self._hosted.measure(seat, meter)
+                await meter.run()
+            await asyncio.sleep(INTERVAL)
 
     async def _watch(self, seat: int, agent: RunningAgent) -> Ending:
         """Tell the match when an agent's process is gone, so that the match does not wait for it."""
@@ -53,18 +61,6 @@ class MatchAgents:
     def overdue(self, seat: int) -> str:
         """Return where the code of a seat's agent was when its time was up, or an empty text if unknown."""
         return self._running[seat].overdue()
-
-    def late_for_platform(self, report: SeatReport) -> tuple[int, ...]:
-        """Return the steps for which a seat was late because the machine had no processor for its agent."""
-        meter = self._meters[report.seat]
-        meter.take()
-        return late_for_platform(
-            report.late,
-            report.slow_answers,
-            self._hosted.clock,
-            meter.waited,
-            used_up=report.status == SeatStatus.TIMED_OUT,
-        )
 
     async def leave(self, seconds: float) -> None:
         """Wait until the agents have ended by themselves, at most for the given time in seconds."""

@@ -24,6 +24,7 @@ from wildscav.server import (
 )
 from wildscav.system import leftovers
 from wildscav.terminal.console import counted
+from wildscav.time_limits import MARGIN
 from wildscav_engine.simulation.match import Match, MatchSetupError
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.agents import MatchAgents, status_of
@@ -89,8 +90,6 @@ class PlayedMatch:
     seats: dict[int, SeatReport]  # of the submissions' seats
     endings: dict[int, Ending] = field(default_factory=dict)  # of the processes that ended by themselves
     platform_faults: tuple[str, ...] = ()  # what broke earlier attempts, one line each
-    # Late steps that are the machine's fault, by seat.
-    late_for_platform: dict[int, tuple[int, ...]] = field(default_factory=dict)
 
 
 async def play_match(
@@ -108,7 +107,7 @@ async def play_match(
     Args:
         seating: The match and its submissions.
         sandbox: The sandbox that runs the agents.
-        clock: The agents' time limits; the server's default if None.
+        clock: The agents' time limits; the usual ones within the seating's limits if None.
         on_start: Called with the match whenever it is hosted.
         make: Makes the match from its spec, for each attempt; an ordinary match if None.
         faults: What broke earlier attempts, one line each; they count as attempts.
@@ -158,7 +157,7 @@ async def play_once(
     Args:
         seating: The match and its submissions.
         sandbox: The sandbox that runs the agents.
-        clock: The agents' time limits; the server's default if None.
+        clock: The agents' time limits; the usual ones within the seating's limits if None.
         on_start: Called with the match once it is hosted.
         make: Makes the match from its spec; an ordinary match if None.
 
@@ -171,11 +170,8 @@ async def play_once(
         stall = asyncio.create_task(_watch_for_stall())
         try:
             outcome = await _outcome(hosted, agents)
-            late = {seat: agents.late_for_platform(report) for seat, report in outcome.seats.items()}
             await agents.leave(EXIT_TIME)
-            played = PlayedMatch(
-                outcome.match, _explained(outcome, agents), agents.endings, late_for_platform=late
-            )
+            played = PlayedMatch(outcome.match, _explained(outcome, agents), agents.endings)
             if stall.done() and any(report.status.fault for report in played.seats.values()):
                 raise PlatformFaultError(f"the evaluator stood still for {stall.result():.0f} s")
             return played
@@ -205,7 +201,7 @@ async def agents_at_play(
                     for seat, submission in zip(seating.seats, seating.submissions, strict=True)
                 },
                 seeds=dict(zip(seating.seats, seating.seeds, strict=False)),
-                clock=clock or Clock(),
+                clock=clock or Clock(longest=seating.limits.wall_clock),
                 addresses=dict(zip(seating.seats, addresses, strict=True)),
                 starting=True,
                 make=make,
@@ -216,9 +212,8 @@ async def agents_at_play(
             try:
                 entries = zip(seating.seats, seating.submissions, seating.logs, addresses, strict=True)
                 for seat, submission, log, address in entries:
-                    limit = hosted.clock.join_timeout
                     token = hosted.tokens[seat]
-                    launch = launch_for(submission, address, token, log, seating.limits, limit)
+                    launch = launch_for(submission, address, token, log, seating.limits, hosted)
                     await agents.start(seat, launch)
                 yield hosted, agents
             finally:
@@ -244,9 +239,9 @@ def launch_for(
     token: str,
     log: Path,
     limits: Limits = DEFAULT_LIMITS,
-    start_limit: float | None = None,
+    hosted: HostedMatch | None = None,
 ) -> Launch:
-    """Return what a sandbox needs to start a submission for a seat."""
+    """Return what a sandbox needs to start a submission for a seat, of a match by whose clock it ends."""
     return Launch(
         folder=submission.folder,
         image=submission.image,
@@ -256,7 +251,8 @@ def launch_for(
         token=token,
         log=log,
         limits=limits,
-        start_limit=start_limit,
+        start_limit=None if hosted is None else hosted.clock.join_timeout,
+        lasts=MARGIN if hosted is None else hosted.clock.deadline(hosted.match.spec),
     )
 
 

@@ -52,21 +52,19 @@ def match_timing(job: Job, played: PlayedMatch, started: float, wall: float) -> 
         started=started,
         wall=wall,
         steps=played.match.step_number,
-        seats=tuple(
-            _seat_timing(played.seats[seat], played.late_for_platform.get(seat, ())) for seat in job.seats
-        ),
+        seats=tuple(_seat_timing(played.seats[seat]) for seat in job.seats),
         platform_faults=played.platform_faults,
     )
 
 
-def _seat_timing(report: SeatReport, late_for_platform: tuple[int, ...]) -> SeatTiming:
+def _seat_timing(report: SeatReport) -> SeatTiming:
     times = report.think_time
     return SeatTiming(
         seat=report.seat,
         start_up=report.start_up,
         steps=report.steps_played + report.late_steps,
         late_steps=report.late_steps,
-        late_for_platform=late_for_platform,
+        credited=report.credited,
         dropped_actions=report.dropped_actions,
         time_used=times.total,
         latency_p50=times.p50,

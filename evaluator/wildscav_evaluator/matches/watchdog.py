@@ -31,8 +31,9 @@ class Patience:
         if isinstance(event, RenderingReplay):
             return self.rendering + job.spec.time_limit, "while it rendered the replay"
         if isinstance(event, Heartbeat) and event.steps:
-            clock = Clock().fitted(job.spec)
-            return self.step + clock.step_budget + clock.time_bank, f"after step {event.steps:,}"
+            clock = Clock(longest=job.limits.wall_clock).fitted(job.spec)
+            # Besides its budget, as much may be credited to a seat.
+            return self.step + 2.0 * clock.step_budget + clock.time_bank, f"after step {event.steps:,}"
         return self.set_up + self.seat * len(job.seats), "before the first step"
 
 

@@ -151,7 +151,9 @@ class SeatTiming(FileModel):
     start_up: float | None  # s from its agent's start until it was ready; None if it never was
     steps: int  # steps for which it was asked for an action
     late_steps: int  # steps without an answer in time, played with no action
-    late_for_platform: tuple[int, ...] = ()  # late because the machine had no processor for the agent
+    # Of earlier versions, in which banks paid for waits, too.
+    late_for_platform: tuple[int, ...] = Field(default=(), exclude=True)
+    credited: float | None = None  # s of waiting for a processor that its bank did not pay; None if unknown
     dropped_actions: int = 0  # answers that arrived after their step was over
     time_used: float  # s, of all steps
     latency_p50: float  # s from an observation sent to its answer received
@@ -191,7 +193,7 @@ class KeptLimits(FileModel):
     open_files: int | None = None  # of each process
     tmp_size: int | None = None  # bytes in /tmp
     output: int | None = None  # bytes of its output that are kept
-    wall_clock: float | None = None  # s from its start
+    wall_clock: float | None = None  # s, of all steps of a match
 
 
 class Results(WithOptionalFields):

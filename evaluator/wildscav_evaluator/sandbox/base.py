@@ -7,7 +7,9 @@ from pathlib import Path
 from typing import Protocol
 
 from wildscav.errors import UserError
+from wildscav.time_limits import MARGIN
 from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, Limits
+from wildscav_evaluator.sandbox.processor_waits import GroupMeter
 
 
 class SandboxError(UserError):
@@ -27,6 +29,7 @@ class Launch:
     image: str | None = None  # of a submission that was built into an image or is one
     command: tuple[str, ...] = ()  # to run instead of Python
     start_limit: float | None = None  # s that the agent has to start up
+    lasts: float = MARGIN  # s from its start after which the sandbox ends it, because its match hangs
 
 
 class MemoryKill(Enum):
@@ -81,8 +84,8 @@ class RunningAgent(Protocol):
         """Wait until the agent's process ends by itself or by a limit, and return how it ended."""
         ...
 
-    def processes(self) -> list[int]:
-        """Return the numbers of its processes on this machine, as far as they are known."""
+    def meter(self) -> GroupMeter | None:
+        """Return what measures its waits for a processor; None if this sandbox cannot."""
         ...
 
     def overdue(self) -> str:

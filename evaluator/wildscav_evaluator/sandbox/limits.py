@@ -21,7 +21,8 @@ class Limits(BaseModel):
     open_files: Annotated[int, Field(ge=64, le=1_000_000)] = 1024  # of each process
     tmp_size: Annotated[ByteSize, Field(ge=MEBIBYTE)] = ByteSize(256 * MEBIBYTE)  # bytes in /tmp
     output: Annotated[ByteSize, Field(ge=4096)] = ByteSize(1_000_000)  # bytes of its output that are kept
-    wall_clock: Annotated[float, Field(gt=0, le=604_800)] = 7200.0  # s from its start, longer than a match
+    # s, the longest time of all steps of a match: time banks are smaller if they would exceed it together.
+    wall_clock: Annotated[float | None, Field(gt=0, le=604_800)] = None  # None: as budgets and banks allow
 
 
 # The limits of a track's matches unless their suite sets others.

@@ -93,9 +93,8 @@ class SessionHandle:
             tempfile.mkdtemp(prefix="code-", dir=leftovers.own_folder())
         )  # for a copy of the code
 
-    def processes(self) -> list[int]:
-        """Return the first process, which runs the agent. See ``AgentHandle.processes``."""
-        return [] if self.session is None else [self.session]
+    def meter(self) -> None:
+        """Return that waits cannot be measured, because nothing tells apart its own from those for others."""
 
     async def kill(self) -> None:
         """Kill the session. See ``AgentHandle.kill``."""

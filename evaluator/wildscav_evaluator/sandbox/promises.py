@@ -25,8 +25,8 @@ TRIED = {
     "processes": 32,
     "tmp_size": 4 * MEBIBYTE,
     "output": 64 * 1024,
-    "wall_clock": 30.0,
 }
+LASTS = 30.0  # s, of the probe at most
 TOLERANCE = 1.3  # factor for processor time, which is granted in slices
 NO_CAPABILITIES = "0" * 16
 HAS_FILTER = "2"
@@ -88,6 +88,7 @@ async def _probe(sandbox: Sandbox, folder: Path, limits: Limits) -> dict[str, An
         token=token,
         log=log,
         limits=limits,
+        lasts=LASTS,
     )
     agent = await sandbox.start(launch)
     try:

@@ -4,7 +4,7 @@ Fields that a track does not have are counted in the results without a note, bec
 tracks may set them.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 
 from wildscav.terminal.console import counted
 from wildscav.wire.actions import MAX_WALK_SPEED
@@ -21,47 +21,30 @@ def evaluation_actions_note(evaluation: Evaluation) -> str | None:
     )
 
 
-def evaluation_lateness_note(evaluation: Evaluation, timings: Iterable[MatchTiming]) -> str | None:
-    """Return a line about a submission's late steps that are the machine's fault; None if there are none.
+def evaluation_waits_note(evaluation: Evaluation, timings: Iterable[MatchTiming]) -> str | None:
+    """Return a line about a submission's waits for a processor; None if its banks paid for nothing of others.
 
     Args:
         evaluation: The evaluation of the submission on one track.
         timings: The timings of its matches.
     """
-    late: dict[str, Sequence[int]] = {}
-    for timing in timings:
-        for seat in timing.seats:
-            if seat.late_for_platform:
-                where = f", seat {seat.seat}" if len(timing.seats) > 1 else ""
-                late[f"match {timing.index}{where}: "] = seat.late_for_platform
-    return lateness_note(f"{evaluation.submission} on {evaluation.track}", late) if late else None
+    credited = [seat.credited or 0.0 for timing in timings for seat in timing.seats]
+    return waits_note(f"{evaluation.submission} on {evaluation.track}", credited)
 
 
-def lateness_note(who: str, late: Mapping[str, Sequence[int]]) -> str:
-    """Return a line about late steps that are the machine's fault.
+def waits_note(who: str, credited: Sequence[float]) -> str | None:
+    """Return a line about the waits for a processor that were credited; None if none were.
 
     Args:
         who: The name of the agent.
-        late: The numbers of the steps, from 0 as in the results, by the text to write before them.
+        credited: For each match and seat, s.
     """
-    count = sum(map(len, late.values()))
-    where = "; ".join(f"{before}{_ranges(steps)}" for before, steps in late.items())
+    if not any(credited):
+        return None
     return (
-        f"{who}: {counted(count, 'late step')} {'was' if count == 1 else 'were'} the machine's fault, which "
-        f"was so busy that the agent waited for a processor ({where})"
+        f"{who}: the machine was so busy that the agent waited for a processor; its time banks did not pay "
+        f"{sum(credited):.1f} s of that, at most {max(credited):.1f} s in a match"
     )
-
-
-def _ranges(steps: Sequence[int]) -> str:
-    """Return the numbers of steps, given from 0, as text that counts from 1, such as "steps 3, 7–9"."""
-    ranges: list[list[int]] = []
-    for step in sorted(number + 1 for number in steps):
-        if ranges and step == ranges[-1][-1] + 1:
-            ranges[-1][1:] = [step]
-        else:
-            ranges.append([step])
-    words = ["–".join(map(str, one)) for one in ranges]
-    return f"{'step' if len(steps) == 1 else 'steps'} {', '.join(words)}"
 
 
 def invalid_actions_note(who: str, *, actions: int, invalid: int) -> str | None:

@@ -26,6 +26,7 @@ from pydantic import (
 from wildscav.errors import UserError, describe
 from wildscav.system.config_files import LARGEST, read_config
 from wildscav.terminal.suggestions import did_you_mean
+from wildscav.time_limits import Clock
 from wildscav_engine.arithmetic.random_numbers import Dice
 from wildscav_engine.maps import MapError
 from wildscav_engine.maps.catalogue import map_spec
@@ -219,7 +220,9 @@ def _fingerprint(file: SuiteFile, part: TrackSection) -> str:
 
 
 def _track_settings(track: str, part: TrackSection) -> TrackSettings:
-    draw_fields = _drawer(MatchSpec, {"track": track, **part.match}, part.choose, f"tracks.{track}")
+    fields, where = {"track": track, **part.match}, f"tracks.{track}"
+    draw_fields = _drawer(MatchSpec, fields, part.choose, where)
+    _check_longest(fields, part, where)
 
     def draw(dice: Dice) -> MatchSpec:
         spec = draw_fields(dice)
@@ -228,6 +231,22 @@ def _track_settings(track: str, part: TrackSection) -> TrackSettings:
     known = tuple(map_spec(number) for number in part.maps) if isinstance(part.maps, list) else ()
     count = len(known) if isinstance(part.maps, list) else part.maps
     return TrackSettings(count, part.episodes, draw, known)
+
+
+def _check_longest(fields: Fields, part: TrackSection, where: str) -> None:
+    """Check that even the match with the most steps can end within the longest time.
+
+    Raises:
+        ValueError: It cannot.
+    """
+    chosen = {path: values[0] for path, values in part.choose.items()}
+    for path, worst in (("time_limit", max), ("frames_per_action", min)):
+        if path in chosen:
+            chosen[path] = worst(part.choose[path])
+    try:
+        Clock(longest=part.limits.wall_clock).fitted(_made(MatchSpec, fields, chosen, where))
+    except ValueError as error:
+        raise ValueError(f"{where}.limits.wall_clock: {error}") from None
 
 
 def _drawer(

@@ -10,6 +10,7 @@ from datetime import datetime
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.output.results import MatchRow, MatchTiming, metric_infos
 from wildscav_leaderboard.boards.service import after_boards
 from wildscav_leaderboard.conductor import attempts
@@ -158,7 +159,8 @@ def take_matches(
         if not matches.takes_part(session, match):
             matches.void(match, now, f"{matches.WITHDRAWN}a submission of it no longer takes part")
             continue
-        attempt = attempts.begin(session, PLAY, holding, now, season.settings.deadlines.match, match=match.id)
+        lasts = season.clock(match.track).deadline(MatchSpec.model_validate(match.spec))
+        attempt = attempts.begin(session, PLAY, holding, now, lasts, match=match.id)
         matches.mark_playing(match, now, attempt.deadline)
         taken.append((attempt, match))
     return taken

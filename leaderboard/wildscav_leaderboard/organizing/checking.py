@@ -24,6 +24,7 @@ class Checked:
     files: int = 0  # that were checked
     problems: list[str] = field(default_factory=list)
     changes: list[str] = field(default_factory=list)  # of the rules, which are not in force yet
+    longest: dict[str, float] = field(default_factory=dict)  # s that agents can make a match last, by track
 
     @property
     def passed(self) -> bool:
@@ -43,7 +44,8 @@ def check_season(folder: Path, on_progress: OnProgress = lambda *_: None) -> Che
     Raises:
         UserError: The settings are not valid, or a secret cannot be read.
     """
-    season, found = Season.open(folder), Checked()
+    season = Season.open(folder)
+    found = Checked(longest={track: season.bound(track) for track in season.settings.tracks})
     found.problems += _wrong_commitments(season)
     database = season.database()
     try:

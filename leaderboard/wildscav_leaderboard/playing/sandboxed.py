@@ -30,13 +30,11 @@ class SandboxedAgents:
         self, folders: Mapping[int, Path], hosted: HostedMatch, addresses: Mapping[int, str], logs: Path
     ) -> AsyncIterator[None]:
         """Run it for as long as the block lasts."""
-        agents, limit = MatchAgents(hosted, self._sandbox), hosted.clock.join_timeout
+        agents = MatchAgents(hosted, self._sandbox)
         try:
             for seat in folders:
                 token, log = hosted.tokens[seat], logs / LOG
-                launch = launch_for(
-                    self._submission, addresses[seat], token, log, self._limits, start_limit=limit
-                )
+                launch = launch_for(self._submission, addresses[seat], token, log, self._limits, hosted)
                 await agents.start(seat, launch)
             yield
             await agents.leave(EXIT_TIME)

@@ -84,7 +84,14 @@ class Edition(_Part):
         return ""
 
 
-DECIDING = ("mode", "suite", "rounds", "seats", "robots")  # settings of a track that belong to its edition
+DECIDING = (
+    "mode",
+    "suite",
+    "rounds",
+    "wall_clock",
+    "seats",
+    "robots",
+)  # settings of a track that belong to its edition
 
 
 def changes_between(track: str, before: Edition, after: Edition) -> list[str]:

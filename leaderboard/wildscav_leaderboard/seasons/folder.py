@@ -7,7 +7,8 @@ from functools import cached_property
 from pathlib import Path
 
 from wildscav.errors import UserError
-from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav.time_limits import Clock
+from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, Limits
 from wildscav_evaluator.suites.rounds import matches_in_rounds
 from wildscav_evaluator.suites.seeds import SuiteSeed, read_secret
@@ -72,6 +73,12 @@ class Season:
                     f"{', '.join(found.tracks)}"
                 )
         _ = self.seed, self.final_seed
+        for track in self.settings.tracks:
+            try:
+                self.bound(track)
+            except ValueError as error:
+                place = f"{self.folder / SETTINGS_FILE}: tracks.{track}.wall_clock"
+                raise SettingsError(f"{place}: {error}") from None
 
     def with_editions(self, editions: Mapping[str, Edition], numbers: Mapping[str, int]) -> "Season":
         """Return the season with the rules of some editions instead of those of its folder."""
@@ -173,4 +180,21 @@ class Season:
 
     def limits(self, track: str) -> Limits:
         """Return the limits of an agent on a track."""
-        return self.suite(track).limits.get(track, DEFAULT_LIMITS)
+        limits, wall_clock = self.suite(track).limits.get(track, DEFAULT_LIMITS), self.track(track).wall_clock
+        return limits if wall_clock is None else limits.model_copy(update={"wall_clock": wall_clock})
+
+    def clock(self, track: str) -> Clock:
+        """Return the limits of agents' time on a track, to be fitted to each match."""
+        return Clock(longest=self.limits(track).wall_clock)
+
+    def bound(self, track: str) -> float:
+        """Return how long agents can make a match of a track last, s.
+
+        Raises:
+            ValueError: The budgets of its steps alone exceed its longest time.
+        """
+        settings, matches = self.track(track), self.suite(track).matches(track, self.seed.value)
+        if settings.mode == "ladder":  # its seats are of the season, and submissions may fill all of them
+            seats = (SUBMISSION,) * settings.seats
+            matches = tuple(spec.model_copy(update={"seats": seats}) for spec in matches)
+        return max(map(self.clock(track).bound, matches))

@@ -53,8 +53,17 @@ class Deadlines(_Part):
 
     building: Seconds = 900.0
     validating: Seconds = 900.0
-    match: Seconds = 7200.0
     attempts: Annotated[int, Field(ge=1, le=10)] = 3  # at work that the platform broke
+
+    @model_validator(mode="before")
+    @classmethod
+    def _has_none_of_matches(cls, given: Any) -> Any:
+        if isinstance(given, dict) and "match" in given:
+            raise ValueError(
+                "match is no setting any more: a match may last as long as its agents' budgets and banks "
+                "allow, and wall_clock of a track, such as tracks.battle.wall_clock, makes it shorter"
+            )
+        return given
 
 
 class Execution(_Part):
@@ -113,6 +122,8 @@ class TrackSettings(_Part):
     mode: Mode
     suite: str = "official"  # or a path of an organizer's own suite, relative to the season's folder
     rounds: Annotated[int, Field(ge=1, le=1000)] = 1  # of the suite, in mode suite
+    # s, the longest time of all steps of a match; None: as the suite says
+    wall_clock: Annotated[float | None, Field(gt=0, le=604_800)] = None
     # In mode ladder:
     seats: Annotated[int, Field(ge=2, le=100)] = 4  # entrants in a match
     robots: tuple[str, ...] = ()  # robots that take part as entrants, whose ratings anchor the scale

@@ -9,7 +9,7 @@ from wildscav.agent import MatchInfo, Observation
 from wildscav.proto.match_pb2 import ServerMessage
 from wildscav.server.hosting.observation_encoding import BUFFER_SIZE, put_observation
 from wildscav.server.hosting.observations import info_from
-from wildscav.server.hosting.time_limits import Clock
+from wildscav.time_limits import Clock
 from wildscav.wire.matches import decode_match_info, encode_match_info
 from wildscav.wire.observations import decode_observation, encode_observation
 from wildscav_engine.compilation.array_tables import Addresses

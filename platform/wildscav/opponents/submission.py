@@ -14,8 +14,8 @@ from wildscav.opponents.own_modules import OwnModules
 from wildscav.opponents.seat_messages import Indices, decode_for_agent, seat_info, seat_observations
 from wildscav.sdk.run import make_agent
 from wildscav.sdk.submission_folder import MANIFEST, entry_point_of, load_agent_class, read_manifest
-from wildscav.server.hosting.time_limits import Clock
 from wildscav.terminal.suggestions import did_you_mean
+from wildscav.time_limits import Clock
 from wildscav.wire.actions import ACTION_FIELDS, decode_action, encode_action
 from wildscav_engine.envs import SeatController
 from wildscav_engine.sensors import Sensor, parse_sensors

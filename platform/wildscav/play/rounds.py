@@ -18,8 +18,7 @@ if TYPE_CHECKING:
     from wildscav_engine.specs.match_spec import MatchSpec
 
 LONGEST_PAUSE = 86_400.0  # s, of a match against robots alone, which wait for the person
-AGENT_CLOCK = Clock(game_time_factor=10.0)  # at 50 steps a second, twice the game time would be 40 ms a step
-ROBOT_CLOCK = Clock(time_bank=LONGEST_PAUSE, game_time_factor=LONGEST_PAUSE)
+ROBOT_CLOCK = Clock(time_bank=LONGEST_PAUSE)
 
 
 class Venue(NamedTuple):
@@ -42,7 +41,7 @@ async def hosted_match(
         spec,
         names=names,
         sensors={seat: each.sensors for seat, each in opponents.items() if each.sensors},
-        clock=ROBOT_CLOCK if plan.may_pause else AGENT_CLOCK,
+        clock=ROBOT_CLOCK if plan.may_pause else Clock(),
         addresses=venue.seats,
     )
     folders = {seat: each.folder for seat, each in opponents.items() if each.folder is not None}

@@ -2,9 +2,9 @@
 
 from wildscav.server.endpoints.endpoint import EndpointSettings
 from wildscav.server.hosting.hosted_match import HostedMatch, MatchCancelledError
-from wildscav.server.hosting.reports import Fault, MatchOutcome, SeatReport, SeatStatus, SlowAnswer, ThinkTime
-from wildscav.server.hosting.time_limits import Clock
+from wildscav.server.hosting.reports import Fault, MatchOutcome, SeatReport, SeatStatus, ThinkTime
 from wildscav.server.match_server import MatchServer
+from wildscav.time_limits import Clock
 
 __all__ = [
     "Clock",
@@ -16,6 +16,5 @@ __all__ = [
     "MatchServer",
     "SeatReport",
     "SeatStatus",
-    "SlowAnswer",
     "ThinkTime",
 ]

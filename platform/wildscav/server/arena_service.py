@@ -12,8 +12,8 @@ import grpc
 from wildscav.proto.match_pb2 import GetMatchRequest, GetMatchResponse, HostMatchRequest, HostMatchResponse
 from wildscav.server.hosting.hosted_match import HostedMatch, MatchCancelledError
 from wildscav.server.hosting.reports import MatchOutcome
-from wildscav.server.hosting.time_limits import Clock
 from wildscav.system.leftovers import temporary_folder
+from wildscav.time_limits import Clock
 from wildscav.wire.errors import RefusalError
 from wildscav.wire.matches import encode_seat_result
 

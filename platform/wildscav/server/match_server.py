@@ -19,8 +19,8 @@ from wildscav.server.hosting.precompile import precompile
 from wildscav.server.hosting.reports import SeatStatus
 from wildscav.server.hosting.seat import Seat, parse_sensors
 from wildscav.server.hosting.seat_clock import SeatClock
-from wildscav.server.hosting.time_limits import Clock, TimeBank
 from wildscav.server.server_metrics import ServerMetrics
+from wildscav.time_limits import Clock
 from wildscav.wire.errors import ProtocolRefusalError, RefusalError
 
 if TYPE_CHECKING:
@@ -142,7 +142,7 @@ class MatchServer:
         seats = []
         for number in numbers:
             wanted = parse_sensors((sensors or {}).get(number, {}))
-            seats.append(Seat(number, secrets.token_urlsafe(24), TimeBank(clock), wanted))
+            seats.append(Seat(number, secrets.token_urlsafe(24), clock.bank(), wanted))
         # In a thread, so that other matches play on while the map is made.
         match = await asyncio.to_thread(_set_up, spec, [seat.sensors for seat in seats], make)
         match.seeds = seeds or match.seeds

@@ -22,7 +22,7 @@ from wildscav_evaluator.suites.suite_file import read_suite
 
 pytestmark = pytest.mark.usefixtures("compiled")
 
-PATIENT = Clock(step_budget=2.0, game_time_factor=100.0)  # so that a busy machine is not the agent's fault
+PATIENT = Clock(step_budget=2.0)  # so that a busy machine is not the agent's fault
 HASTY = Clock(step_budget=0.02, time_bank=0.5)
 PUNCTUAL = Clock(join_timeout=2.0)
 MATCH = "match: navigation"

@@ -49,7 +49,7 @@ ALL = [
             ("wildscav.server.hosting.hosted_match:encode_match_info", 1),
             ("wildscav.server.hosting.hosted_match:encode_seat_result", 2),
             ("wildscav.server.hosting.seat:Seat.conduct_message", 1),
-            ("wildscav.server.hosting.time_limits:TimeBank.charge", 3),
+            ("wildscav.time_limits:TimeBank.charge", 3),
         )
     ),
 ]
@@ -111,7 +111,7 @@ def test_a_clock_that_fails_while_nobody_answers_does_not_wait_for_ever(
             time.sleep(600)
         return Action()
 """
-    break_at(monkeypatch, "wildscav.server.hosting.time_limits:TimeBank.charge", 4)
+    break_at(monkeypatch, "wildscav.time_limits:TimeBank.charge", 4)
 
     played = play(submit("sleepy", sleepy), tmp_path=tmp_path, clock=Clock(step_budget=0.1, time_bank=0.0))
 

@@ -23,7 +23,7 @@ pytestmark = pytest.mark.usefixtures("compiled")
 STEPS = 300
 GROWTH = 50e6  # bytes
 # So that only a victim that is kept from playing is late, however busy the machine is.
-PATIENT = Clock(step_budget=5.0, join_timeout=60.0, game_time_factor=200.0)
+PATIENT = Clock(step_budget=5.0, join_timeout=60.0)
 # The usual clock, for a machine that does nothing else: WILDSCAV_FLOODS_CLOCK=usual.
 CLOCK = Clock() if os.environ.get("WILDSCAV_FLOODS_CLOCK") == "usual" else PATIENT
 # Floods from threads of its own and of another process, and plays on meanwhile.

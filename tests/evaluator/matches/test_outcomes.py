@@ -14,6 +14,7 @@ from wildscav_evaluator.matches.agents import status_of
 from wildscav_evaluator.matches.play import MAX_ATTEMPTS, PlatformFaultError, PlayedMatch, Seating, play_match
 from wildscav_evaluator.sandbox import Ending, Launch, Limits, Promise, RunningAgent
 from wildscav_evaluator.sandbox.process import ProcessSandbox
+from wildscav_evaluator.sandbox.processor_waits import GroupMeter
 from wildscav_evaluator.submissions.submission import Submission
 
 pytestmark = pytest.mark.usefixtures("compiled")
@@ -45,8 +46,8 @@ class Ended:
         await self._agent.ended()
         return self._ending
 
-    def processes(self) -> list[int]:
-        return self._agent.processes()
+    def meter(self) -> GroupMeter | None:
+        return self._agent.meter()
 
     def overdue(self) -> str:
         return self._agent.overdue()

@@ -137,7 +137,7 @@ def test_an_agent_that_thinks_for_ever_uses_up_its_own_time_alone(submit: Submit
     thinker = submit("thinker", THINKER)
     seating = battle(thinker, submit("other", WALKER), tmp_path=tmp_path)
 
-    played = play(seating, clock=Clock(step_budget=0.1, time_bank=0.2, game_time_factor=10.0))
+    played = play(seating, clock=Clock(step_budget=0.1, time_bank=0.2))
 
     assert played.seats[0].status == SeatStatus.TIMED_OUT
     assert "step 3 was the first without its answer" in played.seats[0].detail

@@ -31,7 +31,7 @@ def wait(watchdog: Watchdog, seconds: float) -> str:
         ([], 360, "before the first step"),
         ([Heartbeat(0, 0)], 360, "before the first step"),
         ([Heartbeat(500, 100), AttemptFailed("no memory")], 360, "before the first step"),
-        # 0.1 s for a step, and 30 s of bank.
+        # 0.1 s for a step, as much that may be credited, and 30 s of bank.
         ([Heartbeat(500, 1_100)], 120, "after step 1,100"),
         # A match of ten minutes.
         ([Heartbeat(500, 100), RenderingReplay()], 900, "while it rendered the replay"),

@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -39,7 +40,9 @@ def written(folder: Path, command: str) -> Submission:
 
 def run(sandbox: Sandbox, submission: Submission, folder: Path) -> tuple[Ending, str]:
     async def to_end(address: str) -> Ending:
-        launch = launch_for(submission, address, "of the seat", folder / "log", LIMITS, start_limit=30.0)
+        launch = replace(
+            launch_for(submission, address, "of the seat", folder / "log", LIMITS), start_limit=30.0
+        )
         agent = await sandbox.start(launch)
         try:
             return await agent.ended()

@@ -32,7 +32,9 @@ pytestmark = pytest.mark.slow
 Submit = Callable[..., Submission]
 
 
-def run(sandbox: Sandbox, submission: Submission, folder: Path, **limits: object) -> tuple[Ending, str]:
+def run(
+    sandbox: Sandbox, submission: Submission, folder: Path, lasts: float = 60.0, **limits: object
+) -> tuple[Ending, str]:
     """Run an agent to its end; return how it ended and what it printed."""
 
     async def to_end() -> Ending:
@@ -45,7 +47,9 @@ def run(sandbox: Sandbox, submission: Submission, folder: Path, **limits: object
     with listening(folder / "match.sock") as address:
         entry_point = submission.manifest.entry_point
         own = LIMITS.model_copy(update={"cpus": 1.0, **limits})
-        launch = Launch(submission.folder, entry_point, address, "of the seat", folder / "log", own)
+        launch = Launch(
+            submission.folder, entry_point, address, "of the seat", folder / "log", own, lasts=lasts
+        )
         ending = asyncio.run(to_end())
     log = folder / "log"
     return ending, log.read_text() if log.exists() else ""
@@ -135,7 +139,7 @@ def test_how_an_agent_ended_is_told_as_it_was(
 def test_the_wall_clock_ends_an_agent(real: Sandbox, submit: Submit, tmp_path: Path) -> None:
     sleeper = submit("sleeper", code="import time\ntime.sleep(3600)")
 
-    ending, _ = run(real, sleeper, tmp_path, wall_clock=1.5)
+    ending, _ = run(real, sleeper, tmp_path, lasts=1.5)
 
     assert ending.limit == "wall clock"
 

@@ -81,14 +81,14 @@ time.sleep(300)
 UNWATCHED = """
 import asyncio, sys
 from pathlib import Path
-from wildscav_evaluator.sandbox import SANDBOXES, Launch, Limits
+from wildscav_evaluator.sandbox import SANDBOXES, Launch
 from wildscav_evaluator.sandbox.containers import wall_clock
 from wildscav.system import leftovers
 
 async def run():
-    limits = Limits(wall_clock=600.0)
     wall_clock.LATER = {seconds} - 600.0
-    launch = Launch(Path(sys.argv[2]), "agent:Player", sys.argv[3], "of the seat", Path(sys.argv[4]), limits)
+    where = (Path(sys.argv[2]), "agent:Player", sys.argv[3], "of the seat", Path(sys.argv[4]))
+    launch = Launch(*where, lasts=600.0)
     agent = await SANDBOXES[sys.argv[1]].start(launch)
     await agent.ended()
     await agent.stop()

@@ -19,7 +19,7 @@ PROCESS = SANDBOXES["process"]
 LOG_LIMIT = 1_000_000  # bytes
 
 
-def launch(submission: Submission, log: Path, limits: Limits) -> Launch:
+def launch(submission: Submission, log: Path, limits: Limits, lasts: float = 60.0) -> Launch:
     return Launch(
         folder=submission.folder,
         entry_point=submission.manifest.entry_point,
@@ -27,11 +27,12 @@ def launch(submission: Submission, log: Path, limits: Limits) -> Launch:
         token="of the seat",  # noqa: S106
         log=log,
         limits=limits,
+        lasts=lasts,
     )
 
 
-async def start(submission: Submission, log: Path, **limits: float) -> RunningAgent:
-    return await PROCESS.start(launch(submission, log, Limits(**limits)))  # type: ignore[arg-type]
+async def start(submission: Submission, log: Path, lasts: float = 60.0, **limits: float) -> RunningAgent:
+    return await PROCESS.start(launch(submission, log, Limits(**limits), lasts))  # type: ignore[arg-type]
 
 
 def run_to_end(submission: Submission, log: Path, **limits: float) -> Ending:
@@ -111,7 +112,7 @@ def test_a_log_is_as_long_as_its_limit_allows(submit: Submit, tmp_path: Path, li
 def test_an_agent_ends_with_its_wall_clock(submit: Submit, tmp_path: Path) -> None:
     submission = submit("sleeper", code="import time\nprint('good night', flush=True)\ntime.sleep(600)")
 
-    ending = run_to_end(submission, tmp_path / "log", wall_clock=1.0)
+    ending = run_to_end(submission, tmp_path / "log", lasts=1.0)
 
     assert ending.limit == "wall clock"
     assert "its wall clock is used up" in str(ending)

@@ -1,9 +1,9 @@
-"""What an author is told of invalid actions, and of late steps that were the machine's fault."""
+"""What an author is told of invalid actions, and of waits for a processor."""
 
 import pytest
 from tests.evaluator.results_by_hand import results_of, timing_of_a_seat
 
-from wildscav_evaluator.scores.notes import evaluation_lateness_note, invalid_actions_note
+from wildscav_evaluator.scores.notes import evaluation_waits_note, invalid_actions_note
 
 
 @pytest.mark.parametrize(
@@ -22,20 +22,20 @@ def test_there_is_nothing_to_tell_of_valid_actions() -> None:
     assert invalid_actions_note("me", actions=300, invalid=0) is None
 
 
-def test_late_steps_of_all_seats_of_a_match_are_told() -> None:
+def test_what_waits_for_a_processor_did_not_cost_is_told() -> None:
     results = results_of("ann")
     seats = tuple(
-        timing_of_a_seat().model_copy(update={"seat": seat, "late_for_platform": steps})
-        for seat, steps in ((0, (4, 5)), (2, (7,)))
+        timing_of_a_seat().model_copy(update={"seat": seat, "credited": seconds})
+        for seat, seconds in ((0, 1.25), (1, None), (2, 3.0))
     )
     timing = results.timings.matches[0].model_copy(update={"seats": seats})
 
-    line = evaluation_lateness_note(results.evaluations[0], [timing])
+    line = evaluation_waits_note(results.evaluations[0], [timing])
 
-    assert str(line).startswith("ann on navigation: 3 late steps were the machine's fault")
-    assert "(match 0, seat 0: steps 5–6; match 0, seat 2: step 8)" in str(line)
+    assert str(line).startswith("ann on navigation: the machine was so busy")
+    assert str(line).endswith("its time banks did not pay 4.2 s of that, at most 3.0 s in a match")
 
 
 def test_there_is_nothing_to_tell_where_the_machine_kept_nobody_waiting() -> None:
     results = results_of("ann")
-    assert evaluation_lateness_note(results.evaluations[0], results.timings.matches) is None
+    assert evaluation_waits_note(results.evaluations[0], results.timings.matches) is None

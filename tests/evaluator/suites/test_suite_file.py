@@ -176,3 +176,17 @@ def test_a_track_may_have_limits_of_its_own(write: Callable[[str], Path]) -> Non
     assert suite.limits["battle"] == DEFAULT_LIMITS
     with pytest.raises(UserError, match=r"limits\.memory"):
         read_suite(write(tighter.replace("512MiB", "1MiB")))
+
+
+def test_a_longest_time_must_allow_the_match_with_the_most_steps(write: Callable[[str], Path]) -> None:
+    chosen = """
+        name = "spring"
+        [tracks.navigation]
+        maps = 2
+        choose = { time_limit = [10, 30, 20], frames_per_action = [5, 1] }
+        limits = { wall_clock = LONGEST }
+    """
+
+    assert read_suite(write(chosen.replace("LONGEST", "150"))).limits["navigation"].wall_clock == 150
+    with pytest.raises(UserError, match=r"navigation\.limits\.wall_clock: .* 1,500 steps alone are 150 s$"):
+        read_suite(write(chosen.replace("LONGEST", "149")))

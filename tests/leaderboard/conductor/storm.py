@@ -25,7 +25,6 @@ waiting = 2
 [deadlines]
 building = 100
 validating = 100
-match = 300
 attempts = 2
 """
 TEAMS = ("foxes", "owls")

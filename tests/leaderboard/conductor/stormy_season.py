@@ -101,13 +101,13 @@ class StormySeason(Storm):
 
     # Time.
 
-    @rule(seconds=st.sampled_from((1, 31, 101, 400)), name=st.none() | conductors, back=st.booleans())
+    @rule(seconds=st.sampled_from((1, 31, 101, 4000)), name=st.none() | conductors, back=st.booleans())
     def time_passes(self, seconds: int, name: str | None = None, back: bool = False) -> None:
         """Let time pass, or set the clock of one conductor alone."""
         if name is None:
             self.time += timedelta(seconds=seconds)
         else:
-            self.processes[name].ahead = timedelta(seconds=-250 * seconds if back else seconds)
+            self.processes[name].ahead = timedelta(seconds=-25 * seconds if back else seconds)
 
     # Conductors.
 

@@ -9,6 +9,8 @@ from sqlalchemy.orm import Session
 from tests.leaderboard.conductor.conducted import Conducted
 from tests.leaderboard.seasons_made import make_season, team_with_member
 
+from wildscav.time_limits import Clock
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_leaderboard.conductor import attempts, steps
 from wildscav_leaderboard.conductor.lease import LeaseLostError
 from wildscav_leaderboard.conductor.models import Attempt
@@ -27,7 +29,6 @@ waiting = 3
 [deadlines]
 building = 100
 validating = 200
-match = 300
 attempts = 3
 """
 
@@ -158,10 +159,19 @@ def test_matches_that_wait_for_their_turn_are_not_lost_with_their_conductor(seas
     assert season.match(second.match_id or 0).state == "waiting"
 
 
+def test_the_deadline_of_a_match_follows_from_its_agents_time_limits(season: Conducted) -> None:
+    season.active()
+    ((attempt, match), *_others) = season.take_matches(1)
+
+    spec = MatchSpec.model_validate(match.spec)
+    assert (attempt.deadline - season.now).total_seconds() == Clock().deadline(spec)
+    assert season.match(match.id).deadline == attempt.deadline
+
+
 def test_a_match_whose_turn_never_came_is_no_fault(season: Conducted) -> None:
     season.active()
-    ((_, match), *_others) = season.take_matches(1, begun=False)
-    season.wait(300)
+    ((attempt, match), *_others) = season.take_matches(1, begun=False)
+    season.wait((attempt.deadline - season.now).total_seconds())
     assert season.expire() == 1
     assert (season.match(match.id).state, season.match(match.id).platform_faults) == ("waiting", 0)
 
@@ -218,7 +228,7 @@ def test_a_rejection_names_the_agent_and_is_charged(season: Conducted) -> None:
 def test_the_first_result_of_a_match_stays(season: Conducted) -> None:
     season.active()
     (first, match) = season.take_matches(1)[0]
-    season.wait(300)
+    season.wait((first.deadline - season.now).total_seconds())
     season.expire()
     assert season.match(match.id).platform_faults == 1
     ((second, _),) = [one for one in season.take_matches(2) if one[1].id == match.id]

@@ -37,6 +37,12 @@ from wildscav_leaderboard.seasons.settings import SETTINGS_FILE, SettingsError
         ("[quotas]", '[play]\nwho = "all"\n[quotas]', "play.who: is 'all'; input should be 'accounts' or "),
         ("[quotas]", "[play]\ntables = 0\n[quotas]", "play.tables: is 0; input should be greater than or "),
         ("seats = 2", "seat = 2", "tracks.battle.seat: is not a setting (did you mean 'seats'"),
+        ("[quotas]", "[deadlines]\nmatch = 300\n[quotas]", "deadlines: match is no setting any more: "),
+        (
+            'mode = "ladder"',
+            'mode = "ladder"\nwall_clock = 2',
+            "tracks.battle.wall_clock: a match cannot end within 2 s: the budgets of its 40 steps",
+        ),
         ('robots = ["fighter"]', 'robots = ["figter"]', "tracks.battle.robots: 'figter' is none of "),
     ],
 )
@@ -50,3 +56,11 @@ def test_a_typo_is_explained(tmp_path: Path, right: str, wrong: str, said: str) 
     with pytest.raises(SettingsError) as error:
         Season.open(folder)
     assert str(error.value).startswith(f"{path}: {said}")
+
+
+def test_a_track_may_have_a_longest_time(tmp_path: Path) -> None:
+    season = make_season(tmp_path / "season", "wall_clock = 24")
+
+    assert season.limits("battle").wall_clock == 24
+    assert season.bound("battle") == 30 + 24  # to join, and as long as it may last
+    assert season.bound("navigation") == 30 + 4 + 30  # 40 steps of 0.1 s, and one bank

@@ -13,7 +13,7 @@ from wildscav.agent import Action
 from wildscav.policy import Environment
 from wildscav.sdk.connection import Connection
 from wildscav.server import MatchServer
-from wildscav.server.hosting.time_limits import Clock
+from wildscav.time_limits import Clock
 from wildscav_engine.envs import SingleEnv
 from wildscav_engine.specs.match_spec import MatchSpec
 

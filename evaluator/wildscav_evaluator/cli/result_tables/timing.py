@@ -11,7 +11,6 @@ from wildscav_evaluator.output.results import KeptLimits, Results, SeatTiming
 from wildscav_evaluator.scores.number_format import NOTHING
 from wildscav_evaluator.seats import ROBOT_ENTRANT
 
-MACHINES = " *"  # marks late steps that are partly the machine's fault; a note below explains it
 UNITS = ((1 << 30, "GiB"), (1 << 20, "MiB"), (1 << 10, "KiB"))
 
 
@@ -33,12 +32,11 @@ def timing_table(results: Results) -> Table:
 def _cells(seats: list[SeatTiming]) -> Iterator[Text | str]:
     """Yield the cells that sum up some seats, at least one."""
     late, steps = sum(seat.late_steps for seat in seats), sum(seat.steps for seat in seats)
-    starved = any(seat.late_for_platform for seat in seats)
     yield _time(statistics.median(seat.latency_p50 for seat in seats))
     yield _time(max(seat.latency_p99 for seat in seats))
     yield _time(max(seat.latency_max for seat in seats))
     yield _time(statistics.fmean(seat.time_used for seat in seats))
-    yield Text(f"{late / steps:.1%}{MACHINES if starved else ''}", "red") if late else "0"
+    yield Text(f"{late / steps:.1%}", "red") if late else "0"
     yield _time(min(seat.time_bank for seat in seats))
     starts = [seat.start_up for seat in seats if seat.start_up is not None]
     yield _time(max(starts)) if starts else NOTHING
@@ -79,7 +77,7 @@ def limits_in_words(limits: KeptLimits) -> str:
     if limits.output is not None:
         words.append(f"{_size(limits.output)} of output")
     if limits.wall_clock is not None:
-        words.append(f"{limits.wall_clock:,g} s in all")
+        words.append(f"matches of {limits.wall_clock:,g} s at most")
     return ", ".join(words)
 
 

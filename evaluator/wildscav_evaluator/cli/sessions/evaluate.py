@@ -21,7 +21,7 @@ from wildscav_evaluator.output.results import Evaluation, Results, write_results
 from wildscav_evaluator.plans.evaluation import EvaluationPlan
 from wildscav_evaluator.result_sinks import ResultSink, sinks
 from wildscav_evaluator.scores.changes import Change, changes_since_last
-from wildscav_evaluator.scores.notes import evaluation_actions_note, evaluation_lateness_note
+from wildscav_evaluator.scores.notes import evaluation_actions_note, evaluation_waits_note
 
 DASHBOARD_ONLY = MonitorOptions()
 
@@ -69,9 +69,7 @@ def show_notes(results: Results) -> None:
     """Print which submissions sent invalid actions, and which late steps are not their fault."""
     lines = [line for one in results.evaluations if (line := evaluation_actions_note(one))]
     lines += [
-        line
-        for one in results.evaluations
-        if (line := evaluation_lateness_note(one, results.timings_of(one)))
+        line for one in results.evaluations if (line := evaluation_waits_note(one, results.timings_of(one)))
     ]
     if lines:
         console.print()

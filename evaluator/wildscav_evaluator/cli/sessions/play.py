@@ -34,7 +34,7 @@ from wildscav_evaluator.matches.play import PlayedMatch, Seating, play_match, pr
 from wildscav_evaluator.output.results import FINISHED, metric_infos
 from wildscav_evaluator.sandbox import SANDBOXES, Sandbox
 from wildscav_evaluator.sandbox.agents.capped_log import is_cut
-from wildscav_evaluator.scores.notes import invalid_actions_note, lateness_note
+from wildscav_evaluator.scores.notes import invalid_actions_note, waits_note
 from wildscav_evaluator.scores.number_format import number
 from wildscav_evaluator.seats import BATTLE_ROBOTS
 from wildscav_evaluator.submissions.submission import Submission
@@ -221,15 +221,14 @@ def _seat_document(seating: Seating, played: PlayedMatch, seat: "SeatResult") ->
 
 
 def _show_notes(seating: Seating, played: PlayedMatch) -> None:
-    """Print which agents sent invalid actions, and which late steps are not their fault."""
+    """Print which agents sent invalid actions, and which waited for a processor."""
     for seat, report in played.seats.items():
         line = invalid_actions_note(
             seating.names[seat], actions=report.steps_played, invalid=report.invalid_actions
         )
         if line is not None:
             console.print(Text.assemble(("note: ", "yellow"), line))
-        if steps := played.late_for_platform.get(seat):
-            note = lateness_note(seating.names[seat], {"": steps})
+        if (note := waits_note(seating.names[seat], [report.credited or 0.0])) is not None:
             console.print(Text.assemble(("note: ", "yellow"), note))
 
 

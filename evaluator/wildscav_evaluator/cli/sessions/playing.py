@@ -6,12 +6,14 @@ from contextlib import ExitStack, contextmanager
 from wildscav.errors import UserError
 from wildscav.terminal.console import console, counted
 from wildscav.terminal.engine_progress import preparing
+from wildscav.time_limits import Clock
 from wildscav_engine.storage.files import write_whole
 from wildscav_evaluator.executors import Executor, ExecutorError
 from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_evaluator.ledger.writer import LedgerWriter
 from wildscav_evaluator.matches.jobs import AttemptFailed, Job, JobEvent, JobResult
 from wildscav_evaluator.matches.run_job import kept_result
+from wildscav_evaluator.monitoring.dashboard import duration
 from wildscav_evaluator.monitoring.monitor import Monitor, MonitorOptions
 from wildscav_evaluator.output.folder import check_out, keep_only, output_folder
 from wildscav_evaluator.output.layout import LEDGER_FILE, SUITE_FILE
@@ -74,6 +76,8 @@ def _play(
     complete = {result.job.stem for result in done if not result.to_render}
     waiting = [job for job in jobs if job.stem not in complete]
     if waiting:
+        longest = max(Clock(longest=job.limits.wall_clock).bound(job.spec) for job in waiting)
+        console.print(f"a match lasts at most {duration(longest)} by its agents' time limits")
         with ExitStack() as stack:
             with preparing(console):
                 players = stack.enter_context(executor.players(waiting, lock))

@@ -12,6 +12,7 @@ from wildscav_evaluator.sandbox.agents import host_python
 from wildscav_evaluator.sandbox.agents.capped_log import CappedLog
 from wildscav_evaluator.sandbox.agents.tracebacks import last_words, overdue_stack
 from wildscav_evaluator.sandbox.base import Ending, Launch, MemoryKill, signal_name
+from wildscav_evaluator.sandbox.processor_waits import GroupMeter
 
 GRACE = 0.5  # s for an ended agent's output to end; less than a match waits for the last words
 SHORT_OF_MEMORY = "this machine is short of memory: the kernel killed an agent that was within its limit"
@@ -60,8 +61,8 @@ def python_command(launch: Launch) -> list[str]:
 class AgentHandle(Protocol):
     """A sandbox's handle on everything that one agent started."""
 
-    def processes(self) -> list[int]:
-        """Return the numbers of the agent's processes, as far as they are known."""
+    def meter(self) -> GroupMeter | None:
+        """Return what measures the agent's waits for a processor; None if the sandbox cannot."""
         ...
 
     async def kill(self) -> None:
@@ -94,7 +95,7 @@ class AgentProcess:
         self._limit = ""  # the limit that ended it
         self._stopping = False
         self._copying = asyncio.create_task(self._log.copy(stream))
-        self._clock = asyncio.create_task(self._watch_clock(launch.limits.wall_clock))
+        self._clock = asyncio.create_task(self._watch_clock(launch.lasts))
 
     @property
     def pid(self) -> int:
@@ -119,9 +120,9 @@ class AgentProcess:
             platform_fault=SHORT_OF_MEMORY if kill is MemoryKill.MACHINES and not self._limit else "",
         )
 
-    def processes(self) -> list[int]:
-        """Return the numbers of its processes. See ``RunningAgent.processes``."""
-        return self._handle.processes()
+    def meter(self) -> GroupMeter | None:
+        """Return what measures its waits for a processor. See ``RunningAgent.meter``."""
+        return self._handle.meter()
 
     def overdue(self) -> str:
         """Return where the agent's code was when its time was up. See ``RunningAgent.overdue``."""

@@ -14,7 +14,6 @@ import resource
 import shutil
 import signal
 import tempfile
-import time
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -55,9 +54,11 @@ from wildscav_evaluator.sandbox.containers.wall_clock import (
     without,
 )
 from wildscav_evaluator.sandbox.limits import Limits
+from wildscav_evaluator.sandbox.linux.cgroup import group_of_process, meter_of
 from wildscav_evaluator.sandbox.linux.kernel_log import logged_kill
 from wildscav_evaluator.sandbox.linux.seccomp import container_profile
 from wildscav_evaluator.sandbox.linux.users import agent_user
+from wildscav_evaluator.sandbox.processor_waits import GroupMeter
 from wildscav_evaluator.submission_files import stage
 
 INIT = 1  # the container's init process, which reaps zombies
@@ -66,7 +67,6 @@ MOST_PROCESSES = 32_768  # of a user; the limit that engines set themselves
 ENGINE_FAILED = (125, 126, 127)
 # Asking the engine is the slowest part of an end, so it is asked only after exit codes with several causes.
 ASKED_ABOUT = (*ENGINE_FAILED, SIGNALLED + signal.SIGKILL)
-SCAN_INTERVAL = 2.0  # s between two scans for the processes of a container
 NOT_RUN = "failed to exec pid1"
 NO_COMMAND = (126, 127)  # exit codes for a command that cannot be run or does not exist
 NEVER = "0001-01-01"  # the start time of a container that never started
@@ -131,14 +131,13 @@ class ContainerHandle:
         self.never_started = False
         self.command = ""  # the program of the submission, if it names one
         self._removed = False
-        self._found: list[int] = []  # its processes
-        self._scanned_at = -SCAN_INTERVAL  # by the monotonic clock
 
-    def processes(self) -> list[int]:
-        """Return the processes of the container. See ``AgentHandle.processes``."""
-        if self.identity and time.monotonic() > self._scanned_at + SCAN_INTERVAL:
-            self._scanned_at, self._found = time.monotonic(), processes_of(self.identity)
-        return self._found
+    def meter(self) -> GroupMeter | None:
+        """Return what measures the waits of the container's group. See ``AgentHandle.meter``."""
+        for process in processes_of(self.identity) if self.identity else ():
+            if group := group_of_process(process, self.identity):
+                return meter_of(group)
+        return None
 
     async def kill(self) -> None:
         """Remove the container, and thereby all its processes. See ``AgentHandle.kill``."""
@@ -194,9 +193,9 @@ class Container:
             return Ending(platform_fault=f"{engine} could not start the container: {ending.last_words}")
         return ending
 
-    def processes(self) -> list[int]:
-        """Return its processes. See ``RunningAgent.processes``."""
-        return self._process.processes()
+    def meter(self) -> GroupMeter | None:
+        """Return what measures its waits for a processor. See ``RunningAgent.meter``."""
+        return self._process.meter()
 
     def overdue(self) -> str:
         """Return where the agent's code was when its time was up. See ``RunningAgent.overdue``."""
@@ -238,7 +237,7 @@ def _with_wall_clock(
         launch: The agent's launch.
         engine: The engine that runs the container.
     """
-    seconds = launch.limits.wall_clock
+    seconds = launch.lasts
     if engine.name == "podman":
         return podman_options(seconds), list(command)
     if launch.image is None:

@@ -21,9 +21,10 @@ from wildscav_evaluator.sandbox.agents.agent_process import (
 )
 from wildscav_evaluator.sandbox.base import Launch, MemoryKill, Promise, SandboxError
 from wildscav_evaluator.sandbox.limits import Limits
-from wildscav_evaluator.sandbox.linux.cgroup import AgentGroup, find_version
+from wildscav_evaluator.sandbox.linux.cgroup import AgentGroup, find_version, meter_of
 from wildscav_evaluator.sandbox.linux.seccomp import bpf_filter
 from wildscav_evaluator.sandbox.linux.users import agent_user
+from wildscav_evaluator.sandbox.processor_waits import GroupMeter
 from wildscav_evaluator.submission_files import stage
 
 # Enters the control group, limits open files, and becomes bubblewrap.
@@ -95,9 +96,9 @@ class CgroupHandle:
         self.private = Path(tempfile.mkdtemp(prefix="code-", dir=leftovers.own_folder()))  # for a copy of it
         self.status: int | None = None  # the pipe of bubblewrap's reports, open while it runs
 
-    def processes(self) -> list[int]:
-        """Return the processes of the group. See ``AgentHandle.processes``."""
-        return self.group.members()
+    def meter(self) -> GroupMeter | None:
+        """Return what measures the waits of the group. See ``AgentHandle.meter``."""
+        return meter_of(self.group.counted)
 
     async def kill(self) -> None:
         """Kill the group. See ``AgentHandle.kill``."""

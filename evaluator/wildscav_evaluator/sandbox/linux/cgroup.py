@@ -18,8 +18,10 @@ from pathlib import Path
 from wildscav.system import leftovers
 from wildscav_evaluator.sandbox.base import MemoryKill, SandboxError
 from wildscav_evaluator.sandbox.limits import Limits
+from wildscav_evaluator.sandbox.processor_waits import GroupMeter
 
 CONTROLLERS = ("cpu", "memory", "pids")
+ACCOUNTS = "cpuacct"  # version 1's controller that counts processor time; often one with cpu
 PERIOD = 100_000  # µs in which an agent gets its share of processor time
 OVERHEAD = 2  # processes of the sandbox itself
 PREFIX = "wildscav-"  # then the group's owner, as `wildscav.system.leftovers` names it, and a number
@@ -53,6 +55,7 @@ class Version1:
             "memory": memory,
             "pids": {"pids.max": str(limits.processes + OVERHEAD)},
             "cpu": {"cpu.cfs_period_us": str(PERIOD), "cpu.cfs_quota_us": str(int(limits.cpus * PERIOD))},
+            **({ACCOUNTS: {}} if ACCOUNTS in self.parents else {}),
         }
 
     def memory_kill(self, group: Path) -> MemoryKill:
@@ -117,12 +120,17 @@ class AgentGroup:
         leftovers.enter(KIND, self._entry)
         try:
             for controller, files in version.settings(limits).items():
-                self._folders[controller].mkdir()
+                self._folders[controller].mkdir(exist_ok=controller == ACCOUNTS)  # which may be one with cpu
                 for file, value in files.items():
                     _set(self._folders[controller] / file, value)
         except BaseException:
             self.remove()
             raise
+
+    @property
+    def counted(self) -> "CountedGroup":
+        """Its counters of processor time."""
+        return CountedGroup(self._folders)
 
     @property
     def entrances(self) -> list[Path]:
@@ -133,10 +141,6 @@ class AgentGroup:
         """Return whose memory ran out, if the kernel killed processes of the group."""
         return self._version.memory_kill(self._folders["memory"])
 
-    def members(self) -> list[int]:
-        """Return the processes of the group."""
-        return _members(self._folders["memory"])
-
     def kill(self) -> None:
         """Kill every process of the group."""
         _kill(self._folders["memory"])
@@ -145,6 +149,53 @@ class AgentGroup:
         """Remove the group, whose processes have all ended."""
         if _remove_all(self._folders.values()):
             leftovers.cross_out(KIND, self._entry)
+
+
+class CountedGroup:
+    """A group's counters of processor time. See ``processor_waits.Group``.
+
+    Args:
+        folders: Its folders by controller, as in ``Version1.parents`` or ``Version2.parents``.
+    """
+
+    def __init__(self, folders: Mapping[str, Path]) -> None:
+        self._folder = folders.get("cpu", folders["memory"])
+        self.counters: tuple[Path, ...] = (self._folder / "cpu.stat",)
+        if "cpu" in folders:
+            # Without the other controller there is no such file, and nothing is measured.
+            self.counters += (folders.get(ACCOUNTS, self._folder) / "cpuacct.usage",)
+
+    def members(self) -> list[int]:
+        """Return its processes."""
+        return _members(self._folder)
+
+    def used(self, contents: list[bytes]) -> tuple[float, float]:
+        """Return how long its threads ran, and how long its limit held it back, s."""
+        words = contents[0].split()
+        numbers = dict(zip(words[::2], map(int, words[1::2]), strict=True))
+        if len(contents) > 1:
+            return int(contents[1]) / 1e9, numbers[b"throttled_time"] / 1e9
+        return numbers[b"usage_usec"] / 1e6, numbers[b"throttled_usec"] / 1e6
+
+
+def group_of_process(process: int, name: str) -> CountedGroup | None:
+    """Return the group with a name that a process is in; None if there is none on this machine."""
+    with contextlib.suppress(OSError, SandboxError):
+        mounts, paths = _mounts(), _paths_of(Path(f"/proc/{process}/cgroup"))
+        kinds = {name: name for name in ("cpu", ACCOUNTS) if name in mounts} or {"": "memory"}
+        folders = {kind: mounts[key] / paths[key].lstrip("/") for key, kind in kinds.items() if key in paths}
+        if folders and all(
+            name in folder.name and process in _members(folder) for folder in folders.values()
+        ):
+            return CountedGroup({"memory": Path(), **folders})
+    return None
+
+
+def meter_of(group: CountedGroup | None) -> GroupMeter | None:
+    """Return what measures a group's waits for a processor; None if the kernel does not count them."""
+    with contextlib.suppress(OSError):
+        return None if group is None else GroupMeter(group)
+    return None
 
 
 def remove_left_group(entry: str) -> None:
@@ -170,10 +221,13 @@ def find_version() -> Version1 | Version2:
         SandboxError: Nowhere; the message says why.
     """
     mounts = _mounts()
-    paths = _own_paths()
+    paths = _paths_of(OWN)
     version: Version1 | Version2
     if all(controller in mounts for controller in CONTROLLERS):
-        version = Version1({name: _beneath(mounts[name], paths.get(name, "/")) for name in CONTROLLERS})
+        places = {name: _beneath(mounts[name], paths.get(name, "/")) for name in mounts if name}
+        if not os.access(places.get(ACCOUNTS, ""), os.W_OK):
+            places.pop(ACCOUNTS, None)  # it limits nothing: waits for a processor are not measured then
+        version = Version1(places)
     elif "" in mounts:
         version = Version2({"memory": _delegated(mounts[""], paths.get("", "/"))})
     else:
@@ -201,14 +255,14 @@ def _mounts() -> dict[str, Path]:
         if kind == "cgroup2":
             found[""] = place
         elif kind == "cgroup":
-            found.update(dict.fromkeys(set(options.split(",")) & set(CONTROLLERS), place))
+            found.update(dict.fromkeys(set(options.split(",")) & {*CONTROLLERS, ACCOUNTS}, place))
     return found
 
 
-def _own_paths() -> dict[str, str]:
-    """Return the path of this process's group for each controller; version 2's under the empty name."""
+def _paths_of(file: Path) -> dict[str, str]:
+    """Return the path of a process's group for each controller; version 2's under the empty name."""
     paths = {}
-    for line in OWN.read_text("utf-8").splitlines():
+    for line in file.read_text("utf-8").splitlines():
         _, controllers, path = line.split(":", 2)
         paths.update(dict.fromkeys(controllers.split(","), path))
     return paths

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated
@@ -51,19 +52,13 @@ def restore(backup: Backup, folder: SeasonFolder) -> None:
 
 def check(folder: SeasonFolder, as_json: AsJson = False) -> None:
     """Check that a season has all that it needs: settings, secrets, database, and every file unchanged."""
+    from wildscav_evaluator.monitoring.dashboard import duration
     from wildscav_leaderboard.organizing.checking import check_season
 
     with _progress("files are checked") as on_progress:
         found = check_season(folder, on_progress)
     if as_json:
-        print_json(
-            {
-                "passed": found.passed,
-                "files": found.files,
-                "problems": found.problems,
-                "changes": found.changes,
-            }
-        )
+        print_json({"passed": found.passed, **asdict(found)})
     for problem in found.problems:
         error_console.print(problem, soft_wrap=True)
     if not found.passed:
@@ -73,6 +68,8 @@ def check(folder: SeasonFolder, as_json: AsJson = False) -> None:
             "\n".join([*found.changes, f"{command('wildscav')} season apply {folder} brings this into force"])
         )
     if not as_json:
+        for track, seconds in found.longest.items():
+            _say(f"{track}: a match lasts at most {duration(seconds)} by its agents' time limits")
         _say(f"nothing is wrong: settings, secrets, database and {counted(found.files, 'file')}")
 
 

@@ -16,7 +16,7 @@ from wildscav.server.hosting.observations import match_info
 from wildscav.server.hosting.reports import MatchOutcome, SeatStatus
 from wildscav.server.hosting.seat import Seat
 from wildscav.server.hosting.seat_clock import SeatClock
-from wildscav.server.hosting.time_limits import Clock
+from wildscav.time_limits import Clock, WaitMeter
 from wildscav.wire.errors import RefusalError
 from wildscav.wire.matches import decode_sdk, encode_match_info, encode_seat_result
 
@@ -93,6 +93,10 @@ class HostedMatch:
     def task(self) -> asyncio.Task[MatchOutcome]:
         """The task that plays the match."""
         return self._task
+
+    def measure(self, seat: int, meter: WaitMeter) -> None:
+        """Credit a seat's bank from now on with its agent's waits for a processor."""
+        self._seats[seat].meter = meter
 
     def launched(self, seat: int) -> None:
         """Note that a seat's agent has been started. Its start-up time begins now."""
@@ -274,11 +278,6 @@ class HostedMatch:
         if seat.bank.used_up:
             seat.set_outcome(
                 SeatStatus.TIMED_OUT,
-                f"its time bank was used up, and step {seat.late[0]} was the first without its answer: "
+                f"its time bank was used up, and step {seat.first_late} was the first without its answer: "
                 f"{own} of {steps} steps were played with an answer of its own",
-            )
-        elif seat.conduct.late_steps:
-            seat.set_outcome(
-                SeatStatus.FINISHED,
-                f"the match had no more time to wait: {own} of {steps} steps were played with its answer",
             )

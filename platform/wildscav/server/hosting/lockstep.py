@@ -20,10 +20,9 @@ from numpy.typing import NDArray
 
 from wildscav.proto.match_pb2 import Action
 from wildscav.server.hosting.observations import SeatObservations
-from wildscav.server.hosting.reports import SlowAnswer
 from wildscav.server.hosting.seat import Seat
 from wildscav.server.hosting.seat_clock import SeatClock
-from wildscav.server.hosting.time_limits import Clock
+from wildscav.time_limits import Clock
 from wildscav.wire.actions import ACTION_FIELDS, decode_action
 from wildscav.wire.observations import encode_observation
 
@@ -32,6 +31,7 @@ if TYPE_CHECKING:
 
 LONGEST_TURN = 0.005  # s of playing without waiting, after which other matches get their turn
 LAG = 0.01  # s that the loop may be late for a deadline before the seats get that time back
+LEAST_CREDIT = 0.001  # s of waiting for a processor for which a step waits longer
 
 
 class Lockstep:
@@ -51,7 +51,6 @@ class Lockstep:
         columns = range(len(ACTION_FIELDS))
         self._outside = tuple(column for column in columns if column not in match.track.fields)
         self._done: asyncio.Future[None] = self._loop.create_future()  # done when no more seats are asked
-        self._patience = clock.patience(match.spec)  # s that steps may still wait beyond their budgets
         # The open step; times are by the seats' clock:
         self._opened = 0.0
         self._due = 0.0  # the next deadline
@@ -66,8 +65,6 @@ class Lockstep:
         if not self._done.done():
             self._open()
         await self._done
-        for seat in self._seats:
-            self._note_slow_answer(seat)  # an answer that is still owed has taken at least until now
         yielded = self._loop.time()
         while not self._match.over:
             self._match.step(np.zeros_like(self._rows))
@@ -98,7 +95,7 @@ class Lockstep:
         message = encode_observation(self._observations.of(seat.number), self._read_sensors(seat))
         now = self._time.now()
         seat.asked, seat.asked_at = self._step, now - seat.sensor_time
-        seat.answering_since = self._loop.time()
+        seat.begin_waiting()
         if seat.notified:
             seat.notified, self._opened = False, now  # sending observations is not charged to other seats
         return message
@@ -115,7 +112,6 @@ class Lockstep:
 
     def receive(self, seat: Seat, message: Action) -> None:
         """Receive a seat's answer to its last observation."""
-        self._note_slow_answer(seat)
         if self._step is None or seat not in self._pending or seat.asked != self._step:
             seat.conduct.dropped_actions += 1
             return
@@ -133,20 +129,17 @@ class Lockstep:
         """Charge a seat for the open step, and return whether it had enough time."""
         elapsed = now - self._asked_at(seat)
         seat.times.append(max(0.0, elapsed - seat.sensor_time) if seat.asked == self._step else elapsed)
-        return seat.bank.charge(elapsed)
+        beyond = elapsed > self._clock.step_budget
+        in_time = seat.bank.charge(elapsed, seat.waited() if beyond else 0.0)
+        if beyond:
+            seat.begin_waiting()  # no wait counts twice, even if the seat owes this answer in further steps
+        return in_time
 
     def _count_late(self, seat: Seat) -> None:
         """Count that the open step is played without a seat's answer."""
         seat.conduct.late_steps += 1
-        if self._step is not None:
-            seat.late.append(self._step)
-
-    def _note_slow_answer(self, seat: Seat) -> None:
-        """Record how long a seat took for the answer that it owed, if that was longer than its budget."""
-        since, now = seat.answering_since, self._loop.time()
-        if since is not None and now - since > self._clock.step_budget:
-            seat.slow_answers.append(SlowAnswer(seat.asked, since, now))
-        seat.answering_since = None
+        if seat.first_late is None:
+            seat.first_late = self._step
 
     def _asked_at(self, seat: Seat) -> float:
         """Return when a seat's time for the open step began; the seat may still owe an older answer."""
@@ -163,7 +156,6 @@ class Lockstep:
 
     def stop_waiting_for(self, seat: Seat) -> None:
         """Stop waiting for a seat that has gone."""
-        self._note_slow_answer(seat)
         self._pending.discard(seat)
         if self._step is not None:
             self._settle()
@@ -192,28 +184,29 @@ class Lockstep:
         """Close the step if no other seat is pending, or none of them has time left."""
         now = self._time.now()
         if not self._pending:
-            self._close(now)
-        elif now > self._opened + self._clock.step_budget:
+            self._close()
+        elif now >= self._opened + self._clock.step_budget:
             self._close_or_wait(now)
 
     def _close_or_wait(self, now: float) -> None:
         """Close the step if the time of all pending seats is up; else wait for the one with the most time."""
-        free = self._opened + self._clock.step_budget
-        asked = max((self._asked_at(seat) + seat.bank.allowed for seat in self._pending), default=now)
-        deadline = min(asked, free + self._patience)
+        deadline = max((self._asked_at(seat) + seat.bank.allowed() for seat in self._pending), default=now)
+        if now >= deadline:
+            # Only now are the counters read that say how long each of them had no processor.
+            least = now + LEAST_CREDIT
+            ends = (self._asked_at(seat) + seat.bank.allowed(seat.waited()) for seat in self._pending)
+            deadline = max((end for end in ends if end > least), default=now)
         if now < deadline:
             self._arm(deadline)
             return
         for seat in self._pending:
             self._charge(seat, now)
+            seat.bank.use_up()
             self._count_late(seat)
-        self._close(now)
+        self._close()
 
-    def _close(self, now: float) -> None:
+    def _close(self) -> None:
         """Play the open step, and open the next."""
-        over = now - self._opened - self._clock.step_budget
-        if over > 0.0:
-            self._patience = max(0.0, self._patience - over)
         self._step = None
         self._pending.clear()
         try:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wildscav.agent import MatchInfo, SupplyWave
-from wildscav.server.hosting.time_limits import Clock
+from wildscav.time_limits import Clock
 
 if TYPE_CHECKING:
     from wildscav_engine.simulation.match import Match, StartInfo

@@ -55,14 +55,6 @@ class ThinkTime(NamedTuple):
 NO_TIME = ThinkTime()
 
 
-class SlowAnswer(NamedTuple):
-    """One answer that took longer than the budget. Late steps may fall into that time."""
-
-    step: int  # the step of the observation
-    asked: float  # when the observation was sent, by the monotonic clock, s
-    answered: float  # when the answer came; if it never did, when the last step was played
-
-
 @dataclass(slots=True)
 class Conduct:
     """A seat's outcome and the counts of its answers."""
@@ -94,8 +86,7 @@ class SeatReport:
     think_time: ThinkTime = NO_TIME
     time_bank: float = 0.0  # remaining time bank, s
     start_up: float | None = None  # s from its start until it was ready; None if it never was
-    late: tuple[int, ...] = ()  # the numbers of the late steps
-    slow_answers: tuple[SlowAnswer, ...] = ()  # the answers that took longer than the budget, in order
+    credited: float | None = None  # s of waiting for a processor that its bank did not pay; None if unknown
 
 
 @dataclass(frozen=True, slots=True)

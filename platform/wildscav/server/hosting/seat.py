@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from wildscav.errors import SensorError
 from wildscav.proto.match_pb2 import SeatConduct
-from wildscav.server.hosting.reports import Conduct, SeatReport, SeatStatus, SlowAnswer, ThinkTime
-from wildscav.server.hosting.time_limits import TimeBank
+from wildscav.server.hosting.reports import Conduct, SeatReport, SeatStatus, ThinkTime
+from wildscav.time_limits import TimeBank, WaitMeter
 from wildscav.wire.errors import RefusalError
 from wildscav.wire.matches import encode_conduct
 
@@ -46,9 +46,8 @@ class Seat:
         self.asked_at = 0.0  # when its time for that step began: the time of sending minus ``sensor_time``
         self.sensor_time = 0.0  # s that reading its sensors took for that step
         self.conduct = Conduct()
-        self.late: list[int] = []  # the steps that were played without its answer
-        self.slow_answers: list[SlowAnswer] = []  # the answers that took longer than the budget
-        self.answering_since: float | None = None  # by the loop's clock; None if it owes no answer
+        self.first_late: int | None = None  # the first step that was played without its answer
+        self.meter: WaitMeter | None = None  # of its agent's waits for a processor, if its host has one
         self.times = array("d")  # s, for each step
         self.notified = False  # whether its stream is about to fetch an observation
         self._waiter: asyncio.Future[None] | None = None  # done when it is notified
@@ -82,6 +81,15 @@ class Seat:
         """Read the seat's sensors."""
         return {name: sensor.read(match, [self.number])[0] for name, sensor in self.sensors.items()}
 
+    def begin_waiting(self) -> None:
+        """Measure its agent's waits for a processor from now on."""
+        if self.meter is not None:
+            self.meter.start()
+
+    def waited(self) -> float:
+        """Return how long its agent has waited for a processor, s; 0 if nobody measures it."""
+        return 0.0 if self.meter is None else self.meter.waited()
+
     def set_outcome(self, status: SeatStatus, detail: str) -> None:
         """Set how the seat's part in the match ended, and why."""
         self.conduct.status = status
@@ -109,8 +117,7 @@ class Seat:
             think_time=ThinkTime.of(self.times),
             time_bank=self.bank.left,
             start_up=self.start_up,
-            late=tuple(self.late),
-            slow_answers=tuple(self.slow_answers),
+            credited=None if self.meter is None else self.bank.credited,
             **asdict(self.conduct),
         )
 

@@ -98,7 +98,7 @@ def test_a_submission_that_never_played_has_no_times() -> None:
     ("limits", "lines"),
     [
         ({}, ["oci"]),
-        ({"battle": KeptLimits(wall_clock=60)}, ["oci; each agent: 60 s in all"]),
+        ({"battle": KeptLimits(wall_clock=60)}, ["oci; each agent: matches of 60 s at most"]),
         (
             {
                 "navigation": KeptLimits(cpus=1, memory=2**31, output=10**6),

@@ -222,6 +222,7 @@ def test_a_check_names_every_file_that_is_missing_or_changed(embedded: Season) -
     found = check_season(embedded.folder)
 
     assert found.files == 2
+    assert set(found.longest) == set(embedded.settings.tracks)
     assert found.problems == [
         f"the archive of submission 1 is missing: {archive}",
         f"the record of match 1 was changed: {record}",

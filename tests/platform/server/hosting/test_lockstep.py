@@ -16,7 +16,7 @@ from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.actions import Field, no_actions
 from wildscav_engine.tracks import TRACKS
 
-PATIENT = Clock(step_budget=20.0, time_bank=60.0, game_time_factor=400.0)
+PATIENT = Clock(step_budget=20.0, time_bank=60.0)
 
 
 @pytest.mark.parametrize("track", TRACKS)

@@ -19,7 +19,7 @@ from wildscav.proto.match_pb2 import Action, ClientMessage
 from wildscav.server import Clock, EndpointSettings, MatchServer, SeatStatus
 
 # So that only a victim that is kept from playing is late, however busy the machine is.
-PATIENT = Clock(step_budget=5.0, join_timeout=60.0, game_time_factor=200.0)
+PATIENT = Clock(step_budget=5.0, join_timeout=60.0)
 OWN = EndpointSettings(connections=16, visits=64)  # as an evaluation has it
 GROWTH = 50e6  # bytes
 SEQUENCES = int(os.environ.get("WILDSCAV_SEQUENCES", "300"))

@@ -1,0 +1,134 @@
+"""The time limits of a match's seats.
+
+A seat has a budget for each step, and a bank of its own for the whole match that pays for time beyond the
+budgets. Once the bank is used up, an answer that does not arrive within the budget is late: the step is
+played without it. What one seat spends never shortens another's bank. Seats may spend theirs in turn, so a
+match lasts at most the time to join, the budgets of its steps and the banks of all seats. An organizer who
+wants shorter matches sets the longest time, and every bank is made smaller alike.
+
+Time in which the machine had no processor for an agent, because of others' work, is credited: the bank does
+not pay for it. No more than one budget is credited in a step, so that every match ends.
+"""
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    from wildscav_engine.specs.match_spec import MatchSpec
+
+# s for everything that is not the agents' time: making the map, starting agents, the engine's own computing.
+MARGIN = 3600.0
+
+
+@dataclass(frozen=True, slots=True)
+class Clock:
+    """The limits, s."""
+
+    step_budget: float = 0.1  # to answer an observation without spending the bank
+    time_bank: float = 30.0  # for answers beyond the budget, per seat and match
+    join_timeout: float = 30.0  # for all seats to join
+    longest: float | None = None  # for all steps together; None: as long as budgets and banks allow
+
+    def __post_init__(self) -> None:
+        for name in ("step_budget", "join_timeout"):
+            if not getattr(self, name) > 0:
+                raise ValueError(f"clock: {name} is {getattr(self, name)}, must be above 0")
+        if not self.time_bank >= 0:
+            raise ValueError(f"clock: time_bank is {self.time_bank}, must not be below 0")
+
+    def fitted(self, spec: "MatchSpec") -> "Clock":
+        """Return the clock of one match, whose banks are smaller if all would exceed the longest time.
+
+        Raises:
+            ValueError: The budgets of its steps alone exceed it.
+        """
+        if self.longest is None:
+            return self
+        budgets = spec.step_limit * self.step_budget
+        if not self.longest >= budgets:
+            raise ValueError(
+                f"a match cannot end within {self.longest:g} s: the budgets of its {spec.step_limit:,} steps "
+                f"alone are {budgets:,g} s"
+            )
+        return replace(self, time_bank=min(self.time_bank, (self.longest - budgets) / max(1, _seats(spec))))
+
+    def bank(self) -> "TimeBank":
+        """Return a seat's time bank."""
+        return TimeBank(self)
+
+    def bound(self, spec: "MatchSpec") -> float:
+        """Return how long agents can make a match last, from their start, s."""
+        fitted = self.fitted(spec)
+        budgets = spec.step_limit * fitted.step_budget
+        return fitted.join_timeout + budgets + fitted.time_bank * _seats(spec)
+
+    def deadline(self, spec: "MatchSpec") -> float:
+        """Return after how long a match hangs that has not ended, s, with all that may be credited."""
+        return self.bound(spec) + spec.step_limit * self.step_budget + MARGIN
+
+
+def _seats(spec: "MatchSpec") -> int:
+    """Return how many seats of a match have a bank."""
+    from wildscav_engine.specs.match_spec import SUBMISSION
+
+    return spec.seats.count(SUBMISSION)
+
+
+class WaitMeter(Protocol):
+    """Measures how long the machine had no processor for an agent, because of others' work."""
+
+    def start(self) -> None:
+        """Begin to measure from now on. It is called in every step, so it must be quick."""
+        ...
+
+    def waited(self) -> float:
+        """Return for how long there was none since the start, s; a lower bound."""
+        ...
+
+
+class TimeBank:
+    """The time bank of one seat."""
+
+    __slots__ = ("_budget", "_used_up", "credited", "left")
+
+    def __init__(self, clock: Clock) -> None:
+        self._budget = clock.step_budget
+        self.left = clock.time_bank  # s
+        self.credited = 0.0  # s beyond budgets for which it did not pay
+        self._used_up = False
+
+    def allowed(self, waited: float = 0.0) -> float:
+        """Return how long the next answer may take, s.
+
+        Args:
+            waited: s of it in which the machine had no processor for the agent.
+        """
+        return self._budget + self.left + min(waited, self._budget)
+
+    @property
+    def used_up(self) -> bool:
+        """Whether an answer has been late because the bank could not pay for it."""
+        return self._used_up
+
+    def charge(self, elapsed: float, waited: float = 0.0) -> bool:
+        """Pay for an answer, and return whether it was in time. A late answer empties the bank.
+
+        Args:
+            elapsed: s from sending the observation to receiving the answer.
+            waited: s of it in which the machine had no processor for the agent.
+        """
+        over = elapsed - self._budget
+        if over <= 0.0:
+            return True
+        credit = min(over, waited, self._budget)
+        self.credited += credit
+        over -= credit
+        if over > self.left:
+            self.use_up()
+            return False
+        self.left -= over
+        return True
+
+    def use_up(self) -> None:
+        """Empty it, because an answer is late."""
+        self.left, self._used_up = 0.0, True
