@@ -1,6 +1,6 @@
 """The states of a submission, and which may follow which.
 
-    submitted → queued → building → validating → active → disabled
+    submitted → queued → building → validating → active ⇄ disabled
 
 From every state before ``active`` a submission may also become ``failed`` (by its own fault, or after the
 platform broke every attempt) or ``cancelled`` (by its team, or because it is disqualified). ``building`` and
@@ -14,7 +14,7 @@ VALIDATING = "validating"  # plays the matches of `wildscav check`
 ACTIVE = "active"  # takes part in the season's matches
 FAILED = "failed"  # does not take part; `fault` says whose fault it is
 CANCELLED = "cancelled"  # withdrawn by its team
-DISABLED = "disabled"  # took part; replaced by newer ones of its team, or disqualified
+DISABLED = "disabled"  # took part; replaced or disabled by its team, or disqualified; may take part again
 
 STATES = (SUBMITTED, QUEUED, BUILDING, VALIDATING, ACTIVE, FAILED, CANCELLED, DISABLED)
 ON_THE_WAY = frozenset({SUBMITTED, QUEUED, BUILDING, VALIDATING})

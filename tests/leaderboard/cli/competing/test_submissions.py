@@ -153,6 +153,32 @@ def test_a_submission_that_waits_can_be_cancelled(competitor: Competitor) -> Non
     assert competitor.run("cancel", 10_000).stderr == "wildscav: there is no submission 10000\n"
 
 
+def test_a_team_decides_what_takes_part_and_is_told_what_a_submission_replaces(
+    competitor: Competitor,
+) -> None:
+    competitor.logged_in("tina", "terns")
+    on_the_way = ("queued", "building", "validating", "active")
+    numbers = [competitor.submitted(name) for name in ("one", "two")]
+    for number in numbers:
+        competitor.site.move(number, *on_the_way)
+    first, second = numbers
+    assert competitor.run("submissions", "keep", first).stdout == (
+        f"submission {first} is active on battle, kept\n"
+    )
+    write_agent(competitor.folder, "three", tracks='["battle"]')
+    shown = competitor.run("submit", "three", "--replaces", first).stdout
+    assert re.search(rf"replaces +{first} on battle", shown)
+    assert document(competitor, "submissions", second + 1)["submissions"][0]["replaces"] == {"battle": first}
+    refused = competitor.run("cancel", second)
+    assert f"takes part: `wildscav submissions disable {second}` ends that" in refused.stderr
+    done = document(competitor, "submissions", "disable", second)["submission"]
+    assert (done["state"], done["playing"]) == ("disabled", [])
+    assert document(competitor, "submissions", "restore", second)["submission"]["playing"] == ["battle"]
+    assert competitor.run("submissions", "keep").returncode == 2
+    unknown = competitor.run("submissions", "polish", first)
+    assert "only cancel, disable, restore, keep, release" in unknown.stderr
+
+
 def test_an_archive_that_is_too_large_is_refused_before_it_was_sent_to_its_end(
     competitor: Competitor, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
