@@ -13,7 +13,6 @@ from wildscav_leaderboard.accounts.passwords import hashed, new_password
 from wildscav_leaderboard.accounts.service import add_account, known_account, set_password
 from wildscav_leaderboard.accounts.service import invite as new_invitation
 from wildscav_leaderboard.conductor import attempts
-from wildscav_leaderboard.conductor.plans import plan_suites
 from wildscav_leaderboard.matches import service as matches
 from wildscav_leaderboard.matches.models import FINAL, VOID, WAITING, Match
 from wildscav_leaderboard.seasons import state as season_state
@@ -371,6 +370,8 @@ def take_part_again(doing: Doing, submission: Submission, reason: str) -> Submis
     Raises:
         RefusalError: It is not disabled, its team is disqualified, or has enough others that take part.
     """
+    from wildscav_leaderboard.conductor.plans import plan_suites  # which loads SciPy, for ladders
+
     session, season, _, now = doing
     _check_not_disqualified(session, submission)
     if submission.state in (states.DISABLED, states.ACTIVE):
