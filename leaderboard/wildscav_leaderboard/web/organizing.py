@@ -17,6 +17,7 @@ from wildscav_leaderboard.presentation.organizing import account_rows
 from wildscav_leaderboard.presentation.people import team_rows
 from wildscav_leaderboard.presentation.season import announcement_views
 from wildscav_leaderboard.presentation.submissions import submission_views
+from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.acts import Doing
 from wildscav_leaderboard.seasons.refusals import RefusalError
 from wildscav_leaderboard.submissions import states
@@ -109,6 +110,7 @@ def _show(
             one=status(session, request.app.state.season, now),
             here=path,
             acts=ACTS,
+            frozen=season_state.read_state(session, season_state.FROZEN) is not None,
             notice=notice,
             state=state,
             **_content(session, caller, now, path, state, before),

@@ -188,7 +188,7 @@ def test_what_an_organizer_announces_and_disqualifies_is_seen_by_visitors(
         row.get_by_text("Disqualify", exact=False).first.click()
         row.get_by_label("Reason").fill("it read other agents' memory")
         row.get_by_role("button", name="Disqualify hares").click()
-        page.get_by_role("row", name="Hares & Hounds").get_by_text("disqualified").wait_for()
+        page.get_by_role("row", name="Hares & Hounds").get_by_text("disqualified", exact=True).wait_for()
         page.goto("/organizer/audit-log")
         assert page.get_by_role("row", name="disqualify team").first.get_by_text("boss").is_visible()
         page.context.close()
