@@ -31,7 +31,7 @@ from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.acts import Doing
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.submissions.models import Submission
-from wildscav_leaderboard.submissions.service import cancel, hand_in
+from wildscav_leaderboard.submissions.service import hand_in, move
 from wildscav_leaderboard.teams.service import find_team, make_team
 from wildscav_leaderboard.webhooks.service import add_webhook
 
@@ -345,7 +345,7 @@ class _Filling:
         self.filled.matches["playing"] = playing.id
         self.now = self._end - timedelta(minutes=3)
         withdrawn = self._entered(session, "foxes", "pathfinder", "0.9.1")
-        cancel(session, session.get_one(Submission, withdrawn), self.now)
+        move(session, session.get_one(Submission, withdrawn), "cancelled", self.now)
         building = self._entered(session, "hares", "zigzag", "2.3")
         self._begun(session)
         waiting = self._entered(session, "owls", "night-owl", "2.0", '["battle"]')

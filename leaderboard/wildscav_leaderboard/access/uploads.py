@@ -59,7 +59,13 @@ def check_upload_wanted(database: Database, season: Season, account: Account, no
 
 
 def take_upload(
-    database: Database, season: Season, account: Account, path: Path, message: str, now: datetime
+    database: Database,
+    season: Season,
+    account: Account,
+    path: Path,
+    message: str,
+    now: datetime,
+    replaces: int | None = None,
 ) -> Submission:
     """Check an uploaded archive, keep it, and enter the submission.
 
@@ -70,4 +76,4 @@ def take_upload(
     store_archive(archive, season)
     with database.writing() as session:
         team = own_team(session, account)
-        return hand_in(session, season, team, account, archive, message, now)
+        return hand_in(session, season, team, account, archive, message, now, replaces)

@@ -17,6 +17,7 @@ from wildscav_leaderboard.access.requests import (
     Reading,
 )
 from wildscav_leaderboard.access.uploads import check_upload_wanted, take_upload, uploaded
+from wildscav_leaderboard.organizing.team_acts import do_team_act
 from wildscav_leaderboard.presentation.boards import opponent_views
 from wildscav_leaderboard.presentation.documents import (
     REFUSALS,
@@ -58,12 +59,13 @@ async def submit(
     now: Now,
     message: Annotated[str, Query(max_length=1000)] = "",
     suffix: Annotated[str, Query(max_length=20)] = ".tar.gz",
+    replaces: Number | None = None,
 ) -> HandedIn:
     """Hand in a submission; the body of the request is its archive."""
     run = anyio.to_thread.run_sync
     await run(check_upload_wanted, database, season, caller.account, now)
     async with uploaded(request, season, suffix) as path:
-        one = await run(take_upload, database, season, caller.account, path, message, now)
+        one = await run(take_upload, database, season, caller.account, path, message, now, replaces)
     with database.reading() as session:
         view = submission_view(session, season, session.get_one(Submission, one.id), caller, now)
         quota = quota_view(session, season, own_team(session, caller.account), now)
@@ -97,16 +99,18 @@ def submission(
     return submission_view(session, season, service.find_submission(session, submission), caller, now)
 
 
-@router.post("/submissions/{submission}/cancel")
-def cancel(
-    submission: int, caller: KnownProgram, season: CurrentSeason, database: CurrentDatabase, now: Now
+@router.post("/submissions/{submission}/{act}")
+def act(
+    submission: int,
+    act: str,
+    caller: KnownProgram,
+    season: CurrentSeason,
+    database: CurrentDatabase,
+    now: Now,
 ) -> SubmissionView:
-    """Withdraw a submission of your team that does not take part yet."""
+    """Do one of the acts on a submission of your team: cancel, disable, restore, keep or release it."""
     with database.writing() as session:
-        found = service.find_submission(session, submission)
-        if not is_own(session, caller, found):
-            raise NotFoundError(f"your team has no submission {submission}")
-        service.cancel(session, found, now)
+        found = do_team_act(session, season, caller, act, submission, now)
         return submission_view(session, season, found, caller, now)
 
 

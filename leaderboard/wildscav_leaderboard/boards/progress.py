@@ -100,7 +100,7 @@ def missing_entrants(session: Session, season: Season) -> dict[str, int]:
     Submissions of one team never meet, so a team is one entrant here.
     """
     active = session.execute(
-        select(Submission.team_id, Submission.tracks)
+        select(Submission.team_id, Submission.playing)
         .join(Team, Team.id == Submission.team_id)
         .where(Submission.state == ACTIVE, Team.disqualified.is_(None))
     ).all()

@@ -211,7 +211,7 @@ def entered(session: Session, track: str) -> list[tuple[Submission, Team]]:
         .order_by(Submission.id)
     )
     found = session.execute(wanted)
-    return [(one, team) for one, team in found if track in one.tracks and str(one.id) not in left_out]
+    return [(one, team) for one, team in found if track in one.playing and str(one.id) not in left_out]
 
 
 def _entered_before(session: Session, edition: int) -> list[tuple[Submission, Team]]:

@@ -100,9 +100,11 @@ class SeasonClient:
 
     # Submissions.
 
-    def submit(self, archive: Path, suffix: str, message: str, progress: Progress) -> HandedIn:
+    def submit(
+        self, archive: Path, suffix: str, message: str, progress: Progress, replaces: int | None = None
+    ) -> HandedIn:
         """Hand in an archive. It is sent piece by piece, so its size takes no memory."""
-        query = {"message": message, "suffix": suffix}
+        query = {"message": message, "suffix": suffix} | ({"replaces": str(replaces)} if replaces else {})
         size = archive.stat().st_size
         answer = self._connection.upload("/submissions", query, _pieces(archive, progress), size)
         return self._as(HandedIn, answer)
@@ -122,10 +124,9 @@ class SeasonClient:
         """Return a submission with its history."""
         return self._as(SubmissionView, self._connection.get(f"/submissions/{number}"))
 
-    def cancel(self, number: int) -> SubmissionView:
-        """Withdraw a submission of the own team that does not take part yet."""
-        answer = self._connection.ask("POST", f"/submissions/{number}/cancel")
-        return self._as(SubmissionView, answer)
+    def act(self, number: int, act: str) -> SubmissionView:
+        """Do an act on a submission of the own team, such as ``cancel``."""
+        return self._as(SubmissionView, self._connection.ask("POST", f"/submissions/{number}/{quote(act)}"))
 
     def submission_log(self, number: int) -> str:
         """Return what a submission of the own team printed in its validation."""

@@ -181,7 +181,7 @@ def _entries(session: Session, track: str) -> list[Submission]:
         .where(Submission.state == ACTIVE, Team.disqualified.is_(None))
         .order_by(Submission.id)
     )
-    return [one for one in session.scalars(wanted) if track in one.tracks]
+    return [one for one in session.scalars(wanted) if track in one.playing]
 
 
 def _count_waiting(session: Session, edition: int) -> int:

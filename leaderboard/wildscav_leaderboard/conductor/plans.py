@@ -40,7 +40,7 @@ def plan_suites(session: Session, season: Season, submission: Submission, now: d
     season = in_force(session, season)
     return sum(
         add_suite_matches(session, submission, track, season.suite_matches[track], now)
-        for track in submission.tracks
+        for track in submission.playing
         if track in season.suite_matches and is_playable(session, season, track)
     )
 
@@ -147,6 +147,6 @@ def _candidates(session: Session, season: Season, one: _Round) -> dict[Candidate
     found: dict[Candidate, int | None] = {
         candidate(each.entrant, team.id): each.id
         for each, team in active
-        if one.track in each.tracks and (one.field is None or each.id in one.field)
+        if one.track in each.playing and (one.field is None or each.id in one.field)
     }
     return found | {candidate(robot_entrant(robot), None): None for robot in settings.robots}

@@ -94,8 +94,8 @@ def validated(session: Session, season: Season, holding: Holding, attempt_id: in
     submission = _ended(session, attempt_id, attempts.DONE, now, states.VALIDATING)
     if submission is None:
         return False
-    for replaced in activate(session, season, submission, now):
-        matches.withdraw(session, replaced, now)
+    for track, replaced in activate(session, season, submission, now):
+        matches.withdraw(session, replaced, now, track)
     if submission.state == states.ACTIVE:  # else newer ones came before it, and it is replaced already
         plan_suites(session, season, submission, now)
     return True

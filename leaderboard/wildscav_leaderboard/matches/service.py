@@ -27,7 +27,6 @@ from wildscav_leaderboard.matches.models import (
 from wildscav_leaderboard.seasons.editions import digest_of
 from wildscav_leaderboard.seasons.in_force import edition_by_number, edition_numbers
 from wildscav_leaderboard.seasons.refusals import NotFoundError
-from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.models import Submission
 
 WITHDRAWN = "withdrawn: "  # begins why a match is void that is planned again if its submission plays again
@@ -191,25 +190,22 @@ def void(match: Match, now: datetime, why: str) -> None:
     match.state, match.since, match.deadline, match.detail = VOID, now, None, why
 
 
-def withdraw(session: Session, submission: Submission, now: datetime) -> None:
-    """Give up the matches of a submission that are not played yet, because it no longer takes part."""
+def withdraw(session: Session, submission: Submission, now: datetime, track: str | None = None) -> None:
+    """Give up the matches of a submission that are not played yet, on a track or on all: it left."""
     own = select(MatchSeat.match_id).filter_by(submission_id=submission.id)
+    on_track = [] if track is None else [Match.track == track]
     session.execute(
         update(Match)
-        .where(Match.id.in_(own), Match.state == WAITING)
+        .where(Match.id.in_(own), Match.state == WAITING, *on_track)
         .values(state=VOID, since=now, detail=f"{WITHDRAWN}submission {submission.id} no longer takes part")
     )
 
 
 def takes_part(session: Session, match: Match) -> bool:
-    """Return whether all submissions of a match are active."""
-    inactive = session.scalar(
-        select(func.count())
-        .select_from(MatchSeat)
-        .join(Submission, Submission.id == MatchSeat.submission_id)
-        .where(MatchSeat.match_id == match.id, Submission.state != states.ACTIVE)
-    )
-    return not inactive
+    """Return whether all submissions of a match take part on its track."""
+    seated = select(Submission).join(MatchSeat, MatchSeat.submission_id == Submission.id)
+    found = session.scalars(seated.where(MatchSeat.match_id == match.id))
+    return all(match.track in one.playing for one in found)
 
 
 def last_arrival(session: Session) -> datetime | None:

@@ -26,7 +26,7 @@ from wildscav_leaderboard.seasons.state import is_decided
 from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.quotas import check_room
-from wildscav_leaderboard.submissions.service import DISQUALIFIED, find_submission, move
+from wildscav_leaderboard.submissions.service import DISQUALIFIED, find_submission, move, note
 from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.teams.service import find_team
 
@@ -426,9 +426,13 @@ def take_part_again(doing: Doing, submission: Submission, reason: str) -> Submis
     """
     session, season, _, now = doing
     _check_not_disqualified(session, submission)
-    if submission.state == states.DISABLED:
+    if submission.state in (states.DISABLED, states.ACTIVE):
         check_room(session, season.settings.quotas, submission)
-    move(session, submission, states.ACTIVE, now, detail=reason)
+    if submission.state == states.ACTIVE and submission.playing != submission.tracks:  # it left some
+        note(session, submission, now, reason)
+        submission.playing = list(submission.tracks)
+    else:
+        move(session, submission, states.ACTIVE, now, detail=reason)
     if not season_state.is_decided(session):
         plan_suites(session, season, submission, now)
     field = (season_state.read_state(session, season_state.FINALIZING) or {}).get("field") or {}

@@ -29,10 +29,8 @@ def refused_why(session: Session, season: Season, submission: Submission, track:
         return "in this season nobody plays against submissions"
     if track not in open_tracks(season):
         return f"in this season people play on {', '.join(open_tracks(season))}"
-    if track not in submission.tracks:
-        return f"submission {submission.id} does not play {track}"
     team = session.get_one(Team, submission.team_id)
     if submission.state != ACTIVE or team.disqualified is not None:
         state = "disqualified" if team.disqualified is not None else submission.state
         return f"submission {submission.id} is {state}: only those that take part can be played against"
-    return ""
+    return "" if track in submission.playing else f"submission {submission.id} does not play {track}"

@@ -170,6 +170,9 @@ class SubmissionView(View):
     size: int
     created: datetime
     state: str
+    playing: list[str]  # the tracks on which it takes part
+    kept: bool  # whether no later one replaces it unasked
+    replaces: dict[str, int] = {}  # by track, what will leave it, as things are now; not in lists
     since: datetime
     deadline: datetime | None
     queue_position: int | None = None

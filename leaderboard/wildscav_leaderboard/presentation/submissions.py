@@ -1,6 +1,7 @@
 """Submissions as they are shown: to everyone, and to their own team and the organizers."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from datetime import datetime
 
 from sqlalchemy.orm import Session
@@ -14,10 +15,12 @@ from wildscav_leaderboard.presentation.documents import (
     TransitionView,
 )
 from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.refusals import TooMuchError
 from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.listing import is_own, team_names
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.queue import expected_wait, mean_time, queue
+from wildscav_leaderboard.submissions.quotas import replaced_by
 from wildscav_leaderboard.submissions.service import history_of
 from wildscav_leaderboard.teams.models import Team
 
@@ -45,10 +48,17 @@ def submission_view(
     own = is_own(session, caller, submission)
     if not own:
         history = [one.model_copy(update={"detail": ""}) for one in history]
+    replaces = {}
+    if season is not None and own and submission.state in states.ON_THE_WAY:
+        with suppress(TooMuchError):
+            pairs = replaced_by(session, season.settings.quotas, submission)
+            replaces = {track: one.id for track, one in reversed(pairs)}
     told = [] if season is None else progress_of(session, season, submission)
     progress = [ProgressView.model_validate(one) for one in told]
     totals = [TotalsView.model_validate(one) for one in (totals_of(session, submission) if own else ())]
-    return view.model_copy(update={"history": history, "progress": progress, "totals": totals})
+    return view.model_copy(
+        update={"history": history, "replaces": replaces, "progress": progress, "totals": totals}
+    )
 
 
 def _view(
@@ -73,6 +83,8 @@ def _view(
         size=one.size,
         created=one.created,
         state=one.state,
+        playing=one.playing,
+        kept=one.kept,
         since=one.since,
         deadline=one.deadline,
         queue_position=position,

@@ -40,11 +40,12 @@ class Act:
 
     effect: Callable[..., Any]
     title: str  # on buttons
-    subject: str  # what it is done to, for the audit log; names arguments in braces, like the texts below
-    detail: str
-    path: str  # of its route; empty if it has none
-    command: str  # empty if it has none; of acts that share one, the first argument chooses
-    says: str  # what the command prints afterwards
+    # What it is done to, for the audit log of privileged acts. All texts name arguments in braces.
+    subject: str = ""
+    detail: str = ""
+    path: str = ""  # of its route
+    command: str = ""  # of organizers; if acts share one, the first argument chooses
+    says: str = ""  # what the command prints afterwards
 
     @property
     def name(self) -> str:
@@ -125,7 +126,7 @@ class Act:
         return {name: getattr(read, name) for name in self.fields}
 
     def do(self, doing: Doing, arguments: Mapping[str, Any]) -> Any:
-        """Do it, and enter it in the audit log.
+        """Do it, and enter it in the audit log if it is privileged.
 
         Args:
             doing: Who does it, and where and when.
@@ -137,7 +138,10 @@ class Act:
         result = self.effect(doing, **arguments)
         verb, subject, detail = self.effect.__name__.replace("_", " "), self.subject, self.detail
         shown = {name: "any number of" if one is None else one for name, one in arguments.items()}
-        log_act(doing.session, doing.actor, verb, subject.format(**shown), doing.now, detail.format(**shown))
+        if subject:
+            log_act(
+                doing.session, doing.actor, verb, subject.format(**shown), doing.now, detail.format(**shown)
+            )
         return result
 
     def __call__(self, doing: Doing, *values: Any, **named: Any) -> Any:

@@ -35,6 +35,9 @@ class Submission(Base):
     # Why it failed or was disabled.
     fault: Mapped[str | None] = mapped_column(default=None)  # "agent" or "platform"
     reason: Mapped[str] = mapped_column(default="")  # what happened, in one line
+    playing: Mapped[list[str]] = mapped_column(default_factory=list)  # tracks on which it takes part
+    kept: Mapped[bool] = mapped_column(default=False)  # whether no later one replaces it unasked
+    replaces: Mapped[int | None] = mapped_column(default=None)  # which one its team wants it to replace
     last_lines: Mapped[list[str]] = mapped_column(default_factory=list)  # that its agent printed
     command: Mapped[str] = mapped_column(default="")  # that shows it again on the competitor's machine
 

@@ -5,6 +5,7 @@ platform broke are counted apart (``Submission.platform_faults``), are retried, 
 """
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 
@@ -43,7 +44,7 @@ def quota_of(session: Session, quotas: Quotas, team: Team, now: datetime) -> Quo
         .select_from(Submission)
         .where(Submission.team_id == team.id, Submission.created >= start, Submission.charged)
     )
-    active = Counter(track for one in active_of(session, team.id) for track in one.tracks)
+    active = Counter(track for one in active_of(session, team.id) for track in one.playing)
     return QuotaView(quotas.per_day, used or 0, start + timedelta(days=1), quotas.active, dict(active))
 
 
@@ -67,28 +68,50 @@ def active_of(session: Session, team_id: int) -> list[Submission]:
     return list(session.scalars(wanted.order_by(Submission.id.desc())))
 
 
+def on_track(session: Session, team_id: int, track: str) -> list[Submission]:
+    """Return the submissions of a team that take part on a track, the oldest first."""
+    return [one for one in reversed(active_of(session, team_id)) if track in one.playing]
+
+
 def check_room(session: Session, quotas: Quotas, submission: Submission) -> None:
-    """Check that a submission may take part besides the others of its team.
+    """Check that a submission may take part on all of its tracks besides the others of its team.
 
     Raises:
         TooMuchError: Enough of them take part on one of its tracks; it names them.
     """
-    others = active_of(session, submission.team_id)
     for track in submission.tracks:
-        numbers = [str(one.id) for one in others if track in one.tracks]
-        if len(numbers) >= quotas.active:
+        others = [one for one in on_track(session, submission.team_id, track) if one is not submission]
+        if len(others) >= quotas.active:
+            raise TooMuchError(f"{_full(quotas, track, others)}: disable one of them first")
+
+
+def replaced_by(session: Session, quotas: Quotas, submission: Submission) -> list[tuple[str, Submission]]:
+    """Return what leaves which track, as things are now, once a submission takes part: maybe itself.
+
+    It is the one that the submission names, and else the oldest that is not kept.
+
+    Raises:
+        TooMuchError: All others are kept.
+    """
+    found: list[tuple[str, Submission]] = []
+    for track in submission.tracks:
+        others = [one for one in on_track(session, submission.team_id, track) if one is not submission]
+        surplus = len(others) + 1 - quotas.active
+        named = [one for one in others if one.id == submission.replaces]
+        free = sorted([one for one in others if not one.kept and one not in named] + [submission], key=_age)
+        if surplus > 0 and not named and free == [submission]:
             raise TooMuchError(
-                f"{counted(quotas.active, 'submission')} of your team may take part on {track} at once, and "
-                f"{', '.join(numbers)} already do: disable one of them first"
+                f"{_full(quotas, track, others)}, all of them kept: `wildscav submissions release` one, or "
+                "name the one to replace (`--replaces`)"
             )
+        found += [(track, one) for one in (named + free)[: max(0, surplus)]]
+    return found
 
 
-def surplus(session: Session, quotas: Quotas, team_id: int) -> list[Submission]:
-    """Return the active submissions of a team that newer ones replace on every one of their tracks."""
-    newer: Counter[str] = Counter()
-    replaced = []
-    for submission in active_of(session, team_id):
-        if all(newer[track] >= quotas.active for track in submission.tracks):
-            replaced.append(submission)
-        newer.update(submission.tracks)
-    return replaced
+def _age(submission: Submission) -> int:
+    return submission.id
+
+
+def _full(quotas: Quotas, track: str, others: Sequence[Submission]) -> str:
+    numbers = ", ".join(str(one.id) for one in others)
+    return f"{counted(quotas.active, 'submission')} of a team may take part on {track}, and {numbers} do"

@@ -11,7 +11,7 @@ from wildscav_leaderboard.database.connection import once
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.names import checked_line
-from wildscav_leaderboard.seasons.refusals import ForbiddenError, NotFoundError, RefusalError
+from wildscav_leaderboard.seasons.refusals import ForbiddenError, NotFoundError, RefusalError, TooMuchError
 from wildscav_leaderboard.submissions import quotas, states
 from wildscav_leaderboard.submissions.archives import CheckedArchive, archive_name
 from wildscav_leaderboard.submissions.models import Submission, Transition
@@ -37,6 +37,18 @@ def check_accepting(session: Session, season: Season, team: Team, now: datetime)
     Raises:
         RefusalError: The season is not open, or the team is disqualified, or its quota is used up.
     """
+    check_open(session, season, now)
+    if team.disqualified is not None:
+        raise ForbiddenError(f"the team {team.name} is disqualified: {team.disqualified}")
+    quotas.check_day(session, season.settings.quotas, team, now)
+
+
+def check_open(session: Session, season: Season, now: datetime) -> None:
+    """Check that what takes part may still be changed.
+
+    Raises:
+        RefusalError: The season is not open.
+    """
     settings = season.settings
     if now < settings.opens:
         raise RefusalError(f"the season opens at {settings.opens:%Y-%m-%d %H:%M} UTC")
@@ -44,9 +56,6 @@ def check_accepting(session: Session, season: Season, team: Team, now: datetime)
         raise RefusalError(f"the season closed at {settings.closes:%Y-%m-%d %H:%M} UTC")
     if season_state.read_state(session, season_state.FINALIZING) is not None:
         raise RefusalError("the season is closed: it is being decided")
-    if team.disqualified is not None:
-        raise ForbiddenError(f"the team {team.name} is disqualified: {team.disqualified}")
-    quotas.check_day(session, settings.quotas, team, now)
 
 
 def hand_in(
@@ -57,6 +66,7 @@ def hand_in(
     archive: CheckedArchive,
     message: str,
     now: datetime,
+    replaces: int | None = None,
 ) -> Submission:
     """Enter a submission whose archive is in the season's files.
 
@@ -80,12 +90,27 @@ def hand_in(
         created=now,
         state=states.SUBMITTED,
         since=now,
+        replaces=replaces,
     )
     session.add(submission)
     session.flush()
+    _check_place(session, season, submission)
     session.add(Transition(submission_id=submission.id, at=now, state=states.SUBMITTED))
     _report(session, submission, now)
     return submission
+
+
+def _check_place(session: Session, season: Season, submission: Submission) -> None:
+    """Check that there will be a place for a submission, as things are now.
+
+    Raises:
+        RefusalError: It names one to replace that takes part on none of its tracks, or all are kept.
+    """
+    places = [quotas.on_track(session, submission.team_id, track) for track in submission.tracks]
+    if submission.replaces not in {None, *(one.id for place in places for one in place)}:
+        tracks = " and ".join(submission.tracks)
+        raise RefusalError(f"your team has no submission {submission.replaces} that takes part on {tracks}")
+    quotas.replaced_by(session, season.settings.quotas, submission)
 
 
 def _check_new(session: Session, team: Team, archive: CheckedArchive) -> None:
@@ -154,6 +179,7 @@ def move(
         )
     submission.state, submission.since, submission.deadline = state, now, deadline
     submission.fault, submission.reason = fault, reason
+    submission.playing, submission.kept = list(submission.tracks) if state == states.ACTIVE else [], False
     submission.last_lines, submission.command = list(last_lines), command
     if fault == PLATFORM:
         submission.charged = False
@@ -180,29 +206,35 @@ def _report(session: Session, submission: Submission, now: datetime) -> None:
     queue_message(session, submission.team_id, f"submission.{submission.state}", data, now)
 
 
-def cancel(session: Session, submission: Submission, now: datetime) -> None:
-    """Withdraw a submission that does not take part yet. It stays charged.
-
-    Raises:
-        StateError: It takes part, or has ended.
-    """
-    move(session, submission, states.CANCELLED, now, detail="withdrawn by its team")
-
-
-def activate(session: Session, season: Season, submission: Submission, now: datetime) -> list[Submission]:
-    """Let a submission take part, and replace the oldest ones of its team that are too many for the quota.
+def activate(
+    session: Session, season: Season, submission: Submission, now: datetime
+) -> list[tuple[str, Submission]]:
+    """Let a submission take part; where that is too many of its team, one leaves the track.
 
     Returns:
-        The submissions that it replaces.
+        Which track is left by which one.
     """
     move(session, submission, states.ACTIVE, now)
-    replaced = quotas.surplus(session, season.settings.quotas, submission.team_id)
-    for old in replaced:
+    try:
+        replaced = quotas.replaced_by(session, season.settings.quotas, submission)
+    except TooMuchError:  # they were kept meanwhile, so there is no place for it
+        replaced = [(track, submission) for track in submission.tracks]
+    for track, old in replaced:
         reason = f"replaced by submission {submission.id}"
         if old is submission:  # that an attempt more, or an organizer, held up
             reason = "newer submissions of the team take part already"
-        move(session, old, states.DISABLED, now, reason=reason)
+        old.playing = [one for one in old.playing if one != track]
+        if old.playing:
+            note(session, old, now, f"{reason} on {track}")
+        else:
+            move(session, old, states.DISABLED, now, reason=reason)
     return replaced
+
+
+def note(session: Session, submission: Submission, now: datetime, detail: str) -> None:
+    """Add a line to the history of a submission whose state stays as it is."""
+    session.add(Transition(submission_id=submission.id, at=now, state=submission.state, detail=detail))
+    session.flush()
 
 
 def history_of(session: Session, submission: Submission) -> list[Transition]:

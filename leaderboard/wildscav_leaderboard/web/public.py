@@ -15,6 +15,7 @@ from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.matches.listing import list_matches
 from wildscav_leaderboard.matches.models import FINISHED
 from wildscav_leaderboard.matches.visibility import shown_until
+from wildscav_leaderboard.organizing.team_acts import acts_on
 from wildscav_leaderboard.playing.permission import tracks_of
 from wildscav_leaderboard.presentation.documents import MatchView
 from wildscav_leaderboard.presentation.matches import match_views
@@ -127,7 +128,8 @@ def submission(
         unseen=list(dict.fromkeys(str(view.unseen) for view in unseen)),
         unseen_count=len(unseen),
         places=places,
-        playable=tracks_of(season, found.state, found.tracks),
+        playable=tracks_of(season, found.state, found.playing),
+        acts=acts_on(found),
     )
 
 

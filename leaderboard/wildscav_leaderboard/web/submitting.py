@@ -17,10 +17,11 @@ from wildscav_leaderboard.access.requests import (
     check_form,
 )
 from wildscav_leaderboard.access.uploads import check_upload_wanted, take_upload, uploaded
+from wildscav_leaderboard.organizing.team_acts import do_team_act
 from wildscav_leaderboard.presentation.people import account_view
-from wildscav_leaderboard.seasons.refusals import NotFoundError, RefusalError
-from wildscav_leaderboard.submissions import service
-from wildscav_leaderboard.submissions.listing import is_own
+from wildscav_leaderboard.seasons.refusals import RefusalError
+from wildscav_leaderboard.submissions.quotas import active_of
+from wildscav_leaderboard.teams.service import own_team
 from wildscav_leaderboard.web.rendering import page
 
 router = APIRouter()
@@ -32,8 +33,10 @@ def form(
     request: Request, caller: KnownBrowser, season: CurrentSeason, session: Reading, now: Now
 ) -> HTMLResponse:
     """Show how to hand in a submission."""
-    quota = account_view(session, season, caller, now).quota
-    return page(request, "submit.html", caller, suffixes=SUFFIXES, quota=quota, now=now)
+    account = account_view(session, season, caller, now)
+    active = active_of(session, own_team(session, caller.account).id) if account.team else []
+    quota = account.quota
+    return page(request, "submit.html", caller, suffixes=SUFFIXES, quota=quota, active=active, now=now)
 
 
 @router.post("/submit")
@@ -45,6 +48,7 @@ async def submit(
     now: Now,
     message: Annotated[str, Query(max_length=1000)] = "",
     suffix: Annotated[str, Query(max_length=20)] = ".tar.gz",
+    replaces: Annotated[int | None, Query(ge=1, le=2**53)] = None,
 ) -> JSONResponse:
     """Take a submission from the form's script; the body of the request is the archive."""
     run = anyio.to_thread.run_sync
@@ -52,20 +56,25 @@ async def submit(
         check_form(caller, request.headers.get("x-csrf", ""))
         await run(check_upload_wanted, database, season, caller.account, now)
         async with uploaded(request, season, suffix) as path:
-            one = await run(take_upload, database, season, caller.account, path, message, now)
+            one = await run(take_upload, database, season, caller.account, path, message, now, replaces)
     except RefusalError as error:
         # The connection is closed, or all of an archive that is refused would be read.
         return JSONResponse({"error": str(error)}, error.status, {"Connection": "close"})
     return JSONResponse({"address": f"/submissions/{one.id}"}, HTTPStatus.CREATED)
 
 
-@router.post("/submissions/{number}/cancel")
-def cancel(number: int, caller: KnownBrowser, database: CurrentDatabase, now: Now, csrf: Text) -> Response:
-    """Withdraw a submission of one's team."""
+@router.post("/submissions/{number}/{act}")
+def act(
+    request: Request,
+    number: int,
+    act: str,
+    caller: KnownBrowser,
+    database: CurrentDatabase,
+    now: Now,
+    csrf: Text,
+) -> Response:
+    """Do an act on a submission of one's team, and show its page."""
     check_form(caller, csrf)
     with database.writing() as session:
-        found = service.find_submission(session, number)
-        if not is_own(session, caller, found):
-            raise NotFoundError(f"your team has no submission {number}")
-        service.cancel(session, found, now)
+        do_team_act(session, request.app.state.season, caller, act, number, now)
     return RedirectResponse(f"/submissions/{number}", 303)

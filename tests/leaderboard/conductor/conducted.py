@@ -74,14 +74,16 @@ class Conducted:
         with self.database.reading() as session:
             return session.get_one(Match, number)
 
-    def hand_in(self, team: str = "foxes", tracks: tuple[str, ...] = ("navigation",)) -> int:
+    def hand_in(
+        self, team: str = "foxes", tracks: tuple[str, ...] = ("navigation",), replaces: int | None = None
+    ) -> int:
         """Hand in something new, and return its number."""
         self.handed_in += 1
 
         def act(session: Session) -> int:
             found, archive = find_team(session, team), made_archive(self.handed_in, tracks)
             account = session.get_one(Account, 1)
-            return hand_in(session, self.season, found, account, archive, "", self.now).id
+            return hand_in(session, self.season, found, account, archive, "", self.now, replaces).id
 
         number = self.write(act)
         self.write(lambda session: steps.admit(session, self.now))
@@ -111,9 +113,11 @@ class Conducted:
         """Try again what never ended."""
         return self.write(lambda session: steps.expire(session, self.season, self.holding, self.now))
 
-    def active(self, team: str = "foxes", tracks: tuple[str, ...] = ("navigation",)) -> int:
+    def active(
+        self, team: str = "foxes", tracks: tuple[str, ...] = ("navigation",), replaces: int | None = None
+    ) -> int:
         """Return the number of a new submission that takes part."""
-        number = self.hand_in(team, tracks)
+        number = self.hand_in(team, tracks, replaces)
         attempt = self.take()
         assert attempt is not None
         following = self.built(attempt.id)

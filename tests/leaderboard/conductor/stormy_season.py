@@ -32,7 +32,7 @@ from wildscav_leaderboard.seasons.acts import Doing
 from wildscav_leaderboard.seasons.refusals import RefusalError
 from wildscav_leaderboard.seasons.state import PAUSED, read_state
 from wildscav_leaderboard.submissions.models import Submission
-from wildscav_leaderboard.submissions.service import cancel, hand_in
+from wildscav_leaderboard.submissions.service import hand_in, move
 from wildscav_leaderboard.teams.service import find_team
 
 ACTS = ("disqualify", "run again", "run again", "pause or resume", "ban")
@@ -70,7 +70,7 @@ class StormySeason(Storm):
     def a_team_cancels(self, chance: int) -> None:
         with suppress(RefusalError), self.transaction() as session:
             if (submission := self._submission(session, chance)) is not None:
-                cancel(session, submission, self.time)
+                move(session, submission, "cancelled", self.time)
 
     @precondition(lambda self: self.number)
     @rule(chance=chances, act=st.sampled_from(ACTS))

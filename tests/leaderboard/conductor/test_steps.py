@@ -11,16 +11,18 @@ from tests.leaderboard.seasons_made import make_season, team_with_member
 
 from wildscav.time_limits import Clock
 from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_leaderboard.accounts.service import Caller, find_account
 from wildscav_leaderboard.conductor import attempts, steps
 from wildscav_leaderboard.conductor.lease import LeaseLostError
 from wildscav_leaderboard.conductor.models import Attempt
 from wildscav_leaderboard.conductor.plans import plan_ladders, plan_suites
 from wildscav_leaderboard.matches.models import LADDER, Match, MatchResult, MatchSeat
 from wildscav_leaderboard.organizing import acts
+from wildscav_leaderboard.organizing.team_acts import do_team_act
 from wildscav_leaderboard.seasons.acts import Act, Doing
-from wildscav_leaderboard.seasons.refusals import RefusalError
+from wildscav_leaderboard.seasons.refusals import NotFoundError, RefusalError
 from wildscav_leaderboard.submissions.models import Submission
-from wildscav_leaderboard.submissions.service import cancel, history_of
+from wildscav_leaderboard.submissions.service import history_of, move
 
 MORE = """
 matches = 4
@@ -196,7 +198,7 @@ def test_a_submission_that_was_withdrawn_meanwhile_goes_no_further(season: Condu
     number = season.hand_in()
     attempt = season.take()
     assert attempt is not None
-    season.write(lambda session: cancel(session, session.get_one(Submission, number), season.now))
+    season.write(lambda session: move(session, session.get_one(Submission, number), "cancelled", season.now))
     assert season.built(attempt.id) is None
     assert season.submission(number).state == "cancelled"
 
@@ -362,7 +364,7 @@ def test_a_replaced_submission_takes_part_again_where_there_is_room(season: Cond
     def reactivate() -> None:
         season.write(lambda session: acts.reactivate(doing(season, session), oldest, reason="asked for"))
 
-    with pytest.raises(RefusalError, match=f"and {third}, {second} already do"):
+    with pytest.raises(RefusalError, match=f"and {second}, {third} do: disable one"):
         reactivate()
     season.write(
         lambda session: acts.disqualify_submission(doing(season, session), second, reason="it cheats")
@@ -370,6 +372,84 @@ def test_a_replaced_submission_takes_part_again_where_there_is_room(season: Cond
     reactivate()
     assert season.submission(oldest).state == "active"
     assert season.match(1).state == "waiting"
+
+
+BOTH = ("navigation", "battle")
+
+
+def decide(season: Conducted, act: str, number: int, team: str = "foxes") -> None:
+    """Let a member of a team do an act on a submission."""
+    with season.database.writing() as session:
+        account = find_account(session, f"{team}-captain")
+        assert account is not None
+        do_team_act(session, season.season, Caller(account), act, number, season.now)
+
+
+def test_the_cap_counts_for_each_track_and_a_submission_leaves_only_the_track_where_it_is_too_many(
+    season: Conducted,
+) -> None:
+    both, second = season.active(tracks=BOTH), season.active(tracks=("battle",))
+    season.write(lambda session: plan_ladders(session, season.season, season.now))
+    third = season.active(tracks=("battle",))
+    one = season.submission(both)
+    assert (one.state, one.playing) == ("active", ["navigation"])
+    assert [season.submission(number).playing for number in (second, third)] == [["battle"], ["battle"]]
+    with season.database.reading() as session:
+        seats = select(Match.track, Match.state).join(MatchSeat, MatchSeat.match_id == Match.id)
+        found = session.execute(seats.where(MatchSeat.submission_id == both).distinct()).all()
+    assert set(found) == {("navigation", "waiting"), ("battle", "void")}
+    with pytest.raises(RefusalError, match=f"on battle, and {second}, {third} do: disable one"):
+        decide(season, "restore", both)
+    decide(season, "disable", second)
+    decide(season, "restore", both)
+    assert season.submission(both).playing == list(BOTH)
+
+
+def test_a_team_disables_and_restores_its_submissions_and_keeps_their_results(season: Conducted) -> None:
+    number = season.active()
+    ((attempt, played), *_) = season.take_matches(1)
+    assert season.played(attempt, 5.0)
+    with pytest.raises(RefusalError, match=f"takes part: `wildscav submissions disable {number}` ends that"):
+        decide(season, "cancel", number)
+    with pytest.raises(NotFoundError, match="your team has no submission"):
+        decide(season, "disable", number, team="owls")
+    decide(season, "disable", number)
+    one = season.submission(number)
+    assert (one.state, one.reason, season.match(2).state) == ("disabled", "disabled by its team", "void")
+    decide(season, "restore", number)
+    assert season.submission(number).state == "active"
+    assert [season.match(one).state for one in (played.id, 2)] == ["finished", "waiting"]
+    season.write(lambda session: acts.disqualify_submission(doing(season, session), number, reason="cheats"))
+    with pytest.raises(RefusalError, match="only the organizers can take that back"):
+        decide(season, "restore", number)
+
+
+def test_what_is_kept_is_not_replaced_unless_a_submission_names_it(season: Conducted) -> None:
+    first, second = season.active(), season.active()
+    decide(season, "keep", first)
+    third = season.active()
+    assert [season.submission(one).state for one in (first, second, third)] == [
+        "active",
+        "disabled",
+        "active",
+    ]
+    season.wait(24 * 3600)  # or the quota of the day would be used up
+    decide(season, "keep", third)
+    with pytest.raises(
+        RefusalError, match=f"{first}, {third} do, all of them kept: `wildscav submissions rel"
+    ):
+        season.hand_in()
+    decide(season, "release", third)
+    with pytest.raises(RefusalError, match="is active and not kept"):
+        decide(season, "release", third)
+    with pytest.raises(RefusalError, match=f"no submission {second} that takes part on navigation"):
+        season.hand_in(replaces=second)
+    fourth = season.active(replaces=first)
+    assert [season.submission(one).state for one in (first, third, fourth)] == [
+        "disabled",
+        "active",
+        "active",
+    ]
 
 
 def test_a_conductor_with_an_old_epoch_can_do_nothing(season: Conducted) -> None:

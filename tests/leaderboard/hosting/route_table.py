@@ -144,7 +144,7 @@ TABLE = (
     everyone("GET /api/v1/submissions"),
     everyone("GET /api/v1/submissions/{submission}", "/api/v1/submissions/{failed}"),
     each(
-        "POST /api/v1/submissions/{submission}/cancel",
+        "POST /api/v1/submissions/{submission}/{act}",
         "/api/v1/submissions/{queued}/cancel",
         *(401, 404, 200, 200),
     ),
@@ -216,7 +216,7 @@ TABLE = (
     logged_in("POST /account", "", 200, {"act": "token", "value": "desk"}),
     logged_in("GET /submit"),
     each("POST /submit", "", LOG_IN, 403, 422, 403, body="no archive"),
-    each("POST /submissions/{number}/cancel", "/submissions/{queued}/cancel", LOG_IN, 404, 303, 303, body={}),
+    each("POST /submissions/{number}/{act}", "/submissions/{queued}/cancel", LOG_IN, 404, 303, 303, body={}),
     everyone("POST /submissions/{number}/play", "/submissions/{active}/play", 403, {"track": "battle"}),
     everyone("GET /play/{secret}/{path:path}", "/play/guessed/play/guessed", 404),
     everyone("SOCKET /play/{secret}/{path:path}", "/play/guessed/play/guessed/socket", 404),

@@ -17,7 +17,6 @@ from wildscav_leaderboard.submissions.quotas import quota_of
 from wildscav_leaderboard.submissions.service import (
     StateError,
     activate,
-    cancel,
     hand_in,
     history_of,
     move,
@@ -101,7 +100,7 @@ def test_a_fault_of_the_agent_and_a_withdrawal_stay_charged(
     first, second = (enter(database, season, foxes, folder) for folder in agents[:2])
     with database.writing() as session:
         move(session, session.get_one(Submission, first.id), states.FAILED, NOON, fault="agent")
-        cancel(session, session.get_one(Submission, second.id), NOON)
+        move(session, session.get_one(Submission, second.id), states.CANCELLED, NOON)
         quota = quota_of(session, season.settings.quotas, find_team(session, foxes), NOON)
     assert quota.used_today == 2
 
@@ -200,8 +199,8 @@ def test_newer_submissions_replace_the_oldest_beyond_the_quota(
         step(database, one, states.QUEUED, states.BUILDING, states.VALIDATING)
         with database.writing() as session:
             replaced = activate(session, season, session.get_one(Submission, one.id), NOON)
-    assert [one.id for one in replaced] == [entered[0].id]
-    assert replaced[0].reason == f"replaced by submission {entered[2].id}"
+    assert [(track, one.id) for track, one in replaced] == [("navigation", entered[0].id)]
+    assert replaced[0][1].reason == f"replaced by submission {entered[2].id}"
 
 
 def test_a_team_that_submits_much_delays_nobody_but_itself(

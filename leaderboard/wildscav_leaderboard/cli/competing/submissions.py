@@ -19,10 +19,16 @@ Number = Annotated[int, typer.Argument(help="Number of a submission.", min=1, sh
 
 
 def submissions(
-    number: Annotated[
-        int | None,
-        typer.Argument(help="Number of a submission, to see all about it.", min=1, show_default=False),
+    act: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[ACT] [NUMBER]",
+            help="Number of a submission, to see all about it; with an act before it, do that: disable, "
+            "restore, keep (so that no later one replaces it), release or cancel.",
+            show_default=False,
+        ),
     ] = None,
+    number: Annotated[int | None, typer.Argument(hidden=True, min=1)] = None,
     team: Annotated[
         str | None, typer.Option(help="Those of this team. Default: yours.", show_default=False)
     ] = None,
@@ -37,9 +43,16 @@ def submissions(
     season: SeasonUrl = None,
     as_json: AsJson = False,
 ) -> None:
-    """List your team's submissions, or show one: its states, and why it failed."""
+    """List your team's submissions, show one, or decide whether it takes part."""
     from wildscav_leaderboard.cli.competing.course import check_end, waited
 
+    if act is not None and act.isascii() and act.isdigit():
+        number, act = int(act), None
+    if act is not None:
+        if number is None:
+            raise UserError(f"`wildscav submissions {act}` needs the number of a submission", exit_code=2)
+        _act(act, number, season, as_json=as_json)
+        return
     if wait and number is None:
         raise UserError("--wait needs the number of a submission", exit_code=2)
     with season_client(season) as client:
@@ -63,11 +76,16 @@ def submissions(
 
 def cancel(number: Number, season: SeasonUrl = None, as_json: AsJson = False) -> None:
     """Withdraw a submission that does not take part yet. It stays charged."""
+    _act("cancel", number, season, as_json=as_json)
+
+
+def _act(act: str, number: int, season: str | None, *, as_json: bool) -> None:
     with season_client(season) as client:
-        found = client.cancel(number)
+        found = client.act(number, act)
     if as_json:
         print_json({"submission": found.model_dump(mode="json")})
-    console.print(f"submission {found.id} is {printable(found.state)}")
+    where = f" on {', '.join(found.playing)}" if found.playing else ""
+    console.print(f"submission {found.id} is {printable(found.state)}{where}{', kept' if found.kept else ''}")
 
 
 def _own_team(client: "SeasonClient") -> str:

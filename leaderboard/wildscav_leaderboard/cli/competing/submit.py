@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from rich.progress import TaskID
 
     from wildscav_leaderboard.client.season import Progress, SeasonClient
-    from wildscav_leaderboard.presentation.documents import HandedIn
+    from wildscav_leaderboard.presentation.documents import HandedIn, SubmissionView
 
 
 def submit(
@@ -32,6 +32,15 @@ def submit(
     message: Annotated[
         str, typer.Option("--message", "-m", help="What is new in it; only your team sees it.")
     ] = "",
+    replaces: Annotated[
+        int | None,
+        typer.Option(
+            help="The submission that leaves if too many of your team take part. Default: the oldest on "
+            "each track that is not kept.",
+            min=1,
+            show_default=False,
+        ),
+    ] = None,
     wait: Annotated[
         bool, typer.Option("--wait", help="Wait until it takes part; exit with 1 if it failed.")
     ] = False,
@@ -47,7 +56,7 @@ def submit(
     with season_client(season) as client:
         _check_team(client)
         with _progress() as begun, archive_of(submission, loaded) as (archive, suffix):
-            handed_in = client.submit(archive, suffix, message, begun(archive))
+            handed_in = client.submit(archive, suffix, message, begun(archive), replaces)
         missing = [track for track in loaded.manifest.tracks if track not in handed_in.submission.tracks]
         _show(client, handed_in, missing, wait=wait)
         last = handed_in.submission
@@ -108,8 +117,15 @@ def _show(client: "SeasonClient", handed_in: "HandedIn", missing: list[str], *, 
         "submission": f"{one.id}: {one.name} {one.version}, for {', '.join(one.tracks)}",
         "not played": f"{', '.join(missing)}: not in this season" if missing else "",
         "state": ", ".join(filter(None, (one.state, waiting(one)))),
+        "replaces": ", ".join(_replaced(one)),
         "quota": quota(handed_in.quota),
         "page": f"{client.url}/submissions/{one.id}",
         "follow it": "" if wait else f"wildscav submissions {one.id} --wait",
     }
     console.print(facts(rows))
+
+
+def _replaced(one: "SubmissionView") -> "Iterator[str]":
+    """Yield what will leave each track for a submission."""
+    for track, number in one.replaces.items():
+        yield f"itself on {track}, for newer ones" if number == one.id else f"{number} on {track}"

@@ -13,6 +13,7 @@ form.addEventListener("submit", (event) => {
     return;
   }
   const query = new URLSearchParams({ message: form.elements.message.value, suffix });
+  if (form.elements.replaces?.value) query.set("replaces", form.elements.replaces.value);
   const request = new XMLHttpRequest();
   request.open("POST", `/submit?${query}`);
   request.setRequestHeader("X-CSRF", form.elements.csrf.value);

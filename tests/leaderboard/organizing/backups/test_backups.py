@@ -55,6 +55,7 @@ def filled_season(tmp_path: Path) -> Season:
         team_with_member(session, "foxes")
         announce(Doing(session, season, "anna", NOON), "Welcome", "with “quotes”,\nlines and a \\ in it")
         one = submitted(session, season, "foxes", write_agent(tmp_path, "walker"))
+        one.playing = one.tracks
         plan_suites(session, season, one, NOON)
         (match,) = next_matches(session, {"navigation": None}, 1)
         metrics = {metric.name: 0.1 + 0.2 for metric in metric_infos("navigation")}
