@@ -78,14 +78,25 @@ class ShortMatch(Match):
         return super().over or self.step_number >= self._steps
 
 
-class _EmptyBanks(Clock):
-    """The clock as agents are told it, but their banks are empty: no step waits beyond its budget."""
+class _IdleBank(TimeBank):
+    """A bank as agents see it, which pays for nothing: no step waits beyond its budget."""
+
+    def allowed(self, waited: float = 0.0) -> float:
+        """Return the budget."""
+        del waited
+        return self._budget
+
+    def use_up(self) -> None:
+        """Note a late answer, and keep what is left, so that agents are told the same as ever."""
+        self._used_up = True
+
+
+class _IdleClock(Clock):
+    """The judge's clock with banks that pay for nothing."""
 
     def bank(self) -> TimeBank:
-        """Return a bank that is used up."""
-        bank = TimeBank(self)
-        bank.use_up()
-        return bank
+        """Return such a bank."""
+        return _IdleBank(self)
 
 
 def run_checks(
@@ -150,7 +161,7 @@ async def _delay_replies(seating: Seating, sandbox: Sandbox) -> PlayedMatch:
     async with delayed_replies(sandbox) as late:
         make = partial(ShortMatch, LATE_STEPS)
         return await play_match(
-            seating, sandbox=late, clock=_EmptyBanks(longest=seating.limits.wall_clock), make=make
+            seating, sandbox=late, clock=_IdleClock(longest=seating.limits.wall_clock), make=make
         )
 
 

@@ -23,9 +23,10 @@ from wildscav_leaderboard.boards.suite_scores import SuiteScores
 from wildscav_leaderboard.matches.models import FINAL, FINISHED, SUITE, VOID, Match, MatchSeat
 from wildscav_leaderboard.matches.service import last_arrival
 from wildscav_leaderboard.seasons import state as season_state
-from wildscav_leaderboard.seasons.editions import Conditions, Edition, EditionRow, digest_of
+from wildscav_leaderboard.seasons.editions import Conditions, Edition, digest_of
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.in_force import in_force
+from wildscav_leaderboard.seasons.models import EditionRow
 from wildscav_leaderboard.seasons.settings import TrackSettings
 from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.models import Submission

@@ -14,12 +14,14 @@ from wildscav_leaderboard.accounts.service import add_account, known_account, se
 from wildscav_leaderboard.accounts.service import invite as new_invitation
 from wildscav_leaderboard.conductor import attempts
 from wildscav_leaderboard.matches import service as matches
-from wildscav_leaderboard.matches.models import FINAL, VOID, WAITING, Match
+from wildscav_leaderboard.matches.models import FINAL, FINISHED, VOID, WAITING, Match, MatchSeat
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.acts import Act, Doing
+from wildscav_leaderboard.seasons.in_force import edition_numbers
 from wildscav_leaderboard.seasons.models import Announcement
 from wildscav_leaderboard.seasons.names import checked_line
 from wildscav_leaderboard.seasons.refusals import InvalidError, RefusalError
+from wildscav_leaderboard.seasons.state import is_decided
 from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.quotas import check_room
@@ -114,6 +116,16 @@ Uses = Annotated[
 ]
 Role = Annotated[
     Literal["competitor", "organizer"], Field(title="As", description="For organizers, not competitors.")
+]
+Track = Annotated[str, Field(max_length=40, title="Track", description="A track, or all.")]
+Submissions = Annotated[
+    str,
+    Field(
+        max_length=1000,
+        pattern=r"^(all|\d{1,15}( \d{1,15})*)$",
+        title="Submissions",
+        description='Numbers of submissions, such as "3 17", or all.',
+    ),
 ]
 AccountName = Annotated[str, Field(title="Account", description="The name of the account.")]
 TeamName = Annotated[str, Field(title="Team", description="A team's name")]
@@ -258,6 +270,47 @@ def _check_not_disqualified(session: Session, submission: Submission) -> None:
     team = session.get_one(Team, submission.team_id)
     if team.disqualified is not None:
         raise RefusalError(f"the team {team.name} is disqualified: {team.disqualified}")
+
+
+@act(
+    "Judge again",
+    "results",
+    path="/rejudge",
+    command="rejudge",
+    says="they are judged again",
+    detail="submissions {submission} on the tracks {track}: {reason}",
+)
+def rejudge(
+    doing: Doing, *, track: Track = "all", submission: Submissions = "all", reason: Reason = "judged again"
+) -> None:
+    """Play matches again that were played under the rules in force; it costs no quota.
+
+    A result counts until the new one arrives, and is kept as superseded from then on.
+    """
+    del reason  # it is for the audit log
+    session, decided = doing.session, is_decided(doing.session)
+    if season_state.read_state(session, season_state.FINALIZED) is not None:
+        raise RefusalError("the season is finalized: its boards are final")
+    editions = edition_numbers(session)
+    if track != "all" and track not in editions:
+        raise RefusalError(f"nobody has played on {track!r}; the tracks are {', '.join(editions)}, or all")
+    played = editions.values() if track == "all" else [editions[track]]
+    wanted = select(Match).where(
+        Match.edition_id.in_(played),
+        Match.state == FINISHED,
+        Match.superseded.is_(None),
+        Match.decides if decided else ~Match.decides,
+    )
+    if submission != "all":
+        numbers = [find_submission(session, int(number)).id for number in submission.split()]
+        wanted = wanted.where(
+            Match.id.in_(select(MatchSeat.match_id).where(MatchSeat.submission_id.in_(numbers)))
+        )
+    chosen = [one for one in session.scalars(wanted.order_by(Match.id)) if matches.takes_part(session, one)]
+    if not sum(matches.judge_again(session, one, doing.now) is not None for one in chosen):
+        raise RefusalError(
+            "none of these was played under the rules in force, or all are judged again already"
+        )
 
 
 def _play_again(doing: Doing, submission: Submission) -> int:

@@ -233,6 +233,8 @@ class MatchView(View):
     created: datetime
     detail: str
     platform_faults: int
+    judging: int  # more than 1 where organizers had it played again
+    superseded: datetime | None  # since when a later judging counts in its place
     seats: list[SeatView]
     hidden: str | None  # why its record, trails and logs cannot be seen
     unseen: str | None  # why its outcomes cannot be seen by everyone

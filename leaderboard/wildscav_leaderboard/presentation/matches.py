@@ -77,6 +77,8 @@ def _view(
         created=match.created,
         detail="" if visible.own else match.detail,
         platform_faults=match.platform_faults,
+        judging=match.judging,
+        superseded=match.superseded,
         seats=views,
         hidden=visible.record or None,
         unseen=visible.outcome or None,

@@ -43,8 +43,9 @@ from wildscav_leaderboard.publishing.documents import (
     PublishedTrack,
 )
 from wildscav_leaderboard.seasons import state as season_state
-from wildscav_leaderboard.seasons.editions import Edition, EditionRow, digest_of, sha256_of
+from wildscav_leaderboard.seasons.editions import Edition, digest_of, sha256_of
 from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE, Season
+from wildscav_leaderboard.seasons.models import EditionRow
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.teams.models import Team
 

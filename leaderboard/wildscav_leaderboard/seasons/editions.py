@@ -6,21 +6,18 @@ edition, which comes into force only when the organizers apply it (``conductor/e
 """
 
 import hashlib
-from datetime import datetime
 from hashlib import blake2b
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import BaseModel, ConfigDict
-from sqlalchemy import JSON, UniqueConstraint
-from sqlalchemy.orm import Mapped, mapped_column
 
 from wildscav_evaluator.output.results import KeptLimits, MetricInfo
 from wildscav_evaluator.output.versions import CURRENT_VERSIONS, Versions
-from wildscav_evaluator.suites.suite import Suite
-from wildscav_evaluator.suites.suite_file import find_suite, parse_suite
-from wildscav_leaderboard.database.base import Base
 from wildscav_leaderboard.seasons.settings import Mode, TrackSettings
+
+if TYPE_CHECKING:
+    from wildscav_evaluator.suites.suite import Suite
 
 
 class _Part(BaseModel):
@@ -62,12 +59,14 @@ class Edition(_Part):
         """The conditions of the matches that decide the season."""
         return self.conditions.model_copy(update={"commitment": self.final_commitment})
 
-    def suite(self) -> Suite:
+    def suite(self) -> "Suite":
         """Return its suite.
 
         Raises:
             UserError: It is not installed here.
         """
+        from wildscav_evaluator.suites.suite_file import find_suite, parse_suite
+
         if self.suite_file is None:
             return find_suite(self.settings.suite)
         return parse_suite(Path(self.settings.suite), self.suite_file.encode())
@@ -79,7 +78,7 @@ class Edition(_Part):
             return f"they belong to {made}, and this is {now}"
         if self.conditions.sandbox != sandbox:
             return f"they belong to the sandbox {self.conditions.sandbox}, and this is {sandbox}"
-        if self.suite_file is None and find_suite(self.settings.suite).label != self.conditions.suite:
+        if self.suite_file is None and self.suite().label != self.conditions.suite:
             return f"they belong to the suite {self.conditions.suite}, which is not installed here"
         return ""
 
@@ -118,16 +117,3 @@ def _shown(value: Any) -> str:
 def sha256_of(source: bytes | None) -> str | None:
     """Return the SHA-256 of the file of an organizer's own suite; None if the suite has none."""
     return None if source is None else hashlib.sha256(source).hexdigest()
-
-
-class EditionRow(Base):
-    """An edition as it is stored. Rows are only added."""
-
-    __tablename__ = "editions"
-    __table_args__ = (UniqueConstraint("track", "digest"),)
-
-    id: Mapped[int] = mapped_column(primary_key=True, init=False)
-    track: Mapped[str]
-    digest: Mapped[str]  # of its conditions
-    created: Mapped[datetime]
-    document: Mapped[dict[str, Any]] = mapped_column(JSON, repr=False)  # an ``Edition``

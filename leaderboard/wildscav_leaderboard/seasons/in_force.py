@@ -11,8 +11,9 @@ from wildscav_evaluator.output.versions import CURRENT_VERSIONS
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.sandbox.limits import KEPT_ANYWHERE
 from wildscav_evaluator.suites.rounds import match_count
-from wildscav_leaderboard.seasons.editions import Conditions, Edition, EditionRow, digest_of, sha256_of
+from wildscav_leaderboard.seasons.editions import Conditions, Edition, digest_of, sha256_of
 from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.models import EditionRow
 from wildscav_leaderboard.seasons.state import EDITIONS, NODES, read_state, write_state
 
 _known: "WeakKeyDictionary[Season, Season]" = WeakKeyDictionary()  # by the season as it is written

@@ -1,8 +1,9 @@
-"""The tables of the season itself: its state, announcements, and the log of privileged acts."""
+"""The tables of the season itself: its state and editions, announcements, and the log of privileged acts."""
 
 from datetime import datetime
 from typing import Any
 
+from sqlalchemy import JSON, UniqueConstraint
 from sqlalchemy.orm import Mapped, mapped_column
 
 from wildscav_leaderboard.database.base import Base
@@ -16,6 +17,21 @@ class StateValue(Base):
     name: Mapped[str] = mapped_column(primary_key=True)
     value: Mapped[dict[str, Any]]
     updated: Mapped[datetime]
+
+
+class EditionRow(Base):
+    """An edition as it is stored. Rows are only added."""
+
+    __tablename__ = "editions"
+    __table_args__ = (UniqueConstraint("track", "digest"),)
+
+    id: Mapped[int] = mapped_column(primary_key=True, init=False)
+    track: Mapped[str]
+    digest: Mapped[str]  # of its conditions
+    created: Mapped[datetime]
+    document: Mapped[dict[str, Any]] = mapped_column(
+        JSON, repr=False
+    )  # an ``Edition`` (``seasons/editions.py``)
 
 
 class Announcement(Base):

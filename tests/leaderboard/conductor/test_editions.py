@@ -21,10 +21,13 @@ from wildscav_leaderboard.conductor.editions import (
 )
 from wildscav_leaderboard.matches.models import FINISHED, VOID, WAITING, Match
 from wildscav_leaderboard.organizing import finalizing
+from wildscav_leaderboard.organizing.acts import ACTS
 from wildscav_leaderboard.organizing.checking import check_rules
+from wildscav_leaderboard.publishing.service import board_lines
 from wildscav_leaderboard.seasons import state as season_state
+from wildscav_leaderboard.seasons.acts import Doing
 from wildscav_leaderboard.seasons.folder import SECRET_FILE, Season
-from wildscav_leaderboard.seasons.in_force import edition_numbers
+from wildscav_leaderboard.seasons.in_force import edition_numbers, in_force
 from wildscav_leaderboard.seasons.initial_files import COMMITMENTS_FILE, commitments_text
 from wildscav_leaderboard.seasons.models import AuditEntry
 from wildscav_leaderboard.seasons.refusals import RefusalError
@@ -261,6 +264,33 @@ def test_another_secret_is_refused_wherever_it_would_be_used(season: Conducted) 
             finalizing.begin(session, other, "anna", 1, season.season.settings.closes, early=False)
         with pytest.raises(RefusalError, match="whose commitments were published"):
             edition_changes(session, other)
+
+
+def test_an_entry_is_judged_again_and_its_old_results_are_kept(season: Conducted) -> None:
+    def rejudge(**what: str) -> None:
+        act = ACTS["rejudge"]
+        with season.database.writing() as session:
+            doing = Doing(session, season.season, "anna", season.now)
+            act.do(doing, act.read({"track": "all", "submission": "all", "reason": "a disk failed", **what}))
+
+    rejudge(submission="1")
+    with pytest.raises(RefusalError, match="all are judged again already"):
+        rejudge(submission="1")
+    assert ranked(season) == [("foxes", 2), ("owls", 2)], "the old results count until then"
+    assert play(season, 9.0) == 2
+    found = board(season)
+    assert found is not None
+    means = {row.team: row.metrics["time"].mean for row in found.rows}  # type: ignore[union-attr]
+    assert means == {"foxes": 9.0, "owls": 1.0}
+    assert counts(season) == {FINISHED: 6}
+    with season.database.reading() as session:
+        lines = [line.match for line in board_lines(session, in_force(session, season.season), "navigation")]
+        played = [(one.judging, one.superseded) for one in lines if one is not None and one.submission == 1]
+        (entry,) = session.scalars(select(AuditEntry).filter_by(act="rejudge")).all()
+    assert sorted(played) == [(1, True), (1, True), (2, False), (2, False)]
+    assert entry.detail == "submissions 1 on the tracks all: a disk failed"
+    with pytest.raises(RefusalError, match="nobody has played on 'chess'"):
+        rejudge(track="chess")
 
 
 def test_nothing_can_be_applied_once_final_matches_are_played(season: Conducted) -> None:

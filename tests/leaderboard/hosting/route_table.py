@@ -72,6 +72,7 @@ TABLE = (
     organizers("POST /api/v1/organizer/resume", "", 409),
     organizers("POST /api/v1/organizer/freeze", "", 204),
     organizers("POST /api/v1/organizer/unfreeze", "", 409),
+    organizers("POST /api/v1/organizer/rejudge", "", 204, {"track": "navigation"}),
     organizers("POST /api/v1/organizer/announcements", "", 204, {"title": "Welcome"}),
     organizers("POST /api/v1/organizer/invitations", "", 201, {}),
     organizers(

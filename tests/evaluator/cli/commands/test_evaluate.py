@@ -54,7 +54,7 @@ def test_a_failing_agent_harms_nobody(wildscav: Command, pair: tuple[Path, Path]
     assert {row.status for row in crasher.matches} == {"crashed"}
     assert crasher.score is not None, "a match that an agent left is scored as it stands"
     assert results.sandbox == "process"
-    assert results.limits == {"navigation": KeptLimits(output=1_000_000, wall_clock=7200.0)}
+    assert results.limits == {"navigation": KeptLimits(output=1_000_000)}
     check_files(tmp_path, results)
     check_table(done.stdout)
 
@@ -81,7 +81,7 @@ def check_table(output: str) -> None:
     assert "walker 1.0.0" in output
     assert "success" in output
     said = " ".join(output.split())
-    assert "sandbox process; each agent: 1 MB of output, 7,200 s in all" in said
+    assert "sandbox process; each agent: 1 MB of output" in said
     assert "time of the agents, measured at the engine" in said
     assert "results.json" in output
     assert "verify" in output
