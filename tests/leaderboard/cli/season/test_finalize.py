@@ -83,7 +83,7 @@ def test_it_may_be_killed_at_any_moment(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     with database.reading() as session:
         acts = session.scalars(select(AuditEntry.act).order_by(AuditEntry.id)).all()
-        assert acts == ["finalize", "decide"]
+        assert [act for act in acts if act != "finalize again"] == ["finalize", "decide"]
         played = select(func.count()).select_from(Match).filter_by(kind=FINAL, state=FINISHED)
         assert session.scalar(played) == len(teams) * len(season.final_matches["navigation"])
         board = read_board(session, "navigation")
