@@ -17,15 +17,16 @@ from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.matches.models import FINISHED, Match
 from wildscav_leaderboard.publishing.export import export
 
-SUITE_MATCHES, LADDER_MATCHES = 4, 2  # of two submissions
+SUITE_MATCHES = 4
 
 
 def is_shown(session: Session) -> bool:
     """Return whether everything is played and on the boards."""
-    played = session.scalar(select(func.count()).where(Match.state == FINISHED))
+    states = list(session.scalars(select(Match.state)))
     boards = [read_board(session, track) for track in ("navigation", "battle")]
     shown = [board for board in boards if board is not None and any(row.rank for row in board.rows)]
-    return played == SUITE_MATCHES + LADDER_MATCHES and len(shown) == 2
+    is_over = len(states) > SUITE_MATCHES and set(states) == {FINISHED}
+    return is_over and len(shown) == 2
 
 
 @pytest.mark.slow
@@ -40,6 +41,8 @@ def test_what_a_real_conductor_played_holds(tmp_path: Path, audit: Run) -> None:
             submitted(session, season, team, folder, now())
     conduct(database, season, is_shown)
     export(season, database, tmp_path / "export")
+    with database.reading() as session:
+        ladder = session.scalar(select(func.count()).where(Match.track == "battle", Match.state == FINISHED))
 
     with served(create_app(season, database)) as address:
         reports = [audit(address), audit(tmp_path / "export"), audit(address)]
@@ -48,7 +51,7 @@ def test_what_a_real_conductor_played_holds(tmp_path: Path, audit: Run) -> None:
         counts = {(check.track, check.what): check.checked for check in report.checks}
         hidden = {(check.track, check.what): sum(check.unchecked.values()) for check in report.checks}
         assert hidden["navigation", "results of matches"] == SUITE_MATCHES
-        assert counts["battle", "records played again"] == LADDER_MATCHES
+        assert counts["battle", "records played again"] == ladder
     seen = {check.track: check.checked for check in reports[2].checks if "earlier audit" in check.what}
-    assert seen == {"navigation": SUITE_MATCHES, "battle": LADDER_MATCHES}
+    assert seen == {"navigation": SUITE_MATCHES, "battle": ladder}
     database.close()
