@@ -147,9 +147,7 @@ def _enter(
     session: Session, season: Season, track: str, edition: Edition | None, now: datetime
 ) -> int | None:
     """Bring an edition into force, and plan its matches; those of others that wait are given up."""
-    from wildscav_leaderboard.conductor.plans import (
-        plan_suites,
-    )  # imports SciPy, which web servers do without
+    from wildscav_leaderboard.conductor.plans import plan_suites  # which loads SciPy, for ladders
 
     number = enter_edition(session, track, edition, now)
     own, others = Match.edition_id == number, Match.edition_id.is_distinct_from(number)

@@ -317,7 +317,9 @@ def _play_again(doing: Doing, submission: Submission) -> int:
     """Let the matches of a submission wait again that were given up; return how many there are."""
     if submission.state != states.ACTIVE:
         return 0
-    given_up = select(Match.id).where(Match.group_id == submission.id, Match.state == VOID)
+    # Those of earlier editions would wait for ever.
+    in_force = Match.edition_id.is_(None) | Match.edition_id.in_(edition_numbers(doing.session).values())
+    given_up = select(Match.id).where(Match.group_id == submission.id, Match.state == VOID, in_force)
     numbers = doing.session.scalars(given_up).all()
     attempts.forgive_matches(doing.session, numbers)
     doing.session.execute(
