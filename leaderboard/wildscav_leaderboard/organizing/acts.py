@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from functools import partial
+from inspect import signature
 from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, Field
@@ -36,12 +37,27 @@ ACTS: dict[str, Act] = {}  # by the names that forms use
 
 
 def act(
-    title: str, subject: str, *, path: str = "", command: str = "", says: str = "", detail: str = ""
+    subject: str,
+    title: str = "",
+    *,
+    path: str | None = None,
+    command: str = "",
+    says: str = "",
+    detail: str = "{reason}",
 ) -> Callable[[Callable[..., Any]], Act]:
-    """Make an act of a function; for what the texts are, see ``Act``."""
+    """Make an act of a function; for what the texts are, see ``Act``.
+
+    Unless it is told otherwise, its command is the first word of the function's name, and its title, too. Its
+    route is that of its subject, followed by the command. The audit log has the reason, if there is one.
+    """
 
     def made(effect: Callable[..., Any]) -> Act:
-        one = Act(effect, title, subject, detail, path, command, says)
+        verb = command or effect.__name__.partition("_")[0]
+        noun, _, argument = subject.partition(" ")
+        route = f"/{noun}s/{argument}/{verb}" if argument else f"/{verb}"
+        noted = detail if detail != "{reason}" or "reason" in signature(effect).parameters else ""
+        shown = title or verb.capitalize()
+        one = Act(effect, shown, subject, noted, route if path is None else path, verb, says)
         ACTS[one.name] = one
         return one
 
@@ -85,17 +101,13 @@ def _long_text(text: str) -> str:
     return text
 
 
-_IS_REASON = AfterValidator(partial(_line, "reason", LONGEST_REASON))
-Reason = Annotated[
+_Reason = Annotated[
     str,
-    _IS_REASON,
-    Field(min_length=1, max_length=LONGEST_REASON, title="Reason", description="Why; everyone sees it."),
+    AfterValidator(partial(_line, "reason", LONGEST_REASON)),
+    Field(min_length=1, max_length=LONGEST_REASON, title="Reason"),
 ]
-ReasonForOwner = Annotated[
-    str,
-    _IS_REASON,
-    Field(min_length=1, max_length=LONGEST_REASON, title="Reason", description="Why; its owner is told."),
-]
+Reason = Annotated[_Reason, Field(description="Why; everyone sees it.")]
+ReasonForOwner = Annotated[_Reason, Field(description="Why; its owner is told.")]
 Title = Annotated[
     str,
     AfterValidator(partial(_line, "title of an announcement", LONGEST_TITLE)),
@@ -138,32 +150,26 @@ Chosen = Annotated[
 ]
 
 
-@act("Pause the season", "season", path="/pause", command="pause", says="paused", detail="{reason}")
+@act("season", "Pause the season", says="paused")
 def pause(doing: Doing, *, reason: Reason = "maintenance") -> None:
     """Let nothing new be begun; what is being played is finished."""
     season_state.write_state(doing.session, season_state.PAUSED, {"reason": reason}, doing.now)
 
 
-@act("Resume the season", "season", path="/resume", command="resume", says="the season goes on")
+@act("season", "Resume the season", says="the season goes on")
 def resume(doing: Doing) -> None:
     """Let a paused season go on."""
     _unset(doing, season_state.PAUSED, "the season is not paused")
 
 
-@act(
-    "Freeze the public boards",
-    "boards",
-    path="/freeze",
-    command="freeze",
-    says="the public boards are frozen",
-)
+@act("boards", "Freeze the public boards", says="the public boards are frozen")
 def freeze(doing: Doing) -> None:
     """Keep the public boards as they are until the season is over; organizers still see the hidden ones."""
     if not season_state.freeze(doing.session, doing.now):
         raise RefusalError("the public boards are frozen already")
 
 
-@act("Unfreeze the public boards", "boards", path="/unfreeze", command="unfreeze", says="the boards go on")
+@act("boards", "Unfreeze the public boards", says="the boards go on")
 def unfreeze(doing: Doing) -> None:
     """Show on the public boards what is played. A date of the settings that has passed freezes no more."""
     _unset(doing, season_state.FROZEN, "the public boards are not frozen")
@@ -176,53 +182,34 @@ def _unset(doing: Doing, name: str, otherwise: str) -> None:
     season_state.write_state(doing.session, name, None, doing.now)
 
 
-@act("Announce", "announcement {title!r}", path="/announcements", command="announce", says="announced")
+@act("announcement {title!r}", path="/announcements", says="announced")
 def announce(doing: Doing, title: Title, text: Text = "") -> None:
     """Show an announcement on the season's page."""
     author = "the organizers" if doing.actor.startswith(COMMAND_LINE) else doing.actor
     doing.session.add(Announcement(at=doing.now, author=author, title=title, text=text))
 
 
-@act(
-    "Make an invitation",
-    "{role}",
-    path="/invitations",
-    command="invite",
-    detail="{label}: {uses} registrations",
-)
+@act("{role}", "Make an invitation", path="/invitations", detail="{label}: {uses} registrations")
 def invite(doing: Doing, *, label: Label = "", uses: Uses = 1, role: Role = "competitor") -> NewKey:
     """Make an invitation, with whose key people register. The key is shown once."""
     return NewKey(key=new_invitation(doing.session, label, doing.now, role=role, uses=uses))
 
 
-@act("Make an organizer", "account {name}", command="organizer", says="account  {name}")
+@act("account {name}", "Make an organizer", path="", command="organizer", says="account  {name}")
 def add_organizer(doing: Doing, name: AccountName, *, password: Chosen = None) -> NewPassword:  # type: ignore[assignment]
     """Make an account of an organizer, who sees the organizers' pages."""
     add_account(doing.session, name, password.secret, ORGANIZER, doing.now)
     return NewPassword(name=name, password=password.text if password.is_new else None)
 
 
-@act(
-    "New password",
-    "account {name}",
-    path="/accounts/{name}/password",
-    command="password",
-    says="account  {name}",
-)
+@act("account {name}", "New password", command="password", says="account  {name}")
 def reset_password(doing: Doing, name: AccountName, *, password: Chosen = None) -> NewPassword:  # type: ignore[assignment]
     """Give an account another password; it is logged out everywhere, and its tokens are revoked."""
     set_password(doing.session, known_account(doing.session, name), password.secret, doing.now)
     return NewPassword(name=name, password=password.text if password.is_new else None)
 
 
-@act(
-    "Disable",
-    "account {name}",
-    path="/accounts/{name}/disable",
-    command="disable",
-    says="the account {name} is disabled",
-    detail="{reason}",
-)
+@act("account {name}", says="the account {name} is disabled")
 def disable_account(doing: Doing, name: AccountName, *, reason: ReasonForOwner) -> None:
     """Let an account no longer be used. What its team handed in goes on."""
     account = known_account(doing.session, name)
@@ -231,13 +218,7 @@ def disable_account(doing: Doing, name: AccountName, *, reason: ReasonForOwner) 
     account.disabled = reason
 
 
-@act(
-    "Enable",
-    "account {name}",
-    path="/accounts/{name}/enable",
-    command="enable",
-    says="the account {name} may be used again",
-)
+@act("account {name}", says="the account {name} may be used again")
 def enable_account(doing: Doing, name: AccountName) -> None:
     """Let a disabled account be used again."""
     account = known_account(doing.session, name)
@@ -246,13 +227,7 @@ def enable_account(doing: Doing, name: AccountName) -> None:
     account.disabled = None
 
 
-@act(
-    "Run again",
-    "submission {number}",
-    path="/submissions/{number}/rerun",
-    command="rerun",
-    says="submission {number} is tried again",
-)
+@act("submission {number}", "Run again", says="submission {number} is tried again")
 def rerun(doing: Doing, number: Number) -> Submission:
     """Try a failed submission again, or play the matches again that were given up."""
     submission = find_submission(doing.session, number)
@@ -273,10 +248,8 @@ def _check_not_disqualified(session: Session, submission: Submission) -> None:
 
 
 @act(
-    "Judge again",
     "results",
-    path="/rejudge",
-    command="rejudge",
+    "Judge again",
     says="they are judged again",
     detail="submissions {submission} on the tracks {track}: {reason}",
 )
@@ -330,14 +303,7 @@ def _play_again(doing: Doing, submission: Submission) -> int:
     return len(numbers)
 
 
-@act(
-    "Disqualify",
-    "team {name}",
-    path="/teams/{name}/disqualify",
-    command="disqualify",
-    says="{name} is disqualified",
-    detail="{reason}",
-)
+@act("team {name}", says="{name} is disqualified")
 def disqualify_team(doing: Doing, name: TeamName, *, reason: Reason) -> None:
     """Take a team or a submission off all boards."""
     team = find_team(doing.session, name)
@@ -347,14 +313,7 @@ def disqualify_team(doing: Doing, name: TeamName, *, reason: Reason) -> None:
         _take_off(doing, submission, f"{TEAM_DISQUALIFIED}{reason}")
 
 
-@act(
-    "Disqualify",
-    "submission {number}",
-    path="/submissions/{number}/disqualify",
-    command="disqualify",
-    says="{number} is disqualified",
-    detail="{reason}",
-)
+@act("submission {number}", says="{number} is disqualified")
 def disqualify_submission(doing: Doing, number: Number, *, reason: Reason) -> Submission:
     """Take a submission off all boards."""
     submission = find_submission(doing.session, number)
@@ -369,13 +328,7 @@ def _take_off(doing: Doing, submission: Submission, reason: str) -> None:
     matches.withdraw(doing.session, submission, doing.now)
 
 
-@act(
-    *("Requalify", "team {name}"),
-    path="/teams/{name}/requalify",
-    command="requalify",
-    says="{name} takes part again",
-    detail="{reason}",
-)
+@act("team {name}", says="{name} takes part again")
 def requalify_team(doing: Doing, name: TeamName, *, reason: Reason) -> None:
     """Let a disqualified team or submission take part again, with the results that it had."""
     team = find_team(doing.session, name)
@@ -387,13 +340,7 @@ def requalify_team(doing: Doing, name: TeamName, *, reason: Reason) -> None:
         take_part_again(doing, submission, reason)
 
 
-@act(
-    *("Requalify", "submission {number}"),
-    path="/submissions/{number}/requalify",
-    command="requalify",
-    says="{number} takes part again",
-    detail="{reason}",
-)
+@act("submission {number}", says="{number} takes part again")
 def requalify_submission(doing: Doing, number: Number, *, reason: Reason) -> Submission:
     """Let a disqualified submission take part again, with the results that it had."""
     submission = find_submission(doing.session, number)
@@ -402,13 +349,7 @@ def requalify_submission(doing: Doing, number: Number, *, reason: Reason) -> Sub
     return take_part_again(doing, submission, reason)
 
 
-@act(
-    *("Reactivate", "submission {number}"),
-    path="/submissions/{number}/reactivate",
-    command="reactivate",
-    says="submission {number} takes part again",
-    detail="{reason}",
-)
+@act("submission {number}", says="submission {number} takes part again")
 def reactivate(doing: Doing, number: Number, *, reason: Reason) -> Submission:
     """Let a submission take part again that a newer one replaced, or that its team disabled."""
     submission = find_submission(doing.session, number)
