@@ -41,7 +41,7 @@ def run_audit(place: str, wanted: Wanted, executor: Executor, *, as_json: bool =
         found[SHOWN:] = [f"and {len(found) - SHOWN:,} more findings (--json lists all)"]
     raise_errors(found)
     if not as_json:
-        console.print("everything that was checked is right", highlight=False)
+        console.print("everything that was checked is right")
 
 
 def _audited(place: str, wanted: Wanted, executor: Executor) -> Report:

@@ -79,12 +79,9 @@ def _show_database(db: Path, track: str | None, suite: str | None, *, as_json: b
         print_json({"standings": documents, "tournaments": [one.as_json() for one in rated]})
     for table, conditions, versions, signed in tables:
         console.print(table)
-        for text in (
-            f"played in {conditions}",
-            f"played by {versions}",
-            f"signed: {signed or 'none'}\n",
-        ):
-            console.print(text, soft_wrap=True, highlight=False)
+        console.print(f"played in {conditions}", soft_wrap=True)
+        console.print(f"played by {versions}", soft_wrap=True)
+        console.print(f"signed: {signed or 'none'}\n", soft_wrap=True)
     if tables:
         console.print(LEGEND, style="dim")
     for one in rated:
@@ -99,8 +96,8 @@ def _show_tournament(one: "Tournament") -> None:
     console.print()
     console.print(standings_table(one))
     for line in sandbox_and_limits(one.sandbox, {one.track: one.limits}):
-        console.print(f"played in {line}", soft_wrap=True, highlight=False)
-    console.print(f"played by {one.versions}\n", soft_wrap=True, highlight=False)
+        console.print(f"played in {line}", soft_wrap=True)
+    console.print(f"played by {one.versions}\n", soft_wrap=True)
     console.print(legend(one), style="dim")
 
 

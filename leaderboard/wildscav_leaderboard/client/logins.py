@@ -14,7 +14,6 @@ from wildscav.errors import UserError, describe
 
 FILE = "seasons.json"
 FOLDER_VARIABLE = "WILDSCAV_CONFIG_DIR"
-SEASON_VARIABLE, TOKEN_VARIABLE = "WILDSCAV_SEASON", "WILDSCAV_TOKEN"
 OWNER_ONLY = 0o600
 
 

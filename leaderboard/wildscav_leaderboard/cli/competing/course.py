@@ -2,13 +2,14 @@
 
 from typing import TYPE_CHECKING
 
+from rich.console import Group
+from rich.text import Text
+
 from wildscav.errors import UserError
 from wildscav.terminal.console import console, error_console, printable
+from wildscav_leaderboard.cli.competing import texts
 
 if TYPE_CHECKING:
-    from rich.console import Group
-    from rich.text import Text
-
     from wildscav_leaderboard.client.season import SeasonClient
     from wildscav_leaderboard.presentation.documents import SubmissionView, TransitionView
 
@@ -17,9 +18,6 @@ FAULTS = {"agent": "the agent's", "platform": "the platform's; it is not charged
 
 def waited(client: "SeasonClient", one: "SubmissionView") -> "SubmissionView":
     """Show the states of a submission as they follow each other, and return the last one."""
-    from rich.text import Text
-
-    from wildscav_leaderboard.cli.competing.texts import waiting
     from wildscav_leaderboard.client.following import follow
 
     shown = 0
@@ -33,7 +31,7 @@ def waited(client: "SeasonClient", one: "SubmissionView") -> "SubmissionView":
                 for entry in one.history[shown:]:
                     console.print(step(entry), soft_wrap=True)
                 shown = max(shown, len(one.history))
-                status.update(Text(printable(f"{one.state} {waiting(one)}")))
+                status.update(Text(printable(f"{one.state} {texts.waiting(one)}")))
     except KeyboardInterrupt:
         error_console.print(f"It goes on without you: wildscav submissions {one.id} --wait")
         raise
@@ -56,26 +54,17 @@ def check_end(one: "SubmissionView") -> None:
     raise UserError(f"submission {one.id} is {one.state}")
 
 
-def step(entry: "TransitionView") -> "Text":
+def step(entry: "TransitionView") -> Text:
     """Return a line about a state that a submission came into."""
-    from rich.text import Text
-
-    from wildscav_leaderboard.cli.competing import texts
-
     line = Text.assemble((texts.moment(entry.at), "dim"), " ", texts.state(entry.state))
     return line.append(printable(f"  {entry.detail}" if entry.detail else ""))
 
 
-def failure(one: "SubmissionView") -> "Group":
+def failure(one: "SubmissionView") -> Group:
     """Return what is to be known of a failure: whose fault, the last lines, and how to see it again.
 
     What happened stands in the submission's history.
     """
-    from rich.console import Group
-    from rich.text import Text
-
-    from wildscav_leaderboard.cli.competing import texts
-
     fault = "" if one.fault is None else FAULTS.get(one.fault, one.fault)
     told = any(one.reason == entry.detail for entry in one.history)
     rows = {"fault": fault, "reason": "" if told else one.reason or "", "see it here": one.command or ""}

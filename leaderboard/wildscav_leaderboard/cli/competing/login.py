@@ -9,7 +9,8 @@ import typer
 
 from wildscav.cli.json_option import AsJson
 from wildscav.errors import UserError
-from wildscav.terminal.console import error_console, print_json, printable
+from wildscav.terminal.console import console, error_console, print_json, printable
+from wildscav_leaderboard.cli.competing import texts
 from wildscav_leaderboard.cli.competing.connected import TOKEN_VARIABLE
 
 if TYPE_CHECKING:
@@ -101,7 +102,7 @@ def logout(url: Url = None, as_json: AsJson = False) -> None:
     logins.without(address).save()
     if as_json:
         print_json({"url": address, "revoked": revoked})
-    _say(f"logged out of {address}")
+    texts.say(f"logged out of {address}")
 
 
 def _check_options(token: str | None, invitation: str | None, *, register: bool) -> None:
@@ -181,29 +182,20 @@ def _label() -> str:
 
 
 def _show(address: str, season: "SeasonView", account: "AccountView", *, as_json: bool) -> None:
-    from wildscav.terminal.console import console
-    from wildscav_leaderboard.cli.competing.texts import facts, quota, say
-
     if as_json:
         found = {"url": address, "season": season.name, "title": season.title}
         print_json({**found, "account": account.model_dump(mode="json")})
-    say(f"logged in to {season.title}, {address}")
+    texts.say(f"logged in to {season.title}, {address}")
     team = account.team.name if account.team is not None else ""
     none_yet = "none yet: `wildscav team create NAME`, or `wildscav team join KEY`"
     rows = {
         "account": account.name + ("" if account.role == "competitor" else f" ({account.role})"),
         "team": team or none_yet,
-        "quota": "" if account.quota is None else quota(account.quota),
+        "quota": "" if account.quota is None else texts.quota(account.quota),
         "closes": f"{season.closes:%Y-%m-%d %H:%M} UTC",
         "paused": season.paused or "",
     }
-    console.print(facts(rows))
-
-
-def _say(text: str) -> None:
-    from wildscav_leaderboard.cli.competing.texts import say
-
-    say(text)
+    console.print(texts.facts(rows))
 
 
 def _warn(text: str) -> None:

@@ -3,16 +3,16 @@
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+from rich.table import Table
+from rich.text import Text
 
 from wildscav.cli.json_option import AsJson
 from wildscav.errors import UserError
 from wildscav.terminal.console import console, print_json
+from wildscav_leaderboard.cli.competing import texts
 from wildscav_leaderboard.cli.competing.connected import SeasonUrl, season_client
 
 if TYPE_CHECKING:
-    from rich.table import Table
-    from rich.text import Text
-
     from wildscav_leaderboard.presentation.documents import MatchView
 
 
@@ -48,9 +48,7 @@ def matches(
         console.print("There are no matches yet.")
 
 
-def _table(found: "list[MatchView]", submission: int | None) -> "Table":
-    from wildscav_leaderboard.cli.competing import texts
-
+def _table(found: "list[MatchView]", submission: int | None) -> Table:
     table = texts.table_of("", "match#", "track", "state", "since (UTC)", "entrants", "outcome")
     for one in found:
         own = [seat for seat in one.seats if submission is not None and seat.submission == submission]
@@ -66,8 +64,6 @@ def _table(found: "list[MatchView]", submission: int | None) -> "Table":
 
 
 def _show(one: "MatchView", url: str) -> None:
-    from wildscav_leaderboard.cli.competing import texts
-
     rows: dict[str, str | Text] = {
         "match": f"{one.id}: {one.track}, {one.kind}",
         "state": texts.state(one.state),

@@ -3,15 +3,17 @@
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+from rich.table import Table
+from rich.text import Text
 
 from wildscav.cli.json_option import AsJson
 from wildscav.errors import UserError
 from wildscav.terminal.console import console, print_json, printable
+from wildscav_leaderboard.cli.competing import texts
 from wildscav_leaderboard.cli.competing.connected import SeasonUrl, season_client
+from wildscav_leaderboard.cli.competing.course import check_end, failure, step, waited
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from wildscav_leaderboard.client.season import SeasonClient
     from wildscav_leaderboard.presentation.documents import SubmissionView
 
@@ -44,8 +46,6 @@ def submissions(
     as_json: AsJson = False,
 ) -> None:
     """List your team's submissions, show one, or decide whether it takes part."""
-    from wildscav_leaderboard.cli.competing.course import check_end, waited
-
     if act is not None and act.isascii() and act.isdigit():
         number, act = int(act), None
     if act is not None:
@@ -96,9 +96,7 @@ def _own_team(client: "SeasonClient") -> str:
     return team.name
 
 
-def _table(found: "list[SubmissionView]", *, with_team: bool) -> "Table":
-    from wildscav_leaderboard.cli.competing import texts
-
+def _table(found: "list[SubmissionView]", *, with_team: bool) -> Table:
     headings = ["submission", "state", "handed in (UTC)", "tracks", "message"]
     table = texts.table_of("", "#", *(["team"] if with_team else []), *headings)
     for one in found:
@@ -112,11 +110,6 @@ def _table(found: "list[SubmissionView]", *, with_team: bool) -> "Table":
 
 def show(one: "SubmissionView", url: str) -> None:
     """Print all about a submission."""
-    from rich.text import Text
-
-    from wildscav_leaderboard.cli.competing import texts
-    from wildscav_leaderboard.cli.competing.course import failure, step
-
     rows: dict[str, str | Text] = {
         "submission": f"{one.id}: {one.name} {one.version}, for {', '.join(one.tracks)}",
         "team": texts.team(one.team, one.team_title),

@@ -10,12 +10,11 @@ import typer
 from wildscav.cli.json_option import AsJson
 from wildscav.errors import UserError
 from wildscav.terminal.console import console, counted, error_console, print_json
+from wildscav_leaderboard.cli.competing import texts
 from wildscav_leaderboard.cli.competing.connected import SeasonUrl, season_client
+from wildscav_leaderboard.cli.competing.course import check_end, waited
 
 if TYPE_CHECKING:
-    from rich.progress import Progress as Shown
-    from rich.progress import TaskID
-
     from wildscav_leaderboard.client.season import Progress, SeasonClient
     from wildscav_leaderboard.presentation.documents import HandedIn, SubmissionView
 
@@ -49,7 +48,6 @@ def submit(
 ) -> None:
     """Hand in a submission for your team. `wildscav check` tells beforehand whether it will pass."""
     from wildscav_evaluator.cli.options.selection import load_named
-    from wildscav_leaderboard.cli.competing.course import check_end, waited
     from wildscav_leaderboard.client.archives import archive_of
 
     loaded = load_named(submission)
@@ -98,31 +96,28 @@ def _progress() -> "Iterator[Callable[[Path], Progress]]":
 
         def begun(archive: Path) -> "Progress":
             shown.update(task, description="uploading", total=archive.stat().st_size)
-            return lambda count: _advance(shown, task, count)
+            return advance
+
+        def advance(count: int) -> None:
+            shown.advance(task, count)
+            if shown.finished:
+                shown.update(task, description="being checked by the season")
 
         yield begun
 
 
-def _advance(shown: "Shown", task: "TaskID", count: int) -> None:
-    shown.advance(task, count)
-    if shown.finished:
-        shown.update(task, description="being checked by the season")
-
-
 def _show(client: "SeasonClient", handed_in: "HandedIn", missing: list[str], *, wait: bool) -> None:
-    from wildscav_leaderboard.cli.competing.texts import facts, quota, waiting
-
     one = handed_in.submission
     rows = {
         "submission": f"{one.id}: {one.name} {one.version}, for {', '.join(one.tracks)}",
         "not played": f"{', '.join(missing)}: not in this season" if missing else "",
-        "state": ", ".join(filter(None, (one.state, waiting(one)))),
+        "state": ", ".join(filter(None, (one.state, texts.waiting(one)))),
         "replaces": ", ".join(_replaced(one)),
-        "quota": quota(handed_in.quota),
+        "quota": texts.quota(handed_in.quota),
         "page": f"{client.url}/submissions/{one.id}",
         "follow it": "" if wait else f"wildscav submissions {one.id} --wait",
     }
-    console.print(facts(rows))
+    console.print(texts.facts(rows))
 
 
 def _replaced(one: "SubmissionView") -> "Iterator[str]":

@@ -7,6 +7,7 @@ import typer
 from wildscav.cli.json_option import AsJson
 from wildscav.errors import UserError
 from wildscav.terminal.console import console, print_json
+from wildscav_leaderboard.cli.competing import texts
 from wildscav_leaderboard.cli.competing.connected import SeasonUrl, season_client
 
 if TYPE_CHECKING:
@@ -32,8 +33,8 @@ def create(
         made = client.make_team(name, title)
     if as_json:
         print_json(made.model_dump(mode="json"))
-    _say(f"team {made.team.name}")
-    _say(f"key  {made.key}   (for teammates: wildscav team join KEY; shown this once)")
+    texts.say(f"team {made.team.name}")
+    texts.say(f"key  {made.key}   (for teammates: wildscav team join KEY; shown this once)")
 
 
 @app.command()
@@ -47,7 +48,7 @@ def join(
         team = client.join_team(key)
     if as_json:
         print_json({"team": team.model_dump(mode="json")})
-    _say(f"you are a member of {team.name}: {', '.join(team.members)}")
+    texts.say(f"you are a member of {team.name}: {', '.join(team.members)}")
 
 
 @app.command()
@@ -59,7 +60,7 @@ def leave(season: SeasonUrl = None, as_json: AsJson = False) -> None:
     left = "" if team is None else team.name
     if as_json:
         print_json({"left": left})
-    _say(f"you left {left}")
+    texts.say(f"you left {left}")
 
 
 @app.command()
@@ -94,12 +95,10 @@ def key(season: SeasonUrl = None, as_json: AsJson = False) -> None:
         made = client.new_team_key()
     if as_json:
         print_json({"key": made})
-    _say(made)
+    texts.say(made)
 
 
 def _show(team: "TeamView", quota: "QuotaView | None") -> None:
-    from wildscav_leaderboard.cli.competing import texts
-
     active = {} if quota is None else quota.active
     rows = {
         "team": texts.team(team.name, team.title),
@@ -109,9 +108,3 @@ def _show(team: "TeamView", quota: "QuotaView | None") -> None:
         "active": ", ".join(f"{count} on {track}" for track, count in active.items()),
     }
     console.print(texts.facts(rows))
-
-
-def _say(text: str) -> None:
-    from wildscav_leaderboard.cli.competing.texts import say
-
-    say(text)

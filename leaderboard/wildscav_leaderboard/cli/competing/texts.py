@@ -2,20 +2,23 @@
 
 from collections.abc import Mapping
 from datetime import UTC, datetime
+from typing import TYPE_CHECKING
 
 from rich.table import Table
 from rich.text import Text
 
 from wildscav.terminal.console import console, counted, printable
 from wildscav.terminal.tables import FittingTable
-from wildscav_leaderboard.presentation.documents import (
-    MatchView,
-    ProgressView,
-    QuotaView,
-    SeatView,
-    SubmissionView,
-    TotalsView,
-)
+
+if TYPE_CHECKING:
+    from wildscav_leaderboard.presentation.documents import (
+        MatchView,
+        ProgressView,
+        QuotaView,
+        SeatView,
+        SubmissionView,
+        TotalsView,
+    )
 
 STATE_STYLES = {
     "active": "green",
@@ -81,7 +84,7 @@ def state(text: str) -> Text:
     return Text(printable(text), STATE_STYLES.get(text, ""))
 
 
-def waiting(one: SubmissionView) -> str:
+def waiting(one: "SubmissionView") -> str:
     """Return where a submission is in the queue, and about how long it takes; nothing if it has ended."""
     parts = [] if one.queue_position is None else [f"number {one.queue_position} in the queue"]
     if one.expected_wait is not None:
@@ -94,7 +97,7 @@ def team(name: str, title: str) -> str:
     return name if title == name else f"{title} ({name})"
 
 
-def quota(one: QuotaView) -> str:
+def quota(one: "QuotaView") -> str:
     """Return what is left of a quota."""
     return (
         f"{one.left_today} of {counted(one.per_day, 'submission')} left today; the next day begins at "
@@ -109,14 +112,14 @@ def waits_for(missing: int) -> str:
     return f"its ladder makes no matches before {teams} {verb} part"
 
 
-def standing(one: ProgressView) -> str:
+def standing(one: "ProgressView") -> str:
     """Return how far a submission is on a track."""
     if one.missing:
         return waits_for(one.missing)
     return f"{one.played:,} of {counted(one.planned, 'match')} played"
 
 
-def totals(one: TotalsView) -> str:
+def totals(one: "TotalsView") -> str:
     """Return how a submission did in all matches of a suite, and how to find its faults."""
     parts = [f"mean {one.score:.4g} in {counted(one.matches, 'match')}"]
     parts += [f"{count} {name.replace('_', ' ')}" for name, count in one.faults.items()]
@@ -124,7 +127,7 @@ def totals(one: TotalsView) -> str:
     return ", ".join(parts) + hint
 
 
-def who(seat: SeatView) -> str:
+def who(seat: "SeatView") -> str:
     """Return who plays in a seat, as people read it."""
     return seat.team_title or seat.name
 
@@ -134,7 +137,7 @@ def figures(metrics: Mapping[str, float] | None) -> str:
     return ", ".join(f"{name} {value:.4g}" for name, value in (metrics or {}).items())
 
 
-def outcome(match: MatchView, seat: SeatView) -> str:
+def outcome(match: "MatchView", seat: "SeatView") -> str:
     """Return how a match ended for a seat, as far as it is known."""
     if seat.status is None:
         return "hidden" if match.state == "finished" and match.unseen else ""

@@ -13,10 +13,9 @@ import typer
 from pydantic import BaseModel
 
 from wildscav.terminal.console import console
-from wildscav_leaderboard.cli.season.folder_argument import SeasonFolder
+from wildscav_leaderboard.cli.season.opening import SeasonFolder, opened
 from wildscav_leaderboard.organizing.acts import ACTS, COMMAND_LINE
 from wildscav_leaderboard.seasons.acts import Act, Doing
-from wildscav_leaderboard.seasons.folder import Season
 
 SHORT = {"reason": ["-r"]}  # names of options
 
@@ -47,7 +46,7 @@ def _command(acts: list[Act]) -> Callable[..., None]:
             what = given.pop("what")
             act = acts[what.isascii() and what.isdigit()]
             given[next(iter(act.fields))] = what
-        _do(Season.open(folder), act, act.read(given))
+        _do(folder, act, given)
 
     taken = [_keyword("folder", SeasonFolder), *(_parameter(acts[0], name) for name in acts[0].fields)]
     if len(acts) > 1:
@@ -86,17 +85,14 @@ def _keyword(name: str, annotation: Any, default: Any = inspect.Parameter.empty)
     return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, annotation=annotation, default=default)
 
 
-def _do(season: Season, act: Act, arguments: dict[str, Any]) -> None:
-    database = season.database()
-    try:
-        database.upgrade()
+def _do(folder: Path, act: Act, given: dict[str, Any]) -> None:
+    with opened(folder) as (season, database):
+        arguments = act.read(given)
         with database.writing() as session:
             result = act.do(Doing(session, season, command_line(), datetime.now(UTC)), arguments)
-    finally:
-        database.close()
     lines = [act.says.format(**arguments)] if act.says else []
     if isinstance(result, BaseModel):
         *_, (name, secret) = result.model_dump().items()
         lines += [f"{name} {secret}   (shown this once)" if lines else secret] if secret else []
     for line in lines:
-        console.print(line, soft_wrap=True, highlight=False, markup=False)
+        console.print(line, soft_wrap=True)

@@ -5,14 +5,11 @@ from typing import Any
 import typer
 from typer.core import TyperGroup
 
-from wildscav_leaderboard.cli.season.apply import apply
-from wildscav_leaderboard.cli.season.backups import backup, check, restore
 from wildscav_leaderboard.cli.season.demo import demo
-from wildscav_leaderboard.cli.season.export import export
 from wildscav_leaderboard.cli.season.finalize import finalize
-from wildscav_leaderboard.cli.season.init import init
+from wildscav_leaderboard.cli.season.folders import backup, check, export, init, restore
 from wildscav_leaderboard.cli.season.serve import serve
-from wildscav_leaderboard.cli.season.status import status
+from wildscav_leaderboard.cli.season.status import apply, status
 
 
 class SeasonCommands(TyperGroup):

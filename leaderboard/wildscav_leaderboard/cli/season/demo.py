@@ -133,7 +133,7 @@ class _Watch:
         if self._season.settings.execution.sandbox == "process":
             lines.append(WARNING)
         for line in lines:
-            console.print(line, soft_wrap=True, highlight=False)
+            console.print(line, soft_wrap=True)
         if self._opens:
             with contextlib.suppress(webbrowser.Error):
                 webbrowser.open(address)

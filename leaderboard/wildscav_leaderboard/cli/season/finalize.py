@@ -10,7 +10,7 @@ import typer
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from wildscav.terminal.console import command, console, counted, error_console
-from wildscav_leaderboard.cli.season.folder_argument import SeasonFolder
+from wildscav_leaderboard.cli.season.opening import SeasonFolder, opened
 
 if TYPE_CHECKING:
     from wildscav_leaderboard.database.connection import Database
@@ -57,14 +57,11 @@ def finalize(
     """
     from wildscav_leaderboard.cli.season.acts import command_line
     from wildscav_leaderboard.organizing import finalizing
-    from wildscav_leaderboard.seasons.folder import PUBLISHED, Season
+    from wildscav_leaderboard.seasons.folder import PUBLISHED
 
-    season = Season.open(folder)
-    if now and not yes and not abort and datetime.now(UTC) < season.settings.closes:
-        typer.confirm(QUESTION, abort=True)
-    database = season.database()
-    try:
-        database.upgrade()
+    with opened(folder) as (season, database):
+        if now and not yes and not abort and datetime.now(UTC) < season.settings.closes:
+            typer.confirm(QUESTION, abort=True)
         with database.writing() as session:
             actor, at = command_line(), datetime.now(UTC)
             if abort:
@@ -79,8 +76,6 @@ def finalize(
         _wait(season, database)
         console.print("the season is over: its boards are final, and its secrets are opened", soft_wrap=True)
         _publish(season, database, out or season.folder / PUBLISHED, again=again)
-    finally:
-        database.close()
 
 
 def _publish(season: "Season", database: "Database", out: Path, *, again: bool) -> None:
@@ -97,8 +92,8 @@ def _publish(season: "Season", database: "Database", out: Path, *, again: bool) 
         shutil.rmtree(old)
     elif not out.exists():
         export(season, database, out)
-    console.print(f"published in {out}; anyone can check it:", soft_wrap=True, highlight=False)
-    console.print(f"  {command('wildscav')} audit {out}", soft_wrap=True, highlight=False)
+    console.print(f"published in {out}; anyone can check it:", soft_wrap=True)
+    console.print(f"  {command('wildscav')} audit {out}", soft_wrap=True)
 
 
 def _wait(season: "Season", database: "Database") -> None:

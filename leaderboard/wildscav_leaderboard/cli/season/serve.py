@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from wildscav_leaderboard.cli.season.folder_argument import SeasonFolder
+from wildscav_leaderboard.cli.season.opening import SeasonFolder
 
 
 def serve(
@@ -43,7 +43,7 @@ def serve(
         changed = changed.model_copy(update={"port": check_port(changed.host, changed.port)})
     season = Season(season.folder, season.settings.model_copy(update={"web": changed}))
     for line in check_rules(season):
-        console.print(line, soft_wrap=True, highlight=False, markup=False)
+        console.print(line, soft_wrap=True)
     if WEB in parts:
         console.print(f"{season.settings.title}: {address_of(season)} (Ctrl-C ends it)", soft_wrap=True)
     run(season, parts, "json" if log_format == "json" else "text")

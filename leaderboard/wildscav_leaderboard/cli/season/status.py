@@ -1,15 +1,17 @@
-"""The command ``wildscav season status``."""
+"""The commands ``wildscav season status`` and ``wildscav season apply``."""
 
 from dataclasses import asdict
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
+import typer
 from rich.table import Table
 from rich.text import Text
 
 from wildscav.cli.json_option import AsJson
 from wildscav.terminal.console import console, print_json
-from wildscav_leaderboard.cli.season.folder_argument import SeasonFolder
+from wildscav_leaderboard.cli.competing.texts import waits_for
+from wildscav_leaderboard.cli.season.opening import SeasonFolder, opened
 
 if TYPE_CHECKING:
     from wildscav_leaderboard.conductor.models import Attempt
@@ -21,16 +23,9 @@ SHOWN_FAULTS = 10
 def status(folder: SeasonFolder, as_json: AsJson = False) -> None:
     """Show how a season is doing: what waits, what is played, and what went wrong."""
     from wildscav_leaderboard.organizing.status import status as found
-    from wildscav_leaderboard.seasons.folder import Season
 
-    season = Season.open(folder)
-    database = season.database()
-    try:
-        database.upgrade()
-        with database.reading() as session:
-            one = found(session, season, datetime.now(UTC))
-    finally:
-        database.close()
+    with opened(folder) as (season, database), database.reading() as session:
+        one = found(session, season, datetime.now(UTC))
     if as_json:
         print_json(_document(one))
     console.print(_table(season.settings.title, one))
@@ -76,8 +71,6 @@ def _table(title: str, one: "Status") -> Table:
 
 def _waiting(missing: dict[str, int]) -> str:
     """Return which ladders can make no match yet."""
-    from wildscav_leaderboard.cli.competing.texts import waits_for
-
     return "; ".join(f"{track}: {waits_for(count)}" for track, count in missing.items())
 
 
@@ -93,3 +86,26 @@ def _faults(faults: "list[Attempt]") -> Table:
         what = f"match {one.match_id}" if one.match_id else f"{one.kind} submission {one.submission_id}"
         table.add_row(f"{one.started:%m-%d %H:%M:%S}", what, one.outcome or "", Text(one.detail))
     return table
+
+
+def apply(
+    folder: SeasonFolder, yes: Annotated[bool, typer.Option("--yes", help="Do not ask.")] = False
+) -> None:
+    """Bring changed rules into force: a new edition of each track that they concern, judged again.
+
+    It shows first what that costs. Results of the edition before stay on a board of their own. A season that
+    runs goes on under the new edition at once.
+    """
+    from wildscav_leaderboard.cli.season.acts import command_line
+    from wildscav_leaderboard.conductor.editions import apply_editions, edition_changes
+
+    with opened(folder) as (season, database):
+        with database.reading() as session:
+            changes = edition_changes(session, season)
+        for change in changes:
+            console.print(change.text, soft_wrap=True)
+        if changes and not yes:
+            typer.confirm("Bring this into force?", abort=True)
+        with database.writing() as session:
+            apply_editions(session, season, command_line(), datetime.now(UTC))
+    console.print("the new rules are in force", soft_wrap=True)

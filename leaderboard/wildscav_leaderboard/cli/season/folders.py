@@ -1,4 +1,4 @@
-"""The commands ``wildscav season backup``, ``restore`` and ``check``."""
+"""The commands that make, copy and check a season's folder."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -11,24 +11,56 @@ import typer
 
 from wildscav.cli.json_option import AsJson
 from wildscav.terminal.console import command, console, counted, error_console, print_json
-from wildscav_leaderboard.cli.season.folder_argument import SeasonFolder
+from wildscav_leaderboard.cli.season.opening import SeasonFolder, opened
 
 Backup = Annotated[Path, typer.Argument(help="The file of the backup.", metavar="BACKUP", show_default=False)]
+
+
+def init(
+    folder: SeasonFolder,
+    name: Annotated[
+        str | None, typer.Option(help="Short name of the season; the folder's name if not given.")
+    ] = None,
+    title: Annotated[str | None, typer.Option(help="Title, as people read it.")] = None,
+    days: Annotated[int, typer.Option(help="How long it is open.", min=1, max=3650)] = 30,
+) -> None:
+    """Make a season's folder: commented settings, and secret seeds with their public commitments."""
+    from wildscav_leaderboard.seasons.initial_files import make_season_folder
+
+    commitment, final = make_season_folder(folder, name, title, days)
+    _say(f"season     {folder}")
+    _say(f"settings   {folder / 'season.toml'}: read and change them before it opens")
+    _say(f"commitment {commitment}")
+    _say(f"final      {final}")
+    _say("           the commitments are to be published, and the secrets kept")
+    _say(f"start it   {command('wildscav')} season serve {folder}")
+
+
+def export(
+    folder: SeasonFolder,
+    out: Annotated[
+        Path,
+        typer.Argument(help="The folder to write, which must be new.", metavar="OUT", show_default=False),
+    ],
+) -> None:
+    """Write what is published of a season into a folder: boards, matches and records, for anyone to audit."""
+    from wildscav_leaderboard.publishing.export import export as run
+
+    with opened(folder) as (season, database):
+        made = run(season, database, out)
+    hidden = f"; {made.hidden:,} more are still hidden" if made.hidden else ""
+    found = ((made.boards, "board"), (made.matches, "match"), (made.records, "record"))
+    _say(f"{', '.join(counted(*one) for one in found)}{hidden}")
+    _say(f"exported to {made.folder}")
+    _say(f"check it    {command('wildscav')} audit {out}")
 
 
 def backup(folder: SeasonFolder, out: Backup) -> None:
     """Back up a season while it runs: settings, secrets, database, archives and records, in one tar."""
     from wildscav_leaderboard.organizing.backups.backup import back_up
-    from wildscav_leaderboard.seasons.folder import Season
 
-    season = Season.open(folder)
-    database = season.database()
-    try:
-        database.upgrade()
-        with _progress("files are backed up") as on_progress:
-            done = back_up(season, database, out, datetime.now(UTC), on_progress)
-    finally:
-        database.close()
+    with opened(folder) as (season, database), _progress("files are backed up") as on_progress:
+        done = back_up(season, database, out, datetime.now(UTC), on_progress)
     size = f"{done.size / (1 << 20):,.1f} MiB"
     held = f"{counted(done.rows, 'row')} and {counted(done.files, 'file')}, {size}"
     _say(f"{out}: {held}; it holds the secrets, so keep it safe")
@@ -86,4 +118,4 @@ def _progress(what: str) -> Iterator[Callable[[int, int], None]]:
 
 
 def _say(text: str) -> None:
-    console.print(text, soft_wrap=True, highlight=False)
+    console.print(text, soft_wrap=True)

@@ -1,0 +1,25 @@
+"""The season that a command is about: the argument that names its folder, and its opening."""
+
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from wildscav_leaderboard.database.connection import Database
+    from wildscav_leaderboard.seasons.folder import Season
+
+SeasonFolder = Annotated[Path, typer.Argument(help="The season's folder.", metavar="DIR", show_default=False)]
+
+
+@contextmanager
+def opened(folder: Path) -> "Iterator[tuple[Season, Database]]":
+    """Give a season and its database, whose schema is brought up to date."""
+    from wildscav_leaderboard.seasons.folder import Season
+
+    season = Season.open(folder)
+    with closing(season.database()) as database:
+        database.upgrade()
+        yield season, database
