@@ -12,10 +12,9 @@ from wildscav_leaderboard.access.requests import (
     KnownProgram,
     Now,
     Reading,
+    address_of,
 )
 from wildscav_leaderboard.accounts import passwords, service
-from wildscav_leaderboard.accounts.models import Account
-from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.presentation.documents import (
     AccountView,
     NewAccount,
@@ -25,7 +24,6 @@ from wildscav_leaderboard.presentation.documents import (
     TokenView,
 )
 from wildscav_leaderboard.presentation.people import account_view
-from wildscav_leaderboard.seasons.refusals import UnknownCallerError
 
 router = APIRouter(tags=["accounts"])
 
@@ -36,13 +34,8 @@ def rate_limits(request: Request) -> RateLimits:
     return limits
 
 
-def address(request: Request) -> str:
-    """Return the address of whoever asks."""
-    return request.client.host if request.client is not None else "unknown"
-
-
 Limits = Annotated[RateLimits, Depends(rate_limits)]
-Address = Annotated[str, Depends(address)]
+Address = Annotated[str, Depends(address_of)]
 
 
 @router.post("/accounts", status_code=201)
@@ -70,23 +63,9 @@ def new_token(
     """Get a token with a name and a password."""
     limits.use(TRIES, "address", where)
     limits.use(TRIES, "name", asked.name)
-    account = checked_account(database, asked.name, asked.password)
+    account = service.checked_account(database, asked.name, asked.password)
     with database.writing() as session:
         return NewTokenView(token=service.new_token(session, account, asked.label, now))
-
-
-def checked_account(database: Database, name: str, password: str) -> Account:
-    """Return the account with a name and a password.
-
-    Raises:
-        UnknownCallerError: There is none, or the password is wrong; it does not say which.
-        ForbiddenError: The account is disabled.
-    """
-    with database.reading() as session:
-        account = service.find_account(session, name)
-    if not passwords.matches(password, None if account is None else account.password) or account is None:
-        raise UnknownCallerError("the name or the password is wrong")
-    return service.check_usable(account)
 
 
 @router.get("/tokens")

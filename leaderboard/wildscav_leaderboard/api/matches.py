@@ -1,8 +1,9 @@
 """Routes of matches, and of what can be seen of them."""
 
+from dataclasses import dataclass
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Query, Request
+from fastapi import APIRouter, Depends, Query, Request
 from fastapi.responses import FileResponse, PlainTextResponse, Response
 
 from wildscav_leaderboard.access.requests import (
@@ -14,11 +15,9 @@ from wildscav_leaderboard.access.requests import (
     Renders,
 )
 from wildscav_leaderboard.api.submissions import shown_log
-from wildscav_leaderboard.matches.listing import MOST, list_matches
 from wildscav_leaderboard.matches.models import FINISHED, MatchResult, MatchSeat
-from wildscav_leaderboard.matches.records import path_of_record, record_path
-from wildscav_leaderboard.matches.service import find_match
-from wildscav_leaderboard.matches.visibility import seen_by, twin_of
+from wildscav_leaderboard.matches.service import MOST, find_match, list_matches
+from wildscav_leaderboard.matches.visibility import Twin, path_of_record, record_path, seen_by, twin_of
 from wildscav_leaderboard.presentation.documents import REFUSALS, MatchList, MatchView
 from wildscav_leaderboard.presentation.matches import match_views
 from wildscav_leaderboard.seasons.refusals import ForbiddenError, NotFoundError
@@ -71,93 +70,86 @@ def record(match: int, caller: AnyReader, session: Reading, season: CurrentSeaso
     )
 
 
+@dataclass(frozen=True)
+class Rendering:
+    """A request for what is rendered from the record of a match."""
+
+    match: int
+    caller: AnyReader
+    session: Reading
+    season: CurrentSeason
+    renders: Renders
+    now: Now
+
+    @property
+    def is_live(self) -> bool:
+        """Whether the match is being played, and the caller may watch it."""
+        return not seen_by(self.session, [find_match(self.session, self.match)], self.caller)[self.match].live
+
+    def progress(self, product: str, twin: Twin | None = None) -> Progress:
+        """Return how far a file is, made from the record if the caller may see it, or from that of a twin."""
+        if twin is not None:
+            path = path_of_record(self.session, self.season, twin.id)
+            return self.renders.progress(product, str(twin.id), path, self.now)
+        path = record_path(self.session, self.season, self.match, self.caller)
+        return self.renders.progress(product, str(self.match), path, self.now)
+
+
+Asked = Annotated[Rendering, Depends()]
+
+
 @router.get("/matches/{match}/trails", responses=RENDERED)
-def trails(
-    match: int,
-    request: Request,
-    caller: AnyReader,
-    session: Reading,
-    season: CurrentSeason,
-    renders: Renders,
-    now: Now,
-    after: Annotated[str, Query(max_length=40)] = "",
-) -> Response:
+def trails(asked: Asked, request: Request, after: Annotated[str, Query(max_length=40)] = "") -> Response:
     """Return where everyone was at all times, what happened, and the map's size, as one document.
 
     Of a match that is being played, return what came after a cursor, which is in the document before.
     """
-    found = find_match(session, match)
-    if not seen_by(session, [found], caller)[match].live:
+    if asked.is_live:
         live: LiveMatches = request.app.state.live
-        told = live.trails(key_of(match), after)
+        told = live.trails(key_of(asked.match), after)
         if told is None:
             return progress_response(Progress("waiting", "The match begins or ends in a moment …"))
         return Response(told.model_dump_json(), media_type="application/json", headers=NO_STORE)
-    path = record_path(session, season, match, caller)
-    return file_response("trails", renders.progress("trails", str(match), path, now))
+    return file_response("trails", asked.progress("trails"))
 
 
 @router.get("/matches/{match}/overview.webp", responses=RENDERED)
-def overview(
-    match: int, caller: AnyReader, session: Reading, season: CurrentSeason, renders: Renders, now: Now
-) -> Response:
+def overview(asked: Asked) -> Response:
     """Return the map of a match from above."""
-    found = find_match(session, match)
-    twin = twin_of(session, found)
-    if (
-        twin is not None
-        and twin.state == FINISHED
-        and not seen_by(session, [found], caller)[match].live  # its record will be of the same map
-    ):
-        match, path = twin.id, path_of_record(session, season, twin.id)
-    else:
-        path = record_path(session, season, match, caller)
-    return file_response("overview", renders.progress("overview", str(match), path, now))
+    twin = twin_of(asked.session, find_match(asked.session, asked.match))
+    if twin is not None and (twin.state != FINISHED or not asked.is_live):
+        twin = None  # else its record will be of the same map
+    return file_response("overview", asked.progress("overview", twin))
 
 
 @router.get("/matches/{match}/replay", responses=RENDERED)
-def replay(
-    match: int, caller: AnyReader, session: Reading, season: CurrentSeason, renders: Renders, now: Now
-) -> Response:
+def replay(asked: Asked) -> Response:
     """Have the replay of a match rendered, and return how far it is."""
-    path = record_path(session, season, match, caller)
-    return progress_response(renders.progress("replay", str(match), path, now))
+    return progress_response(asked.progress("replay"))
 
 
 @router.get("/matches/{match}/replay.rrd", responses=RENDERED)
-def replay_file(
-    match: int, caller: AnyReader, session: Reading, season: CurrentSeason, renders: Renders, now: Now
-) -> Response:
+def replay_file(asked: Asked) -> Response:
     """Return the replay of a match, to watch in Rerun, once it is rendered."""
-    path = record_path(session, season, match, caller)
-    return file_response("replay", renders.progress("replay", str(match), path, now))
+    return file_response("replay", asked.progress("replay"))
 
 
 @router.get("/matches/{match}/poster.jpg", responses=RENDERED)
-def poster(
-    match: int, caller: AnyReader, session: Reading, season: CurrentSeason, renders: Renders, now: Now
-) -> Response:
+def poster(asked: Asked) -> Response:
     """Return one picture of a match, at the moment that shows most."""
-    path = record_path(session, season, match, caller)
-    return file_response("poster", renders.progress("poster", str(match), path, now))
+    return file_response("poster", asked.progress("poster"))
 
 
 @router.get("/matches/{match}/video", responses=RENDERED)
-def video(
-    match: int, caller: AnyReader, session: Reading, season: CurrentSeason, renders: Renders, now: Now
-) -> Response:
+def video(asked: Asked) -> Response:
     """Have the video of a match rendered, and return how far it is."""
-    path = record_path(session, season, match, caller)
-    return progress_response(renders.progress("video", str(match), path, now))
+    return progress_response(asked.progress("video"))
 
 
 @router.get("/matches/{match}/video.mp4", responses=RENDERED)
-def video_file(
-    match: int, caller: AnyReader, session: Reading, season: CurrentSeason, renders: Renders, now: Now
-) -> Response:
+def video_file(asked: Asked) -> Response:
     """Return the video of a match, or the piece of it that the header Range asks for, once it is rendered."""
-    path = record_path(session, season, match, caller)
-    return file_response("video", renders.progress("video", str(match), path, now))
+    return file_response("video", asked.progress("video"))
 
 
 @router.get("/matches/{match}/logs/{seat}", response_class=PlainTextResponse, responses=REFUSALS)

@@ -5,7 +5,6 @@ from collections.abc import Callable
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Query
-from sqlalchemy import select
 
 from wildscav_leaderboard.access.requests import (
     CurrentDatabase,
@@ -16,11 +15,11 @@ from wildscav_leaderboard.access.requests import (
     organizing_program,
 )
 from wildscav_leaderboard.organizing.acts import ACTS, NewKey
+from wildscav_leaderboard.organizing.status import audit_entries
 from wildscav_leaderboard.presentation.documents import AuditEntryView, SubmissionView
 from wildscav_leaderboard.presentation.organizing import AccountRow, StatusView, account_rows, status_view
 from wildscav_leaderboard.presentation.submissions import submission_view
 from wildscav_leaderboard.seasons.acts import Act, Doing
-from wildscav_leaderboard.seasons.models import AuditEntry
 from wildscav_leaderboard.submissions.models import Submission
 
 MOST = 200  # entries of the audit log in an answer
@@ -41,10 +40,7 @@ def audit_log(
     limit: Annotated[int, Query(ge=1, le=MOST)] = MOST,
 ) -> list[AuditEntryView]:
     """List the privileged acts, the latest first."""
-    wanted = select(AuditEntry).order_by(AuditEntry.id.desc()).limit(limit)
-    if before is not None:
-        wanted = wanted.where(AuditEntry.id < before)
-    return [AuditEntryView.model_validate(one) for one in session.scalars(wanted)]
+    return [AuditEntryView.model_validate(one) for one in audit_entries(session, before, limit)]
 
 
 @router.get("/accounts")

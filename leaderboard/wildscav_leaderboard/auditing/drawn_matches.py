@@ -1,6 +1,5 @@
 """Whether matches are those that the season's secret gives, so that nobody could choose maps or seats."""
 
-import hashlib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -16,7 +15,7 @@ from wildscav_leaderboard.auditing.report import Check, Finding, of_match, wrong
 from wildscav_leaderboard.boards.matchmaking import REPEATS, ladder_match, seated
 from wildscav_leaderboard.matches.models import LADDER
 from wildscav_leaderboard.publishing.documents import BoardFile, PublishedMatch, PublishedTrack
-from wildscav_leaderboard.seasons.editions import digest_of
+from wildscav_leaderboard.seasons.editions import digest_of, sha256_of
 
 
 class UnknownSuiteError(UserError):
@@ -50,7 +49,7 @@ def wrong_suite(track: PublishedTrack) -> Iterator[Finding]:
     """
     suite = suite_of(track)
     if track.suite_file is not None:
-        found = hashlib.sha256(track.suite_file.encode()).hexdigest()
+        found = sha256_of(track.suite_file.encode())
         if found != track.suite_digest:
             yield wrong_value("suite_digest", track.suite_digest, found)
     if suite.label != track.suite:

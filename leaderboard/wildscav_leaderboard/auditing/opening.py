@@ -3,9 +3,8 @@
 import hashlib
 from contextlib import ExitStack
 from pathlib import Path, PurePosixPath
-from typing import TypeVar
 
-from pydantic import BaseModel, TypeAdapter, ValidationError
+from pydantic import TypeAdapter, ValidationError
 
 from wildscav.errors import UserError
 from wildscav_engine.specs.validation import one_line
@@ -31,7 +30,6 @@ from wildscav_leaderboard.publishing.documents import (
 from wildscav_leaderboard.publishing.export import SUMS_FILE
 
 BOARD: TypeAdapter[BoardDocument] = TypeAdapter(BoardDocument)
-Document = TypeVar("Document", bound=BaseModel)
 
 
 class InvalidDocumentError(UserError):

@@ -3,17 +3,13 @@
 from datetime import datetime
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import ConfigDict, Field
 
 from wildscav_evaluator.output.results import MetricInfo, Summary
-from wildscav_leaderboard.seasons.editions import Conditions
+from wildscav_leaderboard.seasons.editions import Conditions, Part
 
 
-class _Part(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-
-class Row(_Part):
+class Row(Part):
     """A team's place on a board, with its best submission there."""
 
     rank: int | None  # the best that it may have; None until it can be ranked
@@ -56,7 +52,7 @@ class LadderRow(Row):
     mean_place: float | None  # a tie counts as the mean of the places that it covers
 
 
-class SuiteBoard(_Part):
+class SuiteBoard(Part):
     """The board of a track on which every submission plays the same suite."""
 
     mode: Literal["suite"] = "suite"
@@ -69,7 +65,7 @@ class SuiteBoard(_Part):
     rows: tuple[SuiteRow, ...]  # the best first; those that cannot be ranked yet come last
 
 
-class LadderBoard(_Part):
+class LadderBoard(Part):
     """The board of a track on which submissions meet each other."""
 
     mode: Literal["ladder"] = "ladder"

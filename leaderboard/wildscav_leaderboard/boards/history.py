@@ -31,18 +31,19 @@ def histories_of(
     session: Session, submission: int, until: datetime | None = None
 ) -> dict[str, list[BoardPoint]]:
     """Return how a submission's places changed on each track, in the order of time."""
-    found: dict[str, list[BoardPoint]] = {}
     wanted = select(BoardPoint).where(BoardPoint.submission_id == submission)
-    for point in session.scalars(_in_order(wanted, until)):
-        found.setdefault(point.track, []).append(point)
-    return found
+    return _by_track(session.scalars(_in_order(wanted, until)))
 
 
 def histories_of_team(session: Session, team: int) -> dict[str, list[BoardPoint]]:
     """Return how a team's places changed on each track, in the order of time."""
-    found: dict[str, list[BoardPoint]] = {}
     wanted = select(BoardPoint).join(Submission, Submission.id == BoardPoint.submission_id)
-    for point in session.scalars(_in_order(wanted.where(Submission.team_id == team), None)):
+    return _by_track(session.scalars(_in_order(wanted.where(Submission.team_id == team), None)))
+
+
+def _by_track(points: Iterable[BoardPoint]) -> dict[str, list[BoardPoint]]:
+    found: dict[str, list[BoardPoint]] = {}
+    for point in points:
         found.setdefault(point.track, []).append(point)
     return found
 

@@ -37,13 +37,6 @@ def head_to_head(
     return _records(session, wanted)
 
 
-def records_against(
-    session: Session, track: str, conditions: str, entrant: str, applied: int | None = None
-) -> dict[str, PairRecord]:
-    """Return an entrant's record against everyone whom it met, by their names; see ``Ladder``."""
-    return records_on(session, [Ladder(track, conditions, applied)], entrant)[track]
-
-
 def records_on(session: Session, ladders: Sequence[Ladder], entrant: str) -> dict[str, dict[str, PairRecord]]:
     """Return an entrant's record on some ladders, at least one: by track, and by whom it met.
 

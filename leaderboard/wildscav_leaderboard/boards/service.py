@@ -4,7 +4,7 @@ A board is computed when results arrive, and stored as a document, so that showi
 the freeze the public and the hidden board are equal; after it the public one stays as it is.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from datetime import datetime, timedelta
 from typing import Any, NamedTuple
 
@@ -15,7 +15,6 @@ from wildscav_evaluator.output.results import MetricInfo
 from wildscav_evaluator.seats import robot_entrant
 from wildscav_leaderboard.boards import ladders
 from wildscav_leaderboard.boards.documents import LadderBoard, LadderRow, SuiteBoard, place_of
-from wildscav_leaderboard.boards.final import Final, read_final, write_final
 from wildscav_leaderboard.boards.ladder_board import Enough, LadderEntrant, ladder_board
 from wildscav_leaderboard.boards.models import HIDDEN, PUBLIC, SEASON, Board, BoardPoint, audience_of
 from wildscav_leaderboard.boards.suite_board import SuiteResults, suite_board
@@ -29,9 +28,38 @@ from wildscav_leaderboard.seasons.in_force import in_force
 from wildscav_leaderboard.seasons.models import EditionRow
 from wildscav_leaderboard.seasons.settings import TrackSettings
 from wildscav_leaderboard.submissions import states
+from wildscav_leaderboard.submissions.listing import taking_part
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.service import DISQUALIFIED
 from wildscav_leaderboard.teams.models import Team
+
+
+class Final(NamedTuple):
+    """What the final boards of a season are computed from. It does not change with a newer Wildscav."""
+
+    field: Mapping[str, frozenset[int]]  # the submissions that played the final matches of each suite
+    conditions: Mapping[str, Conditions]  # of each track
+
+
+def _read_final(session: Session) -> Final | None:
+    """Return what the final boards are computed from; None before the season is decided."""
+    state = season_state.read_state(session, season_state.FINALIZED)
+    if state is None:
+        return None
+    return Final(
+        {track: frozenset(numbers) for track, numbers in state["field"].items()},
+        {track: Conditions.model_validate(one) for track, one in state["conditions"].items()},
+    )
+
+
+def _write_final(session: Session, final: Final, now: datetime) -> None:
+    """Decide the season: from now on its boards are final."""
+    value = {
+        "at": now.isoformat(),
+        "field": {track: sorted(numbers) for track, numbers in final.field.items()},
+        "conditions": {track: one.model_dump(mode="json") for track, one in final.conditions.items()},
+    }
+    season_state.write_state(session, season_state.FINALIZED, value, now)
 
 
 def refresh(session: Session, season: Season, now: datetime, scores: SuiteScores | None = None) -> list[str]:
@@ -46,7 +74,7 @@ def refresh(session: Session, season: Season, now: datetime, scores: SuiteScores
     season = in_force(session, season)
     # A board says that it counts whatever arrived until its time, so it is never earlier than that.
     now = max(now, last_arrival(session) or now)
-    final, scores = read_final(session), scores or SuiteScores()
+    final, scores = _read_final(session), scores or SuiteScores()
     changed = []
     for track, edition in season.editions.items():
         if edition.settings.mode == "ladder":
@@ -104,7 +132,7 @@ def read_ahead(session: Session, season: Season, now: datetime, scores: SuiteSco
         now: The time.
         scores: What is read.
     """
-    if read_final(session) is not None:
+    if _read_final(session) is not None:
         return
     for track, edition in in_force(session, season).editions.items():
         if edition.settings.mode == "suite":
@@ -197,7 +225,7 @@ def decide(session: Session, season: Season, final: Final, now: datetime) -> Non
         if before is not None:
             kept = Board(track=track, audience=SEASON, updated=before.updated, document=before.document)
             session.merge(kept)
-    write_final(session, final, now)
+    _write_final(session, final, now)
     season_state.write_state(session, season_state.FROZEN, None, now)
     refresh(session, season, now)
 
@@ -205,14 +233,8 @@ def decide(session: Session, season: Season, final: Final, now: datetime) -> Non
 def entered(session: Session, track: str) -> list[tuple[Submission, Team]]:
     """Return the submissions that take part on a track, with their teams, but none that are left out."""
     left_out = season_state.read_state(session, season_state.LEFT_OUT) or {}
-    wanted = (
-        select(Submission, Team)
-        .join(Team, Team.id == Submission.team_id)
-        .where(Submission.state == states.ACTIVE, Team.disqualified.is_(None))
-        .order_by(Submission.id)
-    )
-    found = session.execute(wanted)
-    return [(one, team) for one, team in found if track in one.playing and str(one.id) not in left_out]
+    found = taking_part(session, track)
+    return [(one, team) for one, team in found if str(one.id) not in left_out]
 
 
 def _entered_before(session: Session, edition: int) -> list[tuple[Submission, Team]]:

@@ -12,9 +12,7 @@ from wildscav.terminal.console import console, print_json
 from wildscav.terminal.suggestions import did_you_mean
 
 if TYPE_CHECKING:
-    from wildscav_evaluator.output.results import MetricInfo, Summary
     from wildscav_evaluator.tournaments.tournament_file import Tournament
-    from wildscav_leaderboard.results.models import Score
     from wildscav_leaderboard.results.standings import Standings
 
 
@@ -65,8 +63,7 @@ def _show_database(db: Path, track: str | None, suite: str | None, *, as_json: b
     from wildscav_evaluator.cli.result_tables.ranking import LEGEND
     from wildscav_evaluator.tournaments.tournament_file import Tournament
     from wildscav_leaderboard.results.database import reading
-    from wildscav_leaderboard.results.standings import standings, tournaments
-    from wildscav_leaderboard.results.standings_json import document
+    from wildscav_leaderboard.results.standings import document, standings, tournaments
 
     with reading(db) as session:
         found = list(standings(session, track, suite))
@@ -119,10 +116,11 @@ def _nothing_found(everything: "list[Standings]", track: str | None, suite: str 
 def _table(one: "Standings") -> Table:
     from wildscav_evaluator.cli.result_tables import ranking
     from wildscav_evaluator.scores.number_format import NOTHING
+    from wildscav_leaderboard.results.standings import metric_of, summary_of
 
     table = ranking.ranking_table(f"{one.track} · suite {one.suite} · seed {one.seed}")
     # Rows without a score come last, so the first row has the metrics if any row does.
-    metrics = [_metric(score) for score in one.rows[0].evaluation.scores]
+    metrics = [metric_of(score) for score in one.rows[0].evaluation.scores]
     ranking.add_metrics(table, metrics)
     ranking.add_columns(table, "matches\nfailed", "date")
     for row in one.rows:
@@ -130,7 +128,7 @@ def _table(one: "Standings") -> Table:
         table.add_row(
             NOTHING if row.rank is None else str(row.rank),
             f"{evaluation.submission.name} {evaluation.submission.version}",
-            *ranking.metric_cells(metrics, {score.name: _summary(score) for score in evaluation.scores}),
+            *ranking.metric_cells(metrics, {score.name: summary_of(score) for score in evaluation.scores}),
             ranking.fault_cell(evaluation.faults, len(evaluation.matches)),
             f"{evaluation.started:%Y-%m-%d}",
         )
@@ -170,17 +168,3 @@ def _conditions(one: "Standings") -> str:
     limits = KeptLimits.model_validate_json(one.limits)
     kept = {one.track: limits} if limits != KeptLimits() else {}
     return "".join(sandbox_and_limits(one.sandbox, kept))
-
-
-def _metric(score: "Score") -> "MetricInfo":
-    from wildscav_evaluator.output.results import MetricInfo
-
-    return MetricInfo(
-        name=score.name, title=score.title, unit=score.unit, lower_is_better=score.lower_is_better
-    )
-
-
-def _summary(score: "Score") -> "Summary":
-    from wildscav_evaluator.output.results import Summary
-
-    return Summary(mean=score.mean, std=score.std, low=score.low, high=score.high)

@@ -79,7 +79,7 @@ class SeasonClient:
 
     def team(self, name: str) -> TeamView:
         """Return a team."""
-        return self._as(TeamView, self._connection.get(f"/teams/{_part(name)}"))
+        return self._as(TeamView, self._connection.get(f"/teams/{quote(name, safe='')}"))
 
     def make_team(self, name: str, title: str) -> NewTeamView:
         """Make a team; the key for teammates comes with it."""
@@ -185,11 +185,6 @@ def _pages(ask: Callable[[Query], list[N]], limit: int) -> list[N]:
         if len(page) < size:
             break
     return found
-
-
-def _part(text: str) -> str:
-    """Return a text as one part of a path."""
-    return quote(text, safe="")
 
 
 def _pieces(path: Path, progress: Progress) -> Iterator[bytes]:

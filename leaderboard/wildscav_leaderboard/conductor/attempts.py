@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from datetime import datetime, timedelta
 
-from sqlalchemy import func, or_, select, update
+from sqlalchemy import ColumnElement, func, or_, select, update
 from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.conductor.lease import Holding
@@ -36,11 +36,8 @@ def begin(
         submission: The submission that it is about, if it is one.
         match: The match that it is about, if it is one.
     """
-    before = session.scalar(
-        select(func.count())
-        .select_from(Attempt)
-        .filter_by(kind=kind, submission_id=submission, match_id=match)
-    )
+    work = {"kind": kind, "submission_id": submission, "match_id": match}
+    before = session.scalar(select(func.count()).select_from(Attempt).filter_by(**work))
     attempt = Attempt(
         kind=kind,
         number=(before or 0) + 1,
@@ -79,28 +76,19 @@ def running(session: Session) -> list[Attempt]:
 
 def losses(session: Session, attempt: Attempt) -> int:
     """Return how many attempts at the same work were lost."""
-    return (
-        session.scalar(
-            select(func.count())
-            .select_from(Attempt)
-            .filter_by(
-                kind=attempt.kind,
-                submission_id=attempt.submission_id,
-                match_id=attempt.match_id,
-                outcome=LOST,
-            )
-        )
-        or 0
-    )
+    work = {"kind": attempt.kind, "submission_id": attempt.submission_id, "match_id": attempt.match_id}
+    return session.scalar(select(func.count()).select_from(Attempt).filter_by(**work, outcome=LOST)) or 0
 
 
 def forgive_submission(session: Session, submission: int) -> None:
     """Count no attempt at a submission as lost any more, because it is tried again from the start."""
-    of_it = Attempt.submission_id == submission
-    session.execute(update(Attempt).where(Attempt.outcome == LOST, of_it).values(outcome=FORGIVEN))
+    _forgive(session, Attempt.submission_id == submission)
 
 
 def forgive_matches(session: Session, matches: Sequence[int]) -> None:
     """Count no attempt at some matches as lost any more, because they are played again."""
-    of_them = Attempt.match_id.in_(matches)
-    session.execute(update(Attempt).where(Attempt.outcome == LOST, of_them).values(outcome=FORGIVEN))
+    _forgive(session, Attempt.match_id.in_(matches))
+
+
+def _forgive(session: Session, work: ColumnElement[bool]) -> None:
+    session.execute(update(Attempt).where(Attempt.outcome == LOST, work).values(outcome=FORGIVEN))

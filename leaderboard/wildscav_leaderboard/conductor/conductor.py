@@ -6,17 +6,17 @@ import traceback
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from datetime import UTC, datetime
+from pathlib import Path
 
 from sqlalchemy.orm import Session
 
 from wildscav.errors import WildscavError, describe
 from wildscav.monitoring.logs import Log, open_log
 from wildscav_evaluator.executors import EXECUTORS, Executor
-from wildscav_evaluator.matches.jobs import Job, JobResult
+from wildscav_evaluator.matches.jobs import Heartbeat, Job, JobEvent, JobResult
 from wildscav_leaderboard.boards.service import read_ahead, refresh
 from wildscav_leaderboard.boards.suite_scores import SuiteScores
 from wildscav_leaderboard.conductor import lease, steps, work
-from wildscav_leaderboard.conductor.broadcast import Broadcast
 from wildscav_leaderboard.conductor.child import Child
 from wildscav_leaderboard.conductor.editions import begin_editions
 from wildscav_leaderboard.conductor.keeper import LeaseKeeper
@@ -30,6 +30,7 @@ from wildscav_leaderboard.matches.service import seats_of
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.in_force import in_force
+from wildscav_leaderboard.spectating.live import LiveMatches
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.webhooks.delivery import Deliverer
 
@@ -37,6 +38,32 @@ IDLE = 1.0  # s between two looks when there is nothing to do
 BATCH = 4  # matches for each that runs at once; then submissions that wait come first
 REFRESH_EVERY = 2.0  # s between two refreshes of the boards while matches are played
 LONGEST_PAUSE = 30.0  # s after errors in a row
+
+
+class Broadcast:
+    """Lets spectators follow matches: writes what the heartbeats of watched ones bring, for the web server.
+
+    That nobody can watch, because the disk is full, say, is no reason to stop a match.
+
+    Args:
+        folder: Of the running matches. What a conductor left there that was killed is removed.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._live = LiveMatches(folder)
+        with suppress(OSError):
+            self._live.clear()
+
+    def note(self, job: Job, event: JobEvent) -> None:
+        """Show what a match reports."""
+        if isinstance(event, Heartbeat) and event.snapshots:
+            with suppress(OSError):
+                self._live.add(job.evaluation, job.spec, job.seating.names, event.snapshots)
+
+    def end(self, job: Job) -> None:
+        """Show a match no longer: its record tells everything."""
+        with suppress(OSError):
+            self._live.end(job.evaluation)
 
 
 def now() -> datetime:

@@ -25,9 +25,9 @@ from wildscav_leaderboard.seasons.in_force import (
 )
 from wildscav_leaderboard.seasons.refusals import RefusalError
 from wildscav_leaderboard.seasons.state import NODES, is_decided, log_act, read_state
+from wildscav_leaderboard.submissions.listing import taking_part
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.states import ACTIVE
-from wildscav_leaderboard.teams.models import Team
 
 NOT_IN_FORCE = "its edition is no longer in force"  # why a match is void
 RECENT = 100  # matches from which the time of a match is estimated
@@ -104,7 +104,7 @@ def edition_changes(session: Session, season: Season) -> list[EditionChange]:
             )
         if new is not None and not differences:
             continue
-        entries = 0 if new is None else len(_entries(session, track))
+        entries = 0 if new is None else len(taking_part(session, track))
         each = 0 if new is None else new.matches if new.settings.mode == "suite" else new.settings.matches
         matches = entries * each // (new.conditions.seats if new is not None else 1)
         found.append(
@@ -162,24 +162,13 @@ def _enter(
             .where(own, Match.state == VOID, Match.detail == NOT_IN_FORCE)
             .values(state=WAITING, since=now, detail="")
         )
-        for submission in _entries(session, track):
+        for submission, _ in taking_part(session, track):
             plan_suites(session, season, submission, now)
     return number
 
 
 def _has_matches(session: Session, edition: int) -> bool:
     return session.scalar(select(Match.id).filter_by(edition_id=edition).limit(1)) is not None
-
-
-def _entries(session: Session, track: str) -> list[Submission]:
-    """Return the submissions that take part on a track."""
-    wanted = (
-        select(Submission)
-        .join(Team, Team.id == Submission.team_id)
-        .where(Submission.state == ACTIVE, Team.disqualified.is_(None))
-        .order_by(Submission.id)
-    )
-    return [one for one in session.scalars(wanted) if track in one.playing]
 
 
 def _count_waiting(session: Session, edition: int) -> int:

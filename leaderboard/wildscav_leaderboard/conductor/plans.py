@@ -30,9 +30,8 @@ from wildscav_leaderboard.seasons.editions import digest_of
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.in_force import in_force, sandbox_of
 from wildscav_leaderboard.seasons.state import FINALIZED, FINALIZING, read_state
+from wildscav_leaderboard.submissions.listing import taking_part
 from wildscav_leaderboard.submissions.models import Submission
-from wildscav_leaderboard.submissions.states import ACTIVE
-from wildscav_leaderboard.teams.models import Team
 
 
 def plan_suites(session: Session, season: Season, submission: Submission, now: datetime) -> int:
@@ -134,11 +133,6 @@ def _candidates(session: Session, season: Season, one: _Round) -> dict[Candidate
         .group_by(MatchSeat.entrant)
     )
     planned = {entrant: count for entrant, count in counted}  # noqa: C416 (rows are no pairs to mypy)
-    active = session.execute(
-        select(Submission, Team)
-        .join(Team, Team.id == Submission.team_id)
-        .where(Submission.state == ACTIVE, Team.disqualified.is_(None))
-    )
 
     def candidate(name: str, team: int | None) -> Candidate:
         rating = ratings.get(name, Rating())
@@ -146,7 +140,7 @@ def _candidates(session: Session, season: Season, one: _Round) -> dict[Candidate
 
     found: dict[Candidate, int | None] = {
         candidate(each.entrant, team.id): each.id
-        for each, team in active
-        if one.track in each.playing and (one.field is None or each.id in one.field)
+        for each, team in taking_part(session, one.track)
+        if one.field is None or each.id in one.field
     }
     return found | {candidate(robot_entrant(robot), None): None for robot in settings.robots}

@@ -67,10 +67,8 @@ class Database:
         Raises:
             DatabaseError: The database cannot be reached.
         """
-        with (
-            self._reported(),
-            Session(self._readers, expire_on_commit=False, info={KEPT: self._kept}) as session,
-        ):
+        info = {KEPT: self._kept}
+        with self._reported(), Session(self._readers, expire_on_commit=False, info=info) as session:
             yield session
 
     @contextmanager

@@ -4,10 +4,10 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from datetime import datetime
 from itertools import chain, zip_longest
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from sqlalchemy import ColumnElement, and_, func, select, update
-from sqlalchemy.orm import Session
+from sqlalchemy.orm import Session, defer
 
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.output.results import MatchRow, MatchTiming, MetricInfo
@@ -29,6 +29,7 @@ from wildscav_leaderboard.seasons.in_force import edition_by_number, edition_num
 from wildscav_leaderboard.seasons.refusals import NotFoundError
 from wildscav_leaderboard.submissions.models import Submission
 
+MOST = 100  # in one list
 WITHDRAWN = "withdrawn: "  # begins why a match is void that is planned again if its submission plays again
 
 
@@ -78,10 +79,10 @@ def add_suite_matches(
     entrant = Entrant(submission.entrant, submission.id)
     new = [number for number in range(len(specs)) if number not in known]
     for number in new:
-        spec = specs[number]
+        spec = specs[number].model_dump(mode="json")
         # Everyone's first match comes before anyone's second one, so that boards fill evenly.
         match = _match(kind, track, edition, number, submission.id, spec, now, priority=number)
-        add_match(session, match, dict.fromkeys(submission_seats(spec.seats), entrant))
+        add_match(session, match, dict.fromkeys(submission_seats(specs[number].seats), entrant))
     return len(new)
 
 
@@ -106,7 +107,8 @@ def add_ladder_match(
         group: Of the ladder: that of the season, or the final round.
     """
     edition = edition_numbers(session).get(track)
-    return add_match(session, _match(LADDER, track, edition, number, group, spec, now), entrants)
+    match = _match(LADDER, track, edition, number, group, spec.model_dump(mode="json"), now)
+    return add_match(session, match, entrants)
 
 
 def _match(
@@ -115,9 +117,10 @@ def _match(
     edition: int | None,
     number: int,
     group: int,
-    spec: MatchSpec,
+    spec: dict[str, Any],
     now: datetime,
     priority: int = 0,
+    judging: int = 1,
 ) -> Match:
     return Match(
         kind=kind,
@@ -125,10 +128,11 @@ def _match(
         edition_id=edition,
         number=number,
         group_id=group,
-        spec=spec.model_dump(mode="json"),
+        spec=spec,
         created=now,
         since=now,
         priority=priority,
+        judging=judging,
     )
 
 
@@ -154,6 +158,35 @@ def find_match(session: Session, number: int) -> Match:
     if found is None:
         raise NotFoundError(f"there is no match {number}")
     return found
+
+
+def list_matches(
+    session: Session,
+    *,
+    submission: int | None = None,
+    track: str | None = None,
+    state: str | None = None,
+    kind: str | None = None,
+    before: int | None = None,
+    limit: int = MOST,
+) -> list[Match]:
+    """Return matches, the newest first."""
+    wanted = select(Match).order_by(Match.id.desc()).limit(limit).options(defer(Match.spec))  # it is large
+    if submission is not None:
+        own = select(MatchSeat.match_id).where(MatchSeat.submission_id == submission)
+        wanted = wanted.where(Match.id.in_(own))
+    for column, value in ((Match.track, track), (Match.state, state), (Match.kind, kind)):
+        if value is not None:
+            wanted = wanted.where(column == value)
+    if before is not None:
+        wanted = wanted.where(Match.id < before)
+    return list(session.scalars(wanted))
+
+
+def results_of(session: Session, matches: list[Match]) -> dict[int, MatchResult]:
+    """Return the results of some matches, by match."""
+    wanted = select(MatchResult).where(MatchResult.match_id.in_([match.id for match in matches]))
+    return {result.match_id: result for result in session.scalars(wanted)}
 
 
 def seats_of(session: Session, matches: Sequence[int]) -> dict[int, list[MatchSeat]]:
@@ -297,18 +330,8 @@ def judge_again(session: Session, match: Match, now: datetime) -> Match | None:
     judged = session.scalars(select(Match).where(_same_match(match)).order_by(Match.judging.desc())).all()
     if judged[0].state in (WAITING, PLAYING):
         return None
-    again = Match(
-        kind=match.kind,
-        track=match.track,
-        edition_id=match.edition_id,
-        number=match.number,
-        group_id=match.group_id,
-        spec=match.spec,
-        created=now,
-        since=now,
-        priority=match.priority,
-        judging=judged[0].judging + 1,
-    )
+    same = (match.kind, match.track, match.edition_id, match.number, match.group_id, match.spec)
+    again = _match(*same, now, match.priority, judged[0].judging + 1)
     seats = seats_of(session, [match.id])[match.id]
     return add_match(session, again, {one.seat: Entrant(one.entrant, one.submission_id) for one in seats})
 

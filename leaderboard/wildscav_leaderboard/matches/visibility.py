@@ -12,6 +12,7 @@ Once the public boards are frozen, what is played shows nothing to other teams b
 
 from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
+from pathlib import Path
 from typing import NamedTuple
 
 from sqlalchemy import and_, or_, select
@@ -19,6 +20,9 @@ from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.accounts.service import Caller
 from wildscav_leaderboard.matches.models import FINISHED, LADDER, PLAYING, VOID, Match, MatchResult
+from wildscav_leaderboard.matches.service import find_match
+from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.refusals import ForbiddenError, NotFoundError
 from wildscav_leaderboard.seasons.state import OPENED, frozen_since, read_state
 from wildscav_leaderboard.teams.service import team_of
 
@@ -148,3 +152,31 @@ def twins_of(session: Session, matches: Sequence[Match]) -> dict[int, Twin]:
     wanted = select(Match.track, Match.group_id, Match.number, Match.id, Match.state)
     found = session.execute(wanted.where(Match.kind == LADDER, or_(*of_ladders)))
     return {asked[track, group, number]: Twin(twin, state) for track, group, number, twin, state in found}
+
+
+def record_path(session: Session, season: Season, number: int, caller: Caller | None) -> Path:
+    """Return the path of a match's record, if the caller may see it.
+
+    Raises:
+        NotFoundError: There is no such match, or its record is gone.
+        ForbiddenError: It is hidden.
+    """
+    why = seen_by(session, [find_match(session, number)], caller)[number].record
+    if why:
+        raise ForbiddenError(why)
+    return path_of_record(session, season, number)
+
+
+def path_of_record(session: Session, season: Season, number: int) -> Path:
+    """Return the path of a match's record, whoever asks.
+
+    Raises:
+        NotFoundError: The match has no result, or its record is gone.
+    """
+    result = session.get(MatchResult, number)
+    if result is None:
+        raise NotFoundError(f"match {number} has no result")
+    path = season.match_folder(number) / str(result.row["record"])
+    if not path.is_file():
+        raise NotFoundError(f"the record of match {number} is no longer in the season's files")
+    return path

@@ -1,6 +1,7 @@
 """Checking a season: that everything is there that it needs, and as it was when it was stored."""
 
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -47,16 +48,14 @@ def check_season(folder: Path, on_progress: OnProgress = lambda *_: None) -> Che
     season = Season.open(folder)
     found = Checked(longest={track: season.bound(track) for track in season.settings.tracks})
     found.problems += _wrong_commitments(season)
-    database = season.database()
     try:
-        _check_database(database)
-        _check_files(season, database, found, on_progress)
-        with database.reading() as session:
-            found.changes += [one.text for one in edition_changes(session, season)]
+        with closing(season.database()) as database:
+            _check_database(database)
+            _check_files(season, database, found, on_progress)
+            with database.reading() as session:
+                found.changes += [one.text for one in edition_changes(session, season)]
     except UserError as error:
         found.problems.append(str(error))
-    finally:
-        database.close()
     return found
 
 
@@ -68,13 +67,10 @@ def check_rules(season: Season) -> list[str]:
     """
     for problem in wrong_secrets(season.folder):
         raise UserError(problem)
-    database = season.database()
-    try:
+    with closing(season.database()) as database:
         database.upgrade()
         with database.reading() as session:
             changes = [one.text for one in edition_changes(session, season)]
-    finally:
-        database.close()
     return [*changes, "`wildscav season apply` brings this into force"] if changes else []
 
 

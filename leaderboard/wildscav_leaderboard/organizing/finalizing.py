@@ -2,14 +2,18 @@
 
 Whoever submits often, and looks at the board each time, fits an agent to the matches of the season a little,
 whether that is wanted or not. So the best submissions of each suite play the same number of matches again, on
-the seeds of the second secret, on which nobody has played; these matches alone decide. Ladders
-have final rounds (``final_rounds.py``).
+the seeds of the second secret, on which nobody has played; these matches alone decide.
+
+On ladders everyone who may be among the best plays a final round: another ladder with the same rules, on
+games of the second secret. It decides alone, so whoever was lucky in the season, or tried many submissions
+until one was, is as likely to lead it as an equal. A ladder on which nobody can meet is decided by its
+matches of the season.
 
 Each step is one transaction that finds out by itself what is to be done next. So it may be interrupted at
 any moment, and begun again.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
@@ -18,7 +22,6 @@ from sqlalchemy import func, select, update
 from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.boards import service as boards
-from wildscav_leaderboard.boards.final import Final
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.models import HIDDEN
 from wildscav_leaderboard.conductor.lease import holder_of
@@ -35,7 +38,6 @@ from wildscav_leaderboard.matches.models import (
     MatchSeat,
 )
 from wildscav_leaderboard.matches.service import WITHDRAWN, add_suite_matches
-from wildscav_leaderboard.organizing import final_rounds
 from wildscav_leaderboard.organizing.acts import LONGEST_REASON
 from wildscav_leaderboard.organizing.checking import wrong_secrets
 from wildscav_leaderboard.seasons import state as season_state
@@ -243,9 +245,29 @@ def _choose_field(session: Session, season: Season, state: dict[str, Any], now: 
         for number in field[track]:
             submission = session.get_one(Submission, number)
             add_suite_matches(session, submission, track, specs, now, FINAL)
-    chosen = {**state, "field": field | final_rounds.fields_of(session, season, state["best"])}
+    chosen = {**state, "field": field | _fields_of(session, season, state["best"])}
     season_state.write_state(session, season_state.FINALIZING, chosen, now)
     return chosen
+
+
+def _fields_of(session: Session, season: Season, best: int) -> dict[str, list[int]]:
+    """Return who plays the final round of each ladder: whose intervals reach the first ``best`` places."""
+    found = {}
+    for track, settings in season.settings.tracks.items():
+        board = read_board(session, track, HIDDEN) if settings.mode == "ladder" else None
+        ranked = [] if board is None else [(row.submission, row.rank) for row in board.rows]
+        field = [one for one, rank in ranked if one is not None and rank is not None and rank <= best]
+        if len(field) > 1:
+            found[track] = field
+    return found
+
+
+def _decided_by(session: Session, season: Season, field: Mapping[str, list[int]]) -> dict[str, list[int]]:
+    """Return the field of each track that matches of the second secret decide."""
+    wanted = select(Match.track).where(Match.decides, Match.state == FINISHED).distinct()
+    played = set(session.scalars(wanted))
+    modes = {track: settings.mode for track, settings in season.settings.tracks.items()}
+    return {track: one for track, one in field.items() if modes[track] == "suite" or track in played}
 
 
 def _deciding(session: Session, season: Season, field: dict[str, list[int]]) -> Progress | None:
@@ -283,12 +305,12 @@ def _active(session: Session, field: dict[str, list[int]]) -> list[int]:
 
 def _decide(session: Session, season: Season, field: dict[str, list[int]], actor: str, now: datetime) -> None:
     """Make the boards final, and open the secrets: all at once, or nothing."""
-    field = final_rounds.decided_by(session, season, field)
+    field = _decided_by(session, season, field)
     conditions = {
         track: edition.final if track in field else edition.conditions
         for track, edition in season.editions.items()
     }
-    final = Final({track: frozenset(one) for track, one in field.items()}, conditions)
+    final = boards.Final({track: frozenset(one) for track, one in field.items()}, conditions)
     boards.decide(session, season, final, now)
     secrets = {
         name: (season.folder / file).read_bytes().decode("ascii", "replace")

@@ -9,6 +9,8 @@ import signal
 import socket
 import sys
 import time
+from collections.abc import AsyncIterator, Mapping
+from contextlib import asynccontextmanager
 from pathlib import Path
 from types import FrameType
 
@@ -16,15 +18,21 @@ from wildscav.errors import WildscavError, describe
 from wildscav.monitoring.logs import open_log
 from wildscav.play.links import Base, Links
 from wildscav.play.lobby import HOST
+from wildscav.play.plan import DEFAULT_MAP, FRAMES_PER_ACTION, Opponent, Plan
 from wildscav.play.serve import Served, prepare, served_on
+from wildscav.server import HostedMatch
 from wildscav.system.worker_processes import become_worker
+from wildscav_engine.specs.map_spec import MapSpec
+from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
+from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.executors.local import LocalExecutor
-from wildscav_evaluator.sandbox import SANDBOXES
+from wildscav_evaluator.matches.agents import MatchAgents
+from wildscav_evaluator.matches.play import EXIT_TIME, launch_for
+from wildscav_evaluator.sandbox import SANDBOXES, Limits, Sandbox
 from wildscav_evaluator.submissions.images import with_images
+from wildscav_evaluator.submissions.submission import Submission
 from wildscav_leaderboard.conductor.sandboxes import chosen_sandbox
-from wildscav_leaderboard.playing.matches import plan_of
 from wildscav_leaderboard.playing.order import Order, Told
-from wildscav_leaderboard.playing.sandboxed import SandboxedAgents
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.settings import Play, SeasonSettings
 from wildscav_leaderboard.submissions.archives import load_archive
@@ -33,6 +41,8 @@ LOOKS = 0.5  # s between two looks at whether the person is here
 COMING = 120.0  # s in which the person must open the page for the first time
 AWAY = 20.0  # s for which the page may be closed, such as to load it again
 PEOPLE = 1
+ROBOTS = {"royale": ("fighter-easy",) * 4}  # besides the two, where two alone would be no match
+LOG = "agent.log"
 
 
 def main() -> None:
@@ -110,6 +120,56 @@ async def _end(served: Served, rules: Play) -> str:
 
 def _span(seconds: float) -> str:
     return f"{seconds:.0f} s" if seconds < 120.0 else f"{seconds / 60.0:.0f} min"
+
+
+def plan_of(order: Order, submission: Submission, longest: float) -> Plan:
+    """Return the plan of a person's matches against a submission.
+
+    Args:
+        order: The order.
+        submission: The submission.
+        longest: s of game time that a match may take.
+    """
+    robots = ROBOTS.get(order.track, ())
+    opponent = Opponent(order.title, submission.folder, submission.manifest.sensors)
+    spec = MatchSpec(
+        track=order.track,
+        map=MapSpec(config=DEFAULT_MAP, seed=order.seed),
+        seed=order.seed,
+        seats=(SUBMISSION, SUBMISSION, *robots),
+        time_limit=min(longest, TRACKS[order.track].time_limit),
+        frames_per_action=FRAMES_PER_ACTION,
+    )
+    return Plan(spec, (opponent, *map(Opponent, robots)))
+
+
+class SandboxedAgents:
+    """Runs one submission, in all seats that are not a person's. See ``wildscav.play.opponents.Agents``.
+
+    Args:
+        submission: The submission, ready for the sandbox.
+        sandbox: The sandbox.
+        limits: Of its agent.
+    """
+
+    def __init__(self, submission: Submission, sandbox: Sandbox, limits: Limits) -> None:
+        self._submission, self._sandbox, self._limits = submission, sandbox, limits
+
+    @asynccontextmanager
+    async def __call__(
+        self, folders: Mapping[int, Path], hosted: HostedMatch, addresses: Mapping[int, str], logs: Path
+    ) -> AsyncIterator[None]:
+        """Run it for as long as the block lasts."""
+        agents = MatchAgents(hosted, self._sandbox)
+        try:
+            for seat in folders:
+                token, log = hosted.tokens[seat], logs / LOG
+                launch = launch_for(self._submission, addresses[seat], token, log, self._limits, hosted)
+                await agents.start(seat, launch)
+            yield
+            await agents.leave(EXIT_TIME)
+        finally:
+            await agents.stop()
 
 
 if __name__ == "__main__":

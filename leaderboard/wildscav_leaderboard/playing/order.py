@@ -2,15 +2,13 @@
 
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict
+from wildscav_leaderboard.seasons.editions import Part
 
 SEEDS = 2**53  # from which the seeds of maps are drawn; a season's own follow from its secrets
 
 
-class Order(BaseModel):
+class Order(Part):
     """A table that is to be served. It goes through a pipe, as it holds a secret."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     season: str  # folder
     settings: str  # of the season, JSON
@@ -25,10 +23,8 @@ class Order(BaseModel):
     seed: int  # of the map and of the first match
 
 
-class Told(BaseModel):
+class Told(Part):
     """A line from the process: its table is ready, or has ended, and why."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     state: Literal["ready", "ended", "failed"]
     why: str = ""  # one line: for the person, or if it failed, for the organizers alone

@@ -1,7 +1,6 @@
 """What is shown beside a board: who beat whom, how the places changed, and what is new."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict
 
 from sqlalchemy.orm import Session
 
@@ -18,7 +17,7 @@ from wildscav_leaderboard.presentation.documents import (
     PairView,
     PointView,
 )
-from wildscav_leaderboard.presentation.entrants import robot_name, titled
+from wildscav_leaderboard.presentation.matches import robot_name, titled
 from wildscav_leaderboard.seasons.editions import digest_of
 from wildscav_leaderboard.seasons.refusals import NotFoundError
 from wildscav_leaderboard.submissions.models import Submission, entrant_of
@@ -49,7 +48,7 @@ def head_to_head_view(session: Session, board: LadderBoard) -> HeadToHeadView:
         track=board.track,
         entrants=[_entrant(name, row) for name, row in zip(names, rows, strict=True)],
         records=[
-            PairView(first=first, second=second, **asdict(record), share=record.share)
+            PairView.of(record, first=first, second=second)
             for (first, second), record in sorted(records.items())
         ],
     )
@@ -87,11 +86,7 @@ def _opponents(board: LadderBoard, records: Mapping[str, PairRecord]) -> list[Op
     rows = {entrant_name(row): row for row in board.rows}
     ordered = sorted(records.items(), key=lambda one: (-one[1].count, one[0]))
     return [
-        OpponentView(
-            opponent=_entrant(name, rows[name]) if name in rows else _unlisted(name),
-            **asdict(record),
-            share=record.share,
-        )
+        OpponentView.of(record, opponent=_entrant(name, rows[name]) if name in rows else _unlisted(name))
         for name, record in ordered
     ]
 
@@ -109,15 +104,7 @@ def _unlisted(entrant: str) -> EntrantView:
 
 def point_views(points: Sequence[BoardPoint], team: str | None = None) -> list[PointView]:
     """Return points of the history of places."""
-    return [
-        PointView.model_validate({**_point(point), "team": team, "submission": point.submission_id})
-        for point in points
-    ]
-
-
-def _point(point: BoardPoint) -> dict[str, object]:
-    names = ("at", "rank", "last_rank", "score", "low", "high", "matches")
-    return {name: getattr(point, name) for name in names}
+    return [PointView.of(point, team=team, submission=point.submission_id) for point in points]
 
 
 def ranked_teams(board: BoardDocument | None, count: int) -> dict[str, str]:

@@ -1,7 +1,7 @@
 """The documents that the API answers with, and that pages show."""
 
 from datetime import datetime
-from typing import Any
+from typing import Any, Self
 
 from pydantic import BaseModel, ConfigDict
 
@@ -10,6 +10,12 @@ class View(BaseModel):
     """Base of all documents."""
 
     model_config = ConfigDict(from_attributes=True)
+
+    @classmethod
+    def of(cls, source: object, **others: Any) -> Self:
+        """Return a document of what something has of its fields, and of the others that are given."""
+        own = {name: getattr(source, name) for name in cls.model_fields if hasattr(source, name)}
+        return cls.model_validate({**own, **others})
 
 
 class ErrorView(View):

@@ -1,22 +1,40 @@
 """Matches as they are shown: what is hidden, and from whom."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
+from wildscav_evaluator.seats import ROBOT_ENTRANT
 from wildscav_leaderboard.accounts.service import Caller
-from wildscav_leaderboard.matches.listing import results_of
 from wildscav_leaderboard.matches.models import Match, MatchResult, MatchSeat
+from wildscav_leaderboard.matches.service import results_of
 from wildscav_leaderboard.matches.visibility import Visible, seen_by
 from wildscav_leaderboard.presentation.documents import MatchView, SeatView
-from wildscav_leaderboard.presentation.entrants import EntrantNames, robot_name, titled
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.teams.models import Team
 
 OUTCOME = ("status", "fault", "metrics")  # of a seat; its detail is for its own team
 ANSWERS = ("latency_p50", "latency_p99", "latency_max", "late_steps")  # how long an agent took
+
+
+class EntrantNames(NamedTuple):
+    """What people read of a submission that plays."""
+
+    name: str  # its name and version
+    team: str
+    team_title: str
+
+
+def titled(name: str, version: str) -> str:
+    """Return a submission's name and version as people read them."""
+    return f"{name} {version}"
+
+
+def robot_name(entrant: str) -> str:
+    """Return a robot's name as people read it."""
+    return entrant.removeprefix(ROBOT_ENTRANT)
 
 
 def match_views(session: Session, matches: Sequence[Match], caller: Caller | None) -> list[MatchView]:
@@ -67,18 +85,10 @@ def _view(
         row = None if visible.outcome_in(team) else rows.get(seat.seat)
         detailed = visible.is_own(team) and not visible.own
         views.append(_seat(seat, known, row, timings.get(seat.seat) if detailed else None, detailed=detailed))
-    return MatchView(
-        id=match.id,
-        kind=match.kind,
-        track=match.track,
-        number=match.number,
-        state=match.state,
+    return MatchView.of(
+        match,
         since=None if visible.own else match.since,
-        created=match.created,
         detail="" if visible.own else match.detail,
-        platform_faults=match.platform_faults,
-        judging=match.judging,
-        superseded=match.superseded,
         seats=views,
         hidden=visible.record or None,
         unseen=visible.outcome or None,

@@ -62,10 +62,7 @@ def account_rows(session: Session) -> list[AccountRow]:
         .outerjoin(Team, Team.id == Member.team_id)
         .order_by(Account.name)
     )
-    return [
-        AccountRow(name=one.name, role=one.role, team=team, created=one.created, disabled=one.disabled)
-        for one, team in session.execute(wanted)
-    ]
+    return [AccountRow.of(one, team=team) for one, team in session.execute(wanted)]
 
 
 def status_view(session: Session, season: Season, now: datetime) -> StatusView:

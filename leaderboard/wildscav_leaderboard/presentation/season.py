@@ -25,13 +25,8 @@ from wildscav_leaderboard.teams.service import count_teams
 def season_view(session: Session, season: Season) -> SeasonView:
     """Return the season and what the organizers announced."""
     settings, state = season.settings, season_state.state_of(session)
-    return SeasonView(
-        name=settings.name,
-        title=settings.title,
-        opens=settings.opens,
-        freezes=settings.freezes,
-        closes=settings.closes,
-        registration=settings.registration,
+    return SeasonView.of(
+        settings,
         commitment=str(season.seed.commitment),
         final_commitment=str(season.final_seed.commitment),
         opened=state.get(season_state.OPENED, {}).get("secret"),
@@ -41,14 +36,11 @@ def season_view(session: Session, season: Season) -> SeasonView:
         finalized=season_state.FINALIZED in state,
         versions=CURRENT_VERSIONS.model_dump(),
         tracks=[
-            TrackView(
+            TrackView.of(
+                track,
                 name=name,
                 edition=season.numbers.get(name),
-                mode=track.mode,
-                suite=track.suite,
-                rounds=track.rounds,
                 seats=track.seats if track.mode == "ladder" else 1,
-                robots=list(track.robots),
             )
             for name, track in settings.tracks.items()
         ],

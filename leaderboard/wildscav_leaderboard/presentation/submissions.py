@@ -71,27 +71,14 @@ def _view(
     each: float,
 ) -> SubmissionView:
     own = is_own(session, caller, one)
-    return SubmissionView(
-        id=one.id,
+    return SubmissionView.of(
+        one,
         team=team.name,
         team_title=team.title,
-        name=one.name,
-        version=one.version,
         message=one.message if own else "",
-        tracks=one.tracks,
-        digest=one.digest,
-        size=one.size,
-        created=one.created,
-        state=one.state,
-        playing=one.playing,
-        kept=one.kept,
-        since=one.since,
-        deadline=one.deadline,
+        replaces={},
         queue_position=position,
         expected_wait=expected_wait(one, position, each, now),
-        charged=one.charged,
-        platform_faults=one.platform_faults,
-        fault=one.fault,
         # Why a submission was replaced or disqualified is for everyone; why its code failed is not.
         reason=one.reason if own or one.state in ("disabled", "cancelled") else None,
         last_lines=one.last_lines if own else [],

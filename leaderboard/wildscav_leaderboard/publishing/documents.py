@@ -10,11 +10,11 @@ from datetime import datetime
 from functools import cached_property
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from wildscav_leaderboard.boards.documents import BoardDocument
 from wildscav_leaderboard.boards.models import PUBLIC
-from wildscav_leaderboard.seasons.editions import Conditions
+from wildscav_leaderboard.seasons.editions import Conditions, Part
 from wildscav_leaderboard.seasons.settings import Mode
 
 SEASON_FILE = "season.json"
@@ -22,11 +22,7 @@ SEASON_FILE = "season.json"
 Digest = Annotated[str, Field(pattern="^[0-9a-f]{32}$")]
 
 
-class _Part(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-
-class PublishedBoard(_Part):
+class PublishedBoard(Part):
     """Where a board is, relative to the season's document."""
 
     track: str
@@ -40,7 +36,7 @@ class PublishedBoard(_Part):
         return self.track if self.audience == PUBLIC else f"{self.track}-{self.audience}"
 
 
-class PublishedTrack(_Part):
+class PublishedTrack(Part):
     """What is played on a track."""
 
     name: str
@@ -54,7 +50,7 @@ class PublishedTrack(_Part):
     interval: float | None = None  # of a ladder: at which width a rating is settled, in points of Elo
 
 
-class PublishedEdition(_Part):
+class PublishedEdition(Part):
     """The rules of a track at some time: results are compared within an edition alone."""
 
     track: str
@@ -65,14 +61,14 @@ class PublishedEdition(_Part):
     conditions: Conditions
 
 
-class PublishedSecret(_Part):
+class PublishedSecret(Part):
     """A secret from which the seeds of matches follow."""
 
     commitment: str  # SHA-256 of it
     secret: str | None  # in hexadecimal digits, once it is opened
 
 
-class PublishedSeason(_Part):
+class PublishedSeason(Part):
     """A season, as it is published for audits."""
 
     format: Literal[1] = 1
@@ -87,7 +83,8 @@ class PublishedSeason(_Part):
     final_secret: PublishedSecret  # of the matches that decide the season
     tracks: tuple[PublishedTrack, ...]
     editions: tuple[PublishedEdition, ...] = ()  # in the order in which they were made
-    left_out: dict[str, str] = {}  # submissions that are on no board, by number, and why
+    # Submissions that are on no board, by number, and why.
+    left_out: dict[str, str] = {}  # noqa: RUF012 (Pydantic copies it)
     boards: tuple[PublishedBoard, ...]
     records: str  # where they are: {match} stands for a match's number, {thousand} for its thousands
 
@@ -96,7 +93,7 @@ class PublishedSeason(_Part):
         return self.final_secret if commitment == self.final_secret.commitment else self.secret
 
 
-class PublishedSubmission(_Part):
+class PublishedSubmission(Part):
     """A submission that takes part in a board."""
 
     id: int
@@ -108,7 +105,7 @@ class PublishedSubmission(_Part):
     created: datetime
 
 
-class PublishedSeat(_Part):
+class PublishedSeat(Part):
     """How a match went in the seat of an entrant."""
 
     seat: int
@@ -119,7 +116,7 @@ class PublishedSeat(_Part):
     metrics: dict[str, float]
 
 
-class PublishedMatch(_Part):
+class PublishedMatch(Part):
     """A match that counts on a board, or one of a ladder that was given up and counts for nobody.
 
     Of a hidden match of a suite, only what it is and the digest of its record are published.
@@ -146,14 +143,14 @@ class PublishedMatch(_Part):
         return self.hidden if self.hidden is not None and self.at is None else ""
 
 
-class End(_Part):
+class End(Part):
     """The last line of a board's file, without which it is not whole."""
 
     submissions: int
     matches: int
 
 
-class Line(_Part):
+class Line(Part):
     """A line of a board's file, of which one field is given: first the board, then the others."""
 
     board: BoardDocument | None = None
@@ -171,7 +168,7 @@ class IncompleteError(ValueError):
     """A board's file is not whole; the message says what is wrong."""
 
 
-class BoardFile(_Part):
+class BoardFile(Part):
     """Everything in a board's file."""
 
     board: BoardDocument | None  # None if there are no results yet

@@ -279,28 +279,16 @@ def _of_ladder(session: Session, board: LadderBoard, group: int) -> "Select[Matc
 def _published(
     match: Match, result: MatchResult | None, seats: Sequence[Seat], visible: Visible
 ) -> PublishedMatch:
-    submission = None if match.kind == LADDER else match.group_id
+    known: dict[str, Any] = {"id": match.id, "kind": match.kind, "number": match.number}
+    known["submission"] = None if match.kind == LADDER else match.group_id
     if result is None:
-        void = match.detail or "given up" if match.state == VOID else "not over"
-        return PublishedMatch(
-            id=match.id, kind=match.kind, number=match.number, submission=submission, void=void
-        )
+        return PublishedMatch(**known, void=match.detail or "given up" if match.state == VOID else "not over")
     if visible.outcome:  # the digest of its record binds the season to the result
-        return PublishedMatch(
-            id=match.id,
-            kind=match.kind,
-            number=match.number,
-            submission=submission,
-            record=result.record,
-            hidden=visible.outcome,
-        )
+        return PublishedMatch(**known, record=result.record, hidden=visible.outcome)
     # Not validated again, which would take most of the time: the season wrote it itself.
     rows = {one["seat"]: one for one in result.row["seats"]}
     return PublishedMatch.model_construct(
-        id=match.id,
-        kind=match.kind,
-        number=match.number,
-        submission=submission,
+        **known,
         void=None,
         at=result.at,
         conditions=result.conditions,

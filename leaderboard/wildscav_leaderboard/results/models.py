@@ -73,9 +73,8 @@ class Tournament(Base):
     __tablename__ = "tournaments"
 
     id: Mapped[int] = mapped_column(primary_key=True, init=False)
-    identity: Mapped[str] = mapped_column(
-        unique=True
-    )  # digest of the entrants and everything else it depends on
+    # Digest of the entrants and everything else it depends on.
+    identity: Mapped[str] = mapped_column(unique=True)
     track: Mapped[str] = mapped_column(index=True)
     suite: Mapped[str]
     started: Mapped[datetime]  # UTC

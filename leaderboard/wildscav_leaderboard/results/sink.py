@@ -110,16 +110,15 @@ def _conditions(whole: results.Results, track: str) -> dict[str, Any]:
 
 def _submission(session: Session, evaluation: results.Evaluation) -> Submission:
     """Return the submission's row, which is created at its first evaluation."""
-    known = session.scalars(
-        select(Submission).where(
-            Submission.name == evaluation.submission,
-            Submission.version == evaluation.version,
-            Submission.digest == evaluation.digest,
-        )
-    ).one_or_none()
+    own: dict[str, Any] = {
+        "name": evaluation.submission,
+        "version": evaluation.version,
+        "digest": evaluation.digest,
+    }
+    known = session.scalars(select(Submission).filter_by(**own)).one_or_none()
     if known is not None:
         return known
-    new = Submission(name=evaluation.submission, version=evaluation.version, digest=evaluation.digest)
+    new = Submission(**own)
     session.add(new)
     session.flush()
     return new

@@ -1,5 +1,6 @@
 """Standings: the ranking on each track, from the latest evaluation of every submission."""
 
+import json
 from collections.abc import Iterable, Iterator
 from itertools import groupby
 from typing import Any, NamedTuple
@@ -7,6 +8,7 @@ from typing import Any, NamedTuple
 from sqlalchemy import select
 from sqlalchemy.orm import Session, joinedload, selectinload
 
+from wildscav_evaluator.output.results import MetricInfo, Summary
 from wildscav_leaderboard.results import models
 from wildscav_leaderboard.results.models import CONDITIONS, Evaluation
 
@@ -104,3 +106,36 @@ def _order(evaluation: Evaluation) -> tuple[bool, float]:
         return True, 0.0
     score = evaluation.scores[0]
     return False, score.mean if score.lower_is_better else -score.mean
+
+
+def document(one: Standings) -> dict[str, Any]:
+    """Return the standings on one suite of one track as ``wildscav leaderboard --json`` prints them."""
+    conditions = {name: getattr(one, name) for name in CONDITIONS}
+    return conditions | {"limits": json.loads(one.limits), "rows": [_row(row) for row in one.rows]}
+
+
+def _row(row: Row) -> dict[str, Any]:
+    evaluation = row.evaluation
+    return {
+        "rank": row.rank,
+        "submission": evaluation.submission.name,
+        "version": evaluation.submission.version,
+        "digest": evaluation.submission.digest,
+        "started": evaluation.started.isoformat(),
+        "key": evaluation.key,
+        "matches": len(evaluation.matches),
+        "faults": evaluation.faults,
+        "scores": [
+            metric_of(score).model_dump() | summary_of(score).model_dump() for score in evaluation.scores
+        ],
+    }
+
+
+def metric_of(score: models.Score) -> MetricInfo:
+    """Return what a score measures."""
+    return MetricInfo.model_validate(score, from_attributes=True)
+
+
+def summary_of(score: models.Score) -> Summary:
+    """Return the figures of a score."""
+    return Summary.model_validate(score, from_attributes=True)

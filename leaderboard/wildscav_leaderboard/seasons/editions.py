@@ -20,11 +20,13 @@ if TYPE_CHECKING:
     from wildscav_evaluator.suites.suite import Suite
 
 
-class _Part(BaseModel):
+class Part(BaseModel):
+    """A part of a document, which never changes once it is made."""
+
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
-class Conditions(_Part):
+class Conditions(Part):
     """What results depend on besides the submissions. Only results with equal conditions share a board."""
 
     versions: Versions
@@ -44,7 +46,7 @@ def digest_of(conditions: Conditions) -> str:
     return blake2b(conditions.model_dump_json().encode(), digest_size=16).hexdigest()
 
 
-class Edition(_Part):
+class Edition(Part):
     """The rules of a track, and what follows from them."""
 
     settings: TrackSettings  # those that ``DECIDING`` does not name may change within an edition
@@ -83,14 +85,8 @@ class Edition(_Part):
         return ""
 
 
-DECIDING = (
-    "mode",
-    "suite",
-    "rounds",
-    "wall_clock",
-    "seats",
-    "robots",
-)  # settings of a track that belong to its edition
+# Settings of a track that belong to its edition.
+DECIDING = ("mode", "suite", "rounds", "wall_clock", "seats", "robots")
 
 
 def changes_between(track: str, before: Edition, after: Edition) -> list[str]:

@@ -163,17 +163,16 @@ class Season:
     @cached_property
     def suite_matches(self) -> dict[str, tuple[MatchSpec, ...]]:
         """The matches of each track in mode suite, which are the same for every submission."""
-        return {
-            name: matches_in_rounds(self.suite(name), name, self.seed.value, track.rounds)
-            for name, track in self.settings.tracks.items()
-            if track.mode == "suite"
-        }
+        return self._matches_of_suites(self.seed)
 
     @cached_property
     def final_matches(self) -> dict[str, tuple[MatchSpec, ...]]:
         """The matches of each track in mode suite that decide the season."""
+        return self._matches_of_suites(self.final_seed)
+
+    def _matches_of_suites(self, seed: SuiteSeed) -> dict[str, tuple[MatchSpec, ...]]:
         return {
-            name: matches_in_rounds(self.suite(name), name, self.final_seed.value, track.rounds)
+            name: matches_in_rounds(self.suite(name), name, seed.value, track.rounds)
             for name, track in self.settings.tracks.items()
             if track.mode == "suite"
         }

@@ -29,9 +29,8 @@ class EditionRow(Base):
     track: Mapped[str]
     digest: Mapped[str]  # of its conditions
     created: Mapped[datetime]
-    document: Mapped[dict[str, Any]] = mapped_column(
-        JSON, repr=False
-    )  # an ``Edition`` (``seasons/editions.py``)
+    # An ``Edition`` (``seasons/editions.py``).
+    document: Mapped[dict[str, Any]] = mapped_column(JSON, repr=False)
 
 
 class Announcement(Base):

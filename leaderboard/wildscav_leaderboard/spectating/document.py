@@ -137,9 +137,8 @@ class Trails(Part):
     frames: int  # played so far
     frame_limit: int
     ending: str  # "none", "time_up", "goal" or "last_standing"
-    outcome: (
-        str  # one sentence without a full stop, with names of competitors; empty while it is being played
-    )
+    # One sentence without a full stop, with names of competitors; empty while it is being played.
+    outcome: str
     map: MapExtent
     target: Target | None
     seats: list[SeatShown]

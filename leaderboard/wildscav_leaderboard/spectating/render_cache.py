@@ -24,7 +24,6 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta
 from importlib.metadata import version
 from pathlib import Path
-from types import TracebackType
 from typing import Literal, NamedTuple, Self
 
 from wildscav.errors import UserError
@@ -100,9 +99,7 @@ class RenderCache:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def close(self) -> None:
@@ -265,9 +262,8 @@ class RenderCache:
 
 def _touch(path: Path) -> bool:
     """Note that a file is used; return whether it exists."""
-    used = (
-        time.time_ns()
-    )  # the system's own stamp is as coarse as its ticks, and does not order what is quicker
+    # The system's own stamp is as coarse as its ticks, and does not order what is quicker.
+    used = time.time_ns()
     try:
         os.utime(path, ns=(used, used))
     except FileNotFoundError:

@@ -8,6 +8,7 @@ from sqlalchemy.orm import Session
 from wildscav_leaderboard.accounts.service import Caller
 from wildscav_leaderboard.database.connection import once
 from wildscav_leaderboard.submissions.models import Submission
+from wildscav_leaderboard.submissions.states import ACTIVE
 from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.teams.service import team_of
 
@@ -31,6 +32,17 @@ def list_submissions(
     if before is not None:
         wanted = wanted.where(Submission.id < before)
     return list(session.scalars(wanted))
+
+
+def taking_part(session: Session, track: str) -> list[tuple[Submission, Team]]:
+    """Return the submissions that take part on a track, the oldest first, with their teams."""
+    wanted = (
+        select(Submission, Team)
+        .join(Team, Team.id == Submission.team_id)
+        .where(Submission.state == ACTIVE, Team.disqualified.is_(None))
+        .order_by(Submission.id)
+    )
+    return [(one, team) for one, team in session.execute(wanted) if track in one.playing]
 
 
 def team_names(session: Session, submissions: Sequence[Submission]) -> dict[int, Team]:

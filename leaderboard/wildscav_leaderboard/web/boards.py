@@ -18,10 +18,9 @@ from wildscav_leaderboard.presentation.boards import head_to_head_view, ladder_o
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.refusals import UnknownCallerError
 from wildscav_leaderboard.teams.service import team_of
-from wildscav_leaderboard.web.charts import rank_chart
-from wildscav_leaderboard.web.intervals import Scale
+from wildscav_leaderboard.web.charts import Scale, rank_chart
 from wildscav_leaderboard.web.page_parts import PageParts
-from wildscav_leaderboard.web.rendering import environment, page
+from wildscav_leaderboard.web.rendering import page, rendered
 
 router = APIRouter()
 Number = Annotated[int, Query(ge=1, le=2**53)]
@@ -88,7 +87,7 @@ def _rendered(session: Session, track: str, audience: str, updated: datetime, ow
         histories = team_histories(session, track, teams, until)
         chart = rank_chart([(teams[name], points) for name, points in histories.items()], until)
         shown |= {"scale": Scale.of(found), "chart": chart, "charted": list(teams)}
-    return Markup(environment().get_template("board_part.html").render(**shown))  # noqa: S704 (it escapes)
+    return Markup(rendered("board_part.html", **shown))  # noqa: S704 (it escapes)
 
 
 @router.get("/boards/{track}/head-to-head", response_class=HTMLResponse)

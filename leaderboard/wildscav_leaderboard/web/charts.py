@@ -1,9 +1,10 @@
-"""Charts of ranks over time, drawn as SVG. Their colours are classes, so that they fit light and dark."""
+"""What boards draw as SVG: ranks over time, and intervals. Colours are classes, to fit light and dark."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 
+from wildscav_leaderboard.boards.documents import BoardDocument, Row, place_of
 from wildscav_leaderboard.boards.models import BoardPoint
 
 WIDTH, ROW = 760.0, 26.0  # pixels; the second for each rank
@@ -12,6 +13,7 @@ MOST_ROWS, MOST_POINTS = 12, 250  # ranks that get a row of their own, and point
 NEAREST = 17.0  # pixels between two labels
 TICKS = 4
 LONG = timedelta(days=2)  # from here on, days are marked instead of hours
+MARGIN = 0.04  # of the width of an interval's picture, on each side
 SHORT = timedelta(minutes=TICKS)  # up to here, seconds are marked, too
 
 
@@ -133,3 +135,40 @@ def _time_marks(frame: _Frame) -> list[tuple[float, str]]:
     form = "%-d %b" if whole >= LONG else "%H:%M" if whole > SHORT else "%H:%M:%S"
     times = [frame.begin + whole * (number / TICKS) for number in range(TICKS + 1)]
     return [(frame.x(at), at.strftime(form)) for at in times]
+
+
+@dataclass(frozen=True)
+class Bar:
+    """An interval and its middle, from 0 to 100."""
+
+    low: float
+    middle: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Scale:
+    """The values at both ends of the pictures of a board's intervals, which are 100 wide."""
+
+    board: BoardDocument
+    lowest: float
+    highest: float
+
+    @classmethod
+    def of(cls, board: BoardDocument) -> "Scale":
+        """Return the scale that shows all intervals of a board, or all that are settled if there are any."""
+        ranked = [row for row in board.rows if row.rank is not None]
+        settled = [row for row in ranked if not getattr(row, "provisional", False)]
+        ends = [end for row in settled or ranked for end in place_of(board, row)[1:]]
+        lowest, highest = min(ends, default=0.0), max(ends, default=1.0)
+        room = (highest - lowest or 1.0) * MARGIN
+        return cls(board, lowest - room, highest + room)
+
+    def bar(self, row: Row) -> Bar:
+        """Return a row's interval on this scale."""
+        middle, low, high = (self._at(value) for value in place_of(self.board, row))
+        return Bar(low, middle, high)
+
+    def _at(self, value: float) -> float:
+        share = (value - self.lowest) / (self.highest - self.lowest)
+        return round(100.0 * min(max(share, 0.0), 1.0), 2)

@@ -19,7 +19,7 @@ from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.models import Announcement
 from wildscav_leaderboard.submissions.service import find_submission
 from wildscav_leaderboard.teams.service import find_team
-from wildscav_leaderboard.web.rendering import base_of, environment
+from wildscav_leaderboard.web.rendering import base_of, rendered
 
 router = APIRouter()
 ENTRIES = 50  # of a feed
@@ -72,19 +72,16 @@ def _feed(
     base = base_of(request)
     updated: datetime = entries[0]["at"] if entries else season.settings.opens
     host = urlsplit(base).hostname
-    text = (
-        environment()
-        .get_template("feed.xml")
-        .render(
-            base=base,
-            tag=f"tag:{host},{season.settings.opens:%Y-%m-%d}:{season.settings.name}",
-            name=name,
-            title=title,
-            link=link,
-            path=request.url.path,
-            entries=entries,
-            updated=updated,
-        )
+    text = rendered(
+        "feed.xml",
+        base=base,
+        tag=f"tag:{host},{season.settings.opens:%Y-%m-%d}:{season.settings.name}",
+        name=name,
+        title=title,
+        link=link,
+        path=request.url.path,
+        entries=entries,
+        updated=updated,
     )
     return Response(text, media_type="application/atom+xml", headers=FEED)
 
@@ -110,11 +107,8 @@ def _badge(session: Session, track: str, is_it: Any) -> Response:
     found = [] if board is None else [row for row in board.rows if is_it(row)]
     value = _place(board, found[0]) if board is not None and found else "not ranked"
     left, right = _shown(track), _shown(value)
-    text = (
-        environment()
-        .get_template("badge.svg")
-        .render(left=left, right=right, left_width=_width(left), right_width=_width(right))
-    )
+    widths = {"left_width": _width(left), "right_width": _width(right)}
+    text = rendered("badge.svg", left=left, right=right, **widths)
     return Response(text, media_type="image/svg+xml", headers=BADGE)
 
 

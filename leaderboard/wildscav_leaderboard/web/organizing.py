@@ -39,16 +39,7 @@ class Notice(NamedTuple):
     status: int = 200
 
 
-@router.get("/organizer", response_class=HTMLResponse)
 def overview(
-    request: Request, caller: OrganizingBrowser, database: CurrentDatabase, now: Now
-) -> HTMLResponse:
-    """Show how the season is doing."""
-    return _show(request, caller, database, now, "/organizer")
-
-
-@router.get("/organizer/submissions", response_class=HTMLResponse)
-def submissions(
     request: Request,
     caller: OrganizingBrowser,
     database: CurrentDatabase,
@@ -56,36 +47,12 @@ def submissions(
     state: str = "",
     before: Before = None,
 ) -> HTMLResponse:
-    """Show all submissions, or those in one state."""
-    return _show(request, caller, database, now, "/organizer/submissions", state=state, before=before)
+    """Show one of the organizers' pages; of lists, what comes before an entry, and is in a state."""
+    return _show(request, caller, database, now, request.url.path, state=state, before=before)
 
 
-@router.get("/organizer/teams", response_class=HTMLResponse)
-def teams(request: Request, caller: OrganizingBrowser, database: CurrentDatabase, now: Now) -> HTMLResponse:
-    """Show all teams."""
-    return _show(request, caller, database, now, "/organizer/teams")
-
-
-@router.get("/organizer/people", response_class=HTMLResponse)
-def people(request: Request, caller: OrganizingBrowser, database: CurrentDatabase, now: Now) -> HTMLResponse:
-    """Show the invitations and the accounts, and the forms for them."""
-    return _show(request, caller, database, now, "/organizer/people")
-
-
-@router.get("/organizer/announcements", response_class=HTMLResponse)
-def announcements(
-    request: Request, caller: OrganizingBrowser, database: CurrentDatabase, now: Now
-) -> HTMLResponse:
-    """Show what was announced, and the form for more."""
-    return _show(request, caller, database, now, "/organizer/announcements")
-
-
-@router.get("/organizer/audit-log", response_class=HTMLResponse)
-def audit_log(
-    request: Request, caller: OrganizingBrowser, database: CurrentDatabase, now: Now, before: Before = None
-) -> HTMLResponse:
-    """Show every privileged act, the latest first."""
-    return _show(request, caller, database, now, "/organizer/audit-log", before=before)
+for part in ("", "/submissions", "/teams", "/people", "/announcements", "/audit-log"):
+    router.get(f"/organizer{part}", response_class=HTMLResponse)(overview)
 
 
 def _show(

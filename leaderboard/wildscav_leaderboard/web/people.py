@@ -25,7 +25,7 @@ from wildscav_leaderboard.accounts.service import Caller
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.presentation.people import account_view
 from wildscav_leaderboard.seasons.folder import Season
-from wildscav_leaderboard.seasons.refusals import RefusalError, UnknownCallerError
+from wildscav_leaderboard.seasons.refusals import RefusalError
 from wildscav_leaderboard.teams import service as teams
 from wildscav_leaderboard.web.rendering import page
 from wildscav_leaderboard.webhooks import service as webhooks
@@ -59,11 +59,7 @@ def login(
     try:
         limits.use(TRIES, "address", address_of(request))
         limits.use(TRIES, "name", name)
-        with database.reading() as session:
-            account = service.find_account(session, name)
-        if not passwords.matches(password, account.password if account else None) or account is None:
-            raise UnknownCallerError("the name or the password is wrong")
-        service.check_usable(account)
+        account = service.checked_account(database, name, password)
     except RefusalError as error:
         return page(
             request, "login.html", None, error.status, error=str(error), name=name, following=following

@@ -20,7 +20,7 @@ from wildscav_leaderboard.database.connection import Database, DatabaseError
 from wildscav_leaderboard.playing.passing import OVER, pass_request, pass_socket, refuse
 from wildscav_leaderboard.playing.permission import refused_why
 from wildscav_leaderboard.playing.tables import STARTING, Tables, Wish
-from wildscav_leaderboard.presentation.entrants import titled
+from wildscav_leaderboard.presentation.matches import titled
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import (
     ForbiddenError,

@@ -12,8 +12,8 @@ from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Now,
 from wildscav_leaderboard.boards.documents import BoardDocument
 from wildscav_leaderboard.boards.history import histories_of_team
 from wildscav_leaderboard.boards.kept import read_board
-from wildscav_leaderboard.matches.listing import list_matches
 from wildscav_leaderboard.matches.models import FINISHED
+from wildscav_leaderboard.matches.service import list_matches
 from wildscav_leaderboard.matches.visibility import shown_until
 from wildscav_leaderboard.organizing.team_acts import acts_on
 from wildscav_leaderboard.playing.permission import tracks_of

@@ -31,16 +31,8 @@ def environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    made.filters |= {
-        "moment": moment,
-        "day": day,
-        "ago": ago,
-        "duration": duration,
-        "metric": metric,
-        "amount": amount,
-        "milliseconds": milliseconds,
-        "mebibytes": mebibytes,
-    }
+    filters = (moment, day, ago, duration, metric, amount, milliseconds, mebibytes)
+    made.filters |= {one.__name__: one for one in filters}
     return made
 
 
@@ -49,6 +41,11 @@ def _visible(value: Any) -> Any:
     if isinstance(value, str) and not isinstance(value, Markup) and not value.isprintable():
         return printable(value, keep="\n\t")
     return value
+
+
+def rendered(template: str, **values: Any) -> str:
+    """Return the text of a template with some values."""
+    return environment().get_template(template).render(**values)
 
 
 def page(
@@ -64,8 +61,8 @@ def page(
         values: What the template shows.
     """
     season = getattr(request.state, "season", request.app.state.season)
-    content = environment().get_template(template)
-    text = content.render(
+    text = rendered(
+        template,
         season=season,
         tracks=season.settings.tracks,
         visitor=caller,
@@ -89,11 +86,8 @@ def metric(value: float, info: MetricInfo | None = None) -> str:
 
 def amount(value: float, info: MetricInfo) -> str:
     """Return a value of a metric in one match: a count without decimals."""
-    return (
-        f"{value:,.0f}"
-        if not info.unit and value.is_integer() and not is_share(info)
-        else metric(value, info)
-    )
+    is_count = not info.unit and value.is_integer() and not is_share(info)
+    return f"{value:,.0f}" if is_count else metric(value, info)
 
 
 def moment(value: datetime) -> str:

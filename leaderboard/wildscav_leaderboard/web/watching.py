@@ -10,9 +10,8 @@ from sqlalchemy.orm import Session
 from wildscav_evaluator.output.results import metric_infos
 from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Now, Reading, Renders
 from wildscav_leaderboard.matches.models import FINISHED, PLAYING
-from wildscav_leaderboard.matches.records import record_path
 from wildscav_leaderboard.matches.service import find_match
-from wildscav_leaderboard.matches.visibility import seen_by
+from wildscav_leaderboard.matches.visibility import record_path, seen_by
 from wildscav_leaderboard.playing.permission import open_tracks, refused_why
 from wildscav_leaderboard.presentation.documents import MatchView, SeatView
 from wildscav_leaderboard.presentation.matches import match_views

@@ -11,7 +11,7 @@ from wildscav_evaluator.output.results import KeptLimits, MatchRow, MatchTiming,
 from wildscav_evaluator.output.versions import CURRENT_VERSIONS
 from wildscav_evaluator.ratings.head_to_head import PairRecord, entrant_records
 from wildscav_leaderboard.boards.ladders import apply_matches, placed_match, played_on
-from wildscav_leaderboard.boards.meetings import head_to_head, records_against
+from wildscav_leaderboard.boards.meetings import Ladder, head_to_head, records_on
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import Match
 from wildscav_leaderboard.matches.service import (
@@ -124,10 +124,8 @@ def test_a_match_that_an_opponent_broke_is_no_fault_of_ones_own(database: Databa
             ("robot:fox", "robot:owl"),
             ("robot:owl", "robot:fox"),
         }
-        assert records_against(session, "royale", A, "robot:hare") == {
-            "robot:fox": PairRecord(losses=1),
-            "robot:owl": PairRecord(losses=1),
-        }
+        against = {"robot:fox": PairRecord(losses=1), "robot:owl": PairRecord(losses=1)}
+        assert records_on(session, [Ladder("royale", A)], "robot:hare") == {"royale": against}
 
 
 def test_a_frozen_board_tells_nothing_of_later_meetings(database: Database) -> None:
@@ -136,7 +134,8 @@ def test_a_frozen_board_tells_nothing_of_later_meetings(database: Database) -> N
             end(session, plan(session, number, "fox", "owl"), {"fox": fox, "owl": owl})
         apply_matches(session, "royale")
 
-        assert records_against(session, "royale", A, "robot:fox", 2) == {"robot:owl": PairRecord(wins=2)}
+        against = {"robot:owl": PairRecord(wins=2)}
+        assert records_on(session, [Ladder("royale", A, 2)], "robot:fox") == {"royale": against}
         met = head_to_head(session, "royale", A, ["robot:fox", "robot:owl"], 2)
         assert met["robot:owl", "robot:fox"] == PairRecord(losses=2)
 

@@ -8,8 +8,7 @@ from sqlalchemy import select
 from tests.leaderboard.agents import write_agent
 from tests.leaderboard.seasons_made import NOON, make_season, submitted, team_with_member
 
-from wildscav_leaderboard.boards.final import Final
-from wildscav_leaderboard.boards.service import decide
+from wildscav_leaderboard.boards.service import Final, decide
 from wildscav_leaderboard.conductor.conductor import Conductor
 from wildscav_leaderboard.conductor.steps import freeze_when_due
 from wildscav_leaderboard.database.connection import Database

@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from contextlib import closing
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -65,11 +66,8 @@ def _restore(archive: Path, place: Path, folder: Path) -> Restored:
         shutil.copytree(extracted, files, dirs_exist_ok=True, copy_function=shutil.move)
     # The new database of SQLite becomes part of the folder before that is put into its place.
     is_inside = season.database_url.startswith(f"sqlite:///{made}")
-    database = Database(season.database_url)
-    try:
+    with closing(season.database()) as database:
         rows = _fill(database, place / TABLES, str(about["schema"]), None if is_inside else (made, folder))
-    finally:
-        database.close()
     if is_inside:
         made.rename(folder)
     where = f"sqlite:///{folder / DATABASE_FILE}" if is_inside else str(database)
