@@ -16,8 +16,9 @@ from wildscav_leaderboard.access.requests import (
 )
 from wildscav_leaderboard.organizing.acts import ACTS, NewKey
 from wildscav_leaderboard.organizing.status import audit_entries
+from wildscav_leaderboard.organizing.status import status as status_of
 from wildscav_leaderboard.presentation.documents import AuditEntryView, SubmissionView
-from wildscav_leaderboard.presentation.organizing import AccountRow, StatusView, account_rows, status_view
+from wildscav_leaderboard.presentation.organizing import AccountRow, StatusView, account_rows
 from wildscav_leaderboard.presentation.submissions import submission_view
 from wildscav_leaderboard.seasons.acts import Act, Doing
 from wildscav_leaderboard.submissions.models import Submission
@@ -30,7 +31,7 @@ router = APIRouter(prefix="/organizer", tags=["organizing"], dependencies=[Depen
 @router.get("/status")
 def status(season: CurrentSeason, session: Reading, now: Now) -> StatusView:
     """Return how the season is doing."""
-    return status_view(session, season, now)
+    return StatusView.model_validate(status_of(session, season, now))
 
 
 @router.get("/audit-log")

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import ExitStack
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -56,21 +56,14 @@ NOT_OPENED = "the secret is not opened yet"
 Seeds = dict[str, SuiteSeed | None]  # by commitment; None while the secret is not opened
 
 
+@dataclass(frozen=True)
 class Audit:
-    """One audit of a season.
+    """One audit of a season."""
 
-    Args:
-        wanted: What to check.
-        executor: Where records are played again.
-        cache: The folder of downloaded records.
-        on_progress: Called with what is being done.
-    """
-
-    def __init__(
-        self, wanted: Wanted, executor: Executor, cache: Path, on_progress: OnProgress = lambda *_: None
-    ) -> None:
-        self._wanted, self._executor, self._cache = wanted, executor, cache
-        self._on_progress = on_progress
+    wanted: Wanted  # what to check
+    executor: Executor  # where records are played again
+    cache: Path  # the folder of downloaded records
+    on_progress: OnProgress = lambda *_: None  # called with what is being done
 
     def run(self, place: str) -> Report:
         """Audit what is published in a folder, or at an address.
@@ -80,14 +73,14 @@ class Audit:
         """
         with ExitStack() as stack:
             source, season = open_source(place, stack)
-            boards = _chosen(season, self._wanted.track)
+            boards = _chosen(season, self.wanted.track)
             commitments = season.secret.commitment, season.final_secret.commitment
             report = Report(season.name, source.name, commitments)
             seeds = self._check_season(report, source, season)
-            memory = Memory(self._cache / "seen", source.name, season)
+            memory = Memory(self.cache / "seen", source.name, season)
             report.findings += memory.changed_season(season)
-            fetch = fetcher(source, season.records, self._cache / "records")
-            records = RecordChecks(self._wanted, fetch, self._executor, self._on_progress)
+            fetch = fetcher(source, season.records, self.cache / "records")
+            records = RecordChecks(self.wanted, fetch, self.executor, self.on_progress)
             for track, board in boards:
                 before = len(report.findings)
                 try:
@@ -111,7 +104,7 @@ class Audit:
             for one in season.tracks
             if one.name not in public
         ]
-        noted = self._wanted.commitment
+        noted = self.wanted.commitment
         known = [season.secret.commitment, season.final_secret.commitment]
         if noted is not None and noted not in known:
             report.findings.append(wrong_value("commitment", " and ".join(known), noted))
@@ -129,7 +122,7 @@ class Audit:
         records: RecordChecks,
         memory: Memory,
     ) -> None:
-        self._on_progress(f"reading {published.label}", 0, 0)
+        self.on_progress(f"reading {published.label}", 0, 0)
         file, shown = _of_one_moment(source, published)
         rows = report.check("rows of the board", published.label)
         counted = report.check("results of matches", published.label)
@@ -163,7 +156,7 @@ class Audit:
             report.findings += wrong_counts(board, file)
             _check_draws(report, track, published, file, recorded, seeds[commitment], is_opened=is_opened)
             return
-        self._on_progress(f"computing the board {published.label}", 0, 0)
+        self.on_progress(f"computing the board {published.label}", 0, 0)
         matches = [_corrected(match, recorded.get(match.id)) for match in file.matches]
         try:
             computed = computed_board(track, board, file, matches)

@@ -3,7 +3,7 @@
 import random
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from wildscav_evaluator.executors import Executor
 from wildscav_leaderboard.auditing.records import Fetched, Recorded, Task, check_record
@@ -28,26 +28,15 @@ class Wanted:
     commitment: str | None = None  # that was noted earlier
 
 
+@dataclass
 class RecordChecks:
-    """Checks records, each once, however many boards count its match.
+    """Checks records, each once, however many boards count its match."""
 
-    Args:
-        wanted: How many.
-        fetch: Fetches the record of a match; it may be called from several threads.
-        executor: Where records are played again.
-        on_progress: Called with what is being done.
-    """
-
-    def __init__(
-        self,
-        wanted: Wanted,
-        fetch: Callable[[PublishedMatch], Fetched],
-        executor: Executor,
-        on_progress: OnProgress,
-    ) -> None:
-        self._wanted, self._fetch, self._executor = wanted, fetch, executor
-        self._on_progress = on_progress
-        self._known: dict[str, Recorded] = {}  # by what is published of the match
+    wanted: Wanted  # how many
+    fetch: Callable[[PublishedMatch], Fetched]  # the record of a match; several threads call it
+    executor: Executor  # where records are played again
+    on_progress: OnProgress
+    known: dict[str, Recorded] = field(default_factory=dict)  # by what is published of the match
 
     def check(
         self, report: Report, published: PublishedBoard, file: BoardFile, board: BoardDocument
@@ -60,15 +49,15 @@ class RecordChecks:
         for match in played:
             if match.hidden is not None:
                 records.skip(match.hidden)
-        chosen = _some(visible, self._wanted.records)
-        again = {match.id for match in _some(chosen, self._wanted.replay)}
+        chosen = _some(visible, self.wanted.records)
+        again = {match.id for match in _some(chosen, self.wanted.replay)}
         records.skip(NOT_ASKED, len(visible) - len(chosen))
         replays.skip(NOT_KNOWN, len(played) - len(chosen))
         replays.skip(NOT_ASKED, len(chosen) - len(again))
         found: dict[int, Recorded] = {}
         for match, one in self._checked(chosen, again, published, board):
             found[match.id] = one
-            self._on_progress(f"checking records of {published.label}", len(found), len(chosen))
+            self.on_progress(f"checking records of {published.label}", len(found), len(chosen))
             records.checked += 1
             replays.checked += one.replayed
             if one.unplayed:
@@ -92,20 +81,20 @@ class RecordChecks:
 
         new = []
         for match in matches:
-            if key(match) in self._known:
-                yield match, self._known[key(match)]
+            if key(match) in self.known:
+                yield match, self.known[key(match)]
             else:
                 new.append(match)
         by_id = {match.id: match for match in new}
         with ThreadPoolExecutor(AT_ONCE) as pool:
 
             def tasks() -> Iterator[Task]:
-                for fetched in _ahead(pool, self._fetch, new):
+                for fetched in _ahead(pool, self.fetch, new):
                     yield Task(fetched, published.track, versions, fetched.match.id in again)
 
-            for one in self._executor.map(check_record, tasks()):
+            for one in self.executor.map(check_record, tasks()):
                 match = by_id[one.match]
-                self._known[key(match)] = one
+                self.known[key(match)] = one
                 yield match, one
 
 

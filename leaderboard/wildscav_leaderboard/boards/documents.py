@@ -1,5 +1,6 @@
 """The documents of boards, which pages, the API and the audit share."""
 
+from dataclasses import dataclass
 from datetime import datetime
 from typing import Annotated, Any, Literal
 
@@ -7,6 +8,24 @@ from pydantic import ConfigDict, Field
 
 from wildscav_evaluator.output.results import MetricInfo, Summary
 from wildscav_leaderboard.seasons.editions import Conditions, Part
+
+
+@dataclass(frozen=True)
+class Entry:
+    """Who takes part in a board."""
+
+    entrant: str  # its name in matches
+    submission: int | None  # None for a robot
+    name: str
+    version: str = ""
+    team: str = ""  # empty for a robot
+    team_title: str = ""
+    since: datetime | None = None
+
+    @property
+    def shown(self) -> dict[str, Any]:
+        """What its row has of it."""
+        return {name: value for name, value in vars(self).items() if name != "entrant"}
 
 
 class Row(Part):

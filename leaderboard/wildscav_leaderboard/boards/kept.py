@@ -1,5 +1,6 @@
 """Boards that were read: each is parsed once, and kept by the database until it changes."""
 
+from dataclasses import dataclass
 from datetime import datetime
 from functools import cached_property
 
@@ -14,16 +15,12 @@ from wildscav_leaderboard.database.connection import KEPT, once
 DOCUMENT: TypeAdapter[BoardDocument] = TypeAdapter(BoardDocument)
 
 
+@dataclass(frozen=True)
 class KeptBoard:
-    """A board as it was at some time.
+    """A board as it was at some time."""
 
-    Args:
-        document: The board.
-        updated: When it was stored; no other board of its track and audience was stored then.
-    """
-
-    def __init__(self, document: BoardDocument, updated: datetime) -> None:
-        self.document, self.updated = document, updated
+    document: BoardDocument
+    updated: datetime  # when it was stored; no other board of its track and audience was stored then
 
     @cached_property
     def json(self) -> bytes:

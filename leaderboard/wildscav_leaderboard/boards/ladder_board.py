@@ -8,7 +8,6 @@ the lower end of the interval is, so that luck in a few matches leads nobody to 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from datetime import datetime
 from functools import lru_cache
 from typing import NamedTuple
@@ -21,24 +20,11 @@ from wildscav_evaluator.ratings.fit import AVERAGE, DECIMALS, Fit, fit
 from wildscav_evaluator.ratings.head_to_head import EntrantRecord, entrant_records
 from wildscav_evaluator.ratings.matches import RatedMatch
 from wildscav_evaluator.resampling import CONFIDENCE, student_quantile
-from wildscav_leaderboard.boards.documents import LadderBoard, LadderRow
+from wildscav_leaderboard.boards.documents import Entry, LadderBoard, LadderRow
 from wildscav_leaderboard.boards.ranks import rank_ranges
 from wildscav_leaderboard.seasons.editions import Conditions
 
 PLACE_DECIMALS = 2  # of mean places on a board
-
-
-@dataclass(frozen=True)
-class LadderEntrant:
-    """Who takes part in a ladder."""
-
-    entrant: str  # its name in matches
-    submission: int | None  # None for a robot
-    name: str
-    version: str = ""
-    team: str = ""  # empty for a robot
-    team_title: str = ""
-    since: datetime | None = None
 
 
 class Played(NamedTuple):
@@ -98,7 +84,7 @@ def ladder_board(
     track: str,
     conditions: Conditions,
     metrics: tuple[MetricInfo, ...],
-    entrants: Sequence[LadderEntrant],
+    entrants: Sequence[Entry],
     played: Played,
     enough: Enough,
     updated: datetime,
@@ -119,11 +105,11 @@ def ladder_board(
     ratings, records = ratings_of(played.matches, enough.interval), entrant_records(played.matches)
     unrated = Rating()
 
-    def key(one: LadderEntrant) -> tuple[bool, float, int, str]:
+    def key(one: Entry) -> tuple[bool, float, int, str]:
         rating = ratings.get(one.entrant, unrated)
         return one.entrant not in records, -rating.counts, one.submission or 0, one.name
 
-    first: dict[str, LadderEntrant] = {}
+    first: dict[str, Entry] = {}
     for one in sorted(entrants, key=key):
         first.setdefault(one.team or f"robot:{one.name}", one)
     names = [one.entrant for one in entrants if one.entrant in records]
@@ -163,7 +149,7 @@ def _ranks(
 
 
 def _row(
-    one: LadderEntrant,
+    one: Entry,
     rating: Rating,
     record: EntrantRecord | None,
     faults: int,
@@ -174,15 +160,10 @@ def _row(
     return LadderRow(
         rank=ranks[0],
         last_rank=ranks[1],
-        team=one.team,
-        team_title=one.team_title,
-        submission=one.submission,
-        name=one.name,
-        version=one.version,
+        **one.shown,
         matches=matches,
         planned=matches if rating.is_settled else max(most, matches),
         faults=faults,
-        since=one.since,
         provisional=not rating.is_settled,
         rating=rating.mean,
         deviation=rating.deviation,

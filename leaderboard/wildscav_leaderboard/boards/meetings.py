@@ -3,7 +3,7 @@
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from typing import NamedTuple
 
-from sqlalchemy import ColumnElement, Select, func, or_, select
+from sqlalchemy import ColumnElement, func, or_, select
 from sqlalchemy.orm import Session
 
 from wildscav_evaluator.ratings.head_to_head import PairRecord
@@ -33,8 +33,12 @@ def head_to_head(
         entrants: Among whom.
         applied: How many matches of the ladder count, from its first one on; None for all.
     """
-    wanted = _steps(session, track, conditions, applied).where(LadderStep.entrant.in_(list(entrants)))
-    return _records(session, wanted)
+    wanted = (
+        select(LadderStep.match_id, LadderStep.entrant, LadderStep.place)
+        .where(_counts(session, track, conditions, applied), LadderStep.entrant.in_(list(entrants)))
+        .order_by(LadderStep.match_id)
+    )
+    return records_of(_matches((match, name, place) for match, name, place in session.execute(wanted)))
 
 
 def records_on(session: Session, ladders: Sequence[Ladder], entrant: str) -> dict[str, dict[str, PairRecord]]:
@@ -68,12 +72,6 @@ def _counts(session: Session, track: str, conditions: str, applied: int | None) 
     return chosen & (LadderStep.match_id <= _last_match(session, track, conditions, applied))
 
 
-def _steps(session: Session, track: str, conditions: str, applied: int | None) -> Select[int, str, int]:
-    """Select the steps of a ladder, or those of its first matches."""
-    wanted = select(LadderStep.match_id, LadderStep.entrant, LadderStep.place)
-    return wanted.where(_counts(session, track, conditions, applied)).order_by(LadderStep.match_id)
-
-
 def _last_match(session: Session, track: str, conditions: str, applied: int) -> int:
     """Return the last one of the first matches of a ladder. It is kept, since their history never moves."""
     kept, key = session.info.get(KEPT, {}), (LadderStep, track, conditions, applied)
@@ -88,10 +86,6 @@ def _last_match(session: Session, track: str, conditions: str, applied: int) -> 
             kept.pop(old, None)
         kept[key] = last
     return last
-
-
-def _records(session: Session, wanted: Select[int, str, int]) -> dict[tuple[str, str], PairRecord]:
-    return records_of(_matches((match, entrant, place) for match, entrant, place in session.execute(wanted)))
 
 
 def _matches(steps: Iterable[tuple[int, str, int]]) -> Iterator[RatedMatch]:

@@ -14,8 +14,8 @@ from sqlalchemy.orm import Session
 from wildscav_evaluator.output.results import MetricInfo
 from wildscav_evaluator.seats import robot_entrant
 from wildscav_leaderboard.boards import ladders
-from wildscav_leaderboard.boards.documents import LadderBoard, LadderRow, SuiteBoard, place_of
-from wildscav_leaderboard.boards.ladder_board import Enough, LadderEntrant, ladder_board
+from wildscav_leaderboard.boards.documents import Entry, LadderBoard, LadderRow, SuiteBoard, place_of
+from wildscav_leaderboard.boards.ladder_board import Enough, ladder_board
 from wildscav_leaderboard.boards.models import HIDDEN, PUBLIC, SEASON, Board, BoardPoint, audience_of
 from wildscav_leaderboard.boards.suite_board import SuiteResults, suite_board
 from wildscav_leaderboard.boards.suite_scores import SuiteScores
@@ -279,12 +279,7 @@ def _board(
     played = scores.read(session, rules.track, kind, digest_of(rules.conditions))
     results = [
         SuiteResults(
-            submission=one.id,
-            name=one.name,
-            version=one.version,
-            team=team.name,
-            team_title=team.title,
-            since=one.created,
+            entry=_entry(one, team),
             planned=rules.planned,
             faults=played.faults_of(one.id),
             metrics=played.metrics.get(one.id, {}),
@@ -294,14 +289,15 @@ def _board(
     return suite_board(rules.track, rules.conditions, rules.metrics, results, now)
 
 
+def _entry(one: Submission, team: Team) -> Entry:
+    return Entry(one.entrant, one.id, one.name, one.version, team.name, team.title, one.created)
+
+
 def _ladder_board(
     session: Session, rules: _Rules, entered: Sequence[tuple[Submission, Team]], now: datetime
 ) -> LadderBoard:
-    entrants = [
-        LadderEntrant(one.entrant, one.id, one.name, one.version, team.name, team.title, one.created)
-        for one, team in entered
-    ]
-    entrants += [LadderEntrant(robot_entrant(robot), None, robot) for robot in rules.settings.robots]
+    entrants = [_entry(one, team) for one, team in entered]
+    entrants += [Entry(robot_entrant(robot), None, robot) for robot in rules.settings.robots]
     played = ladders.played_on(session, rules.track, digest_of(rules.conditions))
     enough = Enough(rules.settings.interval, rules.settings.matches)
     return ladder_board(rules.track, rules.conditions, rules.metrics, entrants, played, enough, now)

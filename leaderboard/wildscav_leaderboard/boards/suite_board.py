@@ -14,7 +14,7 @@ import numpy as np
 
 from wildscav_evaluator.output.results import MetricInfo, Summary
 from wildscav_evaluator.scores.score import mean_of, summarize
-from wildscav_leaderboard.boards.documents import SuiteBoard, SuiteRow
+from wildscav_leaderboard.boards.documents import Entry, SuiteBoard, SuiteRow
 from wildscav_leaderboard.boards.ranks import better_in_pairs, rank_ranges
 from wildscav_leaderboard.seasons.editions import Conditions
 
@@ -23,15 +23,15 @@ from wildscav_leaderboard.seasons.editions import Conditions
 class SuiteResults:
     """What is known of a submission on a track."""
 
-    submission: int
-    name: str
-    version: str
-    team: str
-    team_title: str
-    since: datetime
+    entry: Entry
     planned: int  # matches
     faults: int
     metrics: dict[int, dict[str, float]]  # of each match that was played, by its number in the suite
+
+    @property
+    def submission(self) -> int:
+        """The number of the submission."""
+        return self.entry.submission or 0
 
     @property
     def is_complete(self) -> bool:
@@ -72,8 +72,8 @@ def suite_board(
         return sign * mean_of(one.values(score.name)), one.submission
 
     ranked = _best_of_teams(sorted((one for one in results if one.is_complete), key=key))
-    teams = {one.team for one in ranked}
-    waiting = sorted((one for one in results if one.team not in teams), key=lambda one: one.submission)
+    teams = {one.entry.team for one in ranked}
+    waiting = sorted((one for one in results if one.entry.team not in teams), key=lambda one: one.submission)
     ranges = _ranges(ranked, score)
     rows = [
         *(_row(one, *ranks, metrics) for one, ranks in zip(ranked, ranges, strict=True)),
@@ -105,13 +105,13 @@ def _best_of_teams(ordered: Iterable[SuiteResults]) -> list[SuiteResults]:
     """Return the first of each team."""
     first: dict[str, SuiteResults] = {}
     for one in ordered:
-        first.setdefault(one.team, one)
+        first.setdefault(one.entry.team, one)
     return list(first.values())
 
 
 def _last_of_teams(ordered: Iterable[SuiteResults]) -> list[SuiteResults]:
     """Return the last of each team: its newest one."""
-    return list({one.team: one for one in ordered}.values())
+    return list({one.entry.team: one for one in ordered}.values())
 
 
 def _ranges(ranked: Sequence[SuiteResults], score: MetricInfo) -> list[tuple[int, int]]:
@@ -127,14 +127,9 @@ def _row(
     return SuiteRow(
         rank=rank,
         last_rank=last_rank,
-        team=one.team,
-        team_title=one.team_title,
-        submission=one.submission,
-        name=one.name,
-        version=one.version,
+        **one.entry.shown,
         matches=len(one.metrics),
         planned=one.planned,
         faults=0 if rank is None else one.faults,
-        since=one.since,
         metrics=_summaries(one, metrics),
     )

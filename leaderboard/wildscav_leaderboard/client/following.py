@@ -13,11 +13,6 @@ PAUSE = 1.0  # s between two questions
 PATIENCE = 900.0  # s without an answer
 
 
-def has_ended(submission: SubmissionView) -> bool:
-    """Return whether a submission takes part, or never will."""
-    return submission.state == ACTIVE or submission.state in FINAL
-
-
 def follow(client: SeasonClient, submission: SubmissionView) -> Iterator[SubmissionView | UserError]:
     """Yield what becomes of a submission, until it has ended; an error where the season did not answer.
 
@@ -26,7 +21,7 @@ def follow(client: SeasonClient, submission: SubmissionView) -> Iterator[Submiss
     """
     answered = time.monotonic()
     yield submission
-    while not has_ended(submission):
+    while submission.state not in (ACTIVE, *FINAL):
         time.sleep(PAUSE)
         try:
             submission = client.submission(submission.id)

@@ -114,11 +114,10 @@ class SeasonClient:
     ) -> list[SubmissionView]:
         """Return submissions, the newest first."""
 
-        def ask(page: Query) -> list[SubmissionView]:
-            answer = self._connection.get("/submissions", {"team": team, "state": states, **page})
+        def read(answer: object) -> list[SubmissionView]:
             return self._as(SubmissionList, answer).submissions
 
-        return _pages(ask, limit)
+        return self._pages("/submissions", {"team": team, "state": states}, limit, read)
 
     def submission(self, number: int) -> SubmissionView:
         """Return a submission with its history."""
@@ -138,12 +137,8 @@ class SeasonClient:
         self, limit: int, *, submission: int | None = None, track: str | None = None
     ) -> list[MatchView]:
         """Return matches, the newest first."""
-
-        def ask(page: Query) -> list[MatchView]:
-            answer = self._connection.get("/matches", {"submission": submission, "track": track, **page})
-            return self._as(MatchList, answer).matches
-
-        return _pages(ask, limit)
+        query: Query = {"submission": submission, "track": track}
+        return self._pages("/matches", query, limit, lambda one: self._as(MatchList, one).matches)
 
     def match(self, number: int) -> MatchView:
         """Return a match."""
@@ -157,6 +152,18 @@ class SeasonClient:
         """Store the record of a match, whole or not at all, after its digest was compared."""
         with self._connection.stream("GET", f"/matches/{number}/record") as response:
             store_record(response.iter_bytes(), digest, path)
+
+    def _pages(self, path: str, query: Query, limit: int, read: Callable[[object], list[N]]) -> list[N]:
+        """Return a list that comes in pages, each of which is asked for by the last entry before it."""
+        found: list[N] = []
+        while len(found) < limit:
+            size = min(PAGE, limit - len(found))
+            before = found[-1].id if found else None
+            page = read(self._connection.get(path, {**query, "limit": size, "before": before}))
+            found += page
+            if len(page) < size:
+                break
+        return found
 
     def _as(self, kind: type[T], answer: object) -> T:
         """Return an answer as a document.
@@ -173,18 +180,6 @@ class SeasonClient:
                 f"{self.url} does not answer as a season of Wildscav {__version__} does ({field}: "
                 f"{first['msg']}): it may run another version"
             ) from None
-
-
-def _pages(ask: Callable[[Query], list[N]], limit: int) -> list[N]:
-    """Return a list that comes in pages, each of which is asked for by the last entry before it."""
-    found: list[N] = []
-    while len(found) < limit:
-        size = min(PAGE, limit - len(found))
-        page = ask({"limit": size, "before": found[-1].id if found else None})
-        found += page
-        if len(page) < size:
-            break
-    return found
 
 
 def _pieces(path: Path, progress: Progress) -> Iterator[bytes]:

@@ -23,7 +23,6 @@ from wildscav_leaderboard.conductor.keeper import LeaseKeeper
 from wildscav_leaderboard.conductor.lease import Holding, LeaseLostError
 from wildscav_leaderboard.conductor.models import Attempt
 from wildscav_leaderboard.conductor.plans import plan_ladders
-from wildscav_leaderboard.conductor.sandboxes import chosen_sandbox
 from wildscav_leaderboard.database.connection import Database, DatabaseError, clock
 from wildscav_leaderboard.matches.models import Match
 from wildscav_leaderboard.matches.service import seats_of
@@ -133,7 +132,7 @@ class Conductor:
             child = stack.enter_context(Child())
             kind = EXECUTORS[settings.executor]
             executor = stack.enter_context(kind(settings.matches, settings.address))
-            self._sandbox = chosen_sandbox(self.season, executor, self._log)
+            self._sandbox = work.chosen_sandbox(self.season, executor, self._log)
             stack.callback(self._release)
             with self.database.writing() as session:
                 lease.check(session, self._holding)
@@ -193,22 +192,18 @@ class Conductor:
             submission = session.get_one(Submission, attempt.submission_id)
         self._log.info("submission_begun", submission=submission.id)
         arguments = (self.season, submission.archive, submission.entrant, self._sandbox)
-        building, validating = self._lasts()
-        if self._tried(child, attempt, work.build, arguments, building):
+        deadlines = self.season.settings.deadlines
+        if self._tried(child, attempt, work.build, arguments, deadlines.building):
             with self.database.writing() as session:
                 following = steps.built(session, self.season, self._holding, attempt.id, now())
             logs = self.season.submission_folder(submission.id) / "logs"
             if following is not None and self._tried(
-                child, following, work.validate, (*arguments, logs), validating
+                child, following, work.validate, (*arguments, logs), deadlines.validating
             ):
                 with self.database.writing() as session:
                     steps.validated(session, self.season, self._holding, following.id, now())
                 self._log.info("submission_active", submission=submission.id)
         return True
-
-    def _lasts(self) -> tuple[float, float]:
-        deadlines = self.season.settings.deadlines
-        return deadlines.building, deadlines.validating
 
     def _tried(
         self,

@@ -7,33 +7,60 @@ that a match that was completed before a crash is not played again.
 
 import os
 import shutil
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from wildscav.errors import UserError
+from wildscav.monitoring.logs import Log
 from wildscav.server.hosting.precompile import precompile_for
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.check.findings import Finding, Verdict
 from wildscav_evaluator.check.trials import Trial, run_checks
+from wildscav_evaluator.executors import Executor
 from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.output.journal import file_digest
 from wildscav_evaluator.output.layout import LOGS, MATCHES, RECORDS
 from wildscav_evaluator.output.results import MatchRow
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.sandbox.base import SandboxError
+from wildscav_evaluator.sandbox.process import DANGER, WARNING
 from wildscav_evaluator.seats import robot_entrant
 from wildscav_evaluator.submission_files import SubmissionError
 from wildscav_evaluator.submissions.images import build_image, lacks_packages, with_images
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_leaderboard.boards.matchmaking import seated
-from wildscav_leaderboard.matches.models import FINAL, LADDER, Match, MatchSeat
-from wildscav_leaderboard.matches.service import PlayedRecord
+from wildscav_leaderboard.matches.models import FINAL, LADDER, Match
+from wildscav_leaderboard.matches.service import PlayedRecord, Seat
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.spectating.live import key_of
 from wildscav_leaderboard.submissions.archives import load_archive
 
+VARIABLE = "WILDSCAV_SANDBOX"
+WEAK = f"{DANGER}. For code that you do not trust, set sandbox = 'bubblewrap' or 'oci' under [execution]"
 LAST_LINES = 20  # of a failing agent's output that are kept
+
+
+def chosen_sandbox(season: Season, executor: Executor, log: Log) -> str:
+    """Return the sandbox that the settings or the environment name, else the strongest that works.
+
+    Agents of strangers never run without one by mistake.
+
+    Raises:
+        UserError: None that isolates agents works, and the settings do not say to do without.
+    """
+    asked = season.settings.execution.sandbox or os.environ.get(VARIABLE) or None
+    choice, _ = executor.choose_sandbox(asked, [])
+    if asked is None and not choice.sandbox.isolated:
+        why = "; ".join(choice.warnings[1:])
+        raise UserError(
+            f"no sandbox works here ({why}): `wildscav doctor` tells more. With sandbox = 'process' in the "
+            "settings, agents run without one, which is for agents that you trust"
+        )
+    for warning in choice.warnings:
+        log.warning("sandbox_is_weak", reason=WEAK if warning == WARNING else warning)
+    return choice.sandbox.name
 
 
 @dataclass(frozen=True)
@@ -101,7 +128,7 @@ def _rejection(finding: Finding, sandbox: str, folder: Path) -> Rejection:
 
 
 def job_of(
-    season: Season, match: Match, seats: list[MatchSeat], archives: dict[int, str], sandbox: str
+    season: Season, match: Match, seats: Sequence[Seat], archives: dict[int, str], sandbox: str
 ) -> Job:
     """Return the job of a match.
 

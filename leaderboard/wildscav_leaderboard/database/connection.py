@@ -47,10 +47,10 @@ class Database:
         # A writer must see what the one before it wrote while it waited for the lock.
         self._writers = _engine(self.url, "READ COMMITTED")
         if self.url.get_backend_name() == "sqlite":
-            event.listen(self._readers, "begin", _begin)
-            event.listen(self._writers, "begin", _begin_immediate)
+            _begin_with(self._readers, "BEGIN")
+            _begin_with(self._writers, "BEGIN IMMEDIATE")
         else:
-            event.listen(self._writers, "begin", _lock_writers)
+            _begin_with(self._writers, f"SELECT pg_advisory_xact_lock({WRITERS})")
 
     @property
     def kind(self) -> str:
@@ -88,14 +88,14 @@ class Database:
             DatabaseError: The database cannot be used, or is not a season's, or of a newer version.
         """
         # Imports Alembic, which a web server does not need.
-        from wildscav_leaderboard.database.schema import bring_up_to_date, check_known
+        from wildscav_leaderboard.database.schema import bring_to, check_known
 
         with self._reported(), self._writers.connect() as connection:
             if self.kind == "sqlite":  # which changes a table by copying it, and others refer to it meanwhile
                 connection.connection.cursor().execute("PRAGMA foreign_keys = OFF")
             with connection.begin():
                 check_known(connection, str(self))
-                bring_up_to_date(connection)
+                bring_to(connection)
             connection.invalidate()
 
     def check(self) -> None:
@@ -183,19 +183,16 @@ def _engine(url: URL, isolation: str) -> Engine:
 
 
 def _prepare_sqlite(connection: Any, _record: Any) -> None:
-    """Set up a new connection to SQLite; transactions are begun by ``_begin`` and ``_begin_immediate``."""
+    """Set up a new connection to SQLite; transactions are begun by ``_begin_with``."""
     connection.isolation_level = None
     for setting in ("journal_mode = WAL", "synchronous = FULL", "foreign_keys = ON"):
         connection.execute(f"PRAGMA {setting}").close()
 
 
-def _begin(connection: Connection) -> None:
-    connection.exec_driver_sql("BEGIN")
+def _begin_with(engine: Engine, statement: str) -> None:
+    """Let a statement begin every transaction."""
 
+    def begin(connection: Connection) -> None:
+        connection.exec_driver_sql(statement)
 
-def _begin_immediate(connection: Connection) -> None:
-    connection.exec_driver_sql("BEGIN IMMEDIATE")
-
-
-def _lock_writers(connection: Connection) -> None:
-    connection.exec_driver_sql(f"SELECT pg_advisory_xact_lock({WRITERS})")
+    event.listen(engine, "begin", begin)

@@ -13,13 +13,8 @@ from wildscav.errors import UserError
 VERSION_TABLE = "season_version"
 
 
-def bring_up_to_date(connection: Connection) -> None:
-    """Give an empty or older database of a season the current schema, in the open transaction."""
-    command.upgrade(_config(connection), "head")
-
-
-def bring_to(connection: Connection, version: str) -> None:
-    """Give an empty or older database the schema of a version, in the open transaction."""
+def bring_to(connection: Connection, version: str = "head") -> None:
+    """Give an empty or older database of a season the schema of a version, in the open transaction."""
     command.upgrade(_config(connection), version)
 
 

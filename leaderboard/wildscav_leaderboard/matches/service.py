@@ -40,6 +40,14 @@ class Entrant(NamedTuple):
     submission: int | None  # None for a robot
 
 
+class Seat(NamedTuple):
+    """A seat of a match that has an entrant."""
+
+    seat: int
+    entrant: str
+    submission_id: int | None  # None for a robot
+
+
 class PlayedRecord(NamedTuple):
     """What is stored of a match's record."""
 
@@ -189,12 +197,14 @@ def results_of(session: Session, matches: list[Match]) -> dict[int, MatchResult]
     return {result.match_id: result for result in session.scalars(wanted)}
 
 
-def seats_of(session: Session, matches: Sequence[int]) -> dict[int, list[MatchSeat]]:
-    """Return the seats of some matches, by match."""
-    found: dict[int, list[MatchSeat]] = defaultdict(list)
-    wanted = select(MatchSeat).where(MatchSeat.match_id.in_(matches))
-    for seat in session.scalars(wanted.order_by(MatchSeat.match_id, MatchSeat.seat)):
-        found[seat.match_id].append(seat)
+def seats_of(session: Session, matches: Sequence[int]) -> dict[int, list[Seat]]:
+    """Return the seats of some matches that have an entrant, by match."""
+    found: dict[int, list[Seat]] = defaultdict(list)
+    columns = (MatchSeat.match_id, MatchSeat.seat, MatchSeat.entrant, MatchSeat.submission_id)
+    wanted = select(*columns).where(MatchSeat.match_id.in_(matches))
+    wanted = wanted.order_by(MatchSeat.match_id, MatchSeat.seat)
+    for match, seat, entrant, submission in session.execute(wanted):
+        found[match].append(Seat(seat, entrant, submission))
     return found
 
 

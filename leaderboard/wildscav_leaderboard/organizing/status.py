@@ -67,10 +67,7 @@ def status(session: Session, season: Season, now: datetime) -> Status:
 
 def nodes(session: Session) -> list[dict[str, Any]]:
     """Return the machines on which matches are played: name, cores, running, and problem, if there is one."""
-    found: list[dict[str, Any]] = (season_state.read_state(session, season_state.NODES) or {}).get(
-        "nodes", []
-    )
-    return found
+    return list((season_state.read_state(session, season_state.NODES) or {}).get("nodes", []))
 
 
 def audit_entries(session: Session, before: int | None, most: int) -> list[AuditEntry]:

@@ -11,6 +11,7 @@ import sys
 import time
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
 
@@ -31,7 +32,7 @@ from wildscav_evaluator.matches.play import EXIT_TIME, launch_for
 from wildscav_evaluator.sandbox import SANDBOXES, Limits, Sandbox
 from wildscav_evaluator.submissions.images import with_images
 from wildscav_evaluator.submissions.submission import Submission
-from wildscav_leaderboard.conductor.sandboxes import chosen_sandbox
+from wildscav_leaderboard.conductor.work import chosen_sandbox
 from wildscav_leaderboard.playing.order import Order, Told
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.settings import Play, SeasonSettings
@@ -143,28 +144,24 @@ def plan_of(order: Order, submission: Submission, longest: float) -> Plan:
     return Plan(spec, (opponent, *map(Opponent, robots)))
 
 
+@dataclass(frozen=True)
 class SandboxedAgents:
-    """Runs one submission, in all seats that are not a person's. See ``wildscav.play.opponents.Agents``.
+    """Runs one submission, in all seats that are not a person's. See ``wildscav.play.opponents.Agents``."""
 
-    Args:
-        submission: The submission, ready for the sandbox.
-        sandbox: The sandbox.
-        limits: Of its agent.
-    """
-
-    def __init__(self, submission: Submission, sandbox: Sandbox, limits: Limits) -> None:
-        self._submission, self._sandbox, self._limits = submission, sandbox, limits
+    submission: Submission  # ready for the sandbox
+    sandbox: Sandbox
+    limits: Limits
 
     @asynccontextmanager
     async def __call__(
         self, folders: Mapping[int, Path], hosted: HostedMatch, addresses: Mapping[int, str], logs: Path
     ) -> AsyncIterator[None]:
         """Run it for as long as the block lasts."""
-        agents = MatchAgents(hosted, self._sandbox)
+        agents = MatchAgents(hosted, self.sandbox)
         try:
             for seat in folders:
                 token, log = hosted.tokens[seat], logs / LOG
-                launch = launch_for(self._submission, addresses[seat], token, log, self._limits, hosted)
+                launch = launch_for(self.submission, addresses[seat], token, log, self.limits, hosted)
                 await agents.start(seat, launch)
             yield
             await agents.leave(EXIT_TIME)

@@ -6,9 +6,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.accounts.models import Account
-from wildscav_leaderboard.organizing.status import status
 from wildscav_leaderboard.presentation.documents import View
-from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.teams.models import Member, Team
 
 
@@ -63,8 +61,3 @@ def account_rows(session: Session) -> list[AccountRow]:
         .order_by(Account.name)
     )
     return [AccountRow.of(one, team=team) for one, team in session.execute(wanted)]
-
-
-def status_view(session: Session, season: Season, now: datetime) -> StatusView:
-    """Return how the season is doing."""
-    return StatusView.model_validate(status(session, season, now))

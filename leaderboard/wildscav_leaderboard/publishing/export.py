@@ -2,14 +2,11 @@
 
 import hashlib
 import shutil
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
 from sqlalchemy.orm import Session
 
-from wildscav.errors import UserError, describe
-from wildscav.system import leftovers
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import MatchResult
 from wildscav_leaderboard.publishing.csv_tables import board_table, matches_table
@@ -22,7 +19,7 @@ from wildscav_leaderboard.publishing.documents import (
 )
 from wildscav_leaderboard.publishing.readme import readme
 from wildscav_leaderboard.publishing.service import Addresses, board_lines, published_season
-from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE, Season
+from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE, Season, place_for
 from wildscav_leaderboard.seasons.in_force import in_force
 
 IN_FOLDER = Addresses(
@@ -56,19 +53,13 @@ def export(season: Season, database: Database, folder: Path) -> Exported:
         UserError: The folder has something in it, or cannot be written, or a record is missing.
     """
     folder = folder.absolute()
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise UserError(f"{folder} is not an empty folder: name a new one", exit_code=2)
-    try:
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        with leftovers.temporary_folder_in(folder.parent, ".export-") as place:
-            made = place / "export"
-            made.mkdir()
-            with database.reading() as session:
-                counts = _write(session, in_force(session, season), made)
-            _write_sums(made)
-            made.rename(folder)
-    except OSError as error:
-        raise UserError(f"the season cannot be exported: {describe(error)}") from error
+    with place_for(folder, "the season cannot be exported") as place:
+        made = place / "export"
+        made.mkdir()
+        with database.reading() as session:
+            counts = _write(session, in_force(session, season), made)
+        _write_sums(made)
+        made.rename(folder)
     return Exported(folder, *counts)
 
 
@@ -135,11 +126,8 @@ def _write_text(path: Path, text: str) -> None:
 
 def _write_sums(folder: Path) -> None:
     """Write the sums of all files, as ``sha256sum --check`` reads them."""
-    paths = sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
-    _write_text(folder / SUMS_FILE, "".join(_sums(folder, paths)))
-
-
-def _sums(folder: Path, paths: Iterable[str]) -> Iterable[str]:
-    for path in paths:
-        with (folder / path).open("rb") as file:
-            yield f"{hashlib.file_digest(file, 'sha256').hexdigest()}  {path}\n"
+    lines = []
+    for name in sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()):
+        with (folder / name).open("rb") as file:
+            lines.append(f"{hashlib.file_digest(file, 'sha256').hexdigest()}  {name}\n")
+    _write_text(folder / SUMS_FILE, "".join(lines))

@@ -27,8 +27,8 @@ from wildscav_leaderboard.matches.models import (
     VOID,
     Match,
     MatchResult,
-    MatchSeat,
 )
+from wildscav_leaderboard.matches.service import Seat, seats_of
 from wildscav_leaderboard.matches.visibility import Visible, seen_by
 from wildscav_leaderboard.publishing.documents import (
     End,
@@ -60,14 +60,6 @@ class Addresses(NamedTuple):
     lines: Mapping[str, str]  # the file of a board, by audience
     shown: Mapping[str, str]  # the board as it is shown, by audience
     records: str
-
-
-class Seat(NamedTuple):
-    """A seat of a match that has an entrant."""
-
-    seat: int
-    entrant: str
-    submission: int | None
 
 
 def published_season(session: Session, season: Season, addresses: Addresses) -> PublishedSeason:
@@ -208,7 +200,7 @@ def _matches(session: Session, season: Season, board: BoardDocument) -> Iterator
     while found := session.execute(wanted.where(Match.id > last).limit(AT_ONCE)).all():
         last = found[-1][0].id
         matches = [match for match, _ in found]
-        seats, visible = _seats(session, matches), seen_by(session, matches, None)
+        seats, visible = seats_of(session, [match.id for match in matches]), seen_by(session, matches, None)
         for match, result in found:
             one = _published(match, result, seats.get(match.id, ()), visible[match.id])
             superseded = match.superseded is not None and match.superseded <= board.updated
@@ -216,19 +208,6 @@ def _matches(session: Session, season: Season, board: BoardDocument) -> Iterator
                 one = one.model_copy(update={"judging": match.judging, "superseded": superseded})
             yield one
         session.expunge_all()
-
-
-def _seats(session: Session, matches: Sequence[Match]) -> dict[int, list[Seat]]:
-    """Return the seats of some matches, by match."""
-    found: dict[int, list[Seat]] = {}
-    wanted = select(MatchSeat.match_id, MatchSeat.seat, MatchSeat.entrant, MatchSeat.submission_id).where(
-        MatchSeat.match_id.in_([match.id for match in matches])
-    )
-    for match, seat, entrant, submission in session.execute(
-        wanted.order_by(MatchSeat.match_id, MatchSeat.seat)
-    ):
-        found.setdefault(match, []).append(Seat(seat, entrant, submission))
-    return found
 
 
 def _of_suite(board: BoardDocument, kind: str) -> "Select[Match, MatchResult]":
@@ -304,7 +283,7 @@ def _seat(one: Seat, row: Mapping[str, Any]) -> PublishedSeat:
     return PublishedSeat.model_construct(
         seat=one.seat,
         entrant=one.entrant,
-        submission=one.submission,
+        submission=one.submission_id,
         status=row["status"],
         fault=row["fault"],
         metrics=row["metrics"],

@@ -1,12 +1,14 @@
 """A season's folder, and what is in it."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
-from wildscav.errors import UserError
+from wildscav.errors import UserError, describe
+from wildscav.system import leftovers
 from wildscav.time_limits import Clock
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, Limits
@@ -29,6 +31,27 @@ SECRET_FILE, FINAL_SECRET_FILE = "secret.txt", "final-secret.txt"
 DATABASE_FILE = "season.db"
 FILES = "files"
 PUBLISHED = "published"  # what `wildscav season finalize` exports
+
+
+@contextmanager
+def place_for(folder: Path, failure: str) -> Iterator[Path]:
+    """Give a temporary folder beside one that is to be made, in which that is prepared.
+
+    Args:
+        folder: The new folder, which must be missing or empty.
+        failure: What to say if a file cannot be written.
+
+    Raises:
+        UserError: The folder has something in it, or cannot be made.
+    """
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise UserError(f"{folder} is not an empty folder: name a new one", exit_code=2)
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        with leftovers.temporary_folder_in(folder.parent, ".season-") as place:
+            yield place
+    except OSError as error:
+        raise UserError(f"{failure}: {describe(error)}") from error
 
 
 @dataclass(frozen=True, eq=False)

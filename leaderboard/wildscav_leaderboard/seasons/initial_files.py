@@ -6,10 +6,9 @@ from collections.abc import Mapping
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
-from wildscav.errors import UserError, describe
-from wildscav.system import leftovers
+from wildscav.errors import UserError
 from wildscav_evaluator.suites.seeds import commitment_of, new_secret
-from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE
+from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE, place_for
 from wildscav_leaderboard.seasons.names import NAME
 from wildscav_leaderboard.seasons.settings import SETTINGS_FILE, parse_settings
 
@@ -50,23 +49,17 @@ def write_season_folder(folder: Path, texts: Mapping[str, str]) -> tuple[str, st
         UserError: The folder has something in it, or cannot be made, or the settings are not valid.
     """
     folder = folder.absolute()
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise UserError(f"{folder} is not an empty folder: name a new one", exit_code=2)
     parse_settings(texts[SETTINGS_FILE], folder / SETTINGS_FILE)
     secret, final = new_secret(), new_secret()
-    try:
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        with leftovers.temporary_folder_in(folder.parent, ".season-") as fresh:
-            made = fresh / "season"
-            made.mkdir()
-            for name, text in texts.items():
-                (made / name).write_text(text, "utf-8")
-            _write_secret(made / SECRET_FILE, secret)
-            _write_secret(made / FINAL_SECRET_FILE, final)
-            (made / COMMITMENTS_FILE).write_text(commitments_text(secret, final), "ascii")
-            made.rename(folder)
-    except OSError as error:
-        raise UserError(f"the season's folder cannot be made: {describe(error)}") from error
+    with place_for(folder, "the season's folder cannot be made") as place:
+        made = place / "season"
+        made.mkdir()
+        for name, text in texts.items():
+            (made / name).write_text(text, "utf-8")
+        _write_secret(made / SECRET_FILE, secret)
+        _write_secret(made / FINAL_SECRET_FILE, final)
+        (made / COMMITMENTS_FILE).write_text(commitments_text(secret, final), "ascii")
+        made.rename(folder)
     return commitment_of(secret), commitment_of(final)
 
 

@@ -17,7 +17,7 @@ from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_engine.storage.files import write_whole
 from wildscav_engine.tracks import TRACKS
-from wildscav_evaluator.matches.snapshots import SeatSnapshot, Snapshot
+from wildscav_evaluator.matches.snapshots import Snapshot
 from wildscav_leaderboard.spectating.document import (
     Event,
     Samples,
@@ -122,7 +122,9 @@ class LiveMatches:
         elif now.frame - followed.last.frame < SAMPLE_INTERVAL:
             return None
         else:
-            events = [*_events(followed.last, now), *_of_zone(followed.header.zone, followed.last, now)]
+            of_zone = zone_events(followed.header.zone, now.frame)
+            events = [event for event in of_zone if event.frame > followed.last.frame]
+            events = [*_events(followed.last, now), *events]
         self._followed[key] = Followed(followed.header, now)
         line = {
             "frame": now.frame,
@@ -174,20 +176,12 @@ def _events(before: Snapshot, now: Snapshot) -> Iterator[Event]:
             # Of several at one moment, nobody knows who shot whom; the record will tell.
             by = killers[0] if len(killers) == 1 and killers[0] != seat else None
             yield Event(frame=now.frame, kind="death", seat=seat, other=by)
-        if here.health > 0 and _came_back(was, here):
+        if here.health > 0 and (was.health <= 0 or here.deaths > was.deaths):
             yield Event(frame=now.frame, kind="respawn", seat=seat)
         if here.supplies > was.supplies:
             yield Event(frame=now.frame, kind="pick_up", seat=seat, amount=here.supplies - was.supplies)
     if now.reached_by is not None and before.reached_by is None:
         yield Event(frame=now.frame, kind="target", seat=now.reached_by)
-
-
-def _came_back(was: SeatSnapshot, here: SeatSnapshot) -> bool:
-    return was.health <= 0 or here.deaths > was.deaths
-
-
-def _of_zone(zone: list[ZonePhase], before: Snapshot, now: Snapshot) -> list[Event]:
-    return [event for event in zone_events(zone, now.frame) if event.frame > before.frame]
 
 
 def _seen(after: str, playing: str, begun: int) -> int:

@@ -98,7 +98,8 @@ def replaced_by(session: Session, quotas: Quotas, submission: Submission) -> lis
         others = [one for one in on_track(session, submission.team_id, track) if one is not submission]
         surplus = len(others) + 1 - quotas.active
         named = [one for one in others if one.id == submission.replaces]
-        free = sorted([one for one in others if not one.kept and one not in named] + [submission], key=_age)
+        free = [one for one in others if not one.kept and one not in named]
+        free = sorted([*free, submission], key=lambda one: one.id)
         if surplus > 0 and not named and free == [submission]:
             raise TooMuchError(
                 f"{_full(quotas, track, others)}, all of them kept: `wildscav submissions release` one, or "
@@ -106,10 +107,6 @@ def replaced_by(session: Session, quotas: Quotas, submission: Submission) -> lis
             )
         found += [(track, one) for one in (named + free)[: max(0, surplus)]]
     return found
-
-
-def _age(submission: Submission) -> int:
-    return submission.id
 
 
 def _full(quotas: Quotas, track: str, others: Sequence[Submission]) -> str:

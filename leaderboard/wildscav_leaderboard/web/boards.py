@@ -19,8 +19,7 @@ from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.refusals import UnknownCallerError
 from wildscav_leaderboard.teams.service import team_of
 from wildscav_leaderboard.web.charts import Scale, rank_chart
-from wildscav_leaderboard.web.page_parts import PageParts
-from wildscav_leaderboard.web.rendering import page, rendered
+from wildscav_leaderboard.web.rendering import PageParts, page, rendered
 
 router = APIRouter()
 Number = Annotated[int, Query(ge=1, le=2**53)]

@@ -4,8 +4,7 @@ from fastapi import FastAPI
 from starlette.staticfiles import StaticFiles
 
 from wildscav_leaderboard.web import boards, feeds, organizing, people, playing, public, submitting, watching
-from wildscav_leaderboard.web.page_parts import PageParts
-from wildscav_leaderboard.web.rendering import FOLDER
+from wildscav_leaderboard.web.rendering import FOLDER, PageParts
 
 
 def add_pages(app: FastAPI) -> None:

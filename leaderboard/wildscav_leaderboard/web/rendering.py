@@ -1,5 +1,8 @@
 """Templates: how values are written on pages. Everything is escaped by default."""
 
+import threading
+from collections import OrderedDict
+from collections.abc import Callable, Hashable
 from datetime import UTC, datetime, timedelta
 from functools import cache
 from http import HTTPStatus
@@ -16,6 +19,7 @@ from wildscav_evaluator.output.results import MetricInfo
 from wildscav_evaluator.scores.number_format import is_share, number
 from wildscav_leaderboard.accounts.service import Caller
 
+KEPT_PARTS = 64
 FOLDER = Path(__file__).parent
 STEPS = ((86_400, "d"), (3_600, "h"), (60, "min"), (1, "s"))
 
@@ -124,3 +128,24 @@ def milliseconds(seconds: float | None) -> str:
 def mebibytes(size: int) -> str:
     """Return the size of a file."""
     return f"{size / (1 << 20):,.1f} MiB" if size >= 1 << 20 else f"{size / 1024:,.0f} KiB"
+
+
+class PageParts:
+    """Parts of pages that take long to make, by keys that change with them; the last ones are kept."""
+
+    def __init__(self, most: int = KEPT_PARTS) -> None:
+        self._most, self._lock = most, threading.Lock()
+        self._parts: OrderedDict[Hashable, Markup] = OrderedDict()
+
+    def get(self, key: Hashable, make: Callable[[], Markup]) -> Markup:
+        """Return a part, which is made if it is not kept."""
+        with self._lock:
+            if key in self._parts:
+                self._parts.move_to_end(key)
+                return self._parts[key]
+        part = make()  # perhaps twice at the same time, which is better than waiting for each other
+        with self._lock:
+            self._parts[key] = part
+            while len(self._parts) > self._most:
+                self._parts.popitem(last=False)
+        return part

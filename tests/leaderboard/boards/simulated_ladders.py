@@ -11,10 +11,9 @@ from wildscav_evaluator.output.results import KeptLimits, metric_infos
 from wildscav_evaluator.output.versions import CURRENT_VERSIONS
 from wildscav_evaluator.ratings.matches import RatedMatch
 from wildscav_evaluator.seats import ROBOT_ENTRANT
-from wildscav_leaderboard.boards.documents import Conditions, LadderBoard
+from wildscav_leaderboard.boards.documents import Conditions, Entry, LadderBoard
 from wildscav_leaderboard.boards.ladder_board import (
     Enough,
-    LadderEntrant,
     Played,
     Rating,
     ladder_board,
@@ -91,7 +90,7 @@ def _game(
 
 def board_of(strengths: Mapping[str, float], matches: tuple[RatedMatch, ...], enough: Enough) -> LadderBoard:
     """Return the board of a ladder on which every submission is of a team of its own."""
-    entrants = [LadderEntrant(name, number, name, team=name) for number, name in enumerate(strengths, 1)]
+    entrants = [Entry(name, number, name, team=name) for number, name in enumerate(strengths, 1)]
     entrants = [
         replace(one, submission=None, name=one.name.removeprefix(ROBOT_ENTRANT), team="")
         if one.name.startswith(ROBOT_ENTRANT)

@@ -12,8 +12,8 @@ from tests.leaderboard.seasons_made import NOON
 from wildscav_evaluator.output.results import MetricInfo
 from wildscav_evaluator.ratings.matches import RatedMatch
 from wildscav_evaluator.suites.official import OFFICIAL
-from wildscav_leaderboard.boards.documents import LadderBoard
-from wildscav_leaderboard.boards.ladder_board import Enough, LadderEntrant, Played, ladder_board
+from wildscav_leaderboard.boards.documents import Entry, LadderBoard
+from wildscav_leaderboard.boards.ladder_board import Enough, Played, ladder_board
 from wildscav_leaderboard.boards.ladders import placed_match
 from wildscav_leaderboard.boards.matchmaking import Candidate, choose_entrants, ladder_match
 from wildscav_leaderboard.boards.ranks import better_in_pairs, rank_ranges
@@ -23,13 +23,9 @@ TIME = (MetricInfo(name="time", title="time", unit="s", lower_is_better=True),)
 
 
 def results(number: int, team: str, times: list[float], planned: int = 20) -> SuiteResults:
+    name = f"agent{number}"
     return SuiteResults(
-        submission=number,
-        name=f"agent{number}",
-        version="1",
-        team=team,
-        team_title=team.title(),
-        since=NOON,
+        entry=Entry(name, number, name, "1", team, team.title(), NOON),
         planned=planned,
         faults=0,
         metrics={index: {"time": time} for index, time in enumerate(times)},
@@ -118,7 +114,7 @@ def duels(*pairs: str) -> tuple[RatedMatch, ...]:
 
 
 def ladder_of(matches: tuple[RatedMatch, ...], names: str) -> LadderBoard:
-    entrants = [LadderEntrant(name, number, name, team=name) for number, name in enumerate(names, 1)]
+    entrants = [Entry(name, number, name, team=name) for number, name in enumerate(names, 1)]
     return ladder_board("battle", CONDITIONS, TIME, entrants, Played(matches), Enough(400.0, 100), NOON)
 
 

@@ -2,7 +2,7 @@
 
 from markupsafe import Markup
 
-from wildscav_leaderboard.web.page_parts import PageParts
+from wildscav_leaderboard.web.rendering import PageParts
 
 
 def test_a_part_is_made_once_for_each_key() -> None:

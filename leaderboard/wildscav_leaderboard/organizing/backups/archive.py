@@ -3,7 +3,6 @@
 import hashlib
 import io
 import tarfile
-from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
 from typing import IO
 
@@ -84,7 +83,8 @@ def extract(archive: Path, folder: Path) -> None:
     if SUMS not in sums:
         raise BackupError(f"{archive} is no backup of a season, or its end is missing")
     del sums[SUMS]
-    told = dict(_lines(folder / SUMS))
+    lines = (folder / SUMS).read_text("utf-8", "replace").splitlines()
+    told = {name: digest for digest, _, name in (line.partition("  ") for line in lines)}
     for name in sorted(told | sums):
         if told.get(name) != sums.get(name):
             raise BackupError(f"{archive} is damaged: {name} is not what was backed up")
@@ -108,10 +108,3 @@ def _extract(tar: tarfile.TarFile, info: tarfile.TarInfo, target: Path) -> str:
             file.write(piece)
             total.update(piece)
     return total.hexdigest()
-
-
-def _lines(path: Path) -> Iterator[tuple[str, str]]:
-    """Yield the name and the sum of every line."""
-    for line in path.read_text("utf-8", "replace").splitlines():
-        digest, _, name = line.partition("  ")
-        yield name, digest

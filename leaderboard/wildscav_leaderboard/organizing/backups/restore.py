@@ -7,14 +7,13 @@ from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
-from wildscav.errors import UserError, describe
-from wildscav.system import leftovers
+from wildscav.errors import UserError
 from wildscav_leaderboard.database.connection import Database
-from wildscav_leaderboard.database.schema import bring_to, bring_up_to_date, versions_known
+from wildscav_leaderboard.database.schema import bring_to, versions_known
 from wildscav_leaderboard.organizing.backups.archive import BackupError, extract
 from wildscav_leaderboard.organizing.backups.backup import ABOUT, FILES, FORMAT, SETTINGS, TABLES
 from wildscav_leaderboard.organizing.backups.tables import is_empty, read_tables
-from wildscav_leaderboard.seasons.folder import DATABASE_FILE, Season
+from wildscav_leaderboard.seasons.folder import DATABASE_FILE, Season, place_for
 
 
 @dataclass(frozen=True)
@@ -42,15 +41,9 @@ def restore(archive: Path, folder: Path) -> Restored:
         DatabaseError: The database cannot be reached.
     """
     folder = folder.absolute()
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise UserError(f"{folder} is not an empty folder: name a new one", exit_code=2)
-    try:
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        with leftovers.temporary_folder_in(folder.parent, ".season-") as place:
-            extract(archive, place)
-            return _restore(archive, place, folder)
-    except OSError as error:
-        raise UserError(f"the backup cannot be restored: {describe(error)}") from error
+    with place_for(folder, "the backup cannot be restored") as place:
+        extract(archive, place)
+        return _restore(archive, place, folder)
 
 
 def _restore(archive: Path, place: Path, folder: Path) -> Restored:
@@ -98,7 +91,7 @@ def _fill(database: Database, tables: Path, version: str, rename: tuple[Path, Pa
             raise BackupError("the backup was written by a newer version of Wildscav")
         bring_to(connection, version)
         rows = read_tables(connection, tables)
-        bring_up_to_date(connection)
+        bring_to(connection)
         if rename is not None:
             rename[0].rename(rename[1])
     return rows

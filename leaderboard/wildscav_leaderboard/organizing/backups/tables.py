@@ -25,8 +25,9 @@ def write_tables(connection: Connection, folder: Path) -> int:
     for table in _tables(connection):
         with (folder / f"{table.name}{SUFFIX}").open("w", encoding="utf-8") as file:
             file.write(f"{json.dumps([column.name for column in table.columns])}\n")
-            for row in connection.execute(_ordered(table), execution_options={"yield_per": AT_ONCE}):
-                file.write(f"{json.dumps([_stored(value) for value in row])}\n")
+            ordered = select(table).order_by(*table.primary_key.columns)
+            for row in connection.execute(ordered, execution_options={"yield_per": AT_ONCE}):
+                file.write(f"{json.dumps(list(row), default=datetime.isoformat)}\n")
                 rows += 1
     return rows
 
@@ -57,14 +58,6 @@ def _tables(connection: Connection) -> list[Table]:
     found = MetaData()
     found.reflect(connection)
     return [table for table in found.sorted_tables if table.name != VERSION_TABLE]
-
-
-def _ordered(table: Table) -> Any:
-    return select(table).order_by(*table.primary_key.columns)
-
-
-def _stored(value: Any) -> Any:
-    return value.isoformat() if isinstance(value, datetime) else value
 
 
 def _batches(path: Path, table: Table) -> Iterator[list[dict[str, Any]]]:
