@@ -14,8 +14,8 @@ class View(BaseModel):
     @classmethod
     def of(cls, source: object, **others: Any) -> Self:
         """Return a document of what something has of its fields, and of the others that are given."""
-        own = {name: getattr(source, name) for name in cls.model_fields if hasattr(source, name)}
-        return cls.model_validate({**own, **others})
+        names = [name for name in cls.model_fields if name not in others and hasattr(source, name)]
+        return cls.model_validate({name: getattr(source, name) for name in names} | others)
 
 
 class ErrorView(View):

@@ -54,12 +54,9 @@ def _table(found: "list[MatchView]", submission: int | None) -> Table:
         own = [seat for seat in one.seats if submission is not None and seat.submission == submission]
         outcomes = dict.fromkeys(texts.outcome(one, seat) for seat in own or one.seats[:1])
         entrants = ", ".join(dict.fromkeys(texts.who(seat) for seat in one.seats))
-        table.add_row(
-            *texts.row(
-                one.id, one.track, texts.state(one.state), texts.minute(one.since) if one.since else ""
-            ),
-            *texts.row(entrants, ", ".join(filter(None, outcomes))),
-        )
+        since = texts.minute(one.since) if one.since else ""
+        cells = (one.id, one.track, texts.state(one.state), since, entrants)
+        table.add_row(*texts.row(*cells, ", ".join(filter(None, outcomes))))
     return table
 
 
@@ -78,13 +75,6 @@ def _show(one: "MatchView", url: str) -> None:
     for seat in one.seats:
         latency = "" if seat.latency_p99 is None else f"{1000.0 * seat.latency_p99:.1f} ms"
         why = ": ".join(filter(None, (seat.fault, seat.detail)))
-        cells = (
-            seat.name,
-            seat.team_title or "",
-            seat.status or "",
-            why,
-            texts.figures(seat.metrics),
-            latency,
-        )
-        table.add_row(*texts.row(seat.seat, *cells))
+        cells = (seat.seat, seat.name, seat.team_title or "", seat.status or "", why)
+        table.add_row(*texts.row(*cells, texts.figures(seat.metrics), latency))
     console.print(table)
