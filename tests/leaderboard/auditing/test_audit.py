@@ -257,6 +257,19 @@ def test_a_match_that_counts_twice_is_found(opened: Published, audit: Run) -> No
     assert any("two results of match number" in one for one in found)
 
 
+def test_a_match_that_two_boards_of_a_track_count_differently_is_found(
+    opened: Published, audit: Run
+) -> None:
+    other = opened.matches("battle")[0]
+    changed = {**other, "metrics": {**other["metrics"], "kills": 9.0}}
+    opened.change_matches("battle-season", lambda matches: matches.append(changed))
+
+    findings = [one for one in audit(opened, track="battle", records=0).findings if one.match == other["id"]]
+    assert "battle-season, match {}: another board of the track counts it differently".format(
+        other["id"]
+    ) in [str(one) for one in findings]
+
+
 def test_the_order_of_the_ladder_is_that_in_which_its_matches_were_made(
     opened: Published, audit: Run
 ) -> None:
