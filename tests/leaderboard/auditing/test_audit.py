@@ -1,6 +1,8 @@
 """A season that was played fairly holds; whatever is changed in what is published is found and named."""
 
 import json
+from datetime import timedelta
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -10,6 +12,12 @@ from tests.leaderboard.played_seasons import TEAMS
 
 from wildscav.errors import UserError
 from wildscav_evaluator.suites.seeds import commitment_of, new_secret
+from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.organizing import finalizing
+from wildscav_leaderboard.organizing.acts import disqualify_team
+from wildscav_leaderboard.publishing.export import export
+from wildscav_leaderboard.seasons.acts import Doing
+from wildscav_leaderboard.seasons.folder import Season
 
 SUITE_MATCHES, FINAL_MATCHES, LADDER_MATCHES = 18, 12, 6
 
@@ -330,3 +338,23 @@ def test_a_track_that_the_season_does_not_have_is_an_error_of_usage(opened: Publ
 def test_a_folder_of_something_else_is_refused(audit: Run, tmp_path: Any) -> None:
     with pytest.raises(UserError, match="name the address of a season, or a folder that"):
         audit(tmp_path)
+
+
+def test_a_season_that_is_finalized_again_holds_without_the_team_that_was_disqualified(
+    after_opening: Path, played: tuple[Season, Database], audit: Run, tmp_path: Path
+) -> None:
+    before, (season, database) = Published(after_opening), played
+    team = leader(before.board("navigation"))["team"]
+    late = season.settings.closes + timedelta(days=2)
+    with database.writing() as session:
+        disqualify_team(Doing(session, season, "anna", late), team, reason="two teams of one person")
+        assert finalizing.finalize_again(session, season, "anna", late)
+    export(season, database, tmp_path / "again")
+
+    after = Published(tmp_path / "again")
+    for track in ("navigation", "battle"):
+        teams = [{row["team"] for row in one.board(track)["rows"]} for one in (before, after)]
+        assert teams[0] - teams[1] == {team}, track
+        named = {line["submission"]["team"] for line in after.lines(track) if "submission" in line}
+        assert named == teams[1] - {""}, track
+    assert audit(after).findings == []
