@@ -1,23 +1,34 @@
 """A season that was played fairly holds; whatever is changed in what is published is found and named."""
 
 import json
+import shutil
 from datetime import timedelta
 from pathlib import Path
 from typing import Any
 
 import pytest
+from sqlalchemy import select
 from tests.leaderboard.auditing.conftest import Run
 from tests.leaderboard.auditing.tampering import Published
-from tests.leaderboard.played_seasons import TEAMS
+from tests.leaderboard.database.first_schema import take_back_to_first
+from tests.leaderboard.played_seasons import TEAMS, enter
+from tests.leaderboard.seasons_made import NOON, team_with_member
 
 from wildscav.errors import UserError
 from wildscav_evaluator.suites.seeds import commitment_of, new_secret
+from wildscav_leaderboard.boards.kept import read_board
+from wildscav_leaderboard.boards.service import refresh
+from wildscav_leaderboard.conductor.editions import begin_editions
+from wildscav_leaderboard.conductor.plans import plan_ladders
 from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.matches.models import WAITING, Match
+from wildscav_leaderboard.matches.service import next_matches
 from wildscav_leaderboard.organizing import finalizing
 from wildscav_leaderboard.organizing.acts import disqualify_team
 from wildscav_leaderboard.publishing.export import export
 from wildscav_leaderboard.seasons.acts import Doing
 from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.in_force import edition_numbers
 
 SUITE_MATCHES, FINAL_MATCHES, LADDER_MATCHES = 18, 12, 6
 
@@ -265,9 +276,7 @@ def test_a_match_that_counts_twice_is_found(opened: Published, audit: Run) -> No
     assert any("two results of match number" in one for one in found)
 
 
-def test_a_match_that_two_boards_of_a_track_count_differently_is_found(
-    opened: Published, audit: Run
-) -> None:
+def test_a_match_that_two_boards_of_a_track_count_differently_is_found(opened: Published, audit: Run) -> None:
     other = opened.matches("battle")[0]
     changed = {**other, "metrics": {**other["metrics"], "kills": 9.0}}
     opened.change_matches("battle-season", lambda matches: matches.append(changed))
@@ -358,3 +367,37 @@ def test_a_season_that_is_finalized_again_holds_without_the_team_that_was_disqua
         named = {line["submission"]["team"] for line in after.lines(track) if "submission" in line}
         assert named == teams[1] - {""}, track
     assert audit(after).findings == []
+
+
+def test_a_season_of_the_first_schema_goes_on_where_it_was(
+    before_the_end: Path, audit: Run, tmp_path: Path
+) -> None:
+    season = Season.open(Path(shutil.copytree(before_the_end, tmp_path / "season")))
+    tracks, later = ("navigation", "battle"), NOON + timedelta(hours=5)
+    database = season.database()
+    with database.writing() as session:
+        team_with_member(session, "newts")
+        enter(session, season, "newts", tmp_path / "agents", 60)
+        refresh(session, season, later)
+        before = [read_board(session, track) for track in tracks]
+        waiting = list(session.scalars(select(Match.id).filter_by(state=WAITING)))
+        assert waiting
+    database.close()
+    take_back_to_first(season.database_url)
+
+    database.upgrade()
+    with database.writing() as session:
+        assert begin_editions(session, season, later) == [], "nothing has to be judged again"
+        assert [one.id for one in next_matches(session, edition_numbers(session), 99)] == waiting
+        assert plan_ladders(session, season, later) == 2
+        games = select(Match).filter_by(track="battle").order_by(Match.id)
+        assert [one.number for one in session.scalars(games)] == list(range(LADDER_MATCHES + 2))
+        refresh(session, season, later)
+        after = [read_board(session, track) for track in tracks]
+        assert [one and one.rows for one in after] == [one and one.rows for one in before]
+    export(season, database, tmp_path / "export")
+    database.close()
+    report = audit(tmp_path / "export", replay=0)
+    assert report.findings == []
+    counts = {(check.track, check.what): check.checked for check in report.checks}
+    assert counts["battle", "results of matches"] == LADDER_MATCHES

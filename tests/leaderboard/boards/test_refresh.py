@@ -123,7 +123,8 @@ def ladder_rows(season: Conducted) -> dict[int | None, LadderRow]:
 
 
 def test_a_submission_that_is_restored_keeps_its_rating(season: Conducted) -> None:
-    fox, owl = (season.active(team, ("battle",)) for team in ("foxes", "owls"))
+    season.active("owls", ("battle",))
+    fox = season.active("foxes", ("battle",))
     season.write(lambda session: plan_ladders(session, season.season, season.now))
     for attempt, _ in season.take_matches(20)[:-1]:
         assert season.played(attempt)
