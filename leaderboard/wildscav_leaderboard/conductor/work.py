@@ -27,7 +27,7 @@ from wildscav_evaluator.submission_files import SubmissionError
 from wildscav_evaluator.submissions.images import build_image, lacks_packages, with_images
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_leaderboard.boards.matchmaking import seated
-from wildscav_leaderboard.matches.models import FINAL, LADDER, Match, MatchSeat
+from wildscav_leaderboard.matches.models import LADDER, Match, MatchSeat
 from wildscav_leaderboard.matches.service import PlayedRecord
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.spectating.live import key_of
@@ -129,7 +129,7 @@ def job_of(
     submissions = tuple(
         loaded[number] for seat in sorted(by_seat) if (number := by_seat[seat].submission_id) is not None
     )
-    seed = season.final_seed if match.kind == FINAL else season.seed
+    seed = season.final_seed if match.decides else season.seed
     return Job(
         submissions=submissions,
         track=match.track,

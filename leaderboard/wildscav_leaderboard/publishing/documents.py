@@ -106,6 +106,7 @@ class PublishedSubmission(_Part):
     team: str
     team_title: str
     created: datetime
+    digest: Digest  # of its content, from which its private seeds follow
 
 
 class PublishedSeat(_Part):

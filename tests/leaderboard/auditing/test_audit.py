@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from dataclasses import replace
 from datetime import timedelta
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,9 @@ from tests.leaderboard.played_seasons import TEAMS, enter
 from tests.leaderboard.seasons_made import NOON, team_with_member
 
 from wildscav.errors import UserError
+from wildscav_engine.record import read_record
+from wildscav_engine.record.format import save
+from wildscav_evaluator.output.journal import file_digest
 from wildscav_evaluator.suites.seeds import commitment_of, new_secret
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.service import refresh
@@ -208,6 +212,33 @@ def test_a_record_that_is_another_matchs_is_found_even_if_its_digest_fits(
     findings = audit(opened, track="navigation", replay=0).findings
     assert {one.match for one in findings if one.match is not None} == {first["id"]}
     assert any("it is not match number 0 that the secret gives" in str(one) for one in findings)
+
+
+@pytest.mark.parametrize("track", ["navigation", "battle", "battle-season"])
+def test_a_private_seed_that_does_not_follow_from_the_secret_is_found(
+    opened: Published, audit: Run, track: str
+) -> None:
+    match = opened.matches(track)[0]
+    seat = next(one for one in match["seats"] if one["submission"])
+    path = opened.record(match["id"])
+    record = read_record(path)
+    seeds = [12345 if number == seat["seat"] else seed for number, seed in enumerate(record.seeds)]
+    save(replace(record, seeds=tuple(seeds)), path)
+    opened.change_matches(track, lambda matches: matches[0].update(record=file_digest(path)))
+
+    (finding,) = audit(opened, track=track.partition("-")[0]).findings
+    assert (finding.track, finding.match, finding.submission) == (track, match["id"], seat["submission"])
+    assert f"seat {seat['seat']} was told a private seed that does not follow" in str(finding)
+
+
+def test_private_seeds_follow_from_the_content_of_the_submission(opened: Published, audit: Run) -> None:
+    lines = opened.lines("navigation-season")
+    submission = lines[1]["submission"]
+    submission["digest"] = "ab" * 16
+    opened.write_lines("navigation-season", lines)
+    opened.resum()
+    findings = audit(opened, track="navigation", replay=0).findings
+    assert [(one.team, "private seed" in one.problem) for one in findings] == [(submission["team"], True)] * 6
 
 
 def test_a_secret_that_was_swapped_does_not_fit_its_commitment(opened: Published, audit: Run) -> None:
