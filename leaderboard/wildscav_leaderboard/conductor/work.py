@@ -79,8 +79,17 @@ def validate(season: Season, archive: str, entrant: str, sandbox: str, logs: Pat
     trials = {track: trial_of(season, track, submission.name) for track in tracks}
     for finding in run_checks(submission, SANDBOXES[sandbox], logs, trials):
         if finding.verdict == Verdict.BROKEN:
-            return _rejection(finding, sandbox, submission.folder)
+            named = finding.check.removeprefix("match: ")
+            command = check_command(season, named if named in tracks else tracks[0], sandbox)
+            return _rejection(finding, command, submission.folder)
     return None
+
+
+def check_command(season: Season, track: str, sandbox: str) -> str:
+    """Return the command that tries a submission as the season does; an organizer's own suite is hidden."""
+    suite = season.suite(track)
+    chosen = f" --suite {suite.name}" if suite.source is None else ""
+    return f"wildscav check DIR{chosen} --sandbox {sandbox}"
 
 
 def trial_of(season: Season, track: str, entrant: str) -> Trial:
@@ -93,11 +102,11 @@ def trial_of(season: Season, track: str, entrant: str) -> Trial:
     return trial._replace(spec=spec)
 
 
-def _rejection(finding: Finding, sandbox: str, folder: Path) -> Rejection:
+def _rejection(finding: Finding, command: str, folder: Path) -> Rejection:
     reason = f"{finding.check}: {finding.seen}" + (f". {finding.advice}" if finding.advice else "")
     # Tracebacks name files by where they lie here, which is nobody's business.
     lines = tuple(line.replace(f"{folder}{os.sep}", "") for line in finding.last_lines[-LAST_LINES:])
-    return Rejection(reason, lines, f"wildscav check DIR --sandbox {sandbox}")
+    return Rejection(reason, lines, command)
 
 
 def job_of(
