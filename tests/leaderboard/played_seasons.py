@@ -25,6 +25,7 @@ from wildscav_leaderboard.matches.service import PlayedRecord, deliver, seats_of
 from wildscav_leaderboard.organizing import finalizing
 from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE, Season
 from wildscav_leaderboard.submissions import states
+from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.service import move
 
 RECORD = "records/match.wsr"
@@ -88,9 +89,14 @@ def play(session: Session, season: Season, match: Match, now: datetime) -> None:
     """Play a match, and deliver its result."""
     seats = seats_of(session, [match.id])[match.id]
     game = Game(MatchSpec.model_validate(match.spec))
+    told = [seat for seat in seats if seat.submission_id is not None]
+    digests = [session.get_one(Submission, seat.submission_id).digest for seat in told]
+    secret = season.final_seed if match.decides else season.seed
+    seeds = secret.private(game.spec, digests)
+    game.seeds = {seat.seat: seed for seat, seed in zip(told, seeds, strict=True)}
     while not game.over:
         game.step(_actions(game, seats))
-    names = [seat.entrant for seat in seats if seat.submission_id is not None]
+    names = [seat.entrant for seat in told]
     robots = [seat.seat for seat in seats if seat.submission_id is None]
     path = season.match_folder(match.id) / RECORD
     path.parent.mkdir(parents=True, exist_ok=True)

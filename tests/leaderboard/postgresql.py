@@ -13,6 +13,7 @@ from pathlib import Path
 from sqlalchemy import create_engine, text
 
 USER = "postgres"  # of Debian's package: the server refuses to run as root
+PATIENCE = 600  # s, of a busy machine: a server has taken 7 s to be made
 
 
 def programs() -> Path | None:
@@ -46,12 +47,13 @@ class PostgreSQL:
         command = [str(self._programs / program), *arguments]
         if os.getuid() == 0:
             command = ["runuser", "-u", USER, "--", *command]
-        subprocess.run(command, check=True, cwd=self._folder, stdout=subprocess.DEVNULL, timeout=60)
+        subprocess.run(command, check=True, cwd=self._folder, stdout=subprocess.DEVNULL, timeout=PATIENCE)
 
     def start(self) -> None:
         """Start the server, and wait until it answers."""
         options = f"-c listen_addresses= -c unix_socket_directories={self._folder} -c fsync=off"
-        self._run("pg_ctl", "start", "-w", f"-D{self._data}", f"-o{options}", f"-l{self._folder / 'log'}")
+        folder = f"-D{self._data}", f"-l{self._folder / 'log'}"
+        self._run("pg_ctl", "start", f"-wt{PATIENCE}", f"-o{options}", *folder)
 
     def stop(self, mode: str = "fast") -> None:
         """Stop the server; ``immediate`` is a crash."""
@@ -62,7 +64,8 @@ class PostgreSQL:
         name = f"season_{secrets.token_hex(4)}"
         admin = create_engine(self._url("postgres"), isolation_level="AUTOCOMMIT")
         with admin.connect() as connection:
-            connection.execute(text(f"CREATE DATABASE {name}"))
+            # Refused while anybody is connected to the template, such as autovacuum; nobody is to this one.
+            connection.execute(text(f"CREATE DATABASE {name} TEMPLATE template0"))
         admin.dispose()
         return self._url(name)
 

@@ -18,11 +18,13 @@ def conduct(database: Database, season: Season, until: Callable[[Session], bool]
     conductor = Conductor(season, database)
 
     def watch() -> None:
-        for _ in range(int(LONGEST / 0.2)):
-            with database.reading() as session:
-                if until(session) or ended.wait(0.2):
-                    break
-        conductor.stop()
+        try:
+            for _ in range(int(LONGEST / 0.2)):
+                with database.reading() as session:
+                    if until(session) or ended.wait(0.2):
+                        break
+        finally:  # also if the test fails there
+            conductor.stop()
 
     watcher = threading.Thread(target=watch)
     watcher.start()

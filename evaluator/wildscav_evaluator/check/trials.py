@@ -26,7 +26,7 @@ from wildscav_evaluator.suites.seeds import SuiteSeed
 from wildscav_evaluator.suites.suite import EVALUATION_MAPS, Suite
 
 STEPS = 600  # after which a match ends: a minute at the usual length of a step
-LATE_STEPS = 100  # after which the match with late answers ends
+LATE_STEPS = 50  # after which the match with late answers ends
 CANCEL_AT = 3  # steps played before the match is cancelled
 LEAVING_TIME = 5.0  # s for the agents' processes to end after that
 

@@ -71,6 +71,7 @@ def wrong_draws(
         if found is None or found.spec is None or match.conditions != conditions:
             continue  # of a ladder's earlier edition
         place = of_match(match, file)
+        yield from _wrong_seeds(match, found, file, seed)
         if match.kind != LADDER:
             if match.number >= len(specs) or specs[match.number] != found.spec:
                 yield Finding(f"it is not match number {match.number} that the secret gives", **place)
@@ -81,6 +82,25 @@ def wrong_draws(
                 f"its map or its seats are not those of the ladder's match number {match.number} that the "
                 "secret gives",
                 **place,
+            )
+
+
+def _wrong_seeds(
+    match: PublishedMatch, found: Recorded, file: BoardFile, seed: SuiteSeed
+) -> Iterator[Finding]:
+    """Yield which seats were told another private seed than follows from the secret and the submission."""
+    if found.spec is None or not found.seeds or found.faults:
+        return
+    told = sorted((one.seat, one.submission) for one in match.seats if one.submission is not None)
+    known = [file.by_number.get(number) for _, number in told]  # not of those that left the board
+    private = seed.private(found.spec, ["" if one is None else one.digest for one in known])
+    for (seat, number), own, right in zip(told, known, private, strict=True):
+        if own is not None and found.seeds[seat] != right:
+            yield Finding(
+                f"seat {seat} was told a private seed that does not follow from the secret",
+                match=match.id,
+                submission=number,
+                team=own.team,
             )
 
 

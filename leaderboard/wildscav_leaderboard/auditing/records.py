@@ -12,7 +12,7 @@ from typing import NamedTuple
 from wildscav.errors import describe
 from wildscav_engine.maps import GENERATOR_VERSION
 from wildscav_engine.record import FILE_LIMIT, Record, RecordError, verify_record
-from wildscav_engine.record.format import decode
+from wildscav_engine.record.format import WITHOUT_SEEDS, decode
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.storage.files import read_limited, write_whole
 from wildscav_engine.version import SIMULATION_VERSION
@@ -48,6 +48,7 @@ class Recorded:
     match: int
     faults: tuple[str, ...] = ()  # what is wrong with it
     spec: MatchSpec | None = None
+    seeds: tuple[int, ...] = ()  # that its seats were told; none if it is of a version that kept none
     metrics: dict[int, dict[str, float]] | None = None  # of each seat; None if the record cannot be read
     replayed: bool = False  # whether the match was played again, and ended as the record says
     unplayed: str = ""  # why it could not be played again here
@@ -114,7 +115,8 @@ def check_record(task: Task) -> Recorded:
     metrics = None
     if not faults:
         metrics = {seat.seat: dict(record.result.seats[seat.seat].metrics) for seat in fetched.match.seats}
-    return Recorded(fetched.match.id, tuple(faults), record.spec, metrics, replayed, unplayed)
+    seeds = () if record.version == WITHOUT_SEEDS else record.seeds
+    return Recorded(fetched.match.id, tuple(faults), record.spec, seeds, metrics, replayed, unplayed)
 
 
 def _wrong_seats(record: Record, task: Task) -> str:

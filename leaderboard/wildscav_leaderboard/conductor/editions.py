@@ -8,13 +8,16 @@ it can still be played.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
+from hashlib import blake2b
 
 from sqlalchemy import func, select, true, update
 from sqlalchemy.orm import Session
 
 from wildscav.terminal.console import counted
-from wildscav_leaderboard.matches.models import VOID, WAITING, Match, MatchResult
-from wildscav_leaderboard.seasons.editions import Edition, changes_between
+from wildscav_leaderboard.boards.kept import read_board
+from wildscav_leaderboard.boards.models import HIDDEN, Board, LadderStep
+from wildscav_leaderboard.matches.models import FINISHED, VOID, WAITING, Match, MatchResult
+from wildscav_leaderboard.seasons.editions import Conditions, Edition, changes_between, digest_of
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.in_force import (
     edition_numbers,
@@ -75,12 +78,45 @@ def begin_editions(session: Session, season: Season, now: datetime) -> list[Edit
     if is_decided(session):
         return []
     for track in written.settings.tracks:
+        if track not in numbers and _adopt(session, written, track, now):
+            continue
         if track not in numbers or not _has_matches(session, numbers[track]):
             _enter(session, written, track, edition_of(written, track, sandbox_of(session, written)), now)
     in_use = in_force(session, written)
     for submission in session.scalars(select(Submission).filter_by(state=ACTIVE)).all():
         plan_suites(session, in_use, submission, now)  # what was not planned while its edition had to wait
     return edition_changes(session, written)
+
+
+def _adopt(session: Session, season: Season, track: str, now: datetime) -> bool:
+    """Let what was played before there were editions go on as one, and bring that into force.
+
+    Returns:
+        Whether there was anything.
+    """
+    board = read_board(session, track, HIDDEN)
+    known = set() if board is None else board.conditions.model_fields_set
+    if board is None or known == set(Conditions.model_fields):
+        return False
+    before = blake2b(
+        board.conditions.model_dump_json(exclude_unset=True).encode(), digest_size=16
+    ).hexdigest()
+    edition = edition_of(season, track, sandbox_of(session, season))
+    conditions = edition.conditions.model_copy(update={one: getattr(board.conditions, one) for one in known})
+    number = enter_edition(session, track, edition.model_copy(update={"conditions": conditions}), now)
+    own = select(MatchResult.match_id).join(Match, Match.id == MatchResult.match_id)
+    own = own.where(Match.track == track, MatchResult.conditions == before)
+    mine = Match.id.in_(own) | (Match.state != FINISHED)
+    session.execute(update(Match).where(Match.track == track, mine).values(edition_id=number))
+    for table in (LadderStep, MatchResult):
+        session.execute(
+            update(table)
+            .where(table.match_id.in_(select(Match.id).filter_by(edition_id=number)))
+            .values(conditions=digest_of(conditions))
+        )
+    for row in session.scalars(select(Board).filter_by(track=track)):  # a frozen one stays as it is
+        row.document = {**row.document, "conditions": conditions.model_dump(mode="json")}
+    return True
 
 
 def edition_changes(session: Session, season: Season) -> list[EditionChange]:

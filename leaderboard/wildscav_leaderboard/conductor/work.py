@@ -31,7 +31,7 @@ from wildscav_evaluator.submission_files import SubmissionError
 from wildscav_evaluator.submissions.images import build_image, lacks_packages, with_images
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_leaderboard.boards.matchmaking import seated
-from wildscav_leaderboard.matches.models import FINAL, LADDER, Match
+from wildscav_leaderboard.matches.models import LADDER, Match
 from wildscav_leaderboard.matches.service import PlayedRecord, Seat
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.spectating.live import key_of
@@ -106,8 +106,17 @@ def validate(season: Season, archive: str, entrant: str, sandbox: str, logs: Pat
     trials = {track: trial_of(season, track, submission.name) for track in tracks}
     for finding in run_checks(submission, SANDBOXES[sandbox], logs, trials):
         if finding.verdict == Verdict.BROKEN:
-            return _rejection(finding, sandbox, submission.folder)
+            named = finding.check.removeprefix("match: ")
+            command = check_command(season, named if named in tracks else tracks[0], sandbox)
+            return _rejection(finding, command, submission.folder)
     return None
+
+
+def check_command(season: Season, track: str, sandbox: str) -> str:
+    """Return the command that tries a submission as the season does; an organizer's own suite is hidden."""
+    suite = season.suite(track)
+    chosen = f" --suite {suite.name}" if suite.source is None else ""
+    return f"wildscav check DIR{chosen} --sandbox {sandbox}"
 
 
 def trial_of(season: Season, track: str, entrant: str) -> Trial:
@@ -120,11 +129,11 @@ def trial_of(season: Season, track: str, entrant: str) -> Trial:
     return trial._replace(spec=spec)
 
 
-def _rejection(finding: Finding, sandbox: str, folder: Path) -> Rejection:
+def _rejection(finding: Finding, command: str, folder: Path) -> Rejection:
     reason = f"{finding.check}: {finding.seen}" + (f". {finding.advice}" if finding.advice else "")
     # Tracebacks name files by where they lie here, which is nobody's business.
     lines = tuple(line.replace(f"{folder}{os.sep}", "") for line in finding.last_lines[-LAST_LINES:])
-    return Rejection(reason, lines, f"wildscav check DIR --sandbox {sandbox}")
+    return Rejection(reason, lines, command)
 
 
 def job_of(
@@ -156,7 +165,7 @@ def job_of(
     submissions = tuple(
         loaded[number] for seat in sorted(by_seat) if (number := by_seat[seat].submission_id) is not None
     )
-    seed = season.final_seed if match.kind == FINAL else season.seed
+    seed = season.final_seed if match.decides else season.seed
     return Job(
         submissions=submissions,
         track=match.track,

@@ -103,6 +103,7 @@ class PublishedSubmission(Part):
     team: str
     team_title: str
     created: datetime
+    digest: Digest  # of its content, from which its private seeds follow
 
 
 class PublishedSeat(Part):

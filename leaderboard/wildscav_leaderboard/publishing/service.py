@@ -179,6 +179,7 @@ def _submissions(session: Session, board: BoardDocument) -> list[PublishedSubmis
             team=team.name,
             team_title=titles.get(team.name, team.title),
             created=one.created,
+            digest=one.digest,
         )
         for one, team in session.execute(wanted)
     ]

@@ -49,13 +49,13 @@ def test_the_lines_of_a_track_are_those_of_an_export(site: str, played: tuple[Se
     folder = season.folder.parent / "exported"
     export(season, database, folder)
     for track in season.settings.tracks:
-        answer = httpx.get(f"{site}/api/v1/audit/tracks/{track}.ndjson")
+        answer = httpx.get(f"{site}/api/v1/audit/tracks/{track}.ndjson", timeout=60.0)
         assert answer.headers["content-type"].startswith("application/x-ndjson")
         assert answer.text == (folder / f"tracks/{track}.ndjson").read_text("utf-8")
 
 
 def test_a_track_that_the_season_does_not_have_is_not_there(site: str) -> None:
-    answer = httpx.get(f"{site}/api/v1/audit/tracks/royale.ndjson")
+    answer = httpx.get(f"{site}/api/v1/audit/tracks/royale.ndjson", timeout=60.0)
     assert (answer.status_code, answer.json()["error"]) == (
         404,
         "the season has no track 'royale'; it has navigation, battle",

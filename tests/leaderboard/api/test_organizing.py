@@ -18,12 +18,12 @@ from wildscav_leaderboard.hosting.app import create_app
 class Callers:
     """Clients of a season's API, by who asks."""
 
-    def __init__(self, address: str, tokens: dict[str, str]) -> None:
-        self.address, self._tokens = address, tokens
+    def __init__(self, client: httpx.Client, tokens: dict[str, str]) -> None:
+        self.client, self._tokens = client, tokens
 
     def ask(self, who: str, method: str, path: str, content: object = None) -> httpx.Response:
         headers = {"Authorization": f"Bearer {self._tokens[who]}"}
-        return httpx.request(method, f"{self.address}/api/v1{path}", json=content, headers=headers)
+        return self.client.request(method, path, json=content, headers=headers)
 
     def act(self, path: str, content: object = None) -> httpx.Response:
         answer = self.ask("olga", "POST", f"/organizer{path}", content)
@@ -42,8 +42,11 @@ def callers(tmp_path: Path) -> Iterator[Callers]:
         olga = make_account(session, "olga", ORGANIZER)
         submitted(session, season, "foxes", write_agent(tmp_path, "fox"), now)
         tokens = {who.name: new_token(session, who, "test", now) for who in (olga, captain)}
-    with served(create_app(season, database)) as address:
-        yield Callers(address, tokens)
+    with (
+        served(create_app(season, database)) as address,
+        httpx.Client(base_url=f"{address}/api/v1", timeout=60.0) as client,
+    ):
+        yield Callers(client, tokens)
     database.close()
 
 
@@ -69,7 +72,7 @@ def test_every_act_is_entered_in_the_audit_log_with_who_did_it_and_why(callers: 
 
 def test_everyone_sees_why_a_submission_was_disqualified(callers: Callers) -> None:
     callers.act("/submissions/1/disqualify", {"reason": "it reads the map"})
-    seen = httpx.get(f"{callers.address}/api/v1/submissions/1").json()
+    seen = callers.client.get("/submissions/1").json()
     assert (seen["state"], seen["reason"]) == ("cancelled", "disqualified: it reads the map")
 
 
@@ -84,9 +87,9 @@ def test_the_status_tells_that_nobody_conducts_and_what_waits(callers: Callers) 
 def test_an_invitation_registers_as_many_as_it_says_and_in_its_role(callers: Callers) -> None:
     key = callers.act("/invitations", {"label": "jury", "role": "organizer"}).json()["key"]
     new = {"name": "jill", "password": "correct horse battery", "invitation": key}
-    made = httpx.post(f"{callers.address}/api/v1/accounts", json=new)
+    made = callers.client.post("/accounts", json=new)
     assert made.json()["role"] == ORGANIZER
-    again = httpx.post(f"{callers.address}/api/v1/accounts", json=new | {"name": "jack"})
+    again = callers.client.post("/accounts", json=new | {"name": "jack"})
     assert again.status_code == 403, again.text
 
 
@@ -110,7 +113,7 @@ def test_a_competitor_does_nothing_of_it_and_a_visitor_is_asked_to_log_in(
 ) -> None:
     refused = callers.ask("foxes-captain", method, path, content)
     assert (refused.status_code, refused.json()["error"]) == (403, "only organizers may do this")
-    assert httpx.request(method, f"{callers.address}/api/v1{path}", json=content).status_code == 401
+    assert callers.client.request(method, path, json=content).status_code == 401
     assert callers.ask("olga", "GET", "/organizer/audit-log").json() == []
 
 

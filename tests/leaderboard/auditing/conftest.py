@@ -36,8 +36,17 @@ def before_opening(played: tuple[Season, Database], tmp_path_factory: pytest.Tem
 
 
 @pytest.fixture(scope="module")
+def before_the_end(played: tuple[Season, Database], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of its folder while it still goes on."""
+    return Path(shutil.copytree(played[0].folder, tmp_path_factory.mktemp("copy") / "season"))
+
+
+@pytest.fixture(scope="module")
 def after_opening(
-    played: tuple[Season, Database], before_opening: Path, tmp_path_factory: pytest.TempPathFactory
+    played: tuple[Season, Database],
+    before_opening: Path,
+    before_the_end: Path,
+    tmp_path_factory: pytest.TempPathFactory,
 ) -> Path:
     """What is published of it afterwards."""
     season, database = played

@@ -1,15 +1,38 @@
 """A season that was played fairly holds; whatever is changed in what is published is found and named."""
 
 import json
+import shutil
+from dataclasses import replace
+from datetime import timedelta
+from pathlib import Path
 from typing import Any
 
 import pytest
+from sqlalchemy import select
 from tests.leaderboard.auditing.conftest import Run
 from tests.leaderboard.auditing.tampering import Published
-from tests.leaderboard.played_seasons import TEAMS
+from tests.leaderboard.database.first_schema import take_back_to_first
+from tests.leaderboard.played_seasons import TEAMS, enter
+from tests.leaderboard.seasons_made import NOON, team_with_member
 
 from wildscav.errors import UserError
+from wildscav_engine.record import read_record
+from wildscav_engine.record.format import save
+from wildscav_evaluator.output.journal import file_digest
 from wildscav_evaluator.suites.seeds import commitment_of, new_secret
+from wildscav_leaderboard.boards.kept import read_board
+from wildscav_leaderboard.boards.service import refresh
+from wildscav_leaderboard.conductor.editions import begin_editions
+from wildscav_leaderboard.conductor.plans import plan_ladders
+from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.matches.models import WAITING, Match
+from wildscav_leaderboard.matches.service import next_matches
+from wildscav_leaderboard.organizing import finalizing
+from wildscav_leaderboard.organizing.acts import disqualify_team
+from wildscav_leaderboard.publishing.export import export
+from wildscav_leaderboard.seasons.acts import Doing
+from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.in_force import edition_numbers
 
 SUITE_MATCHES, FINAL_MATCHES, LADDER_MATCHES = 18, 12, 6
 
@@ -191,6 +214,33 @@ def test_a_record_that_is_another_matchs_is_found_even_if_its_digest_fits(
     assert any("it is not match number 0 that the secret gives" in str(one) for one in findings)
 
 
+@pytest.mark.parametrize("track", ["navigation", "battle", "battle-season"])
+def test_a_private_seed_that_does_not_follow_from_the_secret_is_found(
+    opened: Published, audit: Run, track: str
+) -> None:
+    match = opened.matches(track)[0]
+    seat = next(one for one in match["seats"] if one["submission"])
+    path = opened.record(match["id"])
+    record = read_record(path)
+    seeds = [12345 if number == seat["seat"] else seed for number, seed in enumerate(record.seeds)]
+    save(replace(record, seeds=tuple(seeds)), path)
+    opened.change_matches(track, lambda matches: matches[0].update(record=file_digest(path)))
+
+    (finding,) = audit(opened, track=track.partition("-")[0]).findings
+    assert (finding.track, finding.match, finding.submission) == (track, match["id"], seat["submission"])
+    assert f"seat {seat['seat']} was told a private seed that does not follow" in str(finding)
+
+
+def test_private_seeds_follow_from_the_content_of_the_submission(opened: Published, audit: Run) -> None:
+    lines = opened.lines("navigation-season")
+    submission = lines[1]["submission"]
+    submission["digest"] = "ab" * 16
+    opened.write_lines("navigation-season", lines)
+    opened.resum()
+    findings = audit(opened, track="navigation", replay=0).findings
+    assert [(one.team, "private seed" in one.problem) for one in findings] == [(submission["team"], True)] * 6
+
+
 def test_a_secret_that_was_swapped_does_not_fit_its_commitment(opened: Published, audit: Run) -> None:
     other = new_secret()
     opened.change_season(lambda season: season["secret"].update(secret=other.hex()))
@@ -257,6 +307,17 @@ def test_a_match_that_counts_twice_is_found(opened: Published, audit: Run) -> No
     assert any("two results of match number" in one for one in found)
 
 
+def test_a_match_that_two_boards_of_a_track_count_differently_is_found(opened: Published, audit: Run) -> None:
+    other = opened.matches("battle")[0]
+    changed = {**other, "metrics": {**other["metrics"], "kills": 9.0}}
+    opened.change_matches("battle-season", lambda matches: matches.append(changed))
+
+    findings = [one for one in audit(opened, track="battle", records=0).findings if one.match == other["id"]]
+    assert "battle-season, match {}: another board of the track counts it differently".format(
+        other["id"]
+    ) in [str(one) for one in findings]
+
+
 def test_the_order_of_the_ladder_is_that_in_which_its_matches_were_made(
     opened: Published, audit: Run
 ) -> None:
@@ -317,3 +378,57 @@ def test_a_track_that_the_season_does_not_have_is_an_error_of_usage(opened: Publ
 def test_a_folder_of_something_else_is_refused(audit: Run, tmp_path: Any) -> None:
     with pytest.raises(UserError, match="name the address of a season, or a folder that"):
         audit(tmp_path)
+
+
+def test_a_season_that_is_finalized_again_holds_without_the_team_that_was_disqualified(
+    after_opening: Path, played: tuple[Season, Database], audit: Run, tmp_path: Path
+) -> None:
+    before, (season, database) = Published(after_opening), played
+    team = leader(before.board("navigation"))["team"]
+    late = season.settings.closes + timedelta(days=2)
+    with database.writing() as session:
+        disqualify_team(Doing(session, season, "anna", late), team, reason="two teams of one person")
+        assert finalizing.finalize_again(session, season, "anna", late)
+    export(season, database, tmp_path / "again")
+
+    after = Published(tmp_path / "again")
+    for track in ("navigation", "battle"):
+        teams = [{row["team"] for row in one.board(track)["rows"]} for one in (before, after)]
+        assert teams[0] - teams[1] == {team}, track
+        named = {line["submission"]["team"] for line in after.lines(track) if "submission" in line}
+        assert named == teams[1] - {""}, track
+    assert audit(after).findings == []
+
+
+def test_a_season_of_the_first_schema_goes_on_where_it_was(
+    before_the_end: Path, audit: Run, tmp_path: Path
+) -> None:
+    season = Season.open(Path(shutil.copytree(before_the_end, tmp_path / "season")))
+    tracks, later = ("navigation", "battle"), NOON + timedelta(hours=5)
+    database = season.database()
+    with database.writing() as session:
+        team_with_member(session, "newts")
+        enter(session, season, "newts", tmp_path / "agents", 60)
+        refresh(session, season, later)
+        before = [read_board(session, track) for track in tracks]
+        waiting = list(session.scalars(select(Match.id).filter_by(state=WAITING)))
+        assert waiting
+    database.close()
+    take_back_to_first(season.database_url)
+
+    database.upgrade()
+    with database.writing() as session:
+        assert begin_editions(session, season, later) == [], "nothing has to be judged again"
+        assert [one.id for one in next_matches(session, edition_numbers(session), 99)] == waiting
+        assert plan_ladders(session, season, later) == 2
+        games = select(Match).filter_by(track="battle").order_by(Match.id)
+        assert [one.number for one in session.scalars(games)] == list(range(LADDER_MATCHES + 2))
+        refresh(session, season, later)
+        after = [read_board(session, track) for track in tracks]
+        assert [one and one.rows for one in after] == [one and one.rows for one in before]
+    export(season, database, tmp_path / "export")
+    database.close()
+    report = audit(tmp_path / "export", replay=0)
+    assert report.findings == []
+    counts = {(check.track, check.what): check.checked for check in report.checks}
+    assert counts["battle", "results of matches"] == LADDER_MATCHES

@@ -9,12 +9,16 @@ from tests.leaderboard.conductor.conducted import Conducted
 from tests.leaderboard.results_made import made_result
 from tests.leaderboard.seasons_made import make_season, team_with_member
 
+from wildscav_leaderboard.accounts.service import Caller, known_account
+from wildscav_leaderboard.boards.documents import LadderBoard, LadderRow
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.service import read_ahead, refresh
 from wildscav_leaderboard.boards.suite_scores import SuiteScores
 from wildscav_leaderboard.conductor import steps
 from wildscav_leaderboard.conductor.models import Attempt
+from wildscav_leaderboard.conductor.plans import plan_ladders
 from wildscav_leaderboard.matches.service import find_match, seats_of
+from wildscav_leaderboard.organizing.team_acts import do_team_act
 from wildscav_leaderboard.seasons import state as season_state
 
 
@@ -107,3 +111,32 @@ def test_a_board_is_left_alone_while_nothing_changes(season: Conducted) -> None:
         "battle",
     ]
     assert season.write(lambda session: refresh(session, season.season, season.now)) == []
+
+
+def ladder_rows(season: Conducted) -> dict[int | None, LadderRow]:
+    """Bring the ladder up to date, and return its rows by submission."""
+    season.write(lambda session: refresh(session, season.season, season.now))
+    with season.database.reading() as session:
+        board = read_board(session, "battle")
+    assert isinstance(board, LadderBoard)
+    return {row.submission: row for row in board.rows}
+
+
+def test_a_submission_that_is_restored_keeps_its_rating(season: Conducted) -> None:
+    season.active("owls", ("battle",))
+    fox = season.active("foxes", ("battle",))
+    season.write(lambda session: plan_ladders(session, season.season, season.now))
+    for attempt, _ in season.take_matches(20)[:-1]:
+        assert season.played(attempt)
+    before = ladder_rows(season)
+    assert before[fox].matches >= 2
+
+    def decide(act: str) -> None:
+        with season.database.writing() as session:
+            caller = Caller(known_account(session, "foxes-captain"))
+            do_team_act(session, season.season, caller, act, fox, season.now)
+
+    decide("disable")
+    assert ladder_rows(season).keys() == before.keys() - {fox}
+    decide("restore")
+    assert ladder_rows(season) == before

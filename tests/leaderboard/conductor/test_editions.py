@@ -19,7 +19,7 @@ from wildscav_leaderboard.conductor.editions import (
     begin_editions,
     edition_changes,
 )
-from wildscav_leaderboard.matches.models import FINISHED, VOID, WAITING, Match
+from wildscav_leaderboard.matches.models import FINISHED, SUITE, VOID, WAITING, Match
 from wildscav_leaderboard.organizing import finalizing
 from wildscav_leaderboard.organizing.acts import ACTS
 from wildscav_leaderboard.organizing.checking import check_rules
@@ -291,6 +291,26 @@ def test_an_entry_is_judged_again_and_its_old_results_are_kept(season: Conducted
     assert entry.detail == "submissions 1 on the tracks all: a disk failed"
     with pytest.raises(RefusalError, match="nobody has played on 'chess'"):
         rejudge(track="chess")
+
+
+def test_what_was_given_up_is_run_again_under_the_edition_in_force_alone(season: Conducted) -> None:
+    number = lose_a_match(season)
+    edit(season, *EDITS["the suite"])
+    apply(season)
+
+    def rerun() -> None:
+        with season.database.writing() as session:
+            ACTS["rerun"](Doing(session, season.season, "anna", season.now), number)
+
+    with pytest.raises(RefusalError, match="none of its matches was given up"):
+        rerun()
+    own = select(Match).filter_by(group_id=number, kind=SUITE)
+    in_use = season.write(edition_numbers)["navigation"]
+    season.write(lambda session: give_up(session.scalars(own.filter_by(edition_id=in_use)).all()))
+    rerun()
+    with season.database.reading() as session:
+        states = {(match.edition_id == in_use, match.state) for match in session.scalars(own)}
+    assert states == {(True, WAITING), (False, VOID)}
 
 
 def test_nothing_can_be_applied_once_final_matches_are_played(season: Conducted) -> None:

@@ -13,8 +13,17 @@ from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.output.journal import file_digest
 from wildscav_evaluator.output.results import MatchRow
 from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS
-from wildscav_leaderboard.conductor.work import job_of, keep_record, trial_of
-from wildscav_leaderboard.matches.models import FINAL, LADDER, SUITE, Match, MatchSeat
+from wildscav_leaderboard.conductor.work import check_command, job_of, keep_record, trial_of
+from wildscav_leaderboard.matches.models import (
+    FINAL,
+    FINAL_ROUND,
+    LADDER,
+    SEASON_ROUND,
+    SUITE,
+    Match,
+    MatchSeat,
+)
+from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.submissions.archives import archive_name
 
 
@@ -59,19 +68,22 @@ def test_a_record_is_kept_once_however_often_it_comes(result: JobResult) -> None
     assert len(list((result.job.out / result.job.record).parent.iterdir())) == 2
 
 
-@pytest.mark.parametrize("kind", [SUITE, LADDER, FINAL])
+@pytest.mark.parametrize(
+    ("kind", "group", "final"),
+    [(SUITE, 5, False), (FINAL, 5, True), (LADDER, SEASON_ROUND, False), (LADDER, FINAL_ROUND, True)],
+)
 def test_the_private_seeds_of_a_match_follow_from_the_secret_that_its_map_follows_from(
-    tmp_path: Path, kind: str
+    tmp_path: Path, kind: str, group: int, *, final: bool
 ) -> None:
     season = make_season(tmp_path / "season")
     archive = checked(season, write_agent(tmp_path, "walker"))
-    matches = season.final_matches if kind == FINAL else season.suite_matches
+    matches = season.final_matches if final else season.suite_matches
     spec = matches["navigation"][0]
     match = Match(
         kind=kind,
         track="navigation",
         number=0,
-        group_id=5,
+        group_id=group,
         spec=spec.model_dump(mode="json"),
         created=NOON,
         since=NOON,
@@ -81,7 +93,7 @@ def test_the_private_seeds_of_a_match_follow_from_the_secret_that_its_map_follow
 
     job = job_of(season, match, [seat], {5: archive_name(archive)}, "process")
 
-    secret = season.final_seed if kind == FINAL else season.seed
+    secret = season.final_seed if final else season.seed
     assert job.seeds == secret.private(spec, [archive.digest])
 
 
@@ -89,6 +101,17 @@ def test_a_ladder_is_tried_with_the_seats_of_its_matches(tmp_path: Path) -> None
     season = make_season(tmp_path / "season")
     spec, limits, _ = trial_of(season, "battle", "walker-1")
     assert (sorted(spec.seats), limits) == (["fighter", "submission"], season.limits("battle"))
+
+
+def test_a_team_is_told_the_seasons_suite_only_where_everybody_has_it(tmp_path: Path) -> None:
+    folder = make_season(tmp_path / "season").folder
+    settings = folder / "season.toml"
+    settings.write_text(settings.read_text().replace('"tiny.toml"', '"official"', 1))
+    commands = {track: check_command(Season.open(folder), track, "oci") for track in ("navigation", "battle")}
+    assert commands == {
+        "navigation": "wildscav check DIR --suite official --sandbox oci",
+        "battle": "wildscav check DIR --sandbox oci",
+    }
 
 
 def test_a_match_without_a_record_is_refused(result: JobResult) -> None:

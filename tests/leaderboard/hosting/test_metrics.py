@@ -38,7 +38,7 @@ def scraped(database: Database, counts: WebCounts) -> dict[tuple[str, ...], floa
     """What Prometheus reads: each value by its name and its labels."""
     with serving_metrics(SeasonMetrics(database, counts), 0) as address:
         assert address is not None
-        text = httpx.get(address).text
+        text = httpx.get(address, timeout=60.0).text
     families = text_string_to_metric_families(text)
     return {(one.name, *one.labels.values()): one.value for family in families for one in family.samples}
 
@@ -66,7 +66,7 @@ def test_requests_are_counted_by_route_and_not_by_address(season: Season, databa
     counts = WebCounts()
     with served(create_app(season, database, counts)) as address:
         for path in ("/matches/1", "/matches/2", "/api/v1/matches/3", "/static/season.css", "/no/1", "/no/2"):
-            httpx.get(f"{address}{path}")
+            httpx.get(f"{address}{path}", timeout=60.0)
     seen = scraped(database, counts)
     total = "wildscav_season_requests_total"
     assert seen[total, "GET", "/matches/{number}", "404"] == 2
@@ -82,8 +82,8 @@ def test_the_log_has_a_line_for_every_request_and_no_secrets(
     log = open_log("json", process="web")
     with served(create_app(season, database, log=log)) as address:
         secret = {"Authorization": "Bearer top-secret"}
-        httpx.get(f"{address}/api/v1/me?token=top-secret", headers=secret)
-        httpx.post(f"{address}/api/v1/tokens", json={"name": "anna", "password": "top-secret"})
+        httpx.get(f"{address}/api/v1/me?token=top-secret", headers=secret, timeout=60.0)
+        httpx.post(f"{address}/api/v1/tokens", json={"name": "anna", "password": "top-secret"}, timeout=60.0)
     said = capsys.readouterr().err
     assert "top-secret" not in said
     lines = [json.loads(line) for line in said.splitlines()]
@@ -105,7 +105,7 @@ def test_an_error_that_nobody_expected_is_logged_and_answered_by_one_line(
 
     app.add_api_route("/api/v1/breaks", breaks)
     with served(app) as address:
-        answer = httpx.get(f"{address}/api/v1/breaks")
+        answer = httpx.get(f"{address}/api/v1/breaks", timeout=60.0)
     assert answer.status_code == 500
     assert answer.json()["error"] == "something went wrong here: the organizers can see what"
     assert "Content-Security-Policy" in answer.headers

@@ -9,6 +9,10 @@ from contextlib import contextmanager
 import uvicorn
 from fastapi import FastAPI
 
+# s that a connection may be idle. On a busy machine, uvicorn's 5 s may pass between two requests:
+# it is closed just when a client sends the next one.
+IDLE = 3600
+
 
 @contextmanager
 def served(app: FastAPI) -> Iterator[str]:
@@ -16,7 +20,9 @@ def served(app: FastAPI) -> Iterator[str]:
     with socket.socket() as listening:
         listening.bind(("127.0.0.1", 0))
         listening.listen(100)
-        server = uvicorn.Server(uvicorn.Config(app, log_level="error", lifespan="off"))
+        server = uvicorn.Server(
+            uvicorn.Config(app, log_level="error", lifespan="off", timeout_keep_alive=IDLE)
+        )
         thread = threading.Thread(target=server.run, args=([listening],))
         thread.start()
         while not server.started and thread.is_alive():

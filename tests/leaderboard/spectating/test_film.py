@@ -115,7 +115,7 @@ def test_a_video_is_sent_in_pieces_even_while_it_is_used(tmp_path: Path) -> None
         def video() -> Response:
             return file_response("video", cache.progress("video", "1", Path("gone.wsr"), datetime.now(UTC)))
 
-        with served(app) as address, httpx.Client(base_url=address) as client:
+        with served(app) as address, httpx.Client(base_url=address, timeout=60.0) as client:
             first = client.get("/video.mp4", headers={"Range": "bytes=0-1"})
             time.sleep(0.01)
             rest = {"Range": "bytes=2-", "If-Range": first.headers["etag"]}
