@@ -10,6 +10,7 @@ from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.presentation.submissions import submission_view
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import RefusalError, TooMuchError
+from wildscav_leaderboard.seasons.state import NODES, write_state
 from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.queue import queue
@@ -213,6 +214,9 @@ def test_a_team_that_submits_much_delays_nobody_but_itself(
         shown = submission_view(session, season, other, None, NOON)
         assert shown.queue_position == 2
         assert shown.expected_wait == 120.0  # nothing is known yet: a minute each
+    with database.writing() as session:
+        write_state(session, NODES, {"validations": 2}, NOON)
+        assert submission_view(session, season, other, None, NOON).expected_wait == 60.0  # beside the first
 
 
 def test_two_uploads_at_once_do_not_exceed_the_quota(
