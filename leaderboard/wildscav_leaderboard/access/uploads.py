@@ -55,7 +55,7 @@ def check_upload_wanted(database: Database, season: Season, account: Account, no
         RefusalError: It may not.
     """
     with database.reading() as session:
-        check_accepting(session, season, own_team(session, account), now)
+        check_accepting(session, season, own_team(session, account), account, now)
 
 
 def take_upload(
@@ -73,7 +73,8 @@ def take_upload(
         RefusalError: It is not valid, or not accepted now.
     """
     archive = check_archive(path, season)
-    store_archive(archive, season)
     with database.writing() as session:
         team = own_team(session, account)
-        return hand_in(session, season, team, account, archive, message, now, replaces)
+        submission = hand_in(session, season, team, account, archive, message, now, replaces)
+        store_archive(archive, season)  # last, so that nothing is kept of what is refused
+    return submission
