@@ -11,6 +11,7 @@ from fastapi import Request
 
 from wildscav_leaderboard.accounts.models import Account
 from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.seasons.disk import check_room
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import TooLargeError
 from wildscav_leaderboard.submissions.archives import check_archive, checked_suffix, store_archive
@@ -52,8 +53,9 @@ def check_upload_wanted(database: Database, season: Season, account: Account, no
     """Check that an account may hand in a submission now, before it is uploaded.
 
     Raises:
-        RefusalError: It may not.
+        RefusalError: It may not, or there is no room for it.
     """
+    check_room(season)
     with database.reading() as session:
         check_accepting(session, season, own_team(session, account), account, now)
 

@@ -27,6 +27,7 @@ from wildscav_leaderboard.database.connection import Database, DatabaseError, cl
 from wildscav_leaderboard.matches.models import Match
 from wildscav_leaderboard.matches.service import seats_of
 from wildscav_leaderboard.seasons import state as season_state
+from wildscav_leaderboard.seasons.disk import check_room
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.in_force import in_force
 from wildscav_leaderboard.submissions.models import Submission
@@ -127,6 +128,7 @@ class Conductor:
 
     def round(self, executor: Executor) -> bool:
         """Do everything once that there is to do; return whether there was anything."""
+        check_room(self.season)
         with self.database.writing() as session:
             self.season = in_force(session, self.season)
             lost = steps.expire(session, self.season, self._holding, now())

@@ -13,6 +13,7 @@ from wildscav_leaderboard.conductor.child import Child
 from wildscav_leaderboard.conductor.lease import Holding, LeaseLostError
 from wildscav_leaderboard.conductor.models import Attempt
 from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.seasons.disk import check_room
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.in_force import in_force
 from wildscav_leaderboard.submissions.models import Submission
@@ -62,6 +63,7 @@ class Validators:
 
     def _handle(self, child: Child) -> bool:
         """Build and validate the submission whose turn it is; return whether there was one."""
+        check_room(self._season)
         with self._database.writing() as session:
             season = in_force(session, self._season)
             steps.admit(session, _now())

@@ -50,13 +50,11 @@ def check_day(session: Session, quotas: Quotas, team: Team, account: Account, no
     Raises:
         TooMuchError: The quota of one of them is used up.
     """
-    for who, is_of in (
-        ("your team has", Submission.team_id == team.id),
-        (
-            "you have, in this team and others,",
-            Submission.account_id == account.id,
-        ),
-    ):
+    counted_for = {
+        "your team has": Submission.team_id == team.id,
+        "you have, in this team and others,": Submission.account_id == account.id,
+    }
+    for who, is_of in counted_for.items():
         if _used_today(session, is_of, now) >= quotas.per_day:
             raise TooMuchError(
                 f"{who} used today's {counted(quotas.per_day, 'submission')}; the next day begins at "
