@@ -1,10 +1,49 @@
 """The cache: files that are kept between runs and can be recreated."""
 
 import os
+import shutil
+import time
+from contextlib import suppress
 from pathlib import Path
+
+LARGEST = 20 << 30  # bytes of one kind of file
+OLDEST = 30 * 86_400.0  # s for which something is kept that nobody uses
+IN_USE = 86_400.0  # s for which it may still be in use after somebody asked for it
 
 
 def cache_folder(name: str) -> Path:
     """Return the folder for one kind of file, in WILDSCAV_CACHE_DIR or in the user's cache folder."""
     home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
     return Path(os.environ.get("WILDSCAV_CACHE_DIR") or Path(home) / "wildscav") / name
+
+
+def is_kept(entry: Path) -> bool:
+    """Return whether there is an entry in a cache, and note that it is used."""
+    with suppress(FileNotFoundError):
+        os.utime(entry)
+        return True
+    return False
+
+
+def prune(folder: Path, largest: int = LARGEST, oldest: float = OLDEST) -> None:
+    """Remove what nobody used for long, and if a cache is too large, what was not used for the longest time.
+
+    Whatever was used within a day stays, since it may be in use.
+
+    Args:
+        folder: The cache.
+        largest: Bytes of what stays, unless more is in use.
+        oldest: For how long what nobody uses is kept, s.
+    """
+    total, now = 0, time.time()
+    for entry in sorted(folder.iterdir(), key=_used, reverse=True):
+        total += sum(path.lstat().st_size for path in (entry, *entry.rglob("*")))
+        if now - _used(entry) > (oldest if total <= largest else min(IN_USE, oldest)):
+            shutil.rmtree(entry, ignore_errors=True)
+
+
+def _used(entry: Path) -> float:
+    try:
+        return entry.stat().st_mtime
+    except FileNotFoundError:  # another process removed it
+        return 0.0

@@ -22,7 +22,7 @@ from typing import IO
 
 from wildscav.errors import UserError
 from wildscav.system.limited_process import LimitExceededError, call_limited
-from wildscav_evaluator.cache import cache_folder
+from wildscav_evaluator.cache import cache_folder, is_kept, prune
 from wildscav_evaluator.submission_files import LEFT_OUT
 
 SUFFIXES = (".zip", ".tar.gz", ".tgz")
@@ -65,10 +65,15 @@ def is_archive(path: Path) -> bool:
     return path.name.lower().endswith(SUFFIXES)
 
 
-def unpack(archive: Path) -> Path:
+def unpack(archive: Path, cache: Path | None = None, largest: int = LARGEST_CONTENT) -> Path:
     """Return a folder with an archive's content, from the cache if the same content was unpacked before.
 
     If a single folder holds everything, as many programs pack it, that folder is returned.
+
+    Args:
+        archive: The archive.
+        cache: The cache; None for the one of all submissions.
+        largest: Bytes, at most, of all files in the archive.
 
     Raises:
         ArchiveError: An entry is not allowed; one line says which, and what is allowed.
@@ -79,19 +84,20 @@ def unpack(archive: Path) -> Path:
         raise ArchiveError(f"{archive} has {_mebibytes(size)}, may have {_mebibytes(LARGEST)} at most")
     with archive.open("rb") as file:
         digest = hashlib.file_digest(file, "blake2b").hexdigest()[:32]
-    target = cache_folder("submissions") / digest
-    if not target.is_dir():
-        _unpack_new(archive, target)
+    target = (cache or cache_folder("submissions")) / digest
+    if not is_kept(target):
+        _unpack_new(archive, target, largest)
     return _inner(target)
 
 
-def _unpack_new(archive: Path, target: Path) -> None:
+def _unpack_new(archive: Path, target: Path, largest: int) -> None:
     target.parent.mkdir(parents=True, exist_ok=True)
+    prune(target.parent)
     fresh = Path(tempfile.mkdtemp(prefix="unpacking-", dir=target.parent))
     function = f"{__name__}:unpack_into"
     try:
         fresh.chmod(0o755)
-        call_limited(function, str(archive), str(fresh), LARGEST_CONTENT, MOST_ENTRIES)
+        call_limited(function, str(archive), str(fresh), largest, MOST_ENTRIES)
         with contextlib.suppress(OSError):  # another process was quicker
             fresh.rename(target)
     except LimitExceededError as error:

@@ -11,6 +11,7 @@ from fastapi import Request
 
 from wildscav_leaderboard.accounts.models import Account
 from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.seasons.disk import check_room
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import TooLargeError
 from wildscav_leaderboard.submissions.archives import check_archive, checked_suffix, store_archive
@@ -52,10 +53,11 @@ def check_upload_wanted(database: Database, season: Season, account: Account, no
     """Check that an account may hand in a submission now, before it is uploaded.
 
     Raises:
-        RefusalError: It may not.
+        RefusalError: It may not, or there is no room for it.
     """
+    check_room(season)
     with database.reading() as session:
-        check_accepting(session, season, own_team(session, account), now)
+        check_accepting(session, season, own_team(session, account), account, now)
 
 
 def take_upload(
@@ -73,7 +75,8 @@ def take_upload(
         RefusalError: It is not valid, or not accepted now.
     """
     archive = check_archive(path, season)
-    store_archive(archive, season)
     with database.writing() as session:
         team = own_team(session, account)
-        return hand_in(session, season, team, account, archive, message, now, replaces)
+        submission = hand_in(session, season, team, account, archive, message, now, replaces)
+        store_archive(archive, season)  # last, so that nothing is kept of what is refused
+    return submission

@@ -3,11 +3,12 @@
 import multiprocessing
 import os
 import signal
+import threading
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
-from typing import Any, Self, TypeVar
+from typing import Any, TypeVar
 
 from wildscav.errors import WildscavError
 from wildscav.system.worker_processes import become_worker, starting_workers
@@ -20,16 +21,20 @@ class ChildError(WildscavError):
 
 
 class Child:
-    """One child process, started when it is needed, and again when it is gone. A context manager."""
+    """One child process, started when it is needed, and again when it is gone, until ``close``.
+
+    One thread calls functions in it; any other may close it meanwhile.
+    """
 
     def __init__(self) -> None:
         self._pool: ProcessPoolExecutor | None = None
+        self._closed, self._lock = False, threading.RLock()
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._end()
+    def close(self) -> None:
+        """End the child, whatever it is doing, and start none again."""
+        with self._lock:
+            self._closed = True
+            self._end()
 
     def call(self, function: Callable[..., Value], *arguments: Any, timeout: float) -> Value:
         """Call a function of a module in the child, and return its value.
@@ -40,34 +45,37 @@ class Child:
             timeout: How long it may take, s.
 
         Raises:
-            ChildError: The child died, or took longer.
+            ChildError: The child died, took longer, or was closed.
         """
-        if self._pool is None:
-            spawn = multiprocessing.get_context("spawn")
-            self._pool = ProcessPoolExecutor(1, spawn, become_worker, (os.getpid(),))
+        future = self._begin(function, *arguments)
         try:
-            with starting_workers():
-                future = self._pool.submit(function, *arguments)
             return future.result(timeout)
         except TimeoutError:
-            if not future.done():
-                self._end()
-                raise ChildError(f"it did not end within {timeout:,.0f} s") from None
-            raise
+            if future.done():
+                raise
+            self._end()
+            raise ChildError(f"it did not end within {timeout:,.0f} s") from None
         except BrokenProcessPool:
             self._end()
             raise ChildError("the process that worked on it died") from None
-        except BaseException as error:
-            if not isinstance(error, Exception):  # interrupted
-                self._end()
-            raise
+
+    def _begin(self, function: Callable[..., Value], *arguments: Any) -> Future[Value]:
+        with self._lock:
+            if self._closed:
+                raise ChildError("it was closed")
+            if self._pool is None:
+                spawn = multiprocessing.get_context("spawn")
+                self._pool = ProcessPoolExecutor(1, spawn, become_worker, (os.getpid(),))
+            with starting_workers():
+                return self._pool.submit(function, *arguments)
 
     def _end(self) -> None:
         """Kill the child. What it started ends with it, or is swept away by the next sandbox."""
-        if self._pool is None:
-            return
-        pool, self._pool = self._pool, None
-        for process in list((pool._processes or {}).values()):  # noqa: SLF001 (there is no public way)
-            with suppress(ProcessLookupError):
-                os.kill(process.pid or 0, signal.SIGTERM)
-        pool.shutdown(wait=True, cancel_futures=True)
+        with self._lock:
+            if self._pool is None:
+                return
+            pool, self._pool = self._pool, None
+            for process in list((pool._processes or {}).values()):  # noqa: SLF001 (there is no public way)
+                with suppress(ProcessLookupError):
+                    os.kill(process.pid or 0, signal.SIGTERM)
+            pool.shutdown(wait=True, cancel_futures=True)

@@ -3,7 +3,6 @@
 import threading
 import time
 import traceback
-from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from datetime import UTC, datetime
 from pathlib import Path
@@ -17,24 +16,24 @@ from wildscav_evaluator.matches.jobs import Heartbeat, Job, JobEvent, JobResult
 from wildscav_leaderboard.boards.service import read_ahead, refresh
 from wildscav_leaderboard.boards.suite_scores import SuiteScores
 from wildscav_leaderboard.conductor import lease, steps, work
-from wildscav_leaderboard.conductor.child import Child
 from wildscav_leaderboard.conductor.editions import begin_editions
 from wildscav_leaderboard.conductor.keeper import LeaseKeeper
 from wildscav_leaderboard.conductor.lease import Holding, LeaseLostError
 from wildscav_leaderboard.conductor.models import Attempt
 from wildscav_leaderboard.conductor.plans import plan_ladders
+from wildscav_leaderboard.conductor.validators import IDLE, Validators
 from wildscav_leaderboard.database.connection import Database, DatabaseError, clock
 from wildscav_leaderboard.matches.models import Match
 from wildscav_leaderboard.matches.service import seats_of
 from wildscav_leaderboard.seasons import state as season_state
+from wildscav_leaderboard.seasons.disk import check_room
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.in_force import in_force
 from wildscav_leaderboard.spectating.live import LiveMatches
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.webhooks.delivery import Deliverer
 
-IDLE = 1.0  # s between two looks when there is nothing to do
-BATCH = 4  # matches for each that runs at once; then submissions that wait come first
+BATCH = 4  # matches for each that runs at once; then those come first that have become urgent
 REFRESH_EVERY = 2.0  # s between two refreshes of the boards while matches are played
 LONGEST_PAUSE = 30.0  # s after errors in a row
 
@@ -129,7 +128,6 @@ class Conductor:
         with ExitStack() as stack:
             stack.enter_context(LeaseKeeper(self.database, self._holding))
             stack.enter_context(Deliverer(self.database, self.season.settings.webhooks, self._log))
-            child = stack.enter_context(Child())
             kind = EXECUTORS[settings.executor]
             executor = stack.enter_context(kind(settings.matches, settings.address))
             self._sandbox = work.chosen_sandbox(self.season, executor, self._log)
@@ -142,28 +140,28 @@ class Conductor:
             with self.database.reading() as session:
                 read_ahead(session, self.season, now(), self._scores)
             self._broadcast = Broadcast(self.season.live)
+            validators = stack.enter_context(
+                Validators(self.season, self.database, self._holding, self._sandbox, self._log)
+            )
             while not self._stopping.is_set():
-                if not self.round(executor, child):
+                validators.check()
+                if not self.round(executor):
                     self._stopping.wait(IDLE)
 
     def _release(self) -> None:
         with suppress(LeaseLostError, DatabaseError), self.database.writing() as session:
             lease.release(session, self._holding, clock(session))
 
-    def round(self, executor: Executor, child: Child) -> bool:
+    def round(self, executor: Executor) -> bool:
         """Do everything once that there is to do; return whether there was anything."""
+        check_room(self.season)
         with self.database.writing() as session:
             self.season = in_force(session, self.season)
             lost = steps.expire(session, self.season, self._holding, now())
-            steps.admit(session, now())
             self._publish_nodes(session, executor)
         if lost:
             self._log.warning("attempts_lost", count=lost)
-        busy = False
-        while not self._stopping.is_set() and self._handle_submission(child):
-            busy = True
-        if self._play_batch(executor):
-            busy = True
+        busy = self._play_batch(executor)
         self._refresh_boards(at_once=True)
         return busy
 
@@ -178,64 +176,11 @@ class Conductor:
             "sandbox": self._sandbox,
             "executor": executor.name,
             "at_once": executor.at_once,
+            "validations": self.season.settings.execution.validations,
             "nodes": nodes,
         }
         if season_state.read_state(session, season_state.NODES) != value:
             season_state.write_state(session, season_state.NODES, value, now())
-
-    def _handle_submission(self, child: Child) -> bool:
-        """Build and validate the submission whose turn it is; return whether there was one."""
-        with self.database.writing() as session:
-            attempt = steps.take_submission(session, self.season, self._holding, now())
-            if attempt is None:
-                return False
-            submission = session.get_one(Submission, attempt.submission_id)
-        self._log.info("submission_begun", submission=submission.id)
-        arguments = (self.season, submission.archive, submission.entrant, self._sandbox)
-        deadlines = self.season.settings.deadlines
-        if self._tried(child, attempt, work.build, arguments, deadlines.building):
-            with self.database.writing() as session:
-                following = steps.built(session, self.season, self._holding, attempt.id, now())
-            logs = self.season.submission_folder(submission.id) / "logs"
-            if following is not None and self._tried(
-                child, following, work.validate, (*arguments, logs), deadlines.validating
-            ):
-                with self.database.writing() as session:
-                    steps.validated(session, self.season, self._holding, following.id, now())
-                self._log.info("submission_active", submission=submission.id)
-        return True
-
-    def _tried(
-        self,
-        child: Child,
-        attempt: Attempt,
-        function: Callable[..., work.Rejection | None],
-        arguments: tuple[object, ...],
-        lasts: float,
-    ) -> bool:
-        """Do a part of the work on a submission; return whether it passed."""
-        try:
-            rejection = child.call(function, *arguments, timeout=lasts)
-        except LeaseLostError:
-            raise
-        except OSError as error:
-            return self._broke(attempt.id, describe(error))
-        except Exception as error:  # noqa: BLE001 (whatever it is, it is not the competitor's fault)
-            return self._broke(attempt.id, str(error) or type(error).__name__)
-        if rejection is None:
-            return True
-        with self.database.writing() as session:
-            steps.rejected(
-                session,
-                self._holding,
-                attempt.id,
-                now(),
-                reason=rejection.reason,
-                last_lines=rejection.last_lines,
-                command=rejection.command,
-            )
-        self._log.info("submission_rejected", submission=attempt.submission_id, reason=rejection.reason)
-        return False
 
     def _broke(self, attempt: int, why: str) -> bool:
         """Note a fault of the platform; return False."""
@@ -260,13 +205,18 @@ class Conductor:
                 return steps.begun(session, self._holding, attempts[job.evaluation].id, now())
 
         with executor.players([job for _, job in jobs]) as players:
-            for result in players.run([job for _, job in jobs], begin, self._broadcast.note):
+            for result in players.run([job for _, job in jobs], begin, self._note):
                 self._deliver(attempts[result.job.evaluation], result)
                 self._broadcast.end(result.job)
                 self._refresh_boards()
                 if self._stopping.is_set():
                     break
         return True
+
+    def _note(self, job: Job, event: JobEvent) -> None:
+        """Show what a match reports, and keep the boards up to date however long matches last."""
+        self._broadcast.note(job, event)
+        self._refresh_boards()
 
     def _jobs(self, taken: list[tuple[Attempt, Match]]) -> list[tuple[Attempt, Job]]:
         """Return the jobs of matches; one that cannot be prepared is the platform's fault."""

@@ -18,11 +18,12 @@ from wildscav_leaderboard.access.headers import SecurityHeaders
 from wildscav_leaderboard.access.rate_limits import AddressLimit, RateLimits
 from wildscav_leaderboard.api.errors import as_json
 from wildscav_leaderboard.api.routers import PREFIX, api_router
-from wildscav_leaderboard.database.connection import Database, DatabaseError
+from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.hosting.broken_requests import BrokenRequests
 from wildscav_leaderboard.hosting.request_log import RequestLog
 from wildscav_leaderboard.hosting.web_counts import WebCounts
 from wildscav_leaderboard.playing.tables import Tables
+from wildscav_leaderboard.seasons.disk import check_room
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.spectating import rerun_viewer
 from wildscav_leaderboard.spectating.live import LiveMatches
@@ -89,10 +90,11 @@ def _health() -> PlainTextResponse:
 
 
 def _ready(request: Request) -> Response:
-    """Say whether the database answers too."""
+    """Say whether the database answers too, and the disks have room."""
     database: Database = request.app.state.database
     try:
         database.check()
-    except DatabaseError as error:
+        check_room(request.app.state.season)
+    except UserError as error:
         return JSONResponse({"ready": False, "reason": str(error)}, HTTPStatus.SERVICE_UNAVAILABLE)
     return JSONResponse({"ready": True})

@@ -19,7 +19,7 @@ from wildscav_leaderboard.seasons.refusals import TooMuchError
 from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.listing import is_own, team_names
 from wildscav_leaderboard.submissions.models import Submission
-from wildscav_leaderboard.submissions.queue import expected_wait, mean_time, queue
+from wildscav_leaderboard.submissions.queue import expected_wait, mean_time, queue, validations
 from wildscav_leaderboard.submissions.quotas import replaced_by
 from wildscav_leaderboard.submissions.service import history_of
 from wildscav_leaderboard.teams.models import Team
@@ -32,10 +32,11 @@ def submission_views(
     teams = team_names(session, submissions)
     waits = any(one.state in states.ON_THE_WAY for one in submissions)
     positions = {one.id: number for number, one in enumerate(queue(session), 1)} if waits else {}
-    each = mean_time(session) if waits else 0.0
+    each, at_once = mean_time(session) if waits else 0.0, validations(session)
+    places = [(one, positions.get(one.id)) for one in submissions]
     return [
-        _view(session, one, teams[one.team_id], caller, now, positions.get(one.id), each)
-        for one in submissions
+        _view(session, one, teams[one.team_id], caller, place, expected_wait(one, place, each, at_once, now))
+        for one, place in places
     ]
 
 
@@ -66,9 +67,8 @@ def _view(
     one: Submission,
     team: Team,
     caller: Caller | None,
-    now: datetime,
     position: int | None,
-    each: float,
+    wait: float | None,
 ) -> SubmissionView:
     own = is_own(session, caller, one)
     return SubmissionView.of(
@@ -78,7 +78,7 @@ def _view(
         message=one.message if own else "",
         replaces={},
         queue_position=position,
-        expected_wait=expected_wait(one, position, each, now),
+        expected_wait=wait,
         # Why a submission was replaced or disqualified is for everyone; why its code failed is not.
         reason=one.reason if own or one.state in ("disabled", "cancelled") else None,
         last_lines=one.last_lines if own else [],

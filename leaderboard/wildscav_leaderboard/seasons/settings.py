@@ -72,6 +72,7 @@ class Execution(_Part):
     executor: str = "local"  # or ray
     address: str | None = None  # of a Ray cluster
     matches: Annotated[int | None, Field(ge=1, le=10_000)] = None  # at once; None: as many as there are cores
+    validations: Annotated[int, Field(ge=1, le=1000)] = 2  # of submissions at once, beside the matches
     sandbox: str | None = None  # None: the strongest that works here; never process, which isolates nothing
 
 

@@ -3,14 +3,17 @@
 import hashlib
 import os
 import shutil
+import threading
 from dataclasses import dataclass
 from pathlib import Path
 
 from wildscav.errors import UserError
-from wildscav_evaluator.submissions.archives import SUFFIXES
+from wildscav_evaluator.submissions.archives import SUFFIXES, unpack
 from wildscav_evaluator.submissions.submission import Manifest, Submission, load_submission
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import InvalidError, TooLargeError
+
+UNPACKED = 10  # times the largest archive; the content of one may be as large
 
 
 @dataclass(frozen=True)
@@ -39,7 +42,7 @@ def checked_suffix(suffix: str) -> str:
 
 
 def check_archive(path: Path, season: Season) -> CheckedArchive:
-    """Check an archive that was uploaded into a folder of its own.
+    """Check an archive that was uploaded into a folder of its own, where it is unpacked, too.
 
     Raises:
         RefusalError: It is too large, not an archive, or holds no submission for the tracks of the season; it
@@ -51,9 +54,9 @@ def check_archive(path: Path, season: Season) -> CheckedArchive:
             f"the archive has {size / (1 << 20):,.1f} MiB, may have {season.settings.quotas.archive} at most"
         )
     try:
-        submission = load_submission(path)
+        submission = load_submission(unpack(path, path.parent / "unpacked", UNPACKED * largest))
     except UserError as error:
-        raise InvalidError(_without_folder(str(error), path)) from None
+        raise InvalidError(_without_folders(str(error), path)) from None
     tracks = [track for track in season.settings.tracks if track in submission.manifest.tracks]
     if not tracks:
         raise InvalidError(
@@ -67,11 +70,9 @@ def check_archive(path: Path, season: Season) -> CheckedArchive:
     return CheckedArchive(path, suffix, submission.manifest, tracks, *digests, sha256, size)
 
 
-def _without_folder(text: str, path: Path) -> str:
+def _without_folders(text: str, path: Path) -> str:
     """Return an error without the paths of our machine, which are nothing to a competitor."""
-    from wildscav_evaluator.cache import cache_folder
-
-    for folder in (path.parent, *sorted((cache_folder("submissions")).glob("*"), reverse=True)):
+    for folder in (*(path.parent / "unpacked").glob("*"), path.parent):
         text = text.replace(f"{folder}{os.sep}", "")
     return text
 
@@ -91,7 +92,7 @@ def store_archive(archive: CheckedArchive, season: Season) -> None:
     target = season.archives / archive_name(archive)
     if target.exists():
         return
-    fresh = target.with_name(f".{target.name}.{os.getpid()}")
+    fresh = target.with_name(f".{target.name}.{os.getpid()}-{threading.get_ident()}")
     try:
         shutil.copyfile(archive.path, fresh)
         with fresh.open("rb") as file:

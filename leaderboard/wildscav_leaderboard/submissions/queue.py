@@ -1,5 +1,6 @@
 """The queue of submissions that wait to be built and validated: whose turn it is, and how long it takes."""
 
+import math
 from collections import Counter
 from datetime import datetime
 from statistics import fmean
@@ -7,6 +8,7 @@ from statistics import fmean
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
+from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.models import Submission, Transition
 
@@ -30,18 +32,26 @@ def queue(session: Session) -> list[Submission]:
     return [submission for _, _, submission in sorted(keyed, key=lambda one: one[:2])]
 
 
-def expected_wait(submission: Submission, position: int | None, each: float, now: datetime) -> float | None:
+def expected_wait(
+    submission: Submission, position: int | None, each: float, at_once: int, now: datetime
+) -> float | None:
     """Return how long it will take until a submission is active or has failed, s; None if it has ended.
 
     Args:
         submission: The submission.
         position: Its place in the queue, 1 for the next one; None if it does not wait.
-        each: How long recent ones took, s: it takes as long for each that comes before it, and for itself.
+        each: How long recent ones took, s.
+        at_once: How many are built and validated at once: it waits as long as they need in turns.
         now: The time.
     """
     if submission.state in (states.BUILDING, states.VALIDATING):
         return max(0.0, each - (now - submission.since).total_seconds())
-    return None if position is None else position * each
+    return None if position is None else math.ceil(position / at_once) * each
+
+
+def validations(session: Session) -> int:
+    """Return how many submissions the conductor builds and validates at once."""
+    return int((season_state.read_state(session, season_state.NODES) or {}).get("validations", 1))
 
 
 def mean_time(session: Session) -> float:

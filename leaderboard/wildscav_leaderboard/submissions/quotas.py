@@ -9,10 +9,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 
-from sqlalchemy import func, select
+from sqlalchemy import ColumnElement, func, select
 from sqlalchemy.orm import Session
 
 from wildscav.terminal.console import counted
+from wildscav_leaderboard.accounts.models import Account
 from wildscav_leaderboard.seasons.refusals import TooMuchError
 from wildscav_leaderboard.seasons.settings import Quotas
 from wildscav_leaderboard.submissions import states
@@ -38,28 +39,37 @@ class QuotaView:
 
 def quota_of(session: Session, quotas: Quotas, team: Team, now: datetime) -> QuotaView:
     """Return what a team has used of its quota. A day is one of UTC."""
-    start = now.replace(hour=0, minute=0, second=0, microsecond=0)
-    used = session.scalar(
-        select(func.count())
-        .select_from(Submission)
-        .where(Submission.team_id == team.id, Submission.created >= start, Submission.charged)
-    )
+    used = _used_today(session, Submission.team_id == team.id, now)
     active = Counter(track for one in active_of(session, team.id) for track in one.playing)
-    return QuotaView(quotas.per_day, used or 0, start + timedelta(days=1), quotas.active, dict(active))
+    return QuotaView(quotas.per_day, used, _midnight(now) + timedelta(days=1), quotas.active, dict(active))
 
 
-def check_day(session: Session, quotas: Quotas, team: Team, now: datetime) -> None:
-    """Check that a team may hand in another submission today.
+def check_day(session: Session, quotas: Quotas, team: Team, account: Account, now: datetime) -> None:
+    """Check that a team, and an account in whatever team, may hand in another submission today.
 
     Raises:
-        TooMuchError: Its quota is used up.
+        TooMuchError: The quota of one of them is used up.
     """
-    quota = quota_of(session, quotas, team, now)
-    if quota.left_today == 0:
-        raise TooMuchError(
-            f"your team has used today's {counted(quota.per_day, 'submission')}; the next day begins at "
-            f"{quota.resets:%Y-%m-%d %H:%M} UTC"
-        )
+    counted_for = {
+        "your team has": Submission.team_id == team.id,
+        "you have, in this team and others,": Submission.account_id == account.id,
+    }
+    for who, is_of in counted_for.items():
+        if _used_today(session, is_of, now) >= quotas.per_day:
+            raise TooMuchError(
+                f"{who} used today's {counted(quotas.per_day, 'submission')}; the next day begins at "
+                f"{_midnight(now) + timedelta(days=1):%Y-%m-%d %H:%M} UTC"
+            )
+
+
+def _used_today(session: Session, is_of: ColumnElement[bool], now: datetime) -> int:
+    """Return how many charged submissions of somebody were handed in on this day."""
+    wanted = select(func.count()).select_from(Submission).where(is_of, Submission.charged)
+    return session.scalar(wanted.where(Submission.created >= _midnight(now))) or 0
+
+
+def _midnight(now: datetime) -> datetime:
+    return now.replace(hour=0, minute=0, second=0, microsecond=0)
 
 
 def active_of(session: Session, team_id: int) -> list[Submission]:

@@ -31,16 +31,20 @@ class StateError(RefusalError):
     """A submission cannot go from its state into another one."""
 
 
-def check_accepting(session: Session, season: Season, team: Team, now: datetime) -> None:
-    """Check that a team may hand in a submission now.
+def check_accepting(session: Session, season: Season, team: Team, account: Account, now: datetime) -> None:
+    """Check that an account may hand in a submission of its team now.
 
     Raises:
-        RefusalError: The season is not open, or the team is disqualified, or its quota is used up.
+        RefusalError: The season is not open, a quota is used up, or the team is disqualified or another one
+            for which the account submitted.
     """
     check_open(session, season, now)
-    if team.disqualified is not None:
-        raise ForbiddenError(f"the team {team.name} is disqualified: {team.disqualified}")
-    quotas.check_day(session, season.settings.quotas, team, now)
+    its_teams = select(Submission.team_id).where(Submission.account_id == account.id)
+    for one in session.scalars(select(Team).where(or_(Team.id == team.id, Team.id.in_(its_teams)))):
+        if one.disqualified is not None:
+            whose = "" if one is team else ", for which you submitted,"
+            raise ForbiddenError(f"the team {one.name}{whose} is disqualified: {one.disqualified}")
+    quotas.check_day(session, season.settings.quotas, team, account, now)
 
 
 def check_open(session: Session, season: Season, now: datetime) -> None:
@@ -73,7 +77,7 @@ def hand_in(
     Raises:
         RefusalError: The season is not open, the quota is used up, or the team has had the same content.
     """
-    check_accepting(session, season, team, now)
+    check_accepting(session, season, team, account, now)
     message = checked_line(message, "message", LONGEST_MESSAGE, empty=True)
     _check_new(session, team, archive)
     submission = Submission(

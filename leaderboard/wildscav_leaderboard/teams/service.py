@@ -61,10 +61,13 @@ def leave_team(session: Session, account: Account) -> None:
     """End an account's membership. What the team submitted stays.
 
     Raises:
-        RefusalError: It is a member of none.
+        RefusalError: It is a member of none, or of one that is disqualified, and so are its members.
     """
-    if team_of(session, account) is None:
+    team = team_of(session, account)
+    if team is None:
         raise RefusalError("you are a member of no team")
+    if team.disqualified is not None:
+        raise ForbiddenError(f"the team {team.name} is disqualified, and its members cannot leave it")
     session.execute(delete(Member).filter_by(account_id=account.id))
 
 

@@ -5,10 +5,12 @@ Each trick has a control: the unpackers that everybody has at hand fall for it.
 
 import gzip
 import io
+import os
 import resource
 import stat
 import struct
 import tarfile
+import time
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -16,6 +18,7 @@ from pathlib import Path
 import pytest
 
 from wildscav.system.limited_process import PROCESSOR_TIME
+from wildscav_evaluator.cache import prune
 from wildscav_evaluator.submission_files import SubmissionError
 from wildscav_evaluator.submissions import archives
 from wildscav_evaluator.submissions.archives import ArchiveError, unpack
@@ -81,6 +84,31 @@ def test_a_good_archive_is_the_submission_that_was_packed(tmp_path: Path, name: 
     assert load_submission(archive).folder == submission.folder
 
 
+def test_a_cache_keeps_what_was_used_last_and_whatever_may_be_in_use(cache: Path) -> None:
+    for name, days in {"today": 0.5, "yesterday": 1.5, "last week": 7, "last month": 31}.items():
+        (cache / name).mkdir(parents=True)
+        (cache / name / "agent.py").write_bytes(bytes(100_000))
+        used = time.time() - days * 86_400
+        os.utime(cache / name, (used, used))
+
+    prune(cache)
+    assert {path.name for path in cache.iterdir()} == {"today", "yesterday", "last week"}
+    prune(cache, largest=250_000)
+    assert {path.name for path in cache.iterdir()} == {"today", "yesterday"}
+    prune(cache, largest=1)
+    assert {path.name for path in cache.iterdir()} == {"today"}
+
+
+def test_an_archive_that_was_asked_for_again_counts_as_used(tmp_path: Path, cache: Path) -> None:
+    archive = pack(tmp_path / "a.zip", GOOD)
+    folder = unpack(archive)
+    os.utime(folder, (0.0, 0.0))
+    unpack(archive)
+    unpack(pack(tmp_path / "b.zip", {**GOOD, "more.py": b""}))
+    assert folder.is_dir()
+    assert len(list(cache.iterdir())) == 2
+
+
 def test_an_archive_and_the_folder_in_it_have_one_digest(tmp_path: Path) -> None:
     folder = tmp_path / "folder"
     for name, content in GOOD.items():
@@ -141,15 +169,12 @@ def test_special_files_are_refused(tmp_path: Path, kind: bytes) -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_bombs_end_where_they_become_too_large(
-    tmp_path: Path, cache: Path, kind: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(archives, "LARGEST_CONTENT", 1 << 20)
+def test_bombs_end_where_they_become_too_large(tmp_path: Path, cache: Path, kind: str) -> None:
     archive = pack(tmp_path / kind, {**GOOD, "zeros": bytes(20 << 20)})
     assert archive.stat().st_size < 100_000  # a hundredth of what it becomes
 
     with pytest.raises(ArchiveError, match="unpacks to more than 1 MiB"):
-        unpack(archive)
+        unpack(archive, largest=1 << 20)
 
     assert list(cache.iterdir()) == []
 

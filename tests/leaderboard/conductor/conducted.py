@@ -7,6 +7,7 @@ from hashlib import blake2b
 from pathlib import Path
 from typing import TypeVar
 
+from sqlalchemy import select
 from sqlalchemy.orm import Session
 from tests.leaderboard.results_made import made_result
 from tests.leaderboard.seasons_made import NOON
@@ -24,6 +25,7 @@ from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.submissions.archives import CheckedArchive
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.service import hand_in
+from wildscav_leaderboard.teams.models import Member
 from wildscav_leaderboard.teams.service import find_team
 
 Value = TypeVar("Value")
@@ -82,7 +84,7 @@ class Conducted:
 
         def act(session: Session) -> int:
             found, archive = find_team(session, team), made_archive(self.handed_in, tracks)
-            account = session.get_one(Account, 1)
+            account = session.scalars(select(Account).join(Member).where(Member.team_id == found.id)).one()
             return hand_in(session, self.season, found, account, archive, "", self.now, replaces).id
 
         number = self.write(act)

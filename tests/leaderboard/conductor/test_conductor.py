@@ -158,6 +158,26 @@ def finished_ladder(database: Database) -> list[int]:
         return list(session.scalars(select(Match.id).filter_by(kind=LADDER, state=FINISHED)))
 
 
+# Takes 20 s to get ready, in each of the four matches of its validation.
+WAITING = """
+    def reset(self, match):
+        time.sleep(20.0)
+"""
+
+
+@pytest.mark.slow
+def test_a_slow_submission_holds_up_neither_others_nor_matches(
+    sqlite: Database, season: Season, tmp_path: Path
+) -> None:
+    slow = hand_in(sqlite, season, write_agent(tmp_path, "waiting", WAITING + WALKER))
+    hand_in(sqlite, season, write_agent(tmp_path, "walker"))
+
+    conduct(sqlite, season, lambda session: len(finished(session)) == SUITE_MATCHES)
+
+    with sqlite.reading() as session:
+        assert submission_of(session, slow).state == "validating"
+
+
 def test_an_agent_that_crashes_fails_with_its_last_lines_and_a_command(
     sqlite: Database, season: Season, tmp_path: Path
 ) -> None:

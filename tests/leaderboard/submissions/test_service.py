@@ -1,15 +1,21 @@
 """What a team may hand in, when, and how its submissions go from state to state."""
 
+import shutil
 from datetime import datetime, timedelta
 from pathlib import Path
 
 import pytest
+from sqlalchemy.orm import Session
 from tests.leaderboard.seasons_made import NOON, checked, make_season, submitted, team_with_member
 
+from wildscav_leaderboard.access.uploads import take_upload
+from wildscav_leaderboard.accounts.models import Account
+from wildscav_leaderboard.accounts.service import find_account
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.presentation.submissions import submission_view
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import RefusalError, TooMuchError
+from wildscav_leaderboard.seasons.state import NODES, write_state
 from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.queue import queue
@@ -21,7 +27,7 @@ from wildscav_leaderboard.submissions.service import (
     history_of,
     move,
 )
-from wildscav_leaderboard.teams.service import find_team
+from wildscav_leaderboard.teams.service import find_team, leave_team, make_team
 
 AGENT = "from wildscav.agent import Action\n\n\nclass Agent:\n    number = {number}\n"
 
@@ -76,6 +82,74 @@ def test_the_day_ends_at_midnight_utc(
         enter(database, season, foxes, agents[3], late)
     enter(database, season, "owls", agents[3], late)  # the quota is each team's own
     enter(database, season, foxes, agents[3], late + timedelta(minutes=1))
+
+
+def captain_of(session: Session, team: str) -> Account:
+    captain = find_account(session, f"{team}-captain")
+    assert captain is not None
+    return captain
+
+
+def found_another(database: Database, team: str, other: str) -> None:
+    """Let the captain of a team leave it, and make another one."""
+    with database.writing() as session:
+        leave_team(session, captain_of(session, team))
+        make_team(session, captain_of(session, team), other, "", NOON)
+
+
+def test_the_quota_is_each_accounts_too_whatever_its_team(
+    database: Database, season: Season, agents: list[Path], foxes: str
+) -> None:
+    for folder in agents[:2]:
+        enter(database, season, foxes, folder)
+    found_another(database, foxes, "hares")
+    enter(database, season, "hares", agents[2])
+    with pytest.raises(TooMuchError, match="you have, in this team and others, used today's 3 submissions"):
+        enter(database, season, "hares", agents[3])
+
+
+def test_who_submitted_for_a_disqualified_team_submits_for_no_other_one(
+    database: Database, season: Season, agents: list[Path], foxes: str
+) -> None:
+    enter(database, season, foxes, agents[0])
+    found_another(database, foxes, "hares")
+    with database.writing() as session:
+        find_team(session, foxes).disqualified = "copied"
+    with pytest.raises(RefusalError, match="foxes, for which you submitted, is disqualified: copied"):
+        enter(database, season, "hares", agents[1])
+
+
+def test_members_of_a_disqualified_team_stay_in_it(database: Database, foxes: str) -> None:
+    with database.writing() as session:
+        find_team(session, foxes).disqualified = "copied"
+        with pytest.raises(RefusalError, match="its members cannot leave it"):
+            leave_team(session, captain_of(session, foxes))
+
+
+@pytest.mark.parametrize(
+    ("message", "left_out", "says"), [("x" * 201, "", "message"), ("", "agent.py", "no file")]
+)
+def test_nothing_is_kept_of_an_upload_that_is_refused(
+    *,
+    database: Database,
+    season: Season,
+    agents: list[Path],
+    foxes: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    message: str,
+    left_out: str,
+    says: str,
+) -> None:
+    monkeypatch.setenv("WILDSCAV_CACHE_DIR", str(tmp_path / "cache"))
+    (agents[0] / left_out).unlink() if left_out else None
+    upload = Path(shutil.make_archive(str(tmp_path / "upload" / "submission"), "gztar", agents[0]))
+    with database.reading() as session:
+        captain = captain_of(session, foxes)
+    with pytest.raises(RefusalError, match=says):
+        take_upload(database, season, captain, upload, message, NOON)
+    assert not season.archives.exists()
+    assert not (tmp_path / "cache" / "submissions").exists()
 
 
 def test_a_fault_of_the_platform_is_never_charged(
@@ -213,6 +287,9 @@ def test_a_team_that_submits_much_delays_nobody_but_itself(
         shown = submission_view(session, season, other, None, NOON)
         assert shown.queue_position == 2
         assert shown.expected_wait == 120.0  # nothing is known yet: a minute each
+    with database.writing() as session:
+        write_state(session, NODES, {"validations": 2}, NOON)
+        assert submission_view(session, season, other, None, NOON).expected_wait == 60.0  # beside the first
 
 
 def test_two_uploads_at_once_do_not_exceed_the_quota(

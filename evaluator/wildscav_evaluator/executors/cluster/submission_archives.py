@@ -12,7 +12,7 @@ from pathlib import Path
 
 from wildscav.errors import UserError
 from wildscav.system import leftovers
-from wildscav_evaluator.cache import cache_folder
+from wildscav_evaluator.cache import cache_folder, is_kept, prune
 from wildscav_evaluator.submission_files import SubmissionError, add_files, submission_files
 from wildscav_evaluator.submissions.archives import LARGEST_CONTENT
 from wildscav_evaluator.submissions.submission import folder_digest
@@ -51,7 +51,7 @@ def arrived(archive: bytes, digest: str) -> Path:
         OSError: It cannot be unpacked.
     """
     target = cache_folder(KEPT) / digest
-    if not target.is_dir():
+    if not is_kept(target):
         _unpack_new(archive, target)
     if _is_intact(target, digest):
         return target
@@ -65,6 +65,7 @@ def arrived(archive: bytes, digest: str) -> Path:
 
 def _unpack_new(archive: bytes, target: Path) -> None:
     target.parent.mkdir(parents=True, exist_ok=True)
+    prune(target.parent)
     with leftovers.temporary_folder_in(target.parent, "unpacking-") as fresh:
         _unpack(archive, fresh)
         with contextlib.suppress(OSError):  # another process was quicker

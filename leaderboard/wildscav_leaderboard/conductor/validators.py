@@ -1,0 +1,126 @@
+"""Builds and validates submissions beside the matches, several at once, each in a process of its own."""
+
+import threading
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from datetime import UTC, datetime
+from typing import Self
+
+from wildscav.errors import describe
+from wildscav.monitoring.logs import Log
+from wildscav_leaderboard.conductor import steps, work
+from wildscav_leaderboard.conductor.child import Child
+from wildscav_leaderboard.conductor.lease import Holding, LeaseLostError
+from wildscav_leaderboard.conductor.models import Attempt
+from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.seasons.disk import check_room
+from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.in_force import in_force
+from wildscav_leaderboard.submissions.models import Submission
+
+IDLE = 1.0  # s between two looks when there is nothing to do
+
+
+class Validators:
+    """Threads that each take the next submission, and have a child process do the work. A context manager.
+
+    Args:
+        season: The season.
+        database: Its database.
+        holding: The lease of the conductor.
+        sandbox: The sandbox in which agents run.
+        log: Where to write what happens.
+    """
+
+    def __init__(self, season: Season, database: Database, holding: Holding, sandbox: str, log: Log) -> None:
+        self._season, self._database, self._holding = season, database, holding
+        self._sandbox, self._log = sandbox, log
+        self._stopping = threading.Event()
+        self._children = [Child() for _ in range(season.settings.execution.validations)]
+        self._pool = ThreadPoolExecutor(len(self._children), "validator")
+
+    def __enter__(self) -> Self:
+        self._threads = [self._pool.submit(self._work, child) for child in self._children]
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """End the work, which the next conductor does again."""
+        self._stopping.set()
+        for child in self._children:
+            child.close()
+        self._pool.shutdown()
+
+    def check(self) -> None:
+        """Raise what ended a thread, if one has ended."""
+        for thread in self._threads:
+            if thread.done():
+                thread.result()
+
+    def _work(self, child: Child) -> None:
+        while not self._stopping.is_set():
+            if not self._handle(child):
+                self._stopping.wait(IDLE)
+
+    def _handle(self, child: Child) -> bool:
+        """Build and validate the submission whose turn it is; return whether there was one."""
+        check_room(self._season)
+        with self._database.writing() as session:
+            season = in_force(session, self._season)
+            steps.admit(session, _now())
+            attempt = steps.take_submission(session, season, self._holding, _now())
+            if attempt is None:
+                return False
+            submission = session.get_one(Submission, attempt.submission_id)
+        self._log.info("submission_begun", submission=submission.id)
+        arguments = (season, submission.archive, submission.entrant, self._sandbox)
+        deadlines, logs = season.settings.deadlines, season.submission_folder(submission.id) / "logs"
+        if self._tried(child, season, attempt, work.build, arguments, deadlines.building):
+            with self._database.writing() as session:
+                following = steps.built(session, season, self._holding, attempt.id, _now())
+            if following is not None and self._tried(
+                child, season, following, work.validate, (*arguments, logs), deadlines.validating
+            ):
+                with self._database.writing() as session:
+                    steps.validated(session, in_force(session, season), self._holding, following.id, _now())
+                self._log.info("submission_active", submission=submission.id)
+        return True
+
+    def _tried(
+        self,
+        child: Child,
+        season: Season,
+        attempt: Attempt,
+        function: Callable[..., work.Rejection | None],
+        arguments: tuple[object, ...],
+        lasts: float,
+    ) -> bool:
+        """Do a part of the work on a submission; return whether it passed."""
+        try:
+            rejection = child.call(function, *arguments, timeout=lasts)
+        except LeaseLostError:
+            raise
+        except Exception as error:  # noqa: BLE001 (whatever it is, it is not the competitor's fault)
+            if not self._stopping.is_set():
+                why = describe(error) if isinstance(error, OSError) else str(error) or type(error).__name__
+                self._log.warning("attempt_broke", attempt=attempt.id, fault="platform", reason=why)
+                with self._database.writing() as session:
+                    steps.broke(session, season, self._holding, attempt.id, _now(), why)
+            return False
+        if rejection is None:
+            return True
+        with self._database.writing() as session:
+            steps.rejected(
+                session,
+                self._holding,
+                attempt.id,
+                _now(),
+                reason=rejection.reason,
+                last_lines=rejection.last_lines,
+                command=rejection.command,
+            )
+        self._log.info("submission_rejected", submission=attempt.submission_id, reason=rejection.reason)
+        return False
+
+
+def _now() -> datetime:
+    return datetime.now(UTC)
