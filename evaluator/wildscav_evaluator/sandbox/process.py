@@ -15,9 +15,10 @@ import tempfile
 from dataclasses import replace
 from pathlib import Path
 
+from wildscav.errors import UserError
 from wildscav.system import leftovers
 from wildscav_evaluator.sandbox.agents.agent_process import AgentProcess, agent_variables, start_process
-from wildscav_evaluator.sandbox.base import Launch, MemoryKill, Promise, SandboxError
+from wildscav_evaluator.sandbox.base import Launch, MemoryKill, Promise
 from wildscav_evaluator.sandbox.limits import Limits
 from wildscav_evaluator.submission_files import stage
 
@@ -57,7 +58,7 @@ class ProcessSandbox:
     async def start(self, launch: Launch) -> AgentProcess:
         """Start an agent. See ``Sandbox.start``."""
         if launch.image is not None:
-            raise SandboxError(f"image {launch.image} needs --sandbox oci: a plain process runs folders only")
+            raise UserError(f"image {launch.image} needs --sandbox oci: a plain process runs folders only")
         arguments = [sys.executable, "-c", STARTER]
         if sys.platform == "linux":
             arguments.append(str(os.getpid()))

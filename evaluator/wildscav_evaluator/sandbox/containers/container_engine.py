@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from wildscav.errors import UserError
 from wildscav_evaluator.sandbox.base import SandboxError
 
 ENGINES = ("podman", "docker")  # in this order: Podman needs no daemon
@@ -183,12 +184,12 @@ def image_command(engine: ContainerEngine, image: str) -> tuple[str, ...]:
     """Return the command that an image runs by default.
 
     Raises:
-        SandboxError: It has none, or there is no such image.
+        UserError: It has none, or there is no such image.
     """
     settings = image_settings(engine, image)
     command = (*(settings.get("Entrypoint") or ()), *(settings.get("Cmd") or ()))
     if not command:
-        raise SandboxError(f"image {image} has no command: it needs an ENTRYPOINT or a CMD")
+        raise UserError(f"image {image} has no command: it needs an ENTRYPOINT or a CMD")
     return command
 
 
