@@ -35,6 +35,7 @@ from wildscav_evaluator.sandbox import (
     Launch,
     Limits,
     Sandbox,
+    SandboxError,
 )
 from wildscav_evaluator.seats import display_names, submission_seats
 from wildscav_evaluator.submissions.submission import Submission
@@ -122,9 +123,10 @@ async def play_match(
         try:
             played = await play_once(seating, sandbox=sandbox, clock=clock, on_start=on_start, make=make)
             return replace(played, platform_faults=tuple(faults))
-        except WRONG_REQUESTS:
-            raise
         except Exception as error:
+            # Whether a sandbox works here at all was tried before the match.
+            if isinstance(error, WRONG_REQUESTS) and not isinstance(error, SandboxError):
+                raise
             faults.append(_in_a_line(error))
             if len(faults) >= MAX_ATTEMPTS:
                 raise PlatformFaultError(given_up(faults)) from error

@@ -112,7 +112,8 @@ class Sandbox(Protocol):
         """Start an agent.
 
         Raises:
-            SandboxError: A limit cannot be set; the message says which.
+            SandboxError: It failed, or cannot set a limit; another attempt may succeed.
+            UserError: It does not run such submissions.
             OSError: No process could be started, or the log cannot be written.
         """
         ...

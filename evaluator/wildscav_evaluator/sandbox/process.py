@@ -12,13 +12,16 @@ import shutil
 import signal
 import sys
 import tempfile
+import threading
 from dataclasses import replace
 from pathlib import Path
 
+from wildscav.errors import UserError
 from wildscav.system import leftovers
 from wildscav_evaluator.sandbox.agents.agent_process import AgentProcess, agent_variables, start_process
-from wildscav_evaluator.sandbox.base import Launch, MemoryKill, Promise, SandboxError
+from wildscav_evaluator.sandbox.base import Launch, MemoryKill, Promise
 from wildscav_evaluator.sandbox.limits import Limits
+from wildscav_evaluator.sandbox.processes import all_processes, kill, open_process, read_file
 from wildscav_evaluator.submission_files import stage
 
 KILL_ROUNDS = 1000  # rounds, at most, of killing a session that keeps forking
@@ -57,7 +60,7 @@ class ProcessSandbox:
     async def start(self, launch: Launch) -> AgentProcess:
         """Start an agent. See ``Sandbox.start``."""
         if launch.image is not None:
-            raise SandboxError(f"image {launch.image} needs --sandbox oci: a plain process runs folders only")
+            raise UserError(f"image {launch.image} needs --sandbox oci: a plain process runs folders only")
         arguments = [sys.executable, "-c", STARTER]
         if sys.platform == "linux":
             arguments.append(str(os.getpid()))
@@ -74,7 +77,7 @@ class ProcessSandbox:
         except BaseException:
             await handle.release()
             raise
-        handle.session = agent.pid
+        handle.lead(agent.pid)
         return agent
 
 
@@ -88,18 +91,31 @@ class SessionHandle:
     """A handle on an agent: its session of processes."""
 
     def __init__(self) -> None:
-        self.session: int | None = None
+        self._session: int | None = None  # None as soon as all of its processes have ended
+        self._leader: int | None = None  # a pidfd of its first process
+        self._lock = threading.Lock()  # of these two
         self.private = Path(
             tempfile.mkdtemp(prefix="code-", dir=leftovers.own_folder())
         )  # for a copy of the code
+
+    def lead(self, leader: int) -> None:
+        """Note the session's first process, by whose number the kernel calls the session."""
+        self._session = leader
+        if sys.platform == "linux":
+            with contextlib.suppress(ProcessLookupError):
+                self._leader = open_process(leader)
 
     def meter(self) -> None:
         """Return that waits cannot be measured, because nothing tells apart its own from those for others."""
 
     async def kill(self) -> None:
         """Kill the session. See ``AgentHandle.kill``."""
-        if self.session is not None:
-            kill_session(self.session)
+        await asyncio.to_thread(self._kill)  # which may take milliseconds, and other agents are being timed
+
+    def _kill(self) -> None:
+        with self._lock:
+            if self._session is not None and kill_session(self._session, self._leader):
+                self._session = None
 
     async def memory_kill(self, code: int) -> MemoryKill:  # noqa: ARG002
         """Return that none was killed, because nothing counts kills. See ``AgentHandle.memory_kill``."""
@@ -107,36 +123,54 @@ class SessionHandle:
 
     async def release(self) -> None:
         """Remove the copy of the code. See ``AgentHandle.release``."""
-        await asyncio.to_thread(shutil.rmtree, self.private, ignore_errors=True)
+        await asyncio.to_thread(self._release)
+
+    def _release(self) -> None:
+        shutil.rmtree(self.private, ignore_errors=True)
+        with self._lock:
+            if self._leader is not None:
+                os.close(self._leader)
+            self._session = self._leader = None
 
 
-def kill_session(session: int) -> None:
+def kill_session(session: int, leader: int | None) -> bool:
     """Kill every process of a session, in all its process groups, except zombies.
 
-    The kernel does not give a session's number to a new process while the session has members, so no other
-    processes can be killed.
+    The kernel does not give a session's number to a new process while the session has members.
+
+    Args:
+        session: Its number.
+        leader: A pidfd of its first process; None if there is none.
+
+    Returns:
+        Whether all of its processes have ended, so that its number may be another's from now on.
     """
     if not Path("/proc/self/stat").exists():
         with contextlib.suppress(ProcessLookupError, PermissionError):
             os.killpg(session, signal.SIGKILL)
-        return
+            return False
+        return True
     # A process may fork while the list is read, so repeat until no process is left.
     for _ in range(KILL_ROUNDS):
-        members = _members(session)
+        members = [process for process in all_processes() if _session_of(process) == session]
+        if not members or (session in members and leader is not None and _has_ended(leader)):
+            return True
         for process in members:
-            with contextlib.suppress(ProcessLookupError, PermissionError):
-                os.kill(process, signal.SIGKILL)
-        if not members:
-            return
+            kill(process, lambda process: _session_of(process) == session)
+    return False
 
 
-def _members(session: int) -> list[int]:
-    """Return the living processes of a session, from Linux's /proc."""
-    members = []
-    for entry in Path("/proc").glob("[0-9]*"):
-        with contextlib.suppress(OSError):
-            # "pid (name) state parent group session …"; the name may hold spaces and brackets.
-            state, _, _, its_session = (entry / "stat").read_text().rpartition(")")[2].split()[:4]
-            if int(its_session) == session and state not in "ZX":
-                members.append(int(entry.name))
-    return members
+def _has_ended(pidfd: int) -> bool:
+    """Return whether a process has ended and is no zombie any more."""
+    try:
+        signal.pidfd_send_signal(pidfd, 0)
+    except ProcessLookupError:
+        return True
+    return False
+
+
+def _session_of(process: int) -> int:
+    """Return the session of a living process; 0 if it has ended."""
+    # "pid (name) state parent group session …"; the name may hold spaces and brackets.
+    fields = read_file(process, "stat").rpartition(b")")[2].split()
+    return int(fields[3]) if fields and fields[0] not in b"ZX" else 0

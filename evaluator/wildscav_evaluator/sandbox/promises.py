@@ -1,7 +1,6 @@
 """Testing a sandbox's promises on this machine, with a probe that runs in it and tries to break each."""
 
 import asyncio
-import contextlib
 import json
 import secrets
 import shutil
@@ -16,6 +15,7 @@ from wildscav.system import leftovers
 from wildscav_evaluator.sandbox.agents.capped_log import CUT
 from wildscav_evaluator.sandbox.base import Launch, Promise, Sandbox, SandboxError
 from wildscav_evaluator.sandbox.limits import MEBIBYTE, Limits
+from wildscav_evaluator.sandbox.processes import all_processes, read_file
 
 PROBE = Path(__file__).parent / "probe" / "agent.py"
 # Small limits, which are quick to test. A sandbox that enforces these also enforces others.
@@ -105,11 +105,7 @@ async def _probe(sandbox: Sandbox, folder: Path, limits: Limits) -> dict[str, An
 
 def _processes_with(token: str) -> int:
     """Return how many processes have a token in their environment."""
-    count = 0
-    for path in Path("/proc").glob("[0-9]*/environ"):
-        with contextlib.suppress(OSError):
-            count += token.encode() in path.read_bytes()
-    return count
+    return sum(token.encode() in read_file(process, "environ") for process in all_processes())
 
 
 def _judge(found: dict[str, Any], limits: Limits) -> Iterator[Promise]:

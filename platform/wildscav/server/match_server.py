@@ -5,6 +5,7 @@ import contextlib
 import resource
 import secrets
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
 
 from wildscav.monitoring.logs import Log
@@ -49,9 +50,13 @@ class MatchServer:
         endpoint_settings: EndpointSettings = DEFAULT_SETTINGS,
         log: Log | None = None,
     ) -> None:
+        from wildscav_engine.parallel.threads import cores
+
         self._reservations: dict[str, Reservation] = {}
         self._matches: set[HostedMatch] = set()
         self._endpoints: list[Endpoint] = []
+        # So that no running match waits for maps, not even for those of calls that are cancelled.
+        self._map_makers = ThreadPoolExecutor(max(1, cores() - 1), "map")
         self._settings, self._time = endpoint_settings, SeatClock()
         self._organizer = Organizer(organizer_token)
         self._arena_routes = arena_routes(ArenaService(self), self._organizer) if arena else {}
@@ -144,7 +149,9 @@ class MatchServer:
             wanted = parse_sensors((sensors or {}).get(number, {}))
             seats.append(Seat(number, secrets.token_urlsafe(24), clock.bank(), wanted))
         # In a thread, so that other matches play on while the map is made.
-        match = await asyncio.to_thread(_set_up, spec, [seat.sensors for seat in seats], make)
+        match = await asyncio.get_running_loop().run_in_executor(
+            self._map_makers, _set_up, spec, [seat.sensors for seat in seats], make
+        )
         match.seeds = seeds or match.seeds
         hosted = HostedMatch(match, names, seats, clock, self._time, starting=starting)
         self._matches.add(hosted)
@@ -203,6 +210,7 @@ class MatchServer:
             with contextlib.suppress(MatchCancelledError):
                 await hosted.finished()
         await asyncio.gather(*(endpoint.stop(grace) for endpoint in self._endpoints))
+        self._map_makers.shutdown(wait=False, cancel_futures=True)
 
 
 def allow_many_files() -> None:

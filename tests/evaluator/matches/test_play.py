@@ -3,15 +3,18 @@
 import asyncio
 import os
 import signal
+import threading
 from pathlib import Path
 
 import pytest
 from tests.evaluator.sample_agents import SLEEPER, WALKER, Submit
+from tests.evaluator.sandbox.available import missing
 
 from wildscav.server import Clock, HostedMatch, SeatStatus
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.play import PlayedMatch, Seating, play_match
+from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.sandbox.process import kill_session
 from wildscav_evaluator.submissions.submission import Submission
 
@@ -162,7 +165,30 @@ def test_a_match_that_is_cancelled_leaves_no_agent_behind(submit: Submit, tmp_pa
 
     with pytest.raises(ProcessLookupError):
         os.kill(pid, 0)
-    kill_session(pid)  # has nobody to kill, and does not mind
+    kill_session(pid, None)  # has nobody to kill, and does not mind
+
+
+@pytest.mark.parametrize("sandbox", ["process", pytest.param("oci", marks=pytest.mark.slow)])
+def test_no_list_of_processes_is_read_where_agents_are_timed(
+    submit: Submit, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, sandbox: str
+) -> None:
+    if why := sandbox != "process" and missing(sandbox):
+        pytest.skip(why)
+    readers: list[threading.Thread] = []
+    listdir = os.listdir
+
+    def record(path: str = ".") -> list[str]:
+        if path == "/proc":
+            readers.append(threading.current_thread())
+        return listdir(path)
+
+    monkeypatch.setattr(os, "listdir", record)
+
+    played = play(battle(submit("walker", WALKER), tmp_path=tmp_path), sandbox=SANDBOXES[sandbox])
+
+    assert played.seats[0].status == "finished"
+    assert readers
+    assert threading.current_thread() not in readers
 
 
 def test_a_long_temporary_folder_is_no_obstacle_to_a_unix_socket(

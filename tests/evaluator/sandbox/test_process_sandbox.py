@@ -2,6 +2,7 @@
 
 import asyncio
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -12,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from wildscav_evaluator.sandbox import SANDBOXES, Ending, Launch, Limits, RunningAgent
+from wildscav_evaluator.sandbox.process import kill_session
 from wildscav_evaluator.submissions.submission import Submission
 
 Submit = Callable[..., Submission]
@@ -164,6 +166,53 @@ def test_an_agent_ends_when_whoever_started_it_is_killed(submit: Submit, tmp_pat
     wait_until(lambda: not running(agent))
     for child in log.read_text().split()[:2]:
         os.kill(int(child), signal.SIGKILL)
+
+
+# An agent ends, a stranger gets its number, and then the agent is stopped. It runs in a namespace of process
+# numbers, in which it may choose the next one.
+REUSER = """
+import asyncio, subprocess, sys
+from pathlib import Path
+from wildscav_evaluator.sandbox import SANDBOXES, Launch
+
+async def run():
+    launch = Launch(Path(sys.argv[1]), "agent:Player", "unix:/nowhere", "of the seat", Path(sys.argv[2]))
+    agent = await SANDBOXES["process"].start(launch)
+    await agent.ended()
+    Path("/proc/sys/kernel/ns_last_pid").write_text(str(agent.pid - 1))
+    stranger = subprocess.Popen(["sleep", "100"], start_new_session=True)
+    assert stranger.pid == agent.pid
+    await agent.stop()
+    assert stranger.poll() is None
+
+asyncio.run(run())
+"""
+UNSHARE = ("unshare", "--pid", "--fork", "--mount-proc")
+
+
+def test_stopping_an_agent_that_has_ended_spares_whoever_got_its_number(
+    submit: Submit, tmp_path: Path
+) -> None:
+    if shutil.which("unshare") is None or subprocess.call([*UNSHARE, "true"]):
+        pytest.skip("it takes Linux and root")
+    submission = submit("short", code="")
+
+    subprocess.run([*UNSHARE, sys.executable, "-c", REUSER, submission.folder, tmp_path / "log"], check=True)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="pidfds are Linux's")
+def test_a_session_whose_number_is_a_strangers_by_now_is_spared() -> None:
+    ours, stranger = (subprocess.Popen(["sleep", "100"], start_new_session=True) for _ in range(2))
+    leaders = [os.pidfd_open(process.pid) for process in (ours, stranger)]
+    ours.kill()
+    ours.wait()
+
+    assert kill_session(stranger.pid, leaders[0])
+    assert stranger.poll() is None
+    assert kill_session(stranger.pid, leaders[1])
+    assert stranger.wait() == -signal.SIGKILL
+    for leader in leaders:
+        os.close(leader)
 
 
 STARTER = """

@@ -5,6 +5,7 @@ import contextlib
 import gc
 import os
 import socket
+import threading
 from pathlib import Path
 
 import grpc
@@ -19,6 +20,9 @@ from tests.platform.helpers.seats import connected, ended, host, serving, small_
 from wildscav.proto.match_pb2 import ClientMessage, Join
 from wildscav.server import Clock, EndpointSettings, MatchServer
 from wildscav.server.hosting.precompile import precompile
+from wildscav_engine.parallel.threads import cores
+from wildscav_engine.simulation.match import Match
+from wildscav_engine.specs.match_spec import MatchSpec
 
 FEW, MANY = 100, 10_000  # attacks in all; another number by WILDSCAV_ATTACKS
 CAMPAIGN = 2_500  # attacks that hypothesis draws at a time: it remembers each of them, 10 kB
@@ -203,5 +207,33 @@ def test_a_flood_of_unknown_clients_costs_a_match_no_step(tmp_path: Path) -> Non
             assert (report.status, report.late_steps) == ("finished", 0)
         over = True
         await asyncio.gather(*flood)
+
+    serving(tmp_path, play)
+
+
+def test_maps_of_calls_that_were_cancelled_keep_no_match_from_its_end(tmp_path: Path) -> None:
+    begun: list[MatchSpec] = []
+    go_on = threading.Event()
+
+    def make(spec: MatchSpec) -> Match:
+        begun.append(spec)
+        go_on.wait()
+        return Match(spec)
+
+    async def play(server: MatchServer, _: str) -> None:
+        running = await host(server, small_spec())
+        calls = [asyncio.create_task(host(server, small_spec(), make=make)) for _ in range(200)]
+        while not begun:  # noqa: ASYNC110
+            await asyncio.sleep(0.01)
+        for call in calls:
+            call.cancel()
+        await asyncio.wait(calls)
+        running.give_up(0, "its process ended")
+        try:
+            async with asyncio.timeout(30):
+                assert (await running.finished()).match.over
+        finally:
+            go_on.set()
+        assert len(begun) <= cores()
 
     serving(tmp_path, play)

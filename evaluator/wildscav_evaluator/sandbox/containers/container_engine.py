@@ -14,7 +14,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from wildscav.errors import UserError
 from wildscav_evaluator.sandbox.base import SandboxError
+from wildscav_evaluator.sandbox.processes import all_processes, read_file
 
 ENGINES = ("podman", "docker")  # in this order: Podman needs no daemon
 CHOICE = "WILDSCAV_ENGINE"  # the environment variable that names the engine to use
@@ -183,12 +185,12 @@ def image_command(engine: ContainerEngine, image: str) -> tuple[str, ...]:
     """Return the command that an image runs by default.
 
     Raises:
-        SandboxError: It has none, or there is no such image.
+        UserError: It has none, or there is no such image.
     """
     settings = image_settings(engine, image)
     command = (*(settings.get("Entrypoint") or ()), *(settings.get("Cmd") or ()))
     if not command:
-        raise SandboxError(f"image {image} has no command: it needs an ENTRYPOINT or a CMD")
+        raise UserError(f"image {image} has no command: it needs an ENTRYPOINT or a CMD")
     return command
 
 
@@ -214,11 +216,11 @@ def processes_of(identity: str) -> list[int]:
     Args:
         identity: The identity that the engine gave the container.
     """
-    found = []
-    for path in Path("/proc").glob("[0-9]*/cgroup"):
-        with contextlib.suppress(OSError):
-            # Podman's monitor of a container is also in a group that is named after it.
-            groups = path.read_text("ascii", "replace")
-            if identity in groups and f"conmon-{identity}" not in groups:
-                found.append(int(path.parent.name))
-    return found
+    return [process for process in all_processes() if is_in_container(process, identity)]
+
+
+def is_in_container(process: int, identity: str) -> bool:
+    """Return whether a process of this machine is one of a container."""
+    groups = read_file(process, "cgroup")
+    # Podman's monitor of a container is also in a group that is named after it.
+    return identity.encode() in groups and f"conmon-{identity}".encode() not in groups

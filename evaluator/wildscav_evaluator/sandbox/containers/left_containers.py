@@ -1,17 +1,14 @@
 """What is left of containers when whoever started them is killed, and its removal by the next command."""
 
-import contextlib
 import functools
 import json
 import os
 import re
 import shlex
-import signal
 import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from pathlib import Path
 
 from wildscav.system import leftovers
 from wildscav_evaluator.sandbox.base import SandboxError
@@ -19,9 +16,11 @@ from wildscav_evaluator.sandbox.containers.container_engine import (
     PATIENCE,
     ContainerEngine,
     call,
+    is_in_container,
     last_line,
     processes_of,
 )
+from wildscav_evaluator.sandbox.processes import all_processes, kill, read_file
 
 CONTAINER, PROCESSES = "container", "processes of a container"  # kinds in the lists of owners
 NOT_THERE = re.compile(rb"no such container|no container with", re.IGNORECASE)
@@ -136,8 +135,7 @@ def kill_left_processes(entry: str) -> None:
         if time.monotonic() > end:
             raise OSError(f"processes of container {identity} could not be killed")
         for process in processes_of(identity):
-            with contextlib.suppress(ProcessLookupError, PermissionError):
-                os.kill(process, signal.SIGKILL)
+            kill(process, lambda process: is_in_container(process, identity))
         time.sleep(0.05)
 
 
@@ -175,9 +173,8 @@ def _is_monitored(identity: str) -> bool:
 
 def _command_lines() -> Iterator[list[bytes]]:
     """Return the words of the commands of all processes on this machine."""
-    for path in Path("/proc").glob("[0-9]*/cmdline"):
-        with contextlib.suppress(OSError):
-            yield path.read_bytes().split(b"\0")
+    for process in all_processes():
+        yield read_file(process, "cmdline").split(b"\0")
 
 
 leftovers.register(CONTAINER, remove_left_container)

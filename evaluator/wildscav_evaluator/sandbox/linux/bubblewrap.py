@@ -11,6 +11,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
+from wildscav.errors import UserError
 from wildscav.system import leftovers
 from wildscav_evaluator.sandbox.agents import host_python
 from wildscav_evaluator.sandbox.agents.agent_process import (
@@ -51,7 +52,7 @@ class BubblewrapSandbox:
     async def start(self, launch: Launch) -> AgentProcess:
         """Start an agent. See ``Sandbox.start``."""
         if launch.image is not None:
-            raise SandboxError(f"image {launch.image} needs --sandbox oci: bubblewrap runs folders only")
+            raise UserError(f"image {launch.image} needs --sandbox oci: bubblewrap runs folders only")
         if shutil.which("bwrap") is None:
             raise SandboxError("there is no bubblewrap: install it (package bubblewrap)")
         handle = CgroupHandle(AgentGroup(find_version(), launch.limits))

@@ -9,7 +9,6 @@ import contextlib
 import itertools
 import json
 import os
-import signal
 import time
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -18,6 +17,7 @@ from pathlib import Path
 from wildscav.system import leftovers
 from wildscav_evaluator.sandbox.base import MemoryKill, SandboxError
 from wildscav_evaluator.sandbox.limits import Limits
+from wildscav_evaluator.sandbox.processes import kill
 from wildscav_evaluator.sandbox.processor_waits import GroupMeter
 
 CONTROLLERS = ("cpu", "memory", "pids")
@@ -335,8 +335,7 @@ def _kill(folder: Path) -> None:
     end = time.monotonic() + KILL_TIME
     while (members := _members(folder)) and time.monotonic() < end:
         for process in members:
-            with contextlib.suppress(ProcessLookupError):
-                os.kill(process, signal.SIGKILL)
+            kill(process, lambda process: process in _members(folder))
         time.sleep(0.001)
 
 

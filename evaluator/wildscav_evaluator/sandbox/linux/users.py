@@ -4,7 +4,7 @@ import itertools
 import os
 
 OWN_USERS = 0x7000_0000  # the first user number of agents; no user of a machine has such a high number
-AT_ONCE = 128  # agents of one process at a time
+AT_ONCE = 64  # agents of one process at a time; with 2^22 processes, users stay below 2^31, as engines want
 _slots = itertools.count()
 
 

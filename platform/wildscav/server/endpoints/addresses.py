@@ -14,7 +14,9 @@ PATH_LIMIT = 107  # bytes, of a unix socket's path on Linux
 
 
 def bind(address: str) -> list[socket.socket]:
-    """Return sockets that are bound to an address but do not listen yet; a host name may need several.
+    """Return sockets that are bound to an address, from which nothing is accepted yet.
+
+    A host name may need several.
 
     Raises:
         AddressInUseError: Another process listens there, or the address is not this machine's.
@@ -30,18 +32,28 @@ def _bind_path(address: str, path: Path) -> socket.socket:
         raise UserError(f"{address}: the path of a socket may have at most {PATH_LIMIT} bytes", exit_code=2)
     if not path.parent.is_dir():
         raise UserError(f"{address}: there is no folder {path.parent}", exit_code=2)
-    if path.exists():
-        with socket.socket(socket.AF_UNIX) as probe:
-            if not path.is_socket() or probe.connect_ex(str(path)) == 0:
-                raise AddressInUseError(address)
-        path.unlink()  # left behind by a process that has ended
+    if path.exists() and not _is_left_behind(path):
+        raise AddressInUseError(address)
     bound = socket.socket(socket.AF_UNIX)
     try:
+        path.unlink(missing_ok=True)
         bound.bind(str(path))
+        bound.listen()  # so that others see that it is in use, even if its server still starts
     except OSError as error:
         bound.close()
         raise AddressInUseError(address, error.strerror or str(error)) from None
     return bound
+
+
+def _is_left_behind(path: Path) -> bool:
+    """Return whether a file is the socket of a server that has ended.
+
+    The kernel refuses connections to such a socket. Any other error, such as a missing permission or a full
+    queue, means that the server lives.
+    """
+    with socket.socket(socket.AF_UNIX) as probe:
+        probe.setblocking(False)
+        return path.is_socket() and probe.connect_ex(str(path)) == errno.ECONNREFUSED
 
 
 def _bind_port(address: str) -> list[socket.socket]:

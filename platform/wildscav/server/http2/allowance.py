@@ -33,11 +33,12 @@ class Allowance:
         clock: Returns the time, s.
     """
 
-    __slots__ = ("_clock", "_left", "_limit", "_since")
+    __slots__ = ("_clock", "_left", "_limit", "_since", "unanswered")
 
     def __init__(self, clock: Callable[[], float]) -> None:
         self._clock, self._since = clock, clock()
         self._limit = self._left = UNKNOWN_ALLOWANCE
+        self.unanswered = 0  # bytes of DATA since the last message that the server sent
 
     def spend(self, cost: float, kind: str = "") -> None:
         """Pay for a frame or for a read.
@@ -67,6 +68,7 @@ class Allowance:
             sent: The message's size, bytes.
         """
         self._left = min(self._limit, self._left + REFILL_PER_MESSAGE + sent / BYTES_PER_FRAME)
+        self.unanswered = 0
 
     def raise_limit(self) -> None:
         """Raise the allowance to that of a known client."""

@@ -31,7 +31,7 @@ from wildscav.server.http2.frames import (
 from wildscav.server.http2.stream import Stream
 
 HEADER_LIMIT = 16_384  # bytes of the headers of a call, compressed and decompressed
-UNKNOWN_LIMIT = 32_768  # bytes of messages that a client may send before it is known
+UNKNOWN_LIMIT = 32_768  # bytes of messages that an unknown client may send before it gets an answer
 
 
 class ReadConnection(Protocol):
@@ -76,7 +76,6 @@ class Inbound:
         self._reader, self._decoder = FrameReader(), Decoder(HEADER_LIMIT)
         self._headers: bytearray | None = None  # the headers of a call that are not complete yet
         self._headers_of = Frame(0, 0, 0, b"")  # the frame that they began with
-        self._data_size = 0  # bytes of all DATA frames
         self.has_settings = False  # whether the client's SETTINGS were received
 
     def take(self, content: bytes) -> None:
@@ -118,10 +117,10 @@ class Inbound:
         if not connection.calls.has_begun(frame.stream):
             raise FrameError(Code.PROTOCOL_ERROR, "sent data on a stream that it had not opened")
         size = len(frame.payload)
-        self._data_size += size
+        connection.allowance.unanswered += size
         connection.flow.receive(size)
-        if not connection.known and self._data_size > UNKNOWN_LIMIT:
-            raise FloodError(f"sent {self._data_size:,} bytes without identifying itself")
+        if not connection.known and connection.allowance.unanswered > UNKNOWN_LIMIT:
+            raise FloodError(f"sent {connection.allowance.unanswered:,} bytes without identifying itself")
         content, stream = without_padding(frame), connection.calls.of(frame.stream)
         complete = False
         if stream is None:

@@ -11,6 +11,8 @@ from wildscav.server.workers.supervisor import WorkerLostError, WorkerSupervisor
 from wildscav.wire.errors import RefusalError, reason_of
 from wildscav.wire.matches import encode_seat_address
 
+HOST_TIMEOUT = 300.0  # s that a worker has to open a match; its map may take half a minute, and others wait
+GET_TIMEOUT = 30.0  # s that it has to return the state of one
 Answer = TypeVar("Answer")
 State = GetMatchResponse.State
 
@@ -42,7 +44,7 @@ class Dispatcher:
         for _ in self._workers:
             worker = self._workers[next(self._turns) % len(self._workers)]
             try:
-                hosted: HostMatchResponse = await worker.arena.HostMatch(request)
+                hosted: HostMatchResponse = await worker.arena.HostMatch(request, timeout=HOST_TIMEOUT)
             except (WorkerLostError, grpc.aio.AioRpcError) as error:
                 if not _may_succeed_elsewhere(error):
                     raise
@@ -69,7 +71,8 @@ class Dispatcher:
             raise unknown
         try:
             if int(generation) == worker.generation:
-                answer: GetMatchResponse = await worker.arena.GetMatch(GetMatchRequest(match_id=own))
+                ask = GetMatchRequest(match_id=own)
+                answer: GetMatchResponse = await worker.arena.GetMatch(ask, timeout=GET_TIMEOUT)
                 return answer
         except WorkerLostError:
             pass
@@ -92,5 +95,6 @@ async def _forward_refusal(call: Awaitable[Answer]) -> Answer:
 def _may_succeed_elsewhere(error: Exception) -> bool:
     """Return whether another worker may accept a match that one did not."""
     if isinstance(error, grpc.aio.AioRpcError):
-        return error.code() == grpc.StatusCode.UNAVAILABLE or reason_of(error) == "ARENA_FULL"
+        lost = (grpc.StatusCode.UNAVAILABLE, grpc.StatusCode.DEADLINE_EXCEEDED)
+        return error.code() in lost or reason_of(error) == "ARENA_FULL"
     return True

@@ -14,6 +14,7 @@ from wildscav.errors import AddressInUseError, SensorError, UserError
 from wildscav.proto.match_pb2 import ClientMessage, Join, Ready
 from wildscav.server import Clock, MatchServer, SeatStatus
 from wildscav.server.endpoints.pending_streams import PendingStreams
+from wildscav.server.http2.inbound import UNKNOWN_LIMIT
 from wildscav.wire.errors import reason_of
 
 
@@ -287,6 +288,19 @@ def test_the_health_service_answers(tmp_path: Path) -> None:
             for service in ("", "wildscav.match.v1.Match"):
                 answer = await stub.Check(health_pb2.HealthCheckRequest(service=service))
                 assert answer.status == health_pb2.HealthCheckResponse.SERVING
+
+    serving(tmp_path, play)
+
+
+def test_health_checks_are_no_flood_however_many_bytes_they_have_in_all(tmp_path: Path) -> None:
+    unknown_field = b"\x7a\xa0\x1f" + bytes(4000)  # what a thousand checks have, ten have with this
+
+    async def play(server: MatchServer, address: str) -> None:
+        request = health_pb2.HealthCheckRequest.FromString(unknown_field)
+        async with grpc.aio.insecure_channel(address) as channel:
+            check = health_pb2_grpc.HealthStub(channel).Check
+            for _ in range(UNKNOWN_LIMIT // len(unknown_field) + 2):
+                assert (await check(request)).status == health_pb2.HealthCheckResponse.SERVING
 
     serving(tmp_path, play)
 
