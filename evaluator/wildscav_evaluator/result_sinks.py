@@ -42,11 +42,16 @@ class ResultSink(Protocol):
 
 
 def sinks(database: str) -> Iterator[ResultSink]:
-    """Make every sink whose dependencies are installed; there may be none."""
+    """Make every sink whose dependencies are installed, and check that results can be stored in it.
+
+    Raises:
+        UserError: They cannot be stored.
+    """
     for entry_point in entry_points(group=GROUP):
         try:
             made = entry_point.load()
         except ModuleNotFoundError:
             continue  # its extra is not installed
         sink: ResultSink = made(database)
+        sink.check()
         yield sink

@@ -138,7 +138,7 @@ def test_every_package_of_the_checkout_has_types() -> None:
 
 
 def test_the_wheel_of_the_sdk_can_be_installed_and_holds_the_sdk(tmp_path: Path) -> None:
-    from wildscav_evaluator.submissions.sdk_wheel import write_sdk_wheel
+    from wildscav_evaluator.submissions.images import write_sdk_wheel
 
     wheel = write_sdk_wheel(tmp_path)
     target = tmp_path / "target"

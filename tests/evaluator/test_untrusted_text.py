@@ -23,10 +23,10 @@ from wildscav_evaluator.cli.sessions import check as checking
 from wildscav_evaluator.cli.sessions import compare as compare_session
 from wildscav_evaluator.cli.sessions import evaluate as session
 from wildscav_evaluator.cli.sessions import rescore as rescore_session
-from wildscav_evaluator.cli.sessions.errors import raise_errors
+from wildscav_evaluator.cli.sessions.playing import raise_errors
 from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.monitoring.dashboard import dashboard
-from wildscav_evaluator.monitoring.progress import EvaluationProgress
+from wildscav_evaluator.monitoring.monitor import EvaluationProgress
 from wildscav_evaluator.monitoring.tally import Tally
 from wildscav_evaluator.output.results import KeptLimits, read_results, write_results
 from wildscav_evaluator.scores.compare import compare
@@ -52,7 +52,7 @@ def screen(monkeypatch: pytest.MonkeyPatch) -> PlainConsole:
     console = PlainConsole(file=io.StringIO(), width=60, color_system=None)
     for module in (session, checking, compare_session, rescore_session, leaderboard):
         monkeypatch.setattr(module, "console", console)
-    monkeypatch.setattr("wildscav_evaluator.cli.sessions.errors.error_console", console)
+    monkeypatch.setattr("wildscav_evaluator.cli.sessions.playing.error_console", console)
     return console
 
 

@@ -6,7 +6,8 @@ before its first step distinguishes them from the matches that are scored.
 
 import asyncio
 import secrets
-from collections.abc import Iterator, Mapping
+from collections.abc import AsyncIterator, Iterator, Mapping
+from contextlib import AsyncExitStack, asynccontextmanager
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
@@ -15,10 +16,10 @@ from wildscav.time_limits import Clock, TimeBank
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.check import findings
-from wildscav_evaluator.check.delaying_proxy import delayed_replies
 from wildscav_evaluator.check.findings import Finding
 from wildscav_evaluator.matches.play import PlayedMatch, Seating, agents_at_play, play_match, prepare_logs
-from wildscav_evaluator.sandbox import Ending, Limits, Sandbox
+from wildscav_evaluator.sandbox import Ending, Launch, Limits, Promise, RunningAgent, Sandbox
+from wildscav_evaluator.sandbox.agents.host_python import socket_path
 from wildscav_evaluator.seats import submission_seats
 from wildscav_evaluator.submissions.images import lacks_packages
 from wildscav_evaluator.submissions.submission import Submission
@@ -29,6 +30,9 @@ STEPS = 600  # after which a match ends: a minute at the usual length of a step
 LATE_STEPS = 50  # after which the match with late answers ends
 CANCEL_AT = 3  # steps played before the match is cancelled
 LEAVING_TIME = 5.0  # s for the agents' processes to end after that
+DELAY = 0.4  # s, four times the budget of a step
+DELAYED_EVERY = 5  # chunks: every fifth is delayed
+CHUNK = 65_536  # bytes at most
 
 
 class Trial(NamedTuple):
@@ -174,3 +178,73 @@ async def _cancel_match(seating: Seating, sandbox: Sandbox) -> Ending | None:
         hosted.cancel()
         await agents.leave(LEAVING_TIME)
         return agents.endings.get(seat)
+
+
+class _DelayingSandbox:
+    """A sandbox that runs agents in another sandbox, each behind a delaying proxy.
+
+    The proxy sits between the agent's socket and the match server. While it holds an answer back, the server
+    plays the step without it, so the agent's next observation skips steps.
+
+    Args:
+        sandbox: The sandbox that runs the agents.
+        proxies: The stack that closes the proxies when it exits.
+    """
+
+    def __init__(self, sandbox: Sandbox, proxies: AsyncExitStack) -> None:
+        self._sandbox, self._proxies = sandbox, proxies
+        self.name, self.isolated = sandbox.name, sandbox.isolated
+        self.runs_images = sandbox.runs_images
+
+    def promises(self, limits: Limits) -> tuple[Promise, ...]:
+        return self._sandbox.promises(limits)
+
+    async def start(self, launch: Launch) -> RunningAgent:
+        path = socket_path(launch.address)
+        moved = path.rename(path.with_name("server.sock"))
+        await self._proxies.enter_async_context(_delaying_proxy(path, moved))
+        return await self._sandbox.start(launch)
+
+
+@asynccontextmanager
+async def delayed_replies(sandbox: Sandbox) -> AsyncIterator[Sandbox]:
+    """Yield a sandbox that runs agents like the given one, but delays their answers."""
+    async with AsyncExitStack() as proxies:
+        yield _DelayingSandbox(sandbox, proxies)
+
+
+@asynccontextmanager
+async def _delaying_proxy(path: Path, server_path: Path) -> AsyncIterator[None]:
+    """Listen at a path, and forward data between its connections and the server's socket."""
+    forwarding: set[asyncio.Task[None]] = set()
+
+    async def serve(from_agent: asyncio.StreamReader, to_agent: asyncio.StreamWriter) -> None:
+        from_server, to_server = await asyncio.open_unix_connection(server_path)
+        for direction in (_forward(from_agent, to_server, DELAY), _forward(from_server, to_agent, 0.0)):
+            task = asyncio.create_task(direction)
+            forwarding.add(task)
+            task.add_done_callback(forwarding.discard)
+
+    server = await asyncio.start_unix_server(serve, path)
+    try:
+        yield
+    finally:
+        server.close()
+        for task in forwarding:
+            task.cancel()
+
+
+async def _forward(source: asyncio.StreamReader, sink: asyncio.StreamWriter, delay: float) -> None:
+    """Forward bytes until the source ends; wait ``delay`` seconds before every fifth chunk."""
+    chunks = 0
+    try:
+        while chunk := await source.read(CHUNK):
+            chunks += 1
+            if chunks % DELAYED_EVERY == 0:
+                await asyncio.sleep(delay)
+            sink.write(chunk)
+            await sink.drain()
+    except ConnectionError:
+        pass  # the receiver is gone; its own side reports that
+    finally:
+        sink.close()

@@ -12,7 +12,7 @@ from itertools import islice
 from pathlib import Path
 
 from wildscav.errors import UserError
-from wildscav.terminal.console import printable
+from wildscav.terminal.console import counted, printable
 from wildscav_engine.record.format import WITHOUT_SEEDS
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.tracks import TRACKS
@@ -21,6 +21,7 @@ from wildscav_evaluator.ledger.ledger import Ledger, LedgerError, check_key, rea
 from wildscav_evaluator.output.identity import Identity, digest_of, read_identity
 from wildscav_evaluator.output.layout import IDENTITY_FILE, LEDGER_FILE, RESULTS_FILE, stem_of
 from wildscav_evaluator.output.results import FAILED, Evaluation, MatchRow, Results
+from wildscav_evaluator.output.tournament_settings import TournamentSettings
 from wildscav_evaluator.scores.compare import check_comparison
 from wildscav_evaluator.scores.expected_matches import (
     ExpectedMatch,
@@ -29,7 +30,6 @@ from wildscav_evaluator.scores.expected_matches import (
     known_seed,
     match_counts,
 )
-from wildscav_evaluator.scores.hidden_schedule import deviations
 from wildscav_evaluator.scores.rescore import Replayed, disagreements
 from wildscav_evaluator.seats import submission_seats
 from wildscav_evaluator.tournaments.tournament_file import check_tournament
@@ -303,3 +303,55 @@ def _of_ended(out: Path, match: str, times: Sequence[Ended]) -> Iterator[str]:
     path = out / last.row.record
     if path.is_file() and sha256_of(path) != last.record:
         yield f"{match}: its record is not the one that {LEDGER_FILE} names"
+
+
+def deviations(
+    reported: Results, settings: TournamentSettings, replayed: Sequence[Replayed], count: int
+) -> Iterator[str]:
+    """Yield one line for each deviation of a tournament from what is known of its schedule without the seed.
+
+    Which entrants meet in which match is known only once the secret is opened. But every match has as many
+    entrants and the same kinds of seats, and everyone plays equally often. This is enough to notice a match
+    that was left out, and a seat that was given to another entrant.
+
+    Args:
+        reported: The results of the tournament.
+        settings: Its settings.
+        replayed: Its records, played again.
+        count: How many matches it has.
+    """
+    entrants = Counter(row.index for one in reported.evaluations for row in one.matches)
+    for index in range(count):
+        if entrants[index] != settings.places:
+            yield (
+                f"match {index} of the tournament has results of {counted(entrants[index], 'entrant')}, "
+                f"must be {settings.places}"
+            )
+    share = count * settings.places // len(reported.evaluations)
+    for one in reported.evaluations:
+        if len(one.matches) != share:
+            yield (
+                f"{one.submission} on {one.track}: {counted(len(one.matches), 'match')} in the results, but "
+                f"every entrant of the tournament plays {share:,}"
+            )
+    for played in replayed:
+        if played.spec is not None and not _is_seated(played, settings):
+            yield f"{played.record}: its seats are not filled as the settings of the tournament say"
+
+
+def _is_seated(played: Replayed, settings: TournamentSettings) -> bool:
+    """Return whether entrants, their teams and other robots fill the seats of a record as they should."""
+    if played.spec is None:
+        return False
+    entrants, teams = played.entrants, played.spec.team_of_seats
+    others = [kind for seat, kind in enumerate(played.spec.seats) if seat not in entrants]
+    members: dict[int, list[str]] = {}
+    for seat, name in entrants.items():
+        members.setdefault(teams[seat], []).append(name)
+    different = settings.team_size if settings.mixed else 1  # entrants in a team
+    return (
+        len(entrants) == settings.seats
+        and len({*entrants.values()}) == settings.places
+        and sorted(others) == sorted(settings.robots)
+        and all(len(team) == settings.team_size and len({*team}) == different for team in members.values())
+    )

@@ -1,5 +1,6 @@
 """Submissions as container images: built from a folder, or prebuilt."""
 
+import base64
 import contextlib
 import functools
 import hashlib
@@ -8,8 +9,11 @@ import os
 import secrets
 import subprocess
 import tarfile
+import zipfile
 from collections.abc import Sequence
 from dataclasses import replace
+from email.message import Message
+from importlib.metadata import distribution
 from pathlib import Path
 
 import wildscav
@@ -31,7 +35,6 @@ from wildscav_evaluator.sandbox.containers.left_containers import (
     removal,
 )
 from wildscav_evaluator.submission_files import SubmissionError, copy_files
-from wildscav_evaluator.submissions.sdk_wheel import write_sdk_wheel
 from wildscav_evaluator.submissions.submission import LARGEST_MANIFEST, MANIFEST, Submission, read_manifest
 
 IMAGE = "image:"  # before the name of a prebuilt image, where a command takes a submission
@@ -46,6 +49,8 @@ DOCKERFILES = next(
 )
 LARGEST_VARIABLES = 65_536  # bytes, names included; Linux accepts 128 KiB in one and 2 MiB in all
 LARGEST_HEADERS = 16_384  # bytes of a tar archive with one file, without the file's content
+TAG = "py3-none-any"
+LEFT_OUT = {"__pycache__"}
 
 
 @functools.cache
@@ -259,3 +264,49 @@ def _first_file(packed: bytes) -> bytes | None:
                 size = min(entry.size, LARGEST_MANIFEST + 1)
                 return packed[entry.offset_data : entry.offset_data + size]
     return None
+
+
+def write_sdk_wheel(folder: Path) -> Path:
+    """Write the SDK into a folder as a wheel, made from the installed package, and return its path.
+
+    It contains only the package ``wildscav``, not what a match server needs in addition.
+    """
+    package = Path(wildscav.__file__).parent
+    info = f"wildscav-{wildscav.__version__}.dist-info"
+    content = {
+        f"wildscav/{path.relative_to(package).as_posix()}": path.read_bytes()
+        for path in sorted(package.rglob("*"))
+        if path.is_file() and not LEFT_OUT.intersection(path.parts)
+    }
+    wheel_info = ("Wheel-Version: 1.0", "Generator: wildscav", "Root-Is-Purelib: true", f"Tag: {TAG}", "")
+    content |= {
+        f"{info}/METADATA": _metadata().encode(),
+        f"{info}/WHEEL": "\n".join(wheel_info).encode(),
+        f"{info}/entry_points.txt": b"[console_scripts]\nwildscav = wildscav.cli.main:main\n",
+    }
+    record = f"{info}/RECORD"
+    lines = [f"{name},sha256={_digest(data)},{len(data)}" for name, data in content.items()]
+    content[record] = "\n".join([*lines, f"{record},,", ""]).encode()
+    path = folder / f"wildscav-{wildscav.__version__}-{TAG}.whl"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as wheel:
+        for name, data in content.items():
+            wheel.writestr(name, data)
+    return path
+
+
+def _metadata() -> str:
+    """Return the metadata for pip: the version and the dependencies of the SDK, without extras."""
+    known = distribution("wildscav")
+    message = Message()
+    message["Metadata-Version"] = "2.1"
+    message["Name"] = "wildscav"
+    message["Version"] = wildscav.__version__
+    message["Requires-Python"] = known.metadata["Requires-Python"]
+    for requirement in known.requires or ():
+        if "extra ==" not in requirement:
+            message["Requires-Dist"] = requirement
+    return str(message)
+
+
+def _digest(data: bytes) -> str:
+    return base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()

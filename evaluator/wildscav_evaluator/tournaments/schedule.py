@@ -6,6 +6,7 @@ greatest common divisor of the number n of entrants and P: the least number of g
 play equally often, P / g times.
 """
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,10 +14,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav_evaluator.bounds import FEWEST_ENTRANTS, MOST_ENTRANTS, MOST_MATCHES, MOST_PLAYERS
 from wildscav_evaluator.tournaments.draws import Draws
 from wildscav_evaluator.tournaments.meetings import count_meetings, spread_of
-from wildscav_evaluator.tournaments.pairings import pair_up, pair_up_groups
-from wildscav_evaluator.tournaments.schedule_limits import check_schedule, entrants_of_game
+from wildscav_evaluator.tournaments.pairings import pair_up, pair_up_groups, round_games
 from wildscav_evaluator.tournaments.seating import seat_games, seat_teammates
 
 Int = NDArray[np.int64]
@@ -162,3 +163,63 @@ def _draw_games(groups: tuple[int, ...], places: int, rounds: int, draws: Draws)
     games = games[draws.order(rounds)]
     games = np.stack([played[draws.order(len(played))] for played in games])
     return np.take_along_axis(games, draws.orders(*games.shape), axis=2)
+
+
+def entrants_of_game(seats: int, team_size: int, mixed: bool) -> int:
+    """Return the number of entrants in a game.
+
+    Raises:
+        ValueError: The seats cannot be divided so, or a game would have less than two entrants.
+    """
+    if team_size < 1 or seats < 1 or seats % team_size:
+        raise ValueError(f"{seats} seats cannot be divided into teams of {team_size}")
+    places = seats if mixed else seats // team_size
+    if places < 2:
+        raise ValueError(
+            f"a game has at least 2 entrants; {seats} seats in teams of {team_size} hold {places}"
+        )
+    return places
+
+
+def check_schedule(
+    entrants: int, places: int, seats: int, rounds: int, repeats: int, groups: Sequence[int] | None
+) -> None:
+    """Check the other arguments of `make_schedule`, for games of so many places for entrants.
+
+    Raises:
+        ValueError: There is no such schedule, or it would be too long.
+    """
+    if not FEWEST_ENTRANTS <= entrants <= MOST_ENTRANTS:
+        raise ValueError(
+            f"a tournament has {FEWEST_ENTRANTS} to {MOST_ENTRANTS:,} entrants, not {entrants:,}"
+        )
+    if entrants < places:
+        raise ValueError(f"each game needs {places} entrants, and there are only {entrants}")
+    if rounds < 1:
+        raise ValueError(f"a tournament has at least 1 round, not {rounds}")
+    if not 1 <= repeats <= places:
+        raise ValueError(f"a game of {places} entrants can be played 1 to {places} times, not {repeats}")
+    if groups is not None:
+        _check_groups(entrants, places, groups)
+    _check_length(round_games(entrants, places), rounds, repeats, seats)
+
+
+def _check_groups(entrants: int, places: int, groups: Sequence[int]) -> None:
+    if len(groups) != entrants:
+        raise ValueError(f"groups are given for {len(groups)} entrants; there are {entrants}")
+    largest, most = max(Counter(groups).values()), entrants // places
+    if largest > most:
+        raise ValueError(
+            f"{largest} of the {entrants} entrants may not meet each other; with {places} entrants in a game,"
+            f" at most {most} of them could play as often as everyone else"
+        )
+
+
+def _check_length(games: int, rounds: int, repeats: int, seats: int) -> None:
+    matches = games * rounds * repeats
+    if matches > MOST_MATCHES or matches * seats > MOST_PLAYERS:
+        most = min(MOST_MATCHES, MOST_PLAYERS // seats) // (games * repeats)
+        raise ValueError(
+            f"{rounds:,} rounds have {matches:,} matches with {matches * seats:,} seats; a tournament has at"
+            f" most {MOST_MATCHES:,} matches and {MOST_PLAYERS:,} seats, and so here at most {most:,} rounds"
+        )

@@ -10,7 +10,7 @@ from wildscav.errors import UserError
 from wildscav.terminal.console import console, error_console, print_json
 from wildscav.terminal.tables import FittingTable
 from wildscav_evaluator.cache import cache_folder
-from wildscav_evaluator.cli.sessions.errors import raise_errors
+from wildscav_evaluator.cli.sessions.playing import raise_errors
 from wildscav_evaluator.executors import Executor
 from wildscav_leaderboard.auditing.audit import Audit
 from wildscav_leaderboard.auditing.record_checks import Wanted

@@ -9,7 +9,7 @@ from rich.console import Console
 
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.jobs import Job, JobResult
-from wildscav_evaluator.monitoring.progress import EvaluationProgress
+from wildscav_evaluator.monitoring.monitor import EvaluationProgress
 from wildscav_evaluator.monitoring.tally import Tally
 from wildscav_evaluator.output.results import MatchRow
 from wildscav_evaluator.submissions.submission import Submission

@@ -12,8 +12,7 @@ from scipy import optimize
 from scipy.special import expit
 from tests.evaluator.ratings.simulated_tournaments import simulated_tournament
 
-from wildscav_evaluator.ratings.comparisons import compare_entrants
-from wildscav_evaluator.ratings.fit import ELO, fit
+from wildscav_evaluator.ratings.fit import ELO, compare_entrants, fit
 from wildscav_evaluator.ratings.matches import RatedMatch, pairings
 
 NAMES = "abcdef"

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from wildscav_evaluator.tournaments.edge_colouring import colour_edges
+from wildscav_evaluator.tournaments.seating import colour_edges
 
 
 @settings(max_examples=60, deadline=None)

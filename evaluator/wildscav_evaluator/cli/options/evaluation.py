@@ -3,10 +3,26 @@
 The command line imports this module to show its help, so it imports nothing heavy.
 """
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
 import typer
+
+from wildscav.cli.json_option import AsJson
+from wildscav_evaluator.cli.options.executor import AddressOption, ExecutorOption, executor_of
+from wildscav_evaluator.cli.options.sandbox import InSandbox, chosen_sandbox
+from wildscav_evaluator.cli.options.signing import SignOption, signing_key, warn_of_open_key
+
+if TYPE_CHECKING:
+    from wildscav_evaluator.executors import Executor
+    from wildscav_evaluator.monitoring.monitor import MonitorOptions
+    from wildscav_evaluator.plans.plan import Plan
+    from wildscav_evaluator.submissions.submission import Submission
+
+AnyPlan = TypeVar("AnyPlan", bound="Plan")
 
 Submissions = Annotated[
     list[Path],
@@ -40,40 +56,93 @@ SecretOption = Annotated[
         help="File with a hidden seed (`wildscav secret new`), instead of --seed.", show_default=False
     ),
 ]
-OutOption = Annotated[
-    Path | None,
-    typer.Option(
-        help="Output folder. Default: a new folder with the next number, or the one in which the same "
-        "command was interrupted.",
-        show_default=False,
-    ),
-]
-FreshOption = Annotated[
-    bool,
-    typer.Option(
-        "--fresh",
-        help="Play everything again: into a new folder or, with --out, replacing what that folder holds.",
-        show_default=False,
-    ),
-]
-JobsOption = Annotated[
-    int | None,
-    typer.Option(help="Matches at once. Default: one per processor core.", min=1, show_default=False),
-]
-
-LogOption = Annotated[
-    Literal["json", "text"] | None,
-    typer.Option(
-        help="Write log lines in this format to stderr instead of showing a dashboard.", show_default=False
-    ),
-]
-MetricsOption = Annotated[
-    int | None,
-    typer.Option(
-        help="Serve Prometheus metrics on this port of this machine; 0 takes a free one.",
-        min=0,
-        max=65_535,
-        show_default=False,
-    ),
-]
 DatabaseOption = Annotated[Path, typer.Option(help="The leaderboard's database.")]
+
+
+@dataclass(frozen=True)
+class PlayOptions:
+    """The options of every command that plays the matches of a suite into an output folder."""
+
+    suite: SuiteOption = "quick"
+    seed: SeedOption = None
+    secret: SecretOption = None
+    jobs: Annotated[
+        int | None,
+        typer.Option(help="Matches at once. Default: one per processor core.", min=1, show_default=False),
+    ] = None
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            help="Output folder. Default: a new folder with the next number, or the one in which the same "
+            "command was interrupted.",
+            show_default=False,
+        ),
+    ] = None
+    fresh: Annotated[
+        bool,
+        typer.Option(
+            "--fresh",
+            help="Play everything again: into a new folder or, with --out, replacing what that folder holds.",
+            show_default=False,
+        ),
+    ] = False
+    sandbox: InSandbox = None
+    executor: ExecutorOption = "local"
+    address: AddressOption = None
+    sign: SignOption = None
+    log_format: Annotated[
+        Literal["json", "text"] | None,
+        typer.Option(
+            help="Write log lines in this format to stderr instead of showing a dashboard.",
+            show_default=False,
+        ),
+    ] = None
+    metrics_port: Annotated[
+        int | None,
+        typer.Option(
+            help="Serve Prometheus metrics on this port of this machine; 0 takes a free one.",
+            min=0,
+            max=65_535,
+            show_default=False,
+        ),
+    ] = None
+    as_json: AsJson = False
+
+    @property
+    def monitor(self) -> "MonitorOptions":
+        """How to show the progress."""
+        from wildscav_evaluator.monitoring.monitor import MonitorOptions
+
+        return MonitorOptions(self.log_format, self.metrics_port)
+
+    @contextmanager
+    def planned(
+        self, make: "Callable[..., AnyPlan]", submissions: "tuple[Submission, ...]", parent: Path, **more: Any
+    ) -> "Iterator[tuple[AnyPlan, Executor]]":
+        """Yield a plan with these options, and the executor that is to play it.
+
+        Args:
+            make: The kind of plan.
+            submissions: What will be played.
+            parent: The folder of numbered output folders, for when no output folder is named.
+            more: The fields of the plan that do not follow from these options.
+        """
+        from wildscav_evaluator.cli.options.selection import suite_seed
+
+        seed, out = suite_seed(self.seed, self.secret), self.out or parent
+        key = signing_key(self.sign, out, submissions)
+        with executor_of(self.executor, self.address, self.jobs) as machines:
+            sandbox, submissions = chosen_sandbox(self.sandbox, submissions, machines)
+            if key is not None:
+                warn_of_open_key(sandbox)
+            plan = make(
+                submissions=submissions,
+                seed=seed,
+                jobs=machines.at_once,
+                out=out,
+                fresh=self.fresh,
+                sandbox=sandbox,
+                key=key,
+                **more,
+            )
+            yield plan if self.out else plan.in_own_folder(), machines

@@ -10,9 +10,8 @@ from wildscav.errors import UserError, describe
 from wildscav.terminal.console import console, counted, print_json
 from wildscav_evaluator.cli.result_tables.ranking import add_columns, heading, plain_table
 from wildscav_evaluator.cli.result_tables.timing import sandbox_and_limits
-from wildscav_evaluator.cli.sessions.errors import raise_errors
-from wildscav_evaluator.cli.sessions.evaluate import all_failed
-from wildscav_evaluator.cli.sessions.playing import playing, say, say_ledger
+from wildscav_evaluator.cli.sessions.evaluate import total_failures
+from wildscav_evaluator.cli.sessions.playing import playing, raise_errors, say, say_ledger
 from wildscav_evaluator.executors import Executor
 from wildscav_evaluator.monitoring.monitor import MonitorOptions
 from wildscav_evaluator.output.results import write_results
@@ -59,7 +58,7 @@ def run_comparison(
             say_ledger(plan, ledger)
         except OSError as error:
             raise UserError(f"the comparison could not be saved: {describe(error)}") from error
-    raise_errors([all_failed(one, plan.out) for one in results.evaluations if one.faults == len(one.matches)])
+    raise_errors(total_failures(results, plan.out))
 
 
 def common_tracks(tracks: Sequence[str], submissions: Sequence[Submission]) -> tuple[str, ...]:

@@ -1,16 +1,22 @@
-"""What ``wildscav doctor`` shows of the nodes of a cluster."""
+"""What ``wildscav doctor`` shows of this machine, or of the nodes of a cluster."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 
 from rich.table import Table
 from rich.text import Text
 
+from wildscav.cli.main import GROUP as COMMANDS
+from wildscav.cli.verify import CHECKS
 from wildscav.errors import UserError
 from wildscav.terminal.console import console, print_json
+from wildscav_engine.extensions import BUILT_IN, PREFIX, Addition, Registry, loaded, other_groups
 from wildscav_evaluator.cli.result_tables.ranking import plain_table
-from wildscav_evaluator.executors import Examined, Executor
-from wildscav_evaluator.sandbox import SANDBOXES
+from wildscav_evaluator.executors import EXECUTORS, Examined, Executor
+from wildscav_evaluator.result_sinks import GROUP as SINKS
+from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES, Promise, SandboxError
+from wildscav_evaluator.sandbox.containers.container_engine import find_engine
+from wildscav_evaluator.suites.suite import SUITES
 
 
 def examine_nodes(executor: Executor, *, as_json: bool = False) -> None:
@@ -45,3 +51,81 @@ def _mark(node: Examined, sandbox: str) -> Text:
     if node.problem:
         return Text("not used", "red")
     return Text("broken", "red") if node.sandboxes[sandbox] else Text("works", "green")
+
+
+def examine_this_machine(*, as_json: bool) -> None:
+    """Show which sandboxes keep their promises on this machine, and what other packages add.
+
+    Raises:
+        UserError: No sandbox keeps all its promises, or an addition does not work.
+    """
+    additions = list(installed())
+    broken = [one for one in additions if one.problem]
+    added = [one.name for one in additions if one.group == SANDBOXES.group and not one.problem]
+    complete, sandboxes = [], []
+    for name in (*SANDBOXES.built_in, *added):
+        sandbox = SANDBOXES[name]
+        if not sandbox.isolated:
+            continue
+        with console.status(f"trying {name}"):
+            promises = sandbox.promises(DEFAULT_LIMITS)
+        console.print(_promises_table(f"{name}{_engine(name)}", promises))
+        sandboxes.append({"name": name, "promises": [asdict(promise) for promise in promises]})
+        if name in SANDBOXES.built_in and all(promise.kept for promise in promises):
+            complete.append(name)
+    if additions:
+        console.print(extensions_table(additions))
+    if as_json:
+        default = complete[0] if complete else None
+        extensions = [{**one._asdict(), "origin": one.origin._asdict()} for one in additions]
+        print_json({"sandboxes": sandboxes, "default": default, "extensions": extensions})
+    console.print(
+        Text.assemble(("process", "bold"), " promises nothing: use it only for agents that you trust.")
+    )
+    if broken:
+        raise UserError("; ".join(one.problem for one in broken))
+    if not complete:
+        raise UserError("no sandbox keeps all its promises here: agents would run as plain processes")
+    console.print(Text.assemble("By default, agents run in ", (complete[0], "bold"), "."))
+
+
+def _engine(sandbox: str) -> str:
+    """Return the container engine of a sandbox in brackets, or an empty text if it has none here."""
+    try:
+        return f" ({find_engine().name})" if SANDBOXES[sandbox].runs_images else ""
+    except SandboxError:
+        return ""
+
+
+def _promises_table(name: str, promises: tuple[Promise, ...]) -> Table:
+    kept = sum(promise.kept for promise in promises)
+    title = f"{name}: {kept} of {len(promises)} promises kept"
+    table = plain_table(title)
+    for heading in ("promise", "", "found", "what to do"):
+        table.add_column(heading)
+    for promise in promises:
+        mark = Text("kept", "green") if promise.kept else Text("broken", "red")
+        table.add_row(promise.name, mark, promise.found, promise.remedy)
+    return table
+
+
+def installed() -> Iterator[Addition]:
+    """Yield what other packages add, each tried by importing it."""
+    registries: list[Registry[object]] = [*map(Registry, BUILT_IN), SANDBOXES, SUITES, EXECUTORS]  # type: ignore[list-item]
+    plain = (COMMANDS, CHECKS, SINKS)
+    for registry in registries:
+        yield from registry.additions()
+    for group in plain:
+        yield from loaded(group)
+    yield from other_groups({*plain, *(registry.group for registry in registries)})
+
+
+def extensions_table(additions: list[Addition]) -> Table:
+    """Return a table of what other packages add."""
+    table = plain_table("added by other packages")
+    for heading in ("kind", "name", "package", "", "why"):
+        table.add_column(heading)
+    for one in additions:
+        mark = Text("broken", "red") if one.problem else Text("works", "green")
+        table.add_row(one.group.removeprefix(PREFIX), one.name, str(one.origin), mark, Text(one.problem))
+    return table

@@ -3,25 +3,26 @@
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
+from rich.table import Table
 from rich.text import Text
 
-from wildscav.errors import UserError, describe
+from wildscav.errors import UserError
 from wildscav.terminal.console import command, console, counted, print_json
 from wildscav_engine.record import SUFFIX
-from wildscav_evaluator.cli.result_tables.changes import changes_table
-from wildscav_evaluator.cli.result_tables.ranking import LEGEND, ranked, track_table
+from wildscav_evaluator.cli.result_tables.ranking import LEGEND, add_columns, plain_table, ranked, track_table
 from wildscav_evaluator.cli.result_tables.timing import sandbox_and_limits, timing_table
-from wildscav_evaluator.cli.sessions.errors import raise_errors
-from wildscav_evaluator.cli.sessions.playing import playing, say, say_ledger
+from wildscav_evaluator.cli.sessions.playing import playing, raise_errors, saving_errors, say, say_ledger
 from wildscav_evaluator.executors import Executor
-from wildscav_evaluator.ledger.writer import LedgerWriter
 from wildscav_evaluator.monitoring.monitor import MonitorOptions
 from wildscav_evaluator.output.layout import LOGS, RECORDS, REPLAYS, RESULTS_FILE
-from wildscav_evaluator.output.results import Evaluation, Results, write_results
+from wildscav_evaluator.output.numbered_folders import number_of
+from wildscav_evaluator.output.results import Evaluation, Results
 from wildscav_evaluator.plans.evaluation import EvaluationPlan
 from wildscav_evaluator.result_sinks import ResultSink, sinks
 from wildscav_evaluator.scores.changes import Change, changes_since_last
+from wildscav_evaluator.scores.compare import FEWEST_PAIRS, Comparison
 from wildscav_evaluator.scores.notes import evaluation_actions_note, evaluation_waits_note
+from wildscav_evaluator.scores.number_format import number, signed
 
 DASHBOARD_ONLY = MonitorOptions()
 
@@ -48,11 +49,9 @@ def run_session(
             not be saved or a submission failed in all its matches.
     """
     kept_by = tuple(sinks(str(database)))
-    for sink in kept_by:
-        sink.check()
     with playing(plan, options, executor) as (results, ledger):
         # Written before anything is shown, so that closing the terminal loses nothing.
-        errors = list(_written(results, plan.out, ledger))
+        errors = saving_errors(results, plan.out, ledger)
         since = changes_since_last(results, plan.out)
         _show(results, since)
         if as_json:
@@ -61,12 +60,12 @@ def run_session(
             say("results", str(plan.out / RESULTS_FILE))
             say_ledger(plan, ledger)
         errors += _keep(results, plan, kept_by, database)
-        errors += [all_failed(one, plan.out) for one in results.evaluations if one.faults == len(one.matches)]
+        errors += total_failures(results, plan.out)
     raise_errors(errors)
 
 
 def show_notes(results: Results) -> None:
-    """Print which submissions sent invalid actions, and which late steps are not their fault."""
+    """Print who sent invalid actions, which late steps are not the agents' fault, and the sandbox."""
     lines = [line for one in results.evaluations if (line := evaluation_actions_note(one))]
     lines += [
         line for one in results.evaluations if (line := evaluation_waits_note(one, results.timings_of(one)))
@@ -75,16 +74,9 @@ def show_notes(results: Results) -> None:
         console.print()
     for line in lines:
         console.print(Text.assemble(("note: ", "yellow"), line))
-
-
-def _written(results: Results, out: Path, ledger: LedgerWriter) -> Iterator[str]:
-    """Write the results, close the ledger with them, and yield the errors."""
-    try:
-        ledger.close(results, write_results(results, out))
-    except OSError as error:
-        yield f"the results could not be saved: {describe(error)}"
-    except UserError as error:  # raised by the ledger
-        yield str(error)
+    console.print()
+    for position, line in enumerate(sandbox_and_limits(results.sandbox, results.limits)):
+        say("" if position else "sandbox", line)
 
 
 def document(results: Results, out: Path, since: Sequence[Change]) -> dict[str, object]:
@@ -107,9 +99,6 @@ def _show(results: Results, since: Sequence[Change] = ()) -> None:
         console.print()
     console.print(timing_table(results))
     show_notes(results)
-    console.print()
-    for position, line in enumerate(sandbox_and_limits(results.sandbox, results.limits)):
-        say("" if position else "sandbox", line)
 
 
 def _keep(
@@ -146,6 +135,11 @@ def _replay_to_show(results: Results) -> str | None:
     return None
 
 
+def total_failures(results: Results, out: Path) -> list[str]:
+    """Return an error for every submission that failed in all its matches of a track."""
+    return [all_failed(one, out) for one in results.evaluations if one.faults == len(one.matches)]
+
+
 def all_failed(evaluation: Evaluation, out: Path) -> str:
     """Return the error that a submission, or the platform, failed in every match of a track, and why."""
     first = evaluation.matches[0]
@@ -155,3 +149,41 @@ def all_failed(evaluation: Evaluation, out: Path) -> str:
     log = next((seat.log for seat in first.seats if seat.fault is not None), None)
     see = f" (its log: {out / log})" if log else ""
     return f"{evaluation.submission} failed in every match of {evaluation.track}: {first.detail}{see}"
+
+
+def changes_table(since: Sequence[Change]) -> Table:
+    """Return the table: one line per submission and track, with its score."""
+    table = plain_table("since last time")
+    table.add_column("track", no_wrap=True, vertical="bottom")
+    table.add_column("agent", min_width=7, vertical="bottom")
+    add_columns(table, "since", "before", "now", "change", "95 %\ninterval")
+    table.add_column("", vertical="bottom", min_width=8)
+    for one in since:
+        score = one.comparison.differences[0]
+        table.add_row(
+            f"{one.comparison.track} {'↓' if score.metric.lower_is_better else '↑'}",
+            one.comparison.first,
+            f"{number_of(Path(one.folder)):04} {one.version}",
+            number(score.second, score.metric),
+            number(score.first, score.metric),
+            signed(score.difference, score.metric),
+            f"{signed(score.low, score.metric)} to {signed(score.high, score.metric)}",
+            verdict(one.comparison),
+        )
+    return table
+
+
+def verdict(one: Comparison) -> Text:
+    """Return in a few words whether a score has changed by more than chance explains."""
+    score = one.differences[0]
+    if score.difference == score.low == score.high == 0.0:
+        return Text("no change")
+    match one.verdict:
+        case "first":
+            return Text("better", "green")
+        case "second":
+            return Text("worse", "red")
+        case "tied":
+            return Text("within the noise", "yellow")
+        case _:
+            return Text(f"too few: {one.pairs} of {FEWEST_PAIRS} matches", "yellow")

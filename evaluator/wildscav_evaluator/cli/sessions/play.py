@@ -26,10 +26,8 @@ from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_engine.specs.validation import one_line
 from wildscav_engine.tracks import TRACKS
-from wildscav_evaluator.cli.options.output_paths import check_output_paths
 from wildscav_evaluator.cli.result_tables.ranking import add_columns, heading, plain_table
-from wildscav_evaluator.cli.sessions.errors import raise_errors
-from wildscav_evaluator.cli.sessions.playing import INTERRUPTED
+from wildscav_evaluator.cli.sessions.playing import INTERRUPTED, raise_errors
 from wildscav_evaluator.matches.play import PlayedMatch, Seating, play_match, prepare_logs, remove_empty_logs
 from wildscav_evaluator.output.results import FINISHED, metric_infos
 from wildscav_evaluator.sandbox import SANDBOXES, Sandbox
@@ -41,6 +39,10 @@ from wildscav_evaluator.submissions.submission import Submission
 
 if TYPE_CHECKING:
     from wildscav_engine.specs.result import SeatResult
+
+import tempfile
+
+from wildscav.cli.replay import check_name
 
 BATTLE_SEATS = 6  # by default
 MAX_SEATS = 1000  # in a spec
@@ -265,3 +267,38 @@ def _failures(played: PlayedMatch, seating: Seating) -> Iterator[str]:
         if report.status != FINISHED:
             see = f" (its log: {log})" if log.exists() else ""
             yield f"{seating.names[seat]} {report.status.value}: {report.detail}{see}"
+
+
+def check_output_paths(record: Path | None, replay: Path | None) -> None:
+    """Check that a record and a replay can be written, if they are requested, and create their folders.
+
+    Raises:
+        UserError: One cannot be written, both name the same file, or the replay's name is not valid.
+    """
+    if record is not None and replay is not None and record.resolve() == replay.resolve():
+        raise UserError(f"--record and --replay name the same file {record}: name two files", exit_code=2)
+    for option, path in (("--record", record), ("--replay", replay)):
+        if path is not None:
+            _check_file(option, path)
+    if replay is not None:
+        check_name("--replay", replay)
+    for option, path in (("--record", record), ("--replay", replay)):
+        if path is not None:
+            _check_writable(option, path)
+
+
+def _check_file(option: str, path: Path) -> None:
+    if path.is_dir():
+        raise UserError(f"{option} {path} is a folder: name a file in it", exit_code=2)
+    if path.exists() and not path.is_file():
+        raise UserError(f"{option} {path} is not a plain file: name another", exit_code=2)
+
+
+def _check_writable(option: str, path: Path) -> None:
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        # Files are written to a temporary file in the same folder and moved, so the folder must be writable.
+        with tempfile.TemporaryFile(dir=path.parent):
+            pass
+    except OSError as error:
+        raise UserError(f"{option} {path} cannot be written: {error.strerror}", exit_code=2) from error

@@ -2,9 +2,12 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from pathlib import Path
 
-from wildscav.errors import UserError
-from wildscav.terminal.console import console, counted
+from rich.text import Text
+
+from wildscav.errors import UserError, describe
+from wildscav.terminal.console import console, counted, error_console
 from wildscav.terminal.engine_progress import preparing
 from wildscav.time_limits import Clock
 from wildscav_engine.storage.files import write_whole
@@ -18,7 +21,7 @@ from wildscav_evaluator.monitoring.monitor import Monitor, MonitorOptions
 from wildscav_evaluator.output.folder import check_out, keep_only, output_folder
 from wildscav_evaluator.output.layout import LEDGER_FILE, SUITE_FILE
 from wildscav_evaluator.output.lock import Lock
-from wildscav_evaluator.output.results import Results
+from wildscav_evaluator.output.results import Results, write_results
 from wildscav_evaluator.plans.plan import Plan
 
 INTERRUPTED = 130  # exit code, by the convention of shells
@@ -118,6 +121,20 @@ def _saved(plan: Plan, jobs: Sequence[Job]) -> str:
     )
 
 
+def saving_errors(
+    results: Results, out: Path, ledger: LedgerWriter, write_more: Callable[[], None] = lambda: None
+) -> list[str]:
+    """Write the results, and whatever else there is; close the ledger with them, and return the errors."""
+    try:
+        write_more()
+        ledger.close(results, write_results(results, out))
+    except OSError as error:
+        return [f"the results could not be saved: {describe(error)}"]
+    except UserError as error:  # raised by the ledger
+        return [str(error)]
+    return []
+
+
 def say_ledger(plan: Plan, ledger: LedgerWriter) -> None:
     """Print where the ledger is, and which key signed it."""
     signed = "not signed" if plan.public_key is None else f"signed with the key {plan.public_key}"
@@ -129,3 +146,16 @@ def say_ledger(plan: Plan, ledger: LedgerWriter) -> None:
 def say(what: str, text: str) -> None:
     """Print a label and a text on one line."""
     console.print(f"{what:<9} {text}", soft_wrap=True, highlight=False)
+
+
+def raise_errors(errors: Sequence[str]) -> None:
+    """Print every error on its own line, in the format of the command line; raise the last one.
+
+    Raises:
+        UserError: There was one.
+    """
+    if not errors:
+        return
+    for error in errors[:-1]:
+        error_console.print(Text(f"wildscav: {' '.join(error.split())}"), soft_wrap=True)
+    raise UserError(errors[-1])

@@ -12,8 +12,7 @@ from wildscav.terminal.console import console, counted, printable
 from wildscav.terminal.engine_progress import preparing
 from wildscav_engine.record import Record, RecordError, read_record, verify_record
 from wildscav_engine.simulation.match import MatchSetupError
-from wildscav_evaluator.cli.sessions.errors import raise_errors
-from wildscav_evaluator.cli.sessions.playing import INTERRUPTED
+from wildscav_evaluator.cli.sessions.playing import INTERRUPTED, raise_errors
 from wildscav_evaluator.ledger.ledger import Ledger, LedgerError, read_ledger
 from wildscav_evaluator.matches.play import PlayedMatch, Seating, play_match, prepare_logs, remove_empty_logs
 from wildscav_evaluator.matches.recorded_match import Agreement, RecordedMatch

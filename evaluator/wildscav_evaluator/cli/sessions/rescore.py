@@ -9,7 +9,7 @@ from wildscav.errors import UserError
 from wildscav.terminal.console import console, counted, error_console, print_json
 from wildscav_evaluator.cli.result_tables.ranking import LEGEND, track_table
 from wildscav_evaluator.cli.result_tables.timing import sandbox_and_limits
-from wildscav_evaluator.cli.sessions.errors import raise_errors
+from wildscav_evaluator.cli.sessions.playing import raise_errors
 from wildscav_evaluator.cli.sessions.tournament import show_ratings
 from wildscav_evaluator.executors import Executor
 from wildscav_evaluator.ledger.ledger import LedgerError, check_key, read_ledger

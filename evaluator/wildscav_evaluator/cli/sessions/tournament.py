@@ -1,9 +1,9 @@
 """What a tournament shows and saves: progress, standings, the paths of its files, and errors."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
-from wildscav.errors import UserError, describe
+from wildscav.errors import UserError
 from wildscav.terminal.console import command, console, counted, print_json
 from wildscav_evaluator.cli.result_tables.standings import (
     MOST_OPPONENTS,
@@ -11,10 +11,9 @@ from wildscav_evaluator.cli.result_tables.standings import (
     pairs_table,
     standings_table,
 )
-from wildscav_evaluator.cli.result_tables.timing import sandbox_and_limits, timing_table
-from wildscav_evaluator.cli.sessions.errors import raise_errors
-from wildscav_evaluator.cli.sessions.evaluate import all_failed, show_notes
-from wildscav_evaluator.cli.sessions.playing import playing, say, say_ledger
+from wildscav_evaluator.cli.result_tables.timing import timing_table
+from wildscav_evaluator.cli.sessions.evaluate import show_notes, total_failures
+from wildscav_evaluator.cli.sessions.playing import playing, raise_errors, saving_errors, say, say_ledger
 from wildscav_evaluator.executors import Executor
 from wildscav_evaluator.ledger.writer import LedgerWriter
 from wildscav_evaluator.monitoring.monitor import MonitorOptions
@@ -26,7 +25,7 @@ from wildscav_evaluator.output.layout import (
     STANDINGS_PICTURE,
     TOURNAMENT_FILE,
 )
-from wildscav_evaluator.output.results import Results, write_results
+from wildscav_evaluator.output.results import Results
 from wildscav_evaluator.plans.tournament import TournamentPlan
 from wildscav_evaluator.ratings.picture import draw_standings
 from wildscav_evaluator.result_sinks import ResultSink, sinks
@@ -55,12 +54,10 @@ def run_tournament(
             be saved or an entrant failed in all its matches.
     """
     kept_by = tuple(sinks(str(database)))
-    for sink in kept_by:
-        sink.check()
     with playing(plan, options, executor) as (results, ledger):
         tournament = tournament_of(results)
         # Written before anything is shown, so that closing the terminal loses nothing.
-        errors = list(_written(results, tournament, plan.out, ledger))
+        errors = saving_errors(results, plan.out, ledger, lambda: _write_ratings(tournament, plan.out))
         stored, not_stored = _stored(tournament, results, kept_by)
         _show(tournament, results)
         if as_json:
@@ -72,7 +69,7 @@ def run_tournament(
             say("database", line)
             say("", f"standings: {command('wildscav')} leaderboard --db {database}")
         errors += not_stored
-        errors += [all_failed(one, plan.out) for one in results.evaluations if one.faults == len(one.matches)]
+        errors += total_failures(results, plan.out)
     raise_errors(errors)
 
 
@@ -93,22 +90,13 @@ def _show(tournament: Tournament, results: Results) -> None:
     if times.rows:  # there are none if all entrants are robots
         console.print(times)
     show_notes(results)
-    console.print()
-    for position, line in enumerate(sandbox_and_limits(results.sandbox, results.limits)):
-        say("" if position else "sandbox", line)
 
 
-def _written(results: Results, tournament: Tournament, out: Path, ledger: LedgerWriter) -> Iterator[str]:
-    """Write the results, the ratings and their picture, close the ledger, and yield the errors."""
-    try:
-        tournament.write(out / TOURNAMENT_FILE)
-        if tournament.ratings.standings:
-            draw_standings(tournament.ratings, tournament.title, out / STANDINGS_PICTURE)
-        ledger.close(results, write_results(results, out))
-    except OSError as error:
-        yield f"the results could not be saved: {describe(error)}"
-    except UserError as error:  # raised by the ledger
-        yield str(error)
+def _write_ratings(tournament: Tournament, out: Path) -> None:
+    """Write the ratings and their picture."""
+    tournament.write(out / TOURNAMENT_FILE)
+    if tournament.ratings.standings:
+        draw_standings(tournament.ratings, tournament.title, out / STANDINGS_PICTURE)
 
 
 def _say_files(plan: TournamentPlan, ledger: LedgerWriter, results: Results) -> None:

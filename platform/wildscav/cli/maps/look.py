@@ -2,14 +2,15 @@
 
 import math
 import tomllib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from wildscav.cli.maps.map_options import Choice, MapCommand, takes_a_map
+from wildscav.cli.maps.map_options import MapCommand, MapOptions
 from wildscav.cli.maps.picture_files import format_of, save
+from wildscav.cli.shared_options import takes
 from wildscav.errors import UserError
 
 if TYPE_CHECKING:
@@ -36,9 +37,9 @@ app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_mar
 
 
 @app.command(cls=MapCommand)
-@takes_a_map
+@takes(MapOptions)
 def look(
-    choose: Callable[[], Choice],
+    named: MapOptions,
     sensor: Annotated[
         str, typer.Option(help="The sensor to use: any that makes images, such as depth.")
     ] = "camera",
@@ -83,7 +84,7 @@ def look(
     optical_sensor = _sensor(sensor, size, option or [], bool(agents or boxes))
     place = None if position is None else _read("position", position, "X,Z")
     _check_angles(yaw, pitch)
-    choice = choose()
+    choice = named.choose()
     view = _viewpoint(choice.game_map, place, yaw, pitch)
     picture = _picture(optical_sensor, choice.game_map, view, agents, boxes, legend=legend)
     path = output or Path(f"{choice.slug}-{sensor}.png")

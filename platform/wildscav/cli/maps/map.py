@@ -1,7 +1,6 @@
 """``wildscav map``: draw, describe, export and import maps."""
 
 import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -9,8 +8,9 @@ import typer
 
 from wildscav.cli.json_option import AsJson
 from wildscav.cli.maps.map_import import import_map
-from wildscav.cli.maps.map_options import Choice, MapCommand, takes_a_map
+from wildscav.cli.maps.map_options import MapCommand, MapOptions
 from wildscav.cli.maps.picture_files import format_of, save
+from wildscav.cli.shared_options import takes
 from wildscav.errors import UserError
 from wildscav.system.output_folders import check_folder
 
@@ -31,9 +31,9 @@ app.command("import")(import_map)
 
 
 @app.command(cls=MapCommand)
-@takes_a_map
+@takes(MapOptions)
 def show(
-    choose: Callable[[], Choice],
+    named: MapOptions,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="File to write. Default: map-NAME.png.")
     ] = None,
@@ -54,7 +54,7 @@ def show(
     from wildscav_engine.maps import MapError
     from wildscav_engine.maps.picture import draw_map
 
-    choice = choose()
+    choice = named.choose()
     path = output or Path(f"{choice.slug}{_suffix(storey, locations, center, span)}.png")
     format_of(path)
     try:
@@ -87,9 +87,9 @@ def _suffix(
 
 
 @app.command(cls=MapCommand)
-@takes_a_map
+@takes(MapOptions)
 def export(
-    choose: Callable[[], Choice],
+    named: MapOptions,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="Folder to write into. Default: map-NAME.")
     ] = None,
@@ -100,7 +100,7 @@ def export(
 
     if output is not None:
         check_folder("--output", output)
-    choice = choose()
+    choice = named.choose()
     folder = output or Path(choice.slug)
     with error_console.status("exporting"):
         paths = export_map(choice.game_map, folder)
@@ -109,13 +109,13 @@ def export(
 
 
 @app.command(cls=MapCommand)
-@takes_a_map
-def info(choose: Callable[[], Choice], as_json: AsJson = False) -> None:
+@takes(MapOptions)
+def info(named: MapOptions, as_json: AsJson = False) -> None:
     """Print statistics of a map."""
     from wildscav.terminal.console import console, print_json
     from wildscav_engine.simulation.map_statistics import map_statistics
 
-    choice = choose()
+    choice = named.choose()
     statistics = map_statistics(choice.game_map) | {"made in": f"{_generation_time(choice.game_map):.2f} s"}
     console.print(_table(choice.title, statistics))
     if as_json:

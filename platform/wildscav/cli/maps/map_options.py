@@ -1,12 +1,10 @@
 """Options with which commands name a map: its number, or a config and a seed."""
 
-import functools
-import inspect
 import json
 import tomllib
-from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Concatenate, NamedTuple, ParamSpec
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 from typer.core import TyperCommand
@@ -37,8 +35,6 @@ Storeys = Annotated[
     str | None, typer.Option(help="Storeys of the houses: a number from 1 to 4, or a range such as 1-3.")
 ]
 Vegetation = Annotated[float | None, typer.Option(help="0 bare, 1 dense woods.")]
-
-Options = ParamSpec("Options")
 
 
 class Choice(NamedTuple):
@@ -74,68 +70,41 @@ class MapCommand(TyperCommand):
             raise
 
 
-def takes_a_map(
-    command: Callable[Concatenate[Callable[[], Choice], Options], None],
-) -> Callable[..., None]:
-    """Give a command the options that name a map.
+@dataclass(frozen=True)
+class MapOptions:
+    """The options that name a map."""
 
-    The command's first argument is a function that makes the map, so that it can check its other options
-    first.
-    """
-    own = list(inspect.signature(command).parameters.values())[1:]
-    shared = inspect.signature(_choose).parameters
+    map_id: MapId = None
+    seed: Seed = None
+    config: ConfigFile = None
+    size: Size = None
+    relief: Relief = None
+    ruggedness: Ruggedness = None
+    water: Water = None
+    houses: Houses = None
+    density: Density = None
+    storeys: Storeys = None
+    vegetation: Vegetation = None
 
-    @functools.wraps(command)
-    def wrapped(**given: Any) -> None:
-        naming = {name: given.pop(name) for name in shared}
-        command(functools.partial(_choose, **naming), **given)  # type: ignore[call-arg]
+    def choose(self) -> Choice:
+        """Return the map that the command line names.
 
-    map_id, *others = shared.values()
-    parameters = [map_id, *own, *others]
-    wrapped.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
-    wrapped.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
-    del wrapped.__wrapped__
-    return wrapped
-
-
-def _choose(
-    map_id: MapId = None,
-    seed: Seed = None,
-    config: ConfigFile = None,
-    size: Size = None,
-    relief: Relief = None,
-    ruggedness: Ruggedness = None,
-    water: Water = None,
-    houses: Houses = None,
-    density: Density = None,
-    storeys: Storeys = None,
-    vegetation: Vegetation = None,
-) -> Choice:
-    """Return the map that the command line names.
-
-    Raises:
-        UserError: It names no map, or one that cannot be made.
-    """
-    given = {
-        "size": size,
-        "relief": relief,
-        "ruggedness": ruggedness,
-        "water": water,
-        "houses": houses,
-        "density": density,
-        "storeys": None if storeys is None else _read_storeys(storeys),
-        "vegetation": vegetation,
-    }
-    fields = {name: value for name, value in given.items() if value is not None}
-    if (map_id is not None) == (seed is not None or config is not None or bool(fields)):
-        also = "one of them is needed" if map_id is None else "not both"
-        raise UserError(
-            f"a map is named by its ID, or by --seed, --config and the fields of a config: {also}",
-            exit_code=2,
-        )
-    if map_id is not None and not 1 <= map_id <= MOST_IDS:
-        raise UserError(f"ID is {map_id}, must be 1 to {MOST_IDS}", exit_code=2)
-    return _make(map_id, seed, config, fields)
+        Raises:
+            UserError: It names no map, or one that cannot be made.
+        """
+        fields = {name: value for name, value in vars(self).items() if value is not None}
+        map_id, seed, config = (fields.pop(name, None) for name in ("map_id", "seed", "config"))
+        if self.storeys is not None:
+            fields["storeys"] = _read_storeys(self.storeys)
+        if (map_id is not None) == (seed is not None or config is not None or bool(fields)):
+            also = "one of them is needed" if map_id is None else "not both"
+            raise UserError(
+                f"a map is named by its ID, or by --seed, --config and the fields of a config: {also}",
+                exit_code=2,
+            )
+        if map_id is not None and not 1 <= map_id <= MOST_IDS:
+            raise UserError(f"ID is {map_id}, must be 1 to {MOST_IDS}", exit_code=2)
+        return _make(map_id, seed, config, fields)
 
 
 def _make(map_id: int | None, seed: int | None, file: Path | None, fields: dict[str, Any]) -> Choice:

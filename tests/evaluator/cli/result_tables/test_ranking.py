@@ -16,13 +16,13 @@ from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.check.findings import Finding, Verdict
-from wildscav_evaluator.cli.commands import doctor
-from wildscav_evaluator.cli.result_tables.changes import changes_table, verdict
 from wildscav_evaluator.cli.result_tables.ranking import track_table
 from wildscav_evaluator.cli.result_tables.timing import timing_table
 from wildscav_evaluator.cli.sessions import check as checking
+from wildscav_evaluator.cli.sessions import doctor
 from wildscav_evaluator.cli.sessions import play as play_session
 from wildscav_evaluator.cli.sessions.compare import comparison_table
+from wildscav_evaluator.cli.sessions.evaluate import changes_table, verdict
 from wildscav_evaluator.matches.play import PlayedMatch, Seating
 from wildscav_evaluator.output.results import Results
 from wildscav_evaluator.sandbox import Promise
@@ -87,7 +87,7 @@ TABLES: dict[str, Callable[[Path], Table]] = {
     "verify": lambda _: verify._table(
         [verify.Finding(Path("a/a-record-of-some-length.wsr"), True, "5 steps")]
     ),
-    "doctor": lambda _: doctor._table(
+    "doctor": lambda _: doctor._promises_table(
         "oci",
         (Promise("no network", True, "found none"), Promise("memory", False, "a long text", "install it")),
     ),
