@@ -159,7 +159,7 @@ def finished_ladder(database: Database) -> list[int]:
 
 
 # Takes 20 s to get ready, in each of the four matches of its validation.
-WAITING = """
+SLOW_START = """
     def reset(self, match):
         time.sleep(20.0)
 """
@@ -169,7 +169,7 @@ WAITING = """
 def test_a_slow_submission_holds_up_neither_others_nor_matches(
     sqlite: Database, season: Season, tmp_path: Path
 ) -> None:
-    slow = hand_in(sqlite, season, write_agent(tmp_path, "waiting", WAITING + WALKER))
+    slow = hand_in(sqlite, season, write_agent(tmp_path, "waiting", SLOW_START + WALKER))
     hand_in(sqlite, season, write_agent(tmp_path, "walker"))
 
     conduct(sqlite, season, lambda session: len(finished(session)) == SUITE_MATCHES)
