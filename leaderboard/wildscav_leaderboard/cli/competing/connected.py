@@ -12,7 +12,7 @@ from wildscav.errors import UserError
 if TYPE_CHECKING:
     from wildscav_leaderboard.client.season import SeasonClient
 
-SEASON_VARIABLE, TOKEN_VARIABLE = "WILDSCAV_SEASON", "WILDSCAV_TOKEN"
+SEASON_VARIABLE, TOKEN_VARIABLE = "WILDSCAV_SEASON", "WILDSCAV_ACCOUNT_TOKEN"
 SeasonUrl = Annotated[
     str | None,
     typer.Option(

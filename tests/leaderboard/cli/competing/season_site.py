@@ -177,7 +177,7 @@ def competitor(site: Site, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caps
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("WILDSCAV_CONFIG_DIR", str(tmp_path / "config"))
     monkeypatch.setenv("WILDSCAV_CACHE_DIR", str(tmp_path / "cache"))
-    for name in ("WILDSCAV_SEASON", "WILDSCAV_TOKEN", "WILDSCAV_PASSWORD"):
+    for name in ("WILDSCAV_SEASON", "WILDSCAV_ACCOUNT_TOKEN", "WILDSCAV_PASSWORD"):
         monkeypatch.delenv(name, raising=False)
     for console in (consoles.console, consoles.error_console):
         monkeypatch.setattr(console, "width", WIDE)

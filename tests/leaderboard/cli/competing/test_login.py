@@ -112,9 +112,12 @@ def test_commands_are_about_the_season_logged_in_to_last_unless_one_is_named(
 def test_a_token_in_the_environment_is_used_where_nothing_may_be_stored(
     competitor: Competitor, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv("WILDSCAV_TOKEN", competitor.site.token("grace", "geese"))
+    token = competitor.site.token("grace", "geese")
     monkeypatch.setenv("WILDSCAV_SEASON", competitor.site.url)
+    monkeypatch.setenv("WILDSCAV_TOKEN", token)  # a seat's, which agents are given
+    assert competitor.run("team", "show").returncode != 0
 
+    monkeypatch.setenv("WILDSCAV_ACCOUNT_TOKEN", token)
     assert "geese" in competitor.run("team", "show").stdout
     assert not kept().path.exists()
 
