@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
-from gymnasium.spaces import Box, Space
+from gymnasium.spaces import Box, MultiDiscrete, Space
 from gymnasium.utils import seeding
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
@@ -20,7 +20,6 @@ from wildscav_engine.envs.settings.options import EnvOptions, EpisodeOptions
 from wildscav_engine.envs.single import RENDER_MODES, STEPS_PER_SECOND
 from wildscav_engine.envs.spaces.columns import Part
 from wildscav_engine.envs.spaces.global_state import global_state, global_state_space
-from wildscav_engine.envs.spaces.masks import flat_mask, flat_space
 from wildscav_engine.envs.spaces.observation import Observation, observation_space, part_of
 
 if TYPE_CHECKING:
@@ -241,3 +240,30 @@ def aec_env(track: str, **options: Unpack[EnvOptions]) -> "AECEnv[str, Observati
         ValueError: An option is invalid.
     """
     return parallel_to_aec(parallel_env(track, **options))
+
+
+class FlatMaskDiscrete(MultiDiscrete):
+    """A MultiDiscrete whose ``sample`` also accepts a mask in one row, as flat environments provide it."""
+
+    def sample(self, mask: Any = None, probability: Any = None) -> NDArray[Any]:
+        """Return a random choice among those that a mask allows.
+
+        Args:
+            mask: (all choices,) int8, 1 where a choice is allowed; or a tuple with a row per field.
+            probability: As in Gymnasium.
+        """
+        if isinstance(mask, np.ndarray) and mask.ndim == 1 and len(mask) == self.nvec.sum():
+            mask = tuple(np.split(mask, np.cumsum(self.nvec)[:-1]))
+        return super().sample(mask, probability)
+
+
+def flat_space(space: Space[Any]) -> Space[Any]:
+    """Return an action space that accepts the masks of a flat environment."""
+    return FlatMaskDiscrete(space.nvec) if isinstance(space, MultiDiscrete) else space
+
+
+def flat_mask(mask: Any) -> NDArray[np.int8] | None:
+    """Return the action mask of an action mode as one row; None for a Dict, which has none."""
+    if isinstance(mask, tuple):
+        return np.concatenate(mask)
+    return mask if isinstance(mask, np.ndarray) else None

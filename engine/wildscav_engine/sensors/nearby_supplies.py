@@ -12,13 +12,11 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.sensors.base import Column, sensor, table_space
-from wildscav_engine.sensors.batched import BatchedSensor
+from wildscav_engine.sensors.base import Column, sensor
+from wildscav_engine.sensors.batched import TableSensor
 from wildscav_engine.simulation.systems.visibility import SUPPLY_LIMIT
 
 if TYPE_CHECKING:
-    from gymnasium.spaces import Box
-
     from wildscav_engine.simulation.state import State
     from wildscav_engine.simulation.systems.visibility import Seen
 
@@ -26,7 +24,7 @@ MAX_SUPPLIES = 2.0**31  # in a box: the bound of a 32-bit count
 
 
 @sensor
-class NearbySupplies(BatchedSensor):
+class NearbySupplies(TableSensor):
     """The nearest supply boxes."""
 
     name: ClassVar[str] = "nearby_supplies"
@@ -47,11 +45,6 @@ class NearbySupplies(BatchedSensor):
             Column("z", "m", -reach, reach, "position north of the agent's soles"),
             Column("distance", "m", 0.0, reach, "distance from the agent's soles"),
         )
-
-    @property
-    def space(self) -> "Box":
-        """(limit, 6)."""
-        return table_space(self.limit, self.columns)
 
     def read_batch(self, state: "State", seen: "Seen", seats: NDArray[np.int64]) -> NDArray[np.float32]:
         """Return (B, len(seats), limit, 6)."""

@@ -13,14 +13,12 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.sensors.base import Column, sensor, table_space
-from wildscav_engine.sensors.batched import BatchedSensor
+from wildscav_engine.sensors.base import Column, sensor
+from wildscav_engine.sensors.batched import TableSensor
 from wildscav_engine.sensors.motion import MOTION_COLUMNS, write_motion
 from wildscav_engine.simulation.systems.visibility import insert_nearest
 
 if TYPE_CHECKING:
-    from gymnasium.spaces import Box
-
     from wildscav_engine.simulation.state import State
     from wildscav_engine.simulation.systems.visibility import Seen
 
@@ -37,7 +35,7 @@ COLUMNS = (
 
 
 @sensor
-class Teammates(BatchedSensor):
+class Teammates(TableSensor):
     """The nearest teammates, wherever they are."""
 
     name: ClassVar[str] = "teammates"
@@ -45,18 +43,9 @@ class Teammates(BatchedSensor):
         "teammates: present, seat, position from the soles, m, distance, m, velocity, m/s, yaw, degrees, "
         "health, hp, invincible, supplies"
     )
+    table: ClassVar[tuple[Column, ...]] = COLUMNS
 
     limit: Annotated[int, Field(ge=1, le=64)] = 7  # rows
-
-    @property
-    def columns(self) -> tuple[Column, ...]:
-        """The columns of a row."""
-        return COLUMNS
-
-    @property
-    def space(self) -> "Box":
-        """(limit, 13)."""
-        return table_space(self.limit, COLUMNS)
 
     def read_batch(
         self,

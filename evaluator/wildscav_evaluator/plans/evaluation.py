@@ -9,12 +9,11 @@ from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.output import results
 from wildscav_evaluator.output.identity import Entrant, Identity, digest_of
-from wildscav_evaluator.output.results import metric_infos
-from wildscav_evaluator.output.versions import CURRENT_VERSIONS
+from wildscav_evaluator.output.results import CURRENT_VERSIONS, metric_infos
 from wildscav_evaluator.plans.plan import Plan
 from wildscav_evaluator.scores.score import summary
 from wildscav_evaluator.submissions.submission import Submission
-from wildscav_evaluator.suites.rounds import matches_in_rounds
+from wildscav_evaluator.suites.suite import matches_in_rounds
 
 
 @dataclass(frozen=True, kw_only=True)

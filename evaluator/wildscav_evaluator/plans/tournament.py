@@ -7,9 +7,15 @@ from functools import cached_property
 from wildscav_engine.version import ENGINE_VERSION
 from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.output.identity import Entrant, Identity, digest_of
-from wildscav_evaluator.output.results import Evaluation, MatchRow, MetricInfo, Results, metric_infos
-from wildscav_evaluator.output.tournament_settings import TournamentSettings
-from wildscav_evaluator.output.versions import CURRENT_VERSIONS
+from wildscav_evaluator.output.results import (
+    CURRENT_VERSIONS,
+    Evaluation,
+    MatchRow,
+    MetricInfo,
+    Results,
+    TournamentSettings,
+    metric_infos,
+)
 from wildscav_evaluator.plans.plan import Plan
 from wildscav_evaluator.scores.score import summary
 from wildscav_evaluator.seats import robot_entrant

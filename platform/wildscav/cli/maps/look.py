@@ -107,7 +107,7 @@ def _picture(
     """
     from wildscav.terminal.console import error_console
     from wildscav_engine.sensors.display.legend import draw_reading
-    from wildscav_engine.sensors.optics.placed_objects import placed_objects
+    from wildscav_engine.sensors.optics.dynamic_objects import placed_objects
 
     placed = placed_objects(
         [(_place(game_map, agent), agent.numbers[-1]) for agent in agents],
