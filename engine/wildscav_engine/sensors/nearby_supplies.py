@@ -68,17 +68,9 @@ def _write_boxes(
     seats: NDArray[np.int64],
     readings: NDArray[np.float32],
 ) -> None:
-    """Write what some seats of all matches see of supply boxes.
+    """Write what some seats, (S,), of all matches see of supply boxes, into zeros (B, S, limit, 6).
 
-    Args:
-        slots: (B, A, 32) the slots of the boxes in sight of each seat, nearest first.
-        count: (B, A) how many.
-        place_of_box: (B, N, 3) m.
-        quantity: (B, N) supplies in them.
-        position: (B, A, 3) m, of agents.
-        reach: m, beyond which boxes are left out.
-        seats: (S,) that read.
-        readings: (B, S, limit, 6) of zeros, written.
+    Everything else is as in ``Seen``, ``Supplies`` and ``Agents``; ``reach``, in m, is the option ``range``.
     """
     for match in range(readings.shape[0]):
         for reader in range(seats.shape[0]):

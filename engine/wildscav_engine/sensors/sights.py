@@ -80,21 +80,9 @@ def _write_sights(
     lead: float,
     readings: NDArray[np.float32],
 ) -> None:
-    """Write what some seats of all matches see of their enemies.
+    """Write what some seats, (S,), of all matches see of their enemies, into zeros (B, S, limit, columns).
 
-    Args:
-        others: (B, A, 16) the seats in sight of each seat, nearest first.
-        count: (B, A) how many.
-        team: (B, A)
-        position: (B, A, 3) m.
-        velocity: (B, A, 3) m/s.
-        yaw: (B, A) degrees.
-        pitch: (B, A) degrees, positive downwards.
-        health: (B, A) hp.
-        invincible_left: (B, A) frames.
-        seats: (S,) that read.
-        lead: s.
-        readings: (B, S, limit, columns) of zeros, written.
+    Everything else is as in ``Seen`` and ``Agents``, and ``lead`` in s.
     """
     for match in range(readings.shape[0]):
         for reader in range(seats.shape[0]):

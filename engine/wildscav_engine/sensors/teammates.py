@@ -79,21 +79,10 @@ def _write_teammates(
     nearest: NDArray[np.int32],
     readings: NDArray[np.float32],
 ) -> None:
-    """Write where the teammates of some seats of all matches are.
+    """Write where the teammates of some seats, (S,), of all matches are, into zeros (B, S, limit, columns).
 
-    Args:
-        seats_of_match: (B,) the number of seats of each match.
-        team: (B, A)
-        position: (B, A, 3) m.
-        velocity: (B, A, 3) m/s.
-        yaw: (B, A) degrees.
-        health: (B, A) hp.
-        invincible_left: (B, A) frames.
-        supplies: (B, A) that each agent carries.
-        seats: (S,) that read.
-        squares: (limit,) scratch, squared distances of teammates in m².
-        nearest: (limit,) scratch, their seats.
-        readings: (B, S, limit, columns) of zeros, written.
+    Everything else is as in ``Matches`` and ``Agents``, except scratch (limit,) for the squared distances of
+    the nearest teammates in m², and for their seats.
     """
     for match in range(readings.shape[0]):
         for reader in range(seats.shape[0]):

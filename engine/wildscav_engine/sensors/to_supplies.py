@@ -79,20 +79,10 @@ def _write_ways(
     costs: NDArray[np.float64],
     readings: NDArray[np.float32],
 ) -> None:
-    """Write the ways of some seats of all matches to the boxes in sight.
+    """Write the ways of some seats, (S,), of all matches to boxes, into zeros (B, S, limit, columns).
 
-    Args:
-        slots: (B, A, 32) the slots of the boxes in sight of each seat, nearest first.
-        count: (B, A) how many.
-        place_of_box: (B, N, 3) m.
-        quantity: (B, N) supplies in them.
-        position: (B, A, 3) m, of agents.
-        yaw: (B, A) degrees.
-        worth: Exponent of the supplies in a box.
-        start_up: m added to every way.
-        seats: (S,) that read.
-        costs: (32,) scratch: logarithms of effort relative to worth.
-        readings: (B, S, limit, columns) of zeros, written.
+    Everything else is as in ``Seen``, ``Supplies`` and ``Agents``, except the options ``worth`` and
+    ``start_up``, and scratch (32,) for the logarithms of effort relative to worth.
     """
     for match in range(readings.shape[0]):
         for reader in range(seats.shape[0]):

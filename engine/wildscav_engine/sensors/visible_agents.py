@@ -70,19 +70,9 @@ def _write_agents(
     seats: NDArray[np.int64],
     readings: NDArray[np.float32],
 ) -> None:
-    """Write what some seats of all matches see of other agents.
+    """Write what some seats, (S,), of all matches see of other agents, into zeros (B, S, limit, columns).
 
-    Args:
-        others: (B, A, 16) the seats in sight of each seat, nearest first.
-        count: (B, A) how many.
-        team: (B, A)
-        position: (B, A, 3) m.
-        velocity: (B, A, 3) m/s.
-        yaw: (B, A) degrees.
-        health: (B, A) hp.
-        invincible_left: (B, A) frames.
-        seats: (S,) that read.
-        readings: (B, S, limit, columns) of zeros, written.
+    Everything else is as in ``Seen`` and ``Agents``.
     """
     for match in range(readings.shape[0]):
         for reader in range(seats.shape[0]):

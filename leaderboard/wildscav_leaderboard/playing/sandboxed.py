@@ -14,7 +14,7 @@ LOG = "agent.log"
 
 
 class SandboxedAgents:
-    """Runs one submission, in all seats that are not a person's. See ``wildscav.play.opponents.Agents``.
+    """Runs one submission, in all seats that are not a person's. See ``wildscav.play.rounds.Agents``.
 
     Args:
         submission: The submission, ready for the sandbox.

@@ -6,6 +6,7 @@ from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.house.plan import OUTER_WALL, HousePlan, Roof, Side, Wing
 from wildscav_engine.maps.house.stairs import HallPlace, draw_stairs
 from wildscav_engine.maps.house.storeys import STYLES, can_be_joined, draw_storey
+from wildscav_engine.specs.map_spec import Pieces
 
 TRIES = 200  # attempts to place the stairs; one in three fails
 ROOF_EXITS = 0.6  # share of the houses with a flat roof and space for stairs to it that have an exit there
@@ -14,6 +15,8 @@ MAIN_LEAST = 7.0  # m, least side of a main block: space for stairs and rooms be
 SMALLEST, LARGEST = MAIN_LEAST, 24.0  # m, range of the sides of a house
 WING_LEAST = 3.6  # m, least side
 YARD_LEAST = 3.0  # m, beside a wing
+TYPE_TRIES = 64  # plans drawn for a house until one is of a wanted type; two in five are unseen
+NEXT_TRY = 100_000  # from the number of one plan to that of the next, beyond the numbers of all houses
 
 
 def draw_plan(
@@ -148,3 +151,26 @@ def _draw_low_roof(dice: Dice) -> Roof:
 def _draw_annex_roof(dice: Dice) -> Roof:
     chance = dice.uniform()
     return Roof.FLAT if chance < 0.4 else Roof.LEAN_TO if chance < 0.85 else Roof.GABLE
+
+
+def is_unseen(plan: HousePlan) -> bool:
+    """Return whether a house is of a type that is kept for testing: an office, or under a hip roof."""
+    return plan.style == "office" or plan.wings[0].roof is Roof.HIP
+
+
+def draw_house(
+    pieces: Pieces,
+    seed: int,
+    number: int,
+    storeys: tuple[int, int],
+    *,
+    small: bool = False,
+    area: tuple[float, float] | None = None,
+) -> HousePlan:
+    """Draw one house of a map, of one of the wanted types; see ``draw_plan``."""
+    plan = draw_plan(seed, number, storeys, small=small, area=area)
+    for attempt in range(1, TYPE_TRIES):
+        if pieces == "all" or is_unseen(plan) == (pieces == "unseen"):
+            break
+        plan = draw_plan(seed, number + attempt * NEXT_TRY, storeys, small=small, area=area)
+    return plan

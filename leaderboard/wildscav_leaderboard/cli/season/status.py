@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from rich.table import Table
 from rich.text import Text
 
-from wildscav.cli.json_option import AsJson
+from wildscav.cli.shared_options import AsJson
 from wildscav.terminal.console import console, print_json
 from wildscav_leaderboard.cli.season.folder_argument import SeasonFolder
 

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from wildscav.cli.maps.map_options import MapCommand, MapOptions
-from wildscav.cli.maps.picture_files import format_of, save
+from wildscav.cli.maps.map_options import MapCommand, MapOptions, format_of, save
 from wildscav.cli.shared_options import takes
 from wildscav.errors import UserError
 

@@ -8,10 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.markup import escape
 
-from wildscav.cli.json_option import AsJson
-from wildscav.cli.maps.map_options import MapCommand, MapOptions
-from wildscav.cli.maps.picture_files import format_of, save
-from wildscav.cli.shared_options import takes
+from wildscav.cli.maps.map_options import MapCommand, MapOptions, format_of, save
+from wildscav.cli.shared_options import AsJson, takes
 from wildscav.errors import UserError
 from wildscav.system.output_folders import check_folder
 

@@ -5,7 +5,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.engine.view.conftest import robots_play
-from wildscav_engine.view.video.film import SHORTEST, whom_to_follow
 
 from wildscav_engine.record import Record, resimulate
 from wildscav_engine.rendering.palette import of_seat
@@ -13,7 +12,7 @@ from wildscav_engine.simulation.state import NOBODY
 from wildscav_engine.view.recording.history import History, collect_history
 from wildscav_engine.view.video.cameras import Camera
 from wildscav_engine.view.video.encode import write_poster
-from wildscav_engine.view.video.film import VIEWS, Film, Look, VideoError
+from wildscav_engine.view.video.film import SHORTEST, VIEWS, Film, Look, VideoError, whom_to_follow
 from wildscav_engine.view.video.moments import moment_at
 from wildscav_engine.view.video.overlay.drawing import font, shortened
 from wildscav_engine.view.video.overlay.feed import news_of
