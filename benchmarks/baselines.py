@@ -25,7 +25,7 @@ from wildscav_engine.maps.pools import random_maps
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.specs.actions import FIELDS
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_engine.tracks.path_efficiency import spl_of
+from wildscav_engine.tracks.navigation import spl_of
 from wildscav_evaluator.suites.suite import suite
 
 Where = Literal["official", "hard", "wild"]

@@ -23,7 +23,7 @@ from wildscav_engine.specs.actions import no_actions
 from wildscav_engine.specs.map_spec import MapConfig
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.seats import shuffled
-from wildscav_evaluator.suites.wild_battles import battle, gathering, meeting_ground, royale
+from wildscav_evaluator.suites.wild import battle, gathering, meeting_ground, royale
 
 MAPS = 20  # of each kind
 TOGETHER = 40  # matches in a batch

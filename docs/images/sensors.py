@@ -24,8 +24,8 @@ from wildscav_engine.sensors import (
     SegmentationCamera,
 )
 from wildscav_engine.sensors.display.legend import draw_reading
+from wildscav_engine.sensors.optics.dynamic_objects import placed_objects
 from wildscav_engine.sensors.optics.optical import OpticalSensor
-from wildscav_engine.sensors.optics.placed_objects import placed_objects
 from wildscav_engine.specs.body import EYE_HEIGHT
 from wildscav_engine.specs.map_spec import MapConfig
 

@@ -5,17 +5,49 @@ looks along +z and grows clockwise seen from above; positive pitch looks down.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
-from typing import Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wildscav.errors import AgentError
-from wildscav.lazy_record import LazyRecord
 
 Vector: TypeAlias = tuple[float, float, float]  # (x, y, z), m or m/s
+
+
+class LazyRecord:
+    """Base of frozen dataclasses with slots, constructed with all fields or with ``read_by``.
+
+    Such a record decodes each field of a message when it is first read. Most agents read only a few of the
+    many fields. Decoding all of them takes 24 µs, and three times as long where ten agents share two cores
+    and their caches are cold: a fifth of the processor time of an agent's step.
+    """
+
+    __slots__ = ("_read",)
+
+    @classmethod
+    def read_by(cls, read: Callable[[str], Any]) -> Self:
+        """Return a record whose fields have not been decoded yet.
+
+        Args:
+            read: Returns the value of a field by its name; called once for each field that is read.
+        """
+        record = object.__new__(cls)
+        object.__setattr__(record, "_read", read)
+        return record
+
+    if not TYPE_CHECKING:  # otherwise type checkers would accept a misspelt field
+
+        def __getattr__(self, name: str) -> Any:
+            """Decode a field. Python calls this for attributes that are not set."""
+            if name not in self.__dataclass_fields__:
+                kind = type(self).__name__
+                raise AttributeError(f"{kind!r} object has no attribute {name!r}", name=name, obj=self)
+            value = self._read(name)
+            object.__setattr__(self, name, value)
+            return value
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ from tests.evaluator.executors.ray_clusters import ray_cluster
 
 from wildscav_evaluator.executors import Node
 from wildscav_evaluator.matches.play import MAX_ATTEMPTS
-from wildscav_evaluator.monitoring.prometheus_metrics import EvaluationMetrics
+from wildscav_evaluator.monitoring.monitor import EvaluationMetrics
 from wildscav_evaluator.monitoring.tally import Tally
 from wildscav_evaluator.output import results
 from wildscav_evaluator.output.json_files import FileModel

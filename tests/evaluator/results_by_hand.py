@@ -2,6 +2,7 @@
 
 from wildscav_evaluator.output.identity import Entrant, Identity
 from wildscav_evaluator.output.results import (
+    CURRENT_VERSIONS,
     Evaluation,
     KeptLimits,
     MatchRow,
@@ -14,7 +15,6 @@ from wildscav_evaluator.output.results import (
     Timings,
     metric_infos,
 )
-from wildscav_evaluator.output.versions import CURRENT_VERSIONS
 from wildscav_evaluator.scores.score import summary
 
 

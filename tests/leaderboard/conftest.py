@@ -15,8 +15,8 @@ from wildscav_evaluator.output.results import (
     Results,
     Summary,
     Timings,
+    Versions,
 )
-from wildscav_evaluator.output.versions import Versions
 from wildscav_leaderboard.database.connection import Database
 
 VERSIONS = Versions(engine="0.1.0", simulation=2, generator=3, record=2)

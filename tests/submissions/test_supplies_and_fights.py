@@ -15,9 +15,8 @@ from wildscav_engine.maps.cache import map_of
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.simulation.systems.zone import zone_at
 from wildscav_engine.specs.actions import no_actions
-from wildscav_engine.specs.equipment import Equipment
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
-from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
+from wildscav_engine.specs.match_spec import SUBMISSION, Equipment, MatchSpec
 from wildscav_engine.specs.supply_config import SupplyConfig, SupplyWave
 from wildscav_engine.specs.zone_config import ZoneConfig, ZonePhase
 from wildscav_evaluator.submissions.submission import load_submission

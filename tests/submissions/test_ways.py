@@ -18,7 +18,7 @@ from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.specs.actions import FIELDS, Field
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec, Placement
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
-from wildscav_engine.tracks.path_efficiency import spl_of
+from wildscav_engine.tracks.navigation import spl_of
 from wildscav_evaluator.suites.suite import suite
 
 SUBMISSIONS = Path(__file__).parents[2] / "submissions"

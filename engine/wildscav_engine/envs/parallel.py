@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
-from gymnasium.spaces import Box, Space
+from gymnasium.spaces import Box, MultiDiscrete, Space
 from gymnasium.utils import seeding
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
@@ -14,13 +14,10 @@ from wildscav_engine.envs.batched import multi_agent_config
 from wildscav_engine.envs.infos import info_of
 from wildscav_engine.envs.registry import register_several
 from wildscav_engine.envs.rendering.render import Renderer
-from wildscav_engine.envs.saving import load, save
-from wildscav_engine.envs.settings.episodes import Episodes
-from wildscav_engine.envs.settings.options import EnvOptions, EpisodeOptions
-from wildscav_engine.envs.single import RENDER_MODES, STEPS_PER_SECOND
+from wildscav_engine.envs.settings.options import EnvOptions
+from wildscav_engine.envs.single import RENDER_MODES, STEPS_PER_SECOND, OneMatch
 from wildscav_engine.envs.spaces.columns import Part
 from wildscav_engine.envs.spaces.global_state import global_state, global_state_space
-from wildscav_engine.envs.spaces.masks import flat_mask, flat_space
 from wildscav_engine.envs.spaces.observation import Observation, observation_space, part_of
 
 if TYPE_CHECKING:
@@ -29,7 +26,7 @@ if TYPE_CHECKING:
 register_several()
 
 
-class ParallelArena(ParallelEnv[str, Observation, Any]):
+class ParallelArena(OneMatch, ParallelEnv[str, Observation, Any]):
     """A match whose learners act simultaneously; ``agent_0`` has seat 0, and so on.
 
     An eliminated agent gets its last values and leaves ``agents``. A dead agent that will respawn stays:
@@ -48,7 +45,7 @@ class ParallelArena(ParallelEnv[str, Observation, Any]):
             ValueError: An option is invalid.
         """
         self.config = multi_agent_config(track, options)
-        self._options: dict[str, Any] = {**options}
+        self._options = {**options}
         self.metadata = {
             "name": f"wildscav_{track}_v{self.config.version}",
             "render_modes": RENDER_MODES,
@@ -68,7 +65,7 @@ class ParallelArena(ParallelEnv[str, Observation, Any]):
         self._seats = {agent: seat for seat, agent in enumerate(self.possible_agents)}
         self._rows = [self.arena.actions[:, seat] for seat in range(self.config.agents)]
         self._alive = self.arena.layout.first(Part.BODY)
-        self._episodes: Episodes | None = None
+        self._episodes = None
         self._renderer = Renderer(self.config)
 
     def observation_space(self, agent: str) -> Space[Any]:
@@ -95,24 +92,13 @@ class ParallelArena(ParallelEnv[str, Observation, Any]):
         if seed is not None or self._episodes is None:
             self._episodes = self.arena.episodes(seeding.np_random(seed)[1] if seed is None else seed)
         self.arena.restart([0], [self._episodes.next(options)])
-        self.agents = list(self.possible_agents)
-        output = self.arena.read()
-        self._renderer.begin(self.arena)
+        return self._begin()
+
+    def _begun(self, output: ArenaOutput) -> tuple[dict[str, Observation], dict[str, dict[str, Any]]]:
+        done = self.arena.done[0]
+        self.agents = [agent for agent, seat in self._seats.items() if not done[seat]]
         infos = {agent: self._info(output, agent, ended=False) for agent in self.agents}
         return self._observations(output), infos
-
-    def set_options(self, **changes: Unpack[EpisodeOptions]) -> None:
-        """Change options from the next episode on, for instance as a learner gets better.
-
-        Args:
-            changes: The fields of ``EpisodeOptions``. Terms of the reward that are not named get the weight
-                0; new terms are not possible, because infos have one structure.
-
-        Raises:
-            ValueError: An option cannot change, or its value is invalid.
-        """
-        self.config = self.arena.set_options(changes)
-        self._options |= {name: getattr(self.config, name) for name in changes}
 
     def step(
         self, actions: dict[str, Any]
@@ -172,40 +158,6 @@ class ParallelArena(ParallelEnv[str, Observation, Any]):
             info["action_mask"] = mask
         return info
 
-    def get_state(self) -> bytes:
-        """Return the state of the match and of the sequence of episodes as bytes.
-
-        Raises:
-            RuntimeError: No episode has started.
-        """
-        if self._episodes is None:
-            raise RuntimeError("there is no episode: reset the environment first")
-        return save(self.arena, 0, self._episodes)
-
-    def set_state(self, data: bytes) -> tuple[dict[str, Observation], dict[str, dict[str, Any]]]:
-        """Restore the state of an environment with the same options; return its observations and infos.
-
-        Raises:
-            StateError: The bytes are not a state of an environment, are damaged, or have another version.
-            MatchSetupError: The match has another track, other rules or other seats.
-        """
-        self._episodes = load(self.arena, 0, data)
-        output = self.arena.read()
-        done = self.arena.done[0]
-        self.agents = [agent for agent, seat in self._seats.items() if not done[seat]]
-        self._renderer.begin(self.arena)
-        infos = {agent: self._info(output, agent, ended=False) for agent in self.agents}
-        return self._observations(output), infos
-
-    def fork(self) -> "ParallelArena":
-        """Return an independent environment in the same state.
-
-        With the same actions, both continue identically. The copy has no render mode.
-        """
-        other = ParallelArena(self.config.track, **(self._options | {"render_mode": None}))
-        other.set_state(self.get_state())
-        return other
-
     def state(self) -> NDArray[np.float32]:
         """Return the state of the whole match, including robots; see ``spaces/global_state.py``."""
         if self.arena.batch is None:
@@ -215,10 +167,6 @@ class ParallelArena(ParallelEnv[str, Observation, Any]):
     def render(self) -> Any:
         """Return an image as the render mode demands, of what the first agent sees or from above."""
         return self._renderer.render(self.arena)
-
-    def close(self) -> None:
-        """Close the window or the recording of the live view, if there is one."""
-        self._renderer.close()
 
 
 def parallel_env(track: str, **options: Unpack[EnvOptions]) -> ParallelArena:
@@ -241,3 +189,30 @@ def aec_env(track: str, **options: Unpack[EnvOptions]) -> "AECEnv[str, Observati
         ValueError: An option is invalid.
     """
     return parallel_to_aec(parallel_env(track, **options))
+
+
+class FlatMaskDiscrete(MultiDiscrete):
+    """A MultiDiscrete whose ``sample`` also accepts a mask in one row, as flat environments provide it."""
+
+    def sample(self, mask: Any = None, probability: Any = None) -> NDArray[Any]:
+        """Return a random choice among those that a mask allows.
+
+        Args:
+            mask: (all choices,) int8, 1 where a choice is allowed; or a tuple with a row per field.
+            probability: As in Gymnasium.
+        """
+        if isinstance(mask, np.ndarray) and mask.ndim == 1 and len(mask) == self.nvec.sum():
+            mask = tuple(np.split(mask, np.cumsum(self.nvec)[:-1]))
+        return super().sample(mask, probability)
+
+
+def flat_space(space: Space[Any]) -> Space[Any]:
+    """Return an action space that accepts the masks of a flat environment."""
+    return FlatMaskDiscrete(space.nvec) if isinstance(space, MultiDiscrete) else space
+
+
+def flat_mask(mask: Any) -> NDArray[np.int8] | None:
+    """Return the action mask of an action mode as one row; None for a Dict, which has none."""
+    if isinstance(mask, tuple):
+        return np.concatenate(mask)
+    return mask if isinstance(mask, np.ndarray) else None

@@ -1,7 +1,7 @@
 """The Gymnasium environment for one learner."""
 
 from collections.abc import Mapping
-from typing import Any, Unpack
+from typing import Any, Self, Unpack
 
 import gymnasium
 import numpy as np
@@ -21,7 +21,73 @@ RENDER_MODES = ["rgb_array", "depth_array", "human", "rerun"]
 STEPS_PER_SECOND = 10  # with the default of five frames per action
 
 
-class SingleEnv(gymnasium.Env[Observation, Any]):
+class OneMatch:
+    """An environment of one match, whose options can change and whose state can be saved."""
+
+    config: EnvConfig
+    arena: Arena
+    _options: dict[str, Any]  # with which the environment was made
+    _episodes: Episodes | None
+    _renderer: Renderer
+
+    def set_options(self, **changes: Unpack[EpisodeOptions]) -> None:
+        """Change options from the next episode on, for instance as a learner gets better.
+
+        Args:
+            changes: The fields of ``EpisodeOptions``. Terms of the reward that are not named get the weight
+                0; new terms are not possible, because infos have one structure.
+
+        Raises:
+            ValueError: An option cannot change, or its value is invalid.
+        """
+        self.config = self.arena.set_options(changes)
+        self._options |= {name: getattr(self.config, name) for name in changes}
+
+    def get_state(self) -> bytes:
+        """Return the state of the match and of the sequence of episodes as bytes.
+
+        Raises:
+            RuntimeError: No episode has started.
+        """
+        if self._episodes is None:
+            raise RuntimeError("there is no episode: reset the environment first")
+        return save(self.arena, 0, self._episodes)
+
+    def set_state(self, data: bytes) -> tuple[Any, dict[str, Any]]:
+        """Restore the state of an environment with the same options; return its observations and infos.
+
+        Raises:
+            StateError: The bytes are not a state of an environment, are damaged, or have another version.
+            MatchSetupError: The match has another track, other rules or other seats.
+        """
+        self._episodes = load(self.arena, 0, data)
+        return self._begin()
+
+    def _begin(self) -> tuple[Any, dict[str, Any]]:
+        """Show a match that was begun or restored, and return what it looks like."""
+        output = self.arena.read()
+        self._renderer.begin(self.arena)
+        return self._begun(output)
+
+    def _begun(self, output: ArenaOutput) -> tuple[Any, dict[str, Any]]:
+        """Return the observations and infos at the beginning."""
+        raise NotImplementedError
+
+    def fork(self) -> Self:
+        """Return an independent environment in the same state.
+
+        With the same actions, both continue identically. The copy has no render mode.
+        """
+        other = type(self)(self.config.track, **(self._options | {"render_mode": None}))  # type: ignore[call-arg]
+        other.set_state(self.get_state())
+        return other
+
+    def close(self) -> None:
+        """Close the window or the recording of the live view, if there is one."""
+        self._renderer.close()
+
+
+class SingleEnv(OneMatch, gymnasium.Env[Observation, Any]):
     """A match with one learner, in seat 0; robots fill the other seats."""
 
     metadata: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": STEPS_PER_SECOND}  # noqa: RUF012
@@ -37,19 +103,14 @@ class SingleEnv(gymnasium.Env[Observation, Any]):
             ValueError: An option is invalid.
         """
         self.config = single_agent_config(track, options)
-        self._options: dict[str, Any] = {**options}
+        self._options = {**options}
         self.render_mode = self.config.render_mode
         self.observation_space: Space[Any] = observation_space(self.config)
-        self._arena = Arena(self.config)
-        self.action_space = self._arena.mode.space
-        self._episodes: Episodes | None = None
+        self.arena = Arena(self.config)
+        self.action_space = self.arena.mode.space
+        self._episodes = None
         self._renderer = Renderer(self.config)
-        self._own = self._arena.actions[:, 0]
-
-    @property
-    def arena(self) -> Arena:
-        """The arena with the match."""
-        return self._arena
+        self._own = self.arena.actions[:, 0]
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -65,24 +126,9 @@ class SingleEnv(gymnasium.Env[Observation, Any]):
         """
         super().reset(seed=seed)
         if self._episodes is None or seed is not None:
-            self._episodes = self._arena.episodes(self.np_random_seed if seed is None else seed)
-        self._arena.restart([0], [self._episodes.next(options)])
-        output = self._arena.read()
-        self._renderer.begin(self._arena)
-        return _of_first(output), {**info_of(self._arena, 0, 0, output.rows[0, 0], ended=False)}
-
-    def set_options(self, **changes: Unpack[EpisodeOptions]) -> None:
-        """Change options from the next episode on, for instance as a learner gets better.
-
-        Args:
-            changes: The fields of ``EpisodeOptions``. Terms of the reward that are not named get the weight
-                0; new terms are not possible, because infos have one structure.
-
-        Raises:
-            ValueError: An option cannot change, or its value is invalid.
-        """
-        self.config = self._arena.set_options(changes)
-        self._options |= {name: getattr(self.config, name) for name in changes}
+            self._episodes = self.arena.episodes(self.np_random_seed if seed is None else seed)
+        self.arena.restart([0], [self._episodes.next(options)])
+        return self._begin()
 
     def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Play one step.
@@ -91,7 +137,7 @@ class SingleEnv(gymnasium.Env[Observation, Any]):
             ActionError: The action is not in the action space.
             RuntimeError: No episode has started, or it has ended.
         """
-        arena = self._arena
+        arena = self.arena
         if arena.batch is None or arena.done[0, 0]:
             raise RuntimeError("there is no episode, or it has ended: reset the environment first")
         arena.mode.decode_one(action, arena.batch.state.agents.yaw[0, :1], self._own)
@@ -102,47 +148,15 @@ class SingleEnv(gymnasium.Env[Observation, Any]):
         self._renderer.show(arena)
         return _of_first(output), reward, terminated, truncated, info
 
-    def get_state(self) -> bytes:
-        """Return the state of the match and of the sequence of episodes as bytes.
-
-        Raises:
-            RuntimeError: No episode has started.
-        """
-        if self._episodes is None:
-            raise RuntimeError("there is no episode: reset the environment first")
-        return save(self._arena, 0, self._episodes)
-
-    def set_state(self, data: bytes) -> tuple[Observation, dict[str, Any]]:
-        """Restore the state of an environment with the same options; return its observation and infos.
-
-        Raises:
-            StateError: The bytes are not a state of an environment, are damaged, or have another version.
-            MatchSetupError: The match has another track, other rules or other seats.
-        """
-        self._episodes = load(self._arena, 0, data)
-        output = self._arena.read()
-        self._renderer.begin(self._arena)
-        return _of_first(output), {**info_of(self._arena, 0, 0, output.rows[0, 0], ended=False)}
-
-    def fork(self) -> "SingleEnv":
-        """Return an independent environment in the same state.
-
-        With the same actions, both continue identically. The copy has no render mode.
-        """
-        other = SingleEnv(self.config.track, **(self._options | {"render_mode": None}))
-        other.set_state(self.get_state())
-        return other
-
     def render(self) -> Any:
         """Return an image as the render mode demands: (height, width, 3) uint8, or (height, width) m.
 
         With ``human``, return None: the viewer is updated in every step.
         """
-        return self._renderer.render(self._arena)
+        return self._renderer.render(self.arena)
 
-    def close(self) -> None:
-        """Close the window or the recording of the live view, if there is one."""
-        self._renderer.close()
+    def _begun(self, output: ArenaOutput) -> tuple[Observation, dict[str, Any]]:
+        return _of_first(output), {**info_of(self.arena, 0, 0, output.rows[0, 0], ended=False)}
 
 
 def single_agent_config(track: str, options: Mapping[str, Any]) -> EnvConfig:

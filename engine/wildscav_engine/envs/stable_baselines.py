@@ -12,7 +12,29 @@ from wildscav_engine.envs.spaces.columns import EVENTS
 from wildscav_engine.envs.vector import VectorArena
 
 
-class StableVector(VecEnv):
+class MatchesVecEnv(VecEnv):
+    """Matches that are played as one batch, and so are no environments of their own."""
+
+    _actions: Any = None
+
+    def step_async(self, actions: NDArray[Any]) -> None:
+        """Store the next actions."""
+        self._actions = actions
+
+    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
+        """Refuse, because the environments have no attributes of their own.
+
+        Raises:
+            NotImplementedError: Always.
+        """
+        raise NotImplementedError(f"{attr_name} cannot be set: pass options when creating the environment")
+
+    def env_is_wrapped(self, wrapper_class: type[Any], indices: Any = None) -> list[bool]:  # noqa: ARG002
+        """Return False for each environment, because the matches are not wrapped environments."""
+        return [False] * len(list(self._get_indices(indices)))
+
+
+class StableVector(MatchesVecEnv):
     """N matches with one learner each, played as one batch.
 
     With the seed s, row i plays the same episodes as the single environment with the seed s + i. Wrap it in a
@@ -31,7 +53,6 @@ class StableVector(VecEnv):
             ValueError: An option is invalid.
         """
         self.vector = VectorArena(track, num_envs, autoreset_mode="SameStep", **options)
-        self._actions: NDArray[Any] | None = None
         super().__init__(num_envs, self.vector.single_observation_space, self.vector.single_action_space)
 
     def reset(self) -> Any:
@@ -53,10 +74,6 @@ class StableVector(VecEnv):
         if any(one != chosen[0] for one in chosen):
             raise ValueError("the environments share their options: give one dictionary")
         self.vector.set_options(**chosen[0])
-
-    def step_async(self, actions: NDArray[Any]) -> None:
-        """Store the next actions."""
-        self._actions = actions
 
     def step_wait(self) -> tuple[Any, NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:
         """Play one step. Environments whose episode ends are reset, with the last observation in the infos.
@@ -98,19 +115,7 @@ class StableVector(VecEnv):
         """Return an attribute, which all environments share, once per environment."""
         return [getattr(self.vector, attr_name)] * len(self._get_indices(indices))
 
-    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
-        """Refuse, because the environments have no attributes of their own.
-
-        Raises:
-            NotImplementedError: Always.
-        """
-        raise NotImplementedError(f"{attr_name} cannot be set: pass options when creating the environment")
-
     def env_method(self, method_name: str, *args: Any, indices: Any = None, **options: Any) -> list[Any]:
         """Call a method of the vector environment for each row, which is its first argument."""
         method = getattr(self.vector, method_name)
         return [method(row, *args, **options) for row in self._get_indices(indices)]
-
-    def env_is_wrapped(self, wrapper_class: type[Any], indices: Any = None) -> list[bool]:  # noqa: ARG002
-        """Return False for each environment, because the matches are not wrapped environments."""
-        return [False] * len(list(self._get_indices(indices)))

@@ -1,15 +1,17 @@
-"""The base class of sensors that read all matches of a batch in one call."""
+"""The base classes of sensors that read all matches of a batch in one call."""
 
 from abc import abstractmethod
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.sensors.base import Sensor, rows_of
+from wildscav_engine.sensors.base import Column, Sensor, rows_of, table_space
 
 if TYPE_CHECKING:
+    from gymnasium.spaces import Box
+
     from wildscav_engine.simulation.match_view import MatchView
     from wildscav_engine.simulation.state import State
     from wildscav_engine.simulation.systems.visibility import Seen
@@ -36,3 +38,20 @@ class BatchedSensor(Sensor):
         """
         readings: NDArray[Any] = self.read_batch(match.state, match.seen, rows_of(match, seats))[0]
         return readings
+
+
+class TableSensor(BatchedSensor):
+    """A sensor that lists things: each fills a row of ``table``, and unused rows are 0."""
+
+    table: ClassVar[tuple[Column, ...]]
+    limit: int  # rows
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """The columns of a row."""
+        return self.table
+
+    @property
+    def space(self) -> "Box":
+        """(limit, columns)."""
+        return table_space(self.limit, self.columns)

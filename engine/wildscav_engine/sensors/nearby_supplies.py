@@ -12,13 +12,11 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.sensors.base import Column, sensor, table_space
-from wildscav_engine.sensors.batched import BatchedSensor
+from wildscav_engine.sensors.base import Column, sensor
+from wildscav_engine.sensors.batched import TableSensor
 from wildscav_engine.simulation.systems.visibility import SUPPLY_LIMIT
 
 if TYPE_CHECKING:
-    from gymnasium.spaces import Box
-
     from wildscav_engine.simulation.state import State
     from wildscav_engine.simulation.systems.visibility import Seen
 
@@ -26,7 +24,7 @@ MAX_SUPPLIES = 2.0**31  # in a box: the bound of a 32-bit count
 
 
 @sensor
-class NearbySupplies(BatchedSensor):
+class NearbySupplies(TableSensor):
     """The nearest supply boxes."""
 
     name: ClassVar[str] = "nearby_supplies"
@@ -47,11 +45,6 @@ class NearbySupplies(BatchedSensor):
             Column("z", "m", -reach, reach, "position north of the agent's soles"),
             Column("distance", "m", 0.0, reach, "distance from the agent's soles"),
         )
-
-    @property
-    def space(self) -> "Box":
-        """(limit, 6)."""
-        return table_space(self.limit, self.columns)
 
     def read_batch(self, state: "State", seen: "Seen", seats: NDArray[np.int64]) -> NDArray[np.float32]:
         """Return (B, len(seats), limit, 6)."""
@@ -75,17 +68,9 @@ def _write_boxes(
     seats: NDArray[np.int64],
     readings: NDArray[np.float32],
 ) -> None:
-    """Write what some seats of all matches see of supply boxes.
+    """Write what some seats, (S,), of all matches see of supply boxes, into zeros (B, S, limit, 6).
 
-    Args:
-        slots: (B, A, 32) the slots of the boxes in sight of each seat, nearest first.
-        count: (B, A) how many.
-        place_of_box: (B, N, 3) m.
-        quantity: (B, N) supplies in them.
-        position: (B, A, 3) m, of agents.
-        reach: m, beyond which boxes are left out.
-        seats: (S,) that read.
-        readings: (B, S, limit, 6) of zeros, written.
+    Everything else is as in ``Seen``, ``Supplies`` and ``Agents``; ``reach``, in m, is the option ``range``.
     """
     for match in range(readings.shape[0]):
         for reader in range(seats.shape[0]):

@@ -15,14 +15,12 @@ from pydantic import Field
 
 from wildscav_engine.arithmetic.elementary_functions import arctangent, cosine, logarithm, wrap
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.sensors.base import Column, sensor, table_space
-from wildscav_engine.sensors.batched import BatchedSensor
+from wildscav_engine.sensors.base import Column, sensor
+from wildscav_engine.sensors.batched import TableSensor
 from wildscav_engine.simulation.systems.visibility import AGENT_LIMIT
 from wildscav_engine.specs.body import BODY_RADIUS, EYE_HEIGHT
 
 if TYPE_CHECKING:
-    from gymnasium.spaces import Box
-
     from wildscav_engine.simulation.state import State
     from wildscav_engine.simulation.systems.visibility import Seen
 
@@ -43,7 +41,7 @@ COLUMNS = (
 
 
 @sensor
-class Sights(BatchedSensor):
+class Sights(TableSensor):
     """The nearest enemies in sight, relative to the view."""
 
     name: ClassVar[str] = "sights"
@@ -51,19 +49,10 @@ class Sights(BatchedSensor):
         "enemies in sight: present; right of and below the view, now and soon, and half width, ln degrees; "
         "faces, of 1; log distance, ln m; health, hp; invincible"
     )
+    table: ClassVar[tuple[Column, ...]] = COLUMNS
 
     limit: Annotated[int, Field(ge=1, le=AGENT_LIMIT)] = 2  # rows
     lead: Annotated[float, Field(ge=0, le=2)] = 0.1  # s
-
-    @property
-    def columns(self) -> tuple[Column, ...]:
-        """The columns of a row."""
-        return COLUMNS
-
-    @property
-    def space(self) -> "Box":
-        """(limit, 10)."""
-        return table_space(self.limit, COLUMNS)
 
     def read_batch(self, state: "State", seen: "Seen", seats: NDArray[np.int64]) -> NDArray[np.float32]:
         """Return (B, len(seats), limit, 10)."""
@@ -91,21 +80,9 @@ def _write_sights(
     lead: float,
     readings: NDArray[np.float32],
 ) -> None:
-    """Write what some seats of all matches see of their enemies.
+    """Write what some seats, (S,), of all matches see of their enemies, into zeros (B, S, limit, columns).
 
-    Args:
-        others: (B, A, 16) the seats in sight of each seat, nearest first.
-        count: (B, A) how many.
-        team: (B, A)
-        position: (B, A, 3) m.
-        velocity: (B, A, 3) m/s.
-        yaw: (B, A) degrees.
-        pitch: (B, A) degrees, positive downwards.
-        health: (B, A) hp.
-        invincible_left: (B, A) frames.
-        seats: (S,) that read.
-        lead: s.
-        readings: (B, S, limit, columns) of zeros, written.
+    Everything else is as in ``Seen`` and ``Agents``, and ``lead`` in s.
     """
     for match in range(readings.shape[0]):
         for reader in range(seats.shape[0]):

@@ -13,14 +13,12 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.sensors.base import Column, sensor, table_space
-from wildscav_engine.sensors.batched import BatchedSensor
+from wildscav_engine.sensors.base import Column, sensor
+from wildscav_engine.sensors.batched import TableSensor
 from wildscav_engine.sensors.motion import MOTION_COLUMNS, write_motion
 from wildscav_engine.simulation.systems.visibility import insert_nearest
 
 if TYPE_CHECKING:
-    from gymnasium.spaces import Box
-
     from wildscav_engine.simulation.state import State
     from wildscav_engine.simulation.systems.visibility import Seen
 
@@ -37,7 +35,7 @@ COLUMNS = (
 
 
 @sensor
-class Teammates(BatchedSensor):
+class Teammates(TableSensor):
     """The nearest teammates, wherever they are."""
 
     name: ClassVar[str] = "teammates"
@@ -45,18 +43,9 @@ class Teammates(BatchedSensor):
         "teammates: present, seat, position from the soles, m, distance, m, velocity, m/s, yaw, degrees, "
         "health, hp, invincible, supplies"
     )
+    table: ClassVar[tuple[Column, ...]] = COLUMNS
 
     limit: Annotated[int, Field(ge=1, le=64)] = 7  # rows
-
-    @property
-    def columns(self) -> tuple[Column, ...]:
-        """The columns of a row."""
-        return COLUMNS
-
-    @property
-    def space(self) -> "Box":
-        """(limit, 13)."""
-        return table_space(self.limit, COLUMNS)
 
     def read_batch(
         self,
@@ -90,21 +79,10 @@ def _write_teammates(
     nearest: NDArray[np.int32],
     readings: NDArray[np.float32],
 ) -> None:
-    """Write where the teammates of some seats of all matches are.
+    """Write where the teammates of some seats, (S,), of all matches are, into zeros (B, S, limit, columns).
 
-    Args:
-        seats_of_match: (B,) the number of seats of each match.
-        team: (B, A)
-        position: (B, A, 3) m.
-        velocity: (B, A, 3) m/s.
-        yaw: (B, A) degrees.
-        health: (B, A) hp.
-        invincible_left: (B, A) frames.
-        supplies: (B, A) that each agent carries.
-        seats: (S,) that read.
-        squares: (limit,) scratch, squared distances of teammates in m².
-        nearest: (limit,) scratch, their seats.
-        readings: (B, S, limit, columns) of zeros, written.
+    Everything else is as in ``Matches`` and ``Agents``, except scratch (limit,) for the squared distances of
+    the nearest teammates in m², and for their seats.
     """
     for match in range(readings.shape[0]):
         for reader in range(seats.shape[0]):

@@ -17,14 +17,12 @@ from pydantic import Field
 
 from wildscav_engine.arithmetic.elementary_functions import logarithm
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.sensors.base import Column, sensor, table_space
-from wildscav_engine.sensors.batched import BatchedSensor
+from wildscav_engine.sensors.base import Column, sensor
+from wildscav_engine.sensors.batched import TableSensor
 from wildscav_engine.sensors.ways import write_direction
 from wildscav_engine.simulation.systems.visibility import SUPPLY_LIMIT
 
 if TYPE_CHECKING:
-    from gymnasium.spaces import Box
-
     from wildscav_engine.simulation.state import State
     from wildscav_engine.simulation.systems.visibility import Seen
 
@@ -40,7 +38,7 @@ COLUMNS = (
 
 
 @sensor
-class ToSupplies(BatchedSensor):
+class ToSupplies(TableSensor):
     """The ways to the supply boxes that are most worth a walk, relative to the yaw."""
 
     name: ClassVar[str] = "to_supplies"
@@ -48,22 +46,13 @@ class ToSupplies(BatchedSensor):
         "the ways to the boxes most worth a walk: present; right, ahead, of 1; up, m; log distance, ln m; "
         "log quantity"
     )
+    table: ClassVar[tuple[Column, ...]] = COLUMNS
 
     limit: Annotated[int, Field(ge=1, le=SUPPLY_LIMIT)] = 3  # rows
     worth: Annotated[float, Field(ge=0, le=2)] = (
         0.6  # exponent of the supplies in a box; 0: the nearest first
     )
     start_up: Annotated[float, Field(ge=0, le=100)] = 3.0  # m added to every way: even a near box takes time
-
-    @property
-    def columns(self) -> tuple[Column, ...]:
-        """The columns of a row."""
-        return COLUMNS
-
-    @property
-    def space(self) -> "Box":
-        """(limit, 6)."""
-        return table_space(self.limit, COLUMNS)
 
     def read_batch(self, state: "State", seen: "Seen", seats: NDArray[np.int64]) -> NDArray[np.float32]:
         """Return (B, len(seats), limit, 6)."""
@@ -90,20 +79,10 @@ def _write_ways(
     costs: NDArray[np.float64],
     readings: NDArray[np.float32],
 ) -> None:
-    """Write the ways of some seats of all matches to the boxes in sight.
+    """Write the ways of some seats, (S,), of all matches to boxes, into zeros (B, S, limit, columns).
 
-    Args:
-        slots: (B, A, 32) the slots of the boxes in sight of each seat, nearest first.
-        count: (B, A) how many.
-        place_of_box: (B, N, 3) m.
-        quantity: (B, N) supplies in them.
-        position: (B, A, 3) m, of agents.
-        yaw: (B, A) degrees.
-        worth: Exponent of the supplies in a box.
-        start_up: m added to every way.
-        seats: (S,) that read.
-        costs: (32,) scratch: logarithms of effort relative to worth.
-        readings: (B, S, limit, columns) of zeros, written.
+    Everything else is as in ``Seen``, ``Supplies`` and ``Agents``, except the options ``worth`` and
+    ``start_up``, and scratch (32,) for the logarithms of effort relative to worth.
     """
     for match in range(readings.shape[0]):
         for reader in range(seats.shape[0]):

@@ -13,14 +13,12 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.sensors.base import Column, sensor, table_space
-from wildscav_engine.sensors.batched import BatchedSensor
+from wildscav_engine.sensors.base import Column, sensor
+from wildscav_engine.sensors.batched import TableSensor
 from wildscav_engine.sensors.motion import MOTION_COLUMNS, write_motion
 from wildscav_engine.simulation.systems.visibility import AGENT_LIMIT
 
 if TYPE_CHECKING:
-    from gymnasium.spaces import Box
-
     from wildscav_engine.simulation.state import State
     from wildscav_engine.simulation.systems.visibility import Seen
 
@@ -36,7 +34,7 @@ COLUMNS = (
 
 
 @sensor
-class VisibleAgents(BatchedSensor):
+class VisibleAgents(TableSensor):
     """The nearest agents in sight."""
 
     name: ClassVar[str] = "visible_agents"
@@ -44,18 +42,9 @@ class VisibleAgents(BatchedSensor):
         "agents in sight: present, seat, team, position from the soles, m, distance, m, velocity, m/s, "
         "yaw, degrees, health, hp, invincible"
     )
+    table: ClassVar[tuple[Column, ...]] = COLUMNS
 
     limit: Annotated[int, Field(ge=1, le=AGENT_LIMIT)] = AGENT_LIMIT  # rows
-
-    @property
-    def columns(self) -> tuple[Column, ...]:
-        """The columns of a row."""
-        return COLUMNS
-
-    @property
-    def space(self) -> "Box":
-        """(limit, 13)."""
-        return table_space(self.limit, COLUMNS)
 
     def read_batch(self, state: "State", seen: "Seen", seats: NDArray[np.int64]) -> NDArray[np.float32]:
         """Return (B, len(seats), limit, 13)."""
@@ -81,19 +70,9 @@ def _write_agents(
     seats: NDArray[np.int64],
     readings: NDArray[np.float32],
 ) -> None:
-    """Write what some seats of all matches see of other agents.
+    """Write what some seats, (S,), of all matches see of other agents, into zeros (B, S, limit, columns).
 
-    Args:
-        others: (B, A, 16) the seats in sight of each seat, nearest first.
-        count: (B, A) how many.
-        team: (B, A)
-        position: (B, A, 3) m.
-        velocity: (B, A, 3) m/s.
-        yaw: (B, A) degrees.
-        health: (B, A) hp.
-        invincible_left: (B, A) frames.
-        seats: (S,) that read.
-        readings: (B, S, limit, columns) of zeros, written.
+    Everything else is as in ``Seen`` and ``Agents``.
     """
     for match in range(readings.shape[0]):
         for reader in range(seats.shape[0]):

@@ -1,13 +1,12 @@
 """The spec of a match: everything that determines it, apart from its actions."""
 
 from functools import cache
-from typing import Annotated, Any, Literal, Protocol, Self
+from typing import Annotated, Any, Literal, NamedTuple, Protocol, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from wildscav_engine.extensions import Registry
 from wildscav_engine.specs.base import Seed, Spec
-from wildscav_engine.specs.equipment import Equipment, SeatEquipment
 from wildscav_engine.specs.map_spec import MapSpec
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND, Rules, RulesField
 from wildscav_engine.specs.supply_config import SupplyConfig
@@ -16,6 +15,24 @@ from wildscav_engine.specs.zone_config import ZoneConfig
 Position = tuple[float, float, float]  # x, y, z in m
 
 SUBMISSION = "submission"  # in MatchSpec.seats: an agent process fills the seat
+
+
+class Equipment(Spec):
+    """The equipment of one seat at the start and after each respawn; None: as the rules say for all seats."""
+
+    health: Annotated[int, Field(ge=1, le=10_000)] | None = None  # hp
+    clip_size: Annotated[int, Field(ge=0, le=1000)] | None = None  # rounds; 0: a weapon that never fires
+    spare_ammo: Annotated[int, Field(ge=0, le=100_000)] | None = None  # rounds
+    shot_damage: Annotated[int, Field(ge=0, le=10_000)] | None = None  # hp per hit
+
+
+class SeatEquipment(NamedTuple):
+    """The complete equipment of one seat."""
+
+    health: int  # hp
+    clip_size: int  # rounds
+    spare_ammo: int  # rounds
+    shot_damage: int  # hp per hit
 
 
 class TrackRules(Protocol):

@@ -3,8 +3,7 @@
 from typing import TYPE_CHECKING, ClassVar
 
 from wildscav_engine.simulation.track import MOVES, Track
-from wildscav_engine.tracks.navigation import Navigation, time_to_target
-from wildscav_engine.tracks.path_efficiency import SPL, spl_of
+from wildscav_engine.tracks.navigation import SPL, Navigation, spl_of, time_to_target
 
 if TYPE_CHECKING:
     from wildscav_engine.simulation.match_view import MatchView

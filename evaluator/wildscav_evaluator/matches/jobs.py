@@ -1,5 +1,6 @@
 """Jobs: the matches of an evaluation, the events of a job while it runs, and its result."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -143,3 +144,17 @@ class JobResult:
     def to_render(self) -> bool:
         """Whether a replay is requested and missing."""
         return self.job.replay and self.row.record is not None and self.row.replay is None
+
+
+def cores_of(job: Job, largest_node: int) -> int:
+    """Return the cores that a match reserves: those that its agents may use at the same time.
+
+    The server needs none besides, since it computes while all agents wait for it. A match with more agents
+    than any node has cores gets a whole node.
+
+    Args:
+        job: The match.
+        largest_node: Cores of the node with the most cores.
+    """
+    wanted = math.ceil(len(job.seats) * job.limits.cpus)
+    return max(1, min(wanted, largest_node))

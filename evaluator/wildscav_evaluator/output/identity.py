@@ -15,9 +15,7 @@ from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.bounds import MOST_ROUNDS
 from wildscav_evaluator.output.json_files import FileModel, FileModelError, WithOptionalFields
 from wildscav_evaluator.output.layout import IDENTITY_FILE
-from wildscav_evaluator.output.results import KeptLimits
-from wildscav_evaluator.output.tournament_settings import TournamentSettings
-from wildscav_evaluator.output.versions import Versions
+from wildscav_evaluator.output.results import KeptLimits, TournamentSettings, Versions
 
 
 class Entrant(FileModel):

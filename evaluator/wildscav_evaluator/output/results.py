@@ -12,19 +12,63 @@ from typing import Annotated, Literal, Self
 from pydantic import Field
 
 from wildscav.errors import UserError
+from wildscav_engine import ENGINE_VERSION, SIMULATION_VERSION
+from wildscav_engine.maps import GENERATOR_VERSION
+from wildscav_engine.record import RECORD_VERSION
 from wildscav_engine.storage.files import read_limited
 from wildscav_evaluator.bounds import MOST_EVALUATIONS, MOST_ROUNDS
 from wildscav_evaluator.output.json_files import LARGEST, FileModel, FileModelError, WithOptionalFields
 from wildscav_evaluator.output.layout import RESULTS_FILE
-from wildscav_evaluator.output.tournament_settings import TournamentSettings
-from wildscav_evaluator.output.versions import Versions
 from wildscav_evaluator.suites.seeds import label
 
+SCHEDULE_VERSION = 1  # rises whenever the same settings and seed give another schedule
+Count = Annotated[int, Field(ge=1, le=1000)]
 FORMAT = 2
 
 FINISHED, FAILED = "finished", "failed"  # status of a seat, and of a match that could not be played
 
 Fault = Literal["agent", "platform"]
+
+
+class TournamentSettings(FileModel):
+    """Who sits where in the matches of a tournament."""
+
+    seats: Count  # that entrants fill in a match
+    team_size: Count = 1  # seats of a team
+    mixed: bool = False  # whether the seats of a team are different entrants; else they are all one entrant
+    repeats: Count = 2  # how often a game (a map and a match seed) is played, each time in other seats
+    robots: tuple[str, ...] = ()  # that fill further seats of every match and are not rated
+    meet_own: bool = False  # whether two entries of one submission may meet
+    schedule: int = SCHEDULE_VERSION  # the version of the schedule
+
+    @property
+    def places(self) -> int:
+        """The number of entrants in a match."""
+        return self.seats if self.mixed else self.seats // self.team_size
+
+
+class Versions(FileModel):
+    """The versions of Wildscav's parts with which an evaluation was played."""
+
+    engine: str  # of the whole package
+    simulation: int  # of the rules
+    generator: int  # of the maps
+    record: int  # of the format of records
+
+    def __str__(self) -> str:
+        """Return all versions in one line."""
+        return (
+            f"engine {self.engine}, simulation {self.simulation}, generator {self.generator}, "
+            f"records {self.record}"
+        )
+
+
+CURRENT_VERSIONS = Versions(
+    engine=ENGINE_VERSION,
+    simulation=SIMULATION_VERSION,
+    generator=GENERATOR_VERSION,
+    record=RECORD_VERSION,
+)
 
 
 class MetricInfo(FileModel):

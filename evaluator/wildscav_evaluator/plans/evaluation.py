@@ -9,12 +9,10 @@ from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.output import results
 from wildscav_evaluator.output.identity import Entrant, Identity, digest_of
-from wildscav_evaluator.output.results import metric_infos
-from wildscav_evaluator.output.versions import CURRENT_VERSIONS
-from wildscav_evaluator.plans.plan import Plan
-from wildscav_evaluator.scores.score import summary
+from wildscav_evaluator.output.results import CURRENT_VERSIONS, metric_infos
+from wildscav_evaluator.plans.plan import Plan, evaluation_of
 from wildscav_evaluator.submissions.submission import Submission
-from wildscav_evaluator.suites.rounds import matches_in_rounds
+from wildscav_evaluator.suites.suite import matches_in_rounds
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,7 +59,7 @@ class EvaluationPlan(Plan):
             index,
             spec,
             self.out,
-            replay=self.replays == "all" or (self.replays == "first" and index == 0),
+            replay=self.is_rendered(index),
             evaluation=evaluation,
             sandbox=self.sandbox,
             limits=self.limits(track),
@@ -113,21 +111,9 @@ class EvaluationPlan(Plan):
     def _evaluation(
         self, track: str, submission: Submission, done: Iterable[JobResult]
     ) -> results.Evaluation:
-        rows = tuple(
-            result.row
-            for result in done
-            if result.job.track == track and result.job.evaluated == submission.name
-        )
+        rows = [one.row for one in done if one.job.track == track and one.job.evaluated == submission.name]
         metrics = metric_infos(track, self.matches(track)[0].metrics)
-        return results.Evaluation(
-            submission=submission.name,
-            version=submission.manifest.version,
-            digest=submission.digest,
-            track=track,
-            metrics=metrics,
-            matches=rows,
-            summary=summary(metrics, rows),
-        )
+        return evaluation_of(submission, submission.manifest.version, track, metrics, rows)
 
 
 def check_names(submissions: Iterable[Submission]) -> None:

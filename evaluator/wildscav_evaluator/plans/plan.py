@@ -10,11 +10,20 @@ from typing import Self
 
 from wildscav_evaluator.ledger.keys import SigningKey
 from wildscav_evaluator.matches.jobs import Job, JobResult
-from wildscav_evaluator.output.identity import Identity
+from wildscav_evaluator.output.identity import Entrant, Identity
 from wildscav_evaluator.output.numbered_folders import own_folder
-from wildscav_evaluator.output.results import KeptLimits, MatchTiming, Results, Timings
+from wildscav_evaluator.output.results import (
+    Evaluation,
+    KeptLimits,
+    MatchRow,
+    MatchTiming,
+    MetricInfo,
+    Results,
+    Timings,
+)
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, KEPT_ANYWHERE, Limits
+from wildscav_evaluator.scores.score import summary
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_evaluator.suites.seeds import SuiteSeed
 from wildscav_evaluator.suites.suite import Suite
@@ -76,6 +85,10 @@ class Plan(ABC):
         kept = None if SANDBOXES[self.sandbox].isolated else KEPT_ANYWHERE
         return {track: KeptLimits(**self.limits(track).model_dump(include=kept)) for track in tracks}
 
+    def is_rendered(self, index: int) -> bool:
+        """Return whether a match is rendered as a replay."""
+        return self.replays == "all" or (self.replays == "first" and index == 0)
+
     def timings(self, done: Iterable[JobResult]) -> Timings:
         """Return the timings of matches, in the order in which they are given."""
         matches = [result.timing for result in done if result.timing is not None]
@@ -86,6 +99,26 @@ class Plan(ABC):
             jobs=self.jobs,
             matches=tuple(matches),
         )
+
+
+def evaluation_of(
+    one: Submission | Entrant,
+    version: str,
+    track: str,
+    metrics: tuple[MetricInfo, ...],
+    rows: Iterable[MatchRow],
+) -> Evaluation:
+    """Return what the matches of a submission, or of an entrant, on a track add up to."""
+    matches = tuple(rows)
+    return Evaluation(
+        submission=one.name,
+        version=version,
+        digest=one.digest,
+        track=track,
+        metrics=metrics,
+        matches=matches,
+        summary=summary(metrics, matches),
+    )
 
 
 def _covered(matches: Sequence[MatchTiming]) -> float:

@@ -7,11 +7,14 @@ from functools import cached_property
 from wildscav_engine.version import ENGINE_VERSION
 from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.output.identity import Entrant, Identity, digest_of
-from wildscav_evaluator.output.results import Evaluation, MatchRow, MetricInfo, Results, metric_infos
-from wildscav_evaluator.output.tournament_settings import TournamentSettings
-from wildscav_evaluator.output.versions import CURRENT_VERSIONS
-from wildscav_evaluator.plans.plan import Plan
-from wildscav_evaluator.scores.score import summary
+from wildscav_evaluator.output.results import (
+    CURRENT_VERSIONS,
+    MatchRow,
+    Results,
+    TournamentSettings,
+    metric_infos,
+)
+from wildscav_evaluator.plans.plan import Plan, evaluation_of
 from wildscav_evaluator.seats import robot_entrant
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_evaluator.tournaments.drawing import TournamentMatch, tournament_matches
@@ -81,7 +84,7 @@ class TournamentPlan(Plan):
             index,
             match.spec,
             self.out,
-            replay=self.replays == "all" or (self.replays == "first" and index == 0),
+            replay=self.is_rendered(index),
             evaluation=evaluation,
             sandbox=self.sandbox,
             limits=self.limits(self.track),
@@ -124,20 +127,8 @@ class TournamentPlan(Plan):
             limits=self.kept_limits((self.track,)),
             key=self.public_key,
             tournament=self.settings,
-            evaluations=tuple(self._evaluation(one, metrics, rows[one.name]) for one in self.entrants),
+            evaluations=tuple(
+                evaluation_of(one, one.version, self.track, metrics, rows[one.name]) for one in self.entrants
+            ),
             timings=self.timings(done),
-        )
-
-    def _evaluation(
-        self, entrant: Entrant, metrics: tuple[MetricInfo, ...], rows: Iterable[MatchRow]
-    ) -> Evaluation:
-        rows = tuple(rows)
-        return Evaluation(
-            submission=entrant.name,
-            version=entrant.version,
-            digest=entrant.digest,
-            track=self.track,
-            metrics=metrics,
-            matches=rows,
-            summary=summary(metrics, rows),
         )

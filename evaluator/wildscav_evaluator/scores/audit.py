@@ -20,8 +20,7 @@ from wildscav_evaluator.ledger.entries import Ended
 from wildscav_evaluator.ledger.ledger import Ledger, LedgerError, check_key, read_ledger, sha256_of
 from wildscav_evaluator.output.identity import Identity, digest_of, read_identity
 from wildscav_evaluator.output.layout import IDENTITY_FILE, LEDGER_FILE, RESULTS_FILE, stem_of
-from wildscav_evaluator.output.results import FAILED, Evaluation, MatchRow, Results
-from wildscav_evaluator.output.tournament_settings import TournamentSettings
+from wildscav_evaluator.output.results import FAILED, Evaluation, MatchRow, Results, TournamentSettings
 from wildscav_evaluator.scores.compare import check_comparison
 from wildscav_evaluator.scores.expected_matches import (
     ExpectedMatch,

@@ -9,8 +9,7 @@ import numpy as np
 
 from wildscav_evaluator.output.json_files import FileModel, FileModelError
 from wildscav_evaluator.output.layout import COMPARISON_FILE, RESULTS_FILE
-from wildscav_evaluator.output.results import Evaluation, KeptLimits, MetricInfo, Results
-from wildscav_evaluator.output.versions import Versions
+from wildscav_evaluator.output.results import Evaluation, KeptLimits, MetricInfo, Results, Versions
 from wildscav_evaluator.scores.score import interval
 
 # With fewer pairs, one submission wins all of them by chance in more than one case of twenty: 2 · 0.5⁵ is 6

@@ -9,12 +9,10 @@ from wildscav_engine.record import RecordError, read_record
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.output.layout import OPENED_FILE, RESULTS_FILE, SUITE_FILE
 from wildscav_evaluator.output.record_names import parse_name, record_paths
-from wildscav_evaluator.output.results import Results, read_results
-from wildscav_evaluator.output.tournament_settings import SCHEDULE_VERSION
+from wildscav_evaluator.output.results import SCHEDULE_VERSION, Results, read_results
 from wildscav_evaluator.seats import entrants_in_names
-from wildscav_evaluator.suites.rounds import match_count, matches_in_rounds
 from wildscav_evaluator.suites.seeds import SuiteSeed, read_secret
-from wildscav_evaluator.suites.suite import SUITES, Suite
+from wildscav_evaluator.suites.suite import SUITES, Suite, match_count, matches_in_rounds
 from wildscav_evaluator.suites.suite_file import read_suite
 from wildscav_evaluator.tournaments.drawing import tournament_match_count, tournament_matches
 

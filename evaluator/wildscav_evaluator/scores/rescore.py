@@ -24,10 +24,10 @@ from wildscav_evaluator.output.results import (
     MatchRow,
     Results,
     SeatRow,
+    Versions,
     mean_metrics,
     metric_infos,
 )
-from wildscav_evaluator.output.versions import Versions
 from wildscav_evaluator.scores.expected_matches import ExpectedMatch, kind_of
 from wildscav_evaluator.scores.score import summary
 from wildscav_evaluator.seats import entrants_in_names, submission_seats

@@ -20,6 +20,7 @@ from wildscav_engine.arithmetic.random_numbers import Dice, Stream
 from wildscav_engine.extensions import Registry
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_evaluator.bounds import MOST_MATCHES
 from wildscav_evaluator.sandbox.limits import Limits
 
 EVALUATION_MAPS = 1 << 63  # the bit that reserves a map seed for evaluation
@@ -132,3 +133,30 @@ def _dice(track: str, name: str, seed: int) -> Dice:
     """Return dice that no other track, suite or seed shares."""
     digest = blake2b(f"{name}/{track}/{seed}".encode(), digest_size=8).digest()
     return Dice(int.from_bytes(digest, "little"), Stream.SUITE)
+
+
+def matches_in_rounds(suite: Suite, track: str, seed: int, rounds: int) -> tuple[MatchSpec, ...]:
+    """Return the matches of a suite on a track, played in rounds of consecutive seeds.
+
+    Raises:
+        UserError: There are too many.
+    """
+    match_count(suite, track, rounds)
+    return tuple(spec for turn in range(rounds) for spec in suite.matches(track, seed + turn))
+
+
+def match_count(suite: Suite, track: str, rounds: int) -> int:
+    """Return how many matches a suite has on a track.
+
+    Raises:
+        UserError: There are too many.
+    """
+    settings = suite.tracks[track]
+    count = settings.maps * settings.episodes * rounds
+    if count > MOST_MATCHES:
+        raise UserError(
+            f"suite {suite.name} has {count:,} matches of {track} in {rounds:,} rounds; at most "
+            f"{MOST_MATCHES:,} are allowed",
+            exit_code=2,
+        )
+    return count

@@ -3,16 +3,74 @@
 from wildscav_engine.arithmetic.random_numbers import Dice
 from wildscav_engine.maps.pools import LEVELS
 from wildscav_engine.specs.map_spec import MapConfig
-from wildscav_evaluator.suites.match_drawing import capture, navigation
+from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
+from wildscav_engine.specs.rules import Rules
+from wildscav_engine.specs.supply_config import HotSpot, SupplyConfig, SupplyWave
+from wildscav_evaluator.seats import battle_seats, shuffled
+from wildscav_evaluator.suites.match_drawing import capture, choose, navigation
 from wildscav_evaluator.suites.suite import Suite, TrackSettings
-from wildscav_evaluator.suites.wild_battles import battle, gathering, meeting_ground, royale
 
 TIME_LIMIT = 120.0  # s, four times what the longest ways take at full speed
+FIGHT_TIME = 180.0  # s
+ROBOTS = 9
+# Rounds for a whole match, and more to win and to lose by a death than by default.
+RULES = Rules(spare_ammo=300, respawn_time=45.0, invincible_time=2.0, supply_loss=1.0)
+FEW_BOXES = SupplyWave(center=(0.0, 0.0), radius=60.0, outdoor_richness=4.0, indoor_richness=5.0)
 
 
 def expert_map(_: Dice) -> MapConfig:
     """Return the config of maps at level expert: few ways lead through them, and targets are hidden."""
     return LEVELS["expert"]
+
+
+def meeting_ground(dice: Dice) -> MapConfig:
+    """Return the config of a map on which ten agents meet: 120 to 160 m, with a few houses and woods."""
+    size = choose(dice, (120, 140, 160))
+    return MapConfig(
+        size=size,
+        houses=dice.integer(3, 6),
+        density="high" if dice.integer(0, 1) else "low",
+        storeys=(1, 2),
+        relief=choose(dice, (0.4, 0.8, 1.2)),
+        ruggedness=choose(dice, (0.1, 0.4, 0.7)),
+        water=choose(dice, (0.0, 0.05)),
+        vegetation=choose(dice, (0.3, 0.5)),
+    )
+
+
+def moving_supplies(dice: Dice, time_limit: float = FIGHT_TIME) -> SupplyConfig:
+    """Return few boxes all over the map, and a hot spot that moves to the end of a match."""
+    interval = choose(dice, (20.0, 25.0, 30.0))
+    hot_spot = HotSpot(
+        interval=interval,
+        places=int(time_limit // interval),
+        radius=choose(dice, (5.0, 8.0)),
+        boxes=choose(dice, (10, 15)),
+        quantity=(10, 30),
+    )
+    return SupplyConfig(waves=(FEW_BOXES,), spacing=5.0, outdoor_quantity=(1, 3), hot_spot=hot_spot)
+
+
+def gathering(dice: Dice) -> MatchSpec:
+    """Draw a match of one submission against gatherers around the hot spot."""
+    seats = shuffled(dice, (SUBMISSION, *("gatherer",) * 5))
+    return MatchSpec(track="gathering", time_limit=FIGHT_TIME, seats=seats, supplies=moving_supplies(dice))
+
+
+def battle(dice: Dice) -> MatchSpec:
+    """Draw a battle of one submission against fighters and gatherers, each on its own."""
+    return _fight("battle", dice)
+
+
+def royale(dice: Dice) -> MatchSpec:
+    """Draw a royale of one submission against fighters and gatherers, each on its own."""
+    return _fight("royale", dice)
+
+
+def _fight(track: str, dice: Dice) -> MatchSpec:
+    supplies = moving_supplies(dice)
+    seats = battle_seats(dice, ROBOTS)
+    return MatchSpec(track=track, time_limit=FIGHT_TIME, seats=seats, supplies=supplies, rules=RULES)
 
 
 WILD = Suite(

@@ -13,7 +13,7 @@ from wildscav_engine.arithmetic.random_numbers import Dice, Stream
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.specs.validation import one_line
 from wildscav_engine.tracks import TRACKS
-from wildscav_evaluator.output.tournament_settings import TournamentSettings
+from wildscav_evaluator.output.results import TournamentSettings
 from wildscav_evaluator.seats import ROBOT_ENTRANT, display_names, shuffled
 from wildscav_evaluator.suites.suite import Suite
 from wildscav_evaluator.tournaments.names import groups_of

@@ -7,9 +7,15 @@ from typing import Literal
 from wildscav.terminal.console import counted
 from wildscav_evaluator.output.json_files import FileModel, FileModelError
 from wildscav_evaluator.output.layout import RESULTS_FILE, TOURNAMENT_FILE
-from wildscav_evaluator.output.results import Evaluation, KeptLimits, MetricInfo, Results, Summary
-from wildscav_evaluator.output.tournament_settings import TournamentSettings
-from wildscav_evaluator.output.versions import Versions
+from wildscav_evaluator.output.results import (
+    Evaluation,
+    KeptLimits,
+    MetricInfo,
+    Results,
+    Summary,
+    TournamentSettings,
+    Versions,
+)
 from wildscav_evaluator.ratings.standings import Standings, rate
 from wildscav_evaluator.tournaments.rated_matches import placing_metric, rated_matches
 

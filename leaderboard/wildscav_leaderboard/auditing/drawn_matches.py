@@ -6,9 +6,8 @@ from tempfile import TemporaryDirectory
 
 from wildscav.errors import UserError
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.suites.rounds import match_count, matches_in_rounds
 from wildscav_evaluator.suites.seeds import SuiteSeed
-from wildscav_evaluator.suites.suite import SUITES, Suite
+from wildscav_evaluator.suites.suite import SUITES, Suite, match_count, matches_in_rounds
 from wildscav_evaluator.suites.suite_file import read_suite
 from wildscav_leaderboard.auditing.records import Recorded
 from wildscav_leaderboard.auditing.report import Check, Finding, of_match, wrong_value

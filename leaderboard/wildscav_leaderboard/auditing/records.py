@@ -16,7 +16,7 @@ from wildscav_engine.record.format import WITHOUT_SEEDS, decode
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.storage.files import read_limited, write_whole
 from wildscav_engine.version import SIMULATION_VERSION
-from wildscav_evaluator.output.versions import Versions
+from wildscav_evaluator.output.results import Versions
 from wildscav_evaluator.seats import display_names, submission_seats
 from wildscav_leaderboard.auditing.sources import FolderSource, Source, SourceError
 from wildscav_leaderboard.matches.models import LADDER

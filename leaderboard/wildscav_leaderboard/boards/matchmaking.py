@@ -16,7 +16,7 @@ from hashlib import blake2b
 
 from wildscav_engine.arithmetic.random_numbers import Dice, Stream
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
-from wildscav_evaluator.output.tournament_settings import TournamentSettings
+from wildscav_evaluator.output.results import TournamentSettings
 from wildscav_evaluator.seats import ROBOT_ENTRANT, shuffled
 from wildscav_evaluator.suites.suite import Suite
 from wildscav_evaluator.tournaments.drawing import with_seats

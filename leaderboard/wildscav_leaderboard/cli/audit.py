@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from wildscav.cli.json_option import AsJson
+from wildscav.cli.shared_options import AsJson
 
 
 def _count(text: str) -> str:

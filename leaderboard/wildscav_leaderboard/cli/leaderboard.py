@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.table import Table
 
-from wildscav.cli.json_option import AsJson
+from wildscav.cli.shared_options import AsJson
 from wildscav.errors import UserError
 from wildscav.terminal.console import console, print_json
 from wildscav.terminal.suggestions import did_you_mean

@@ -146,7 +146,7 @@ def plan_of(order: Order, submission: Submission, longest: float) -> Plan:
 
 @dataclass(frozen=True)
 class SandboxedAgents:
-    """Runs one submission, in all seats that are not a person's. See ``wildscav.play.opponents.Agents``."""
+    """Runs one submission, in all seats that are not a person's. See ``wildscav.play.rounds.Agents``."""
 
     submission: Submission  # ready for the sandbox
     sandbox: Sandbox

@@ -5,7 +5,7 @@ from datetime import datetime
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
-from wildscav_evaluator.output.versions import CURRENT_VERSIONS
+from wildscav_evaluator.output.results import CURRENT_VERSIONS
 from wildscav_leaderboard.database.connection import KEPT
 from wildscav_leaderboard.matches.models import FINISHED, Match, MatchResult
 from wildscav_leaderboard.matches.service import last_arrival

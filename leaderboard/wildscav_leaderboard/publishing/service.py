@@ -13,8 +13,8 @@ from sqlalchemy import Select, or_, select
 from sqlalchemy.orm import Session, defer
 
 from wildscav_engine.storage.files import read_limited
-from wildscav_evaluator.suites.rounds import match_count
 from wildscav_evaluator.suites.seeds import LARGEST, SuiteSeed
+from wildscav_evaluator.suites.suite import match_count
 from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.models import PUBLIC, Board

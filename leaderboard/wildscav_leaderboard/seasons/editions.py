@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import BaseModel, ConfigDict
 
-from wildscav_evaluator.output.results import KeptLimits, MetricInfo
-from wildscav_evaluator.output.versions import CURRENT_VERSIONS, Versions
+from wildscav_evaluator.output.results import CURRENT_VERSIONS, KeptLimits, MetricInfo, Versions
 from wildscav_leaderboard.seasons.settings import Mode, TrackSettings
 
 if TYPE_CHECKING:

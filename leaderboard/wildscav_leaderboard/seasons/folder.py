@@ -12,9 +12,8 @@ from wildscav.system import leftovers
 from wildscav.time_limits import Clock
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, Limits
-from wildscav_evaluator.suites.rounds import matches_in_rounds
 from wildscav_evaluator.suites.seeds import SuiteSeed, read_secret
-from wildscav_evaluator.suites.suite import Suite
+from wildscav_evaluator.suites.suite import Suite, matches_in_rounds
 from wildscav_evaluator.suites.suite_file import SUFFIX, find_suite, read_suite
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.seasons.editions import DECIDING, Edition

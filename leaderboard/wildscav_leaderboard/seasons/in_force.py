@@ -6,11 +6,10 @@ from weakref import WeakKeyDictionary
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from wildscav_evaluator.output.results import KeptLimits, metric_infos
-from wildscav_evaluator.output.versions import CURRENT_VERSIONS
+from wildscav_evaluator.output.results import CURRENT_VERSIONS, KeptLimits, metric_infos
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.sandbox.limits import KEPT_ANYWHERE
-from wildscav_evaluator.suites.rounds import match_count
+from wildscav_evaluator.suites.suite import match_count
 from wildscav_leaderboard.seasons.editions import Conditions, Edition, digest_of, sha256_of
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.models import EditionRow

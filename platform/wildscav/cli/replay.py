@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.markup import escape
 
-from wildscav.cli.record_argument import SeasonOption, found, read_of_seat
+from wildscav.cli.shared_options import SeasonOption, found, read_of_seat
 from wildscav.errors import UserError
 
 if TYPE_CHECKING:

@@ -4,8 +4,7 @@ Only this package needs PyTorch and Stable-Baselines3, and only for models that 
 """
 
 from wildscav.export.environment_options import policy_tables
-from wildscav.export.model_files import read_model
-from wildscav.export.submission_folder import submission_files
+from wildscav.export.model_files import read_model, submission_files
 from wildscav.export.trained_model import TrainedModel
 
 __all__ = ["TrainedModel", "policy_tables", "read_model", "submission_files"]

@@ -1,5 +1,8 @@
 """Reading models from files, by their suffix."""
 
+import json
+from collections.abc import Mapping
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +13,11 @@ from wildscav.errors import UserError
 from wildscav.export.stable_baselines import read_zip
 from wildscav.export.trained_model import LAYERS_FILE, ONNX_FILE, ONNX_REQUIREMENT, TrainedModel, pack_layers
 from wildscav.policy.errors import PolicyError
-from wildscav.policy.networks import ACTIVATIONS, Layers, OnnxNetwork, read_layers
+from wildscav.policy.networks import ACTIVATIONS, Choose, Layers, OnnxNetwork, read_layers
+from wildscav.policy.policy import FILE
 
 SUFFIXES = (".zip", ".onnx", ".npz")
+TEMPLATE = ("agent.py", "README.md")
 
 
 def read_model(path: Path, activation: str = "tanh") -> TrainedModel:
@@ -87,3 +92,43 @@ def _read_onnx(path: Path) -> TrainedModel:
         files={ONNX_FILE: path.read_bytes()},
         requirements=(ONNX_REQUIREMENT,),
     )
+
+
+def submission_files(
+    trained: TrainedModel, tables: Mapping[str, Any], name: str, choose: Choose
+) -> dict[str, bytes]:
+    """Return the files of a submission: their contents by name.
+
+    Args:
+        trained: The model.
+        tables: What ``policy_tables`` returned.
+        name: Name of the submission.
+        choose: How it selects actions from the network's outputs.
+    """
+    policy = {"choose": choose.value, "network": tables["network"], "environment": tables["environment"]}
+    template = files("wildscav.export") / "template"
+    texts = {file: (template / file).read_text("utf-8") for file in TEMPLATE}
+    written = {
+        "submission.toml": _manifest(tables["environment"], name),
+        FILE: json.dumps(policy, indent=1) + "\n",
+        **{file: text.replace("my-agent", name) for file, text in texts.items()},
+    }
+    if trained.requirements:
+        written["requirements.txt"] = "".join(f"{line}\n" for line in trained.requirements)
+    return {**{file: text.encode() for file, text in written.items()}, **trained.files}
+
+
+def _manifest(environment: Mapping[str, Any], name: str) -> str:
+    lines = [
+        f"name = {json.dumps(name)}",
+        'version = "0.1.0"',
+        'entry_point = "agent:TrainedAgent"',
+        f"tracks = [{json.dumps(environment['track'])}]",
+    ]
+    for part in environment["observations"]:
+        if "sensor" in part:
+            # Numbers, strings, booleans and lists of them are written in TOML as in JSON.
+            options = {key: value for key, value in part["sensor"].items() if value is not None}
+            lines += ["", f"[sensors.{part['name']}]"]
+            lines += [f"{key} = {json.dumps(value)}" for key, value in options.items()]
+    return "\n".join(lines) + "\n"

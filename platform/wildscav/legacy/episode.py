@@ -14,8 +14,7 @@ from wildscav.errors import WildscavError
 from wildscav.legacy.commander_pb2 import AgentSetup, GameMode, GMCommand, SupplyRefreshData, Vector3
 
 if TYPE_CHECKING:
-    from wildscav_engine.specs.equipment import Equipment
-    from wildscav_engine.specs.match_spec import MatchSpec, Position
+    from wildscav_engine.specs.match_spec import Equipment, MatchSpec, Position
     from wildscav_engine.specs.rules import Rules
     from wildscav_engine.specs.supply_config import SupplyConfig, SupplyWave
 
@@ -167,7 +166,7 @@ def _rules(command: GMCommand) -> "Rules":
 
 
 def _equipment(setup: AgentSetup) -> "Equipment":
-    from wildscav_engine.specs.equipment import Equipment
+    from wildscav_engine.specs.match_spec import Equipment
 
     return Equipment(
         health=_value(setup, "hp"),

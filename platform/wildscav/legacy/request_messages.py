@@ -13,7 +13,7 @@ import numpy as np
 from wildscav.legacy.commander_pb2 import EnemyInfo, GameState, Observation, Request, SupplyInfo, Vector3
 from wildscav.legacy.episode import Episode
 from wildscav.legacy.events import Events
-from wildscav.wire.varint import encode_varint
+from wildscav.wire.observations import encode_varint
 
 if TYPE_CHECKING:
     from wildscav_engine.simulation.match import Match

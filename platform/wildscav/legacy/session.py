@@ -1,25 +1,29 @@
 """A session with a client: a sequence of episodes, until the client closes it."""
 
 import logging
+import math
 import os
 import time
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from wildscav.errors import describe
-from wildscav.legacy.actions import read_actions
 from wildscav.legacy.channel import Client
-from wildscav.legacy.commander_pb2 import GameState, GMCommand, Reply
+from wildscav.legacy.commander_pb2 import AgentCommand, GameState, GMCommand, Reply
 from wildscav.legacy.episode import Episode, RefusedEpisodeError, read_episode
 from wildscav.legacy.request_messages import START, Requests
-from wildscav.legacy.start_places import with_usable_places
 from wildscav.terminal.console import counted
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from wildscav_engine.maps import GameMap
     from wildscav_engine.simulation.match import Match
+    from wildscav_engine.specs.match_spec import MatchSpec, Position
 
 LONGEST_SUFFIX = 100  # characters
 
@@ -140,3 +144,83 @@ def match_of(episode: Episode) -> "Match":
         return Match(spec, game_map)
     except (MapError, MatchSetupError) as error:
         raise RefusedEpisodeError(str(error)) from None
+
+
+def with_usable_places(episode: Episode, game_map: "GameMap") -> "tuple[MatchSpec, list[str]]":
+    """Return the spec of an episode with usable starts and target, and a log line for each that was moved.
+
+    The client's default start is the middle of the map, whatever is there, and the original refused no place.
+    So a place where no agent can stand, or that it cannot leave, is replaced by the nearest valid location.
+    """
+    spec, moved = episode.spec, []
+
+    def usable_or_none(place: "Position | None", name: str, reach: float | None) -> "Position | None":
+        if place is None:
+            return None
+        usable = _nearest_usable(game_map, place, reach)
+        if usable != place:
+            moved.append(f"{name} {_text(place)} is not usable: {_text(usable)} is used instead")
+        return usable
+
+    starts = [
+        usable_or_none(place, f"start_location of agent {agent}", None)
+        for place, agent in zip(spec.start_of_seats, episode.ids, strict=True)
+    ]
+    target = usable_or_none(spec.target, "target_location", spec.rules.target_distance)
+    if not moved:
+        return spec, moved
+    return spec.model_copy(update={"starts": tuple(starts), "target": target}), moved
+
+
+def _nearest_usable(game_map: "GameMap", place: "Position", reach: float | None) -> "Position":
+    """Return a place if it is usable, else the nearest of the map's locations that is."""
+    from wildscav_engine.simulation.setup.starts import usable_place
+
+    if (usable := usable_place(game_map, place, reach)) == place:
+        return place
+    locations = np.concatenate([game_map.indoor, game_map.outdoor])
+    offsets = locations - np.array(place)
+    for x, y, z in locations[np.argsort((offsets * offsets).sum(axis=1), kind="stable")].tolist():
+        if usable_place(game_map, (x, y, z), reach) == (x, y, z):
+            return x, y, z
+    return usable
+
+
+def _text(place: "Position") -> str:
+    return f"({', '.join(f'{number:.2f}' for number in place)})"
+
+
+def read_actions(
+    commands: Iterable[AgentCommand], seats: Mapping[int, int]
+) -> "tuple[NDArray[np.float32], list[int]]":
+    """Return (A, FIELDS) the actions of all seats. Seats without a command do nothing.
+
+    A walk speed is clamped to 0 to 10 m/s, the range that the original's agents had.
+
+    Args:
+        commands: The commands of one reply; if there are two for one agent, the last one counts.
+        seats: The seat of each id.
+
+    Returns:
+        The rows, and the ids that belong to no agent.
+    """
+    from wildscav_engine.specs.actions import MAX_WALK_SPEED, no_actions
+
+    rows, unknown = no_actions(len(seats)), []
+    for command in commands:
+        seat = seats.get(command.id)
+        if seat is None:
+            unknown.append(command.id)
+            continue
+        speed = command.walk_speed
+        rows[seat] = (
+            command.walk_dir,
+            speed if math.isnan(speed) else min(MAX_WALK_SPEED, max(0.0, speed)),
+            command.turn_left_right_delta,
+            command.look_up_down_delta,
+            command.jump,
+            command.collect,
+            command.shoot_gun,
+            command.reload,
+        )
+    return rows, unknown

@@ -1,8 +1,12 @@
 """A submission as an opponent in training environments."""
 
+import importlib
+import sys
+import threading
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from types import ModuleType, TracebackType
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +14,6 @@ from numpy.typing import NDArray
 from wildscav.agent import Agent, check_action
 from wildscav.baselines import baseline_folder, is_baseline
 from wildscav.errors import AgentError, UserError
-from wildscav.opponents.own_modules import OwnModules
 from wildscav.opponents.seat_messages import Indices, decode_for_agent, seat_info, seat_observations
 from wildscav.sdk.run import make_agent
 from wildscav.sdk.submission_folder import MANIFEST, entry_point_of, load_agent_class, read_manifest
@@ -174,3 +177,46 @@ def _sensors(folder: Path, manifest: Mapping[str, Any]) -> dict[str, Sensor]:
         return parse_sensors(manifest.get("sensors", {}))
     except (AttributeError, TypeError, ValueError) as error:
         raise UserError(f"{folder / MANIFEST}: sensors: {error}", exit_code=2) from None
+
+
+class OwnModules:
+    """The modules in a submission's folder, which only its own code can import.
+
+    All submissions have a module ``agent``, and many have others of equal names. So a submission's code runs
+    inside this context. It puts the folder first on the path and the submission's modules into
+    ``sys.modules``, and takes both out again at the end. Only one thread at a time can be inside.
+    """
+
+    _one_at_a_time: ClassVar[threading.RLock] = threading.RLock()
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = str(folder)
+        self._names = {
+            path.stem for path in folder.iterdir() if path.suffix == ".py" or (path / "__init__.py").is_file()
+        }
+        self._own: dict[str, ModuleType] = {}
+        self._displaced: dict[str, ModuleType] = {}
+        self._count = 0
+        importlib.invalidate_caches()
+
+    def __enter__(self) -> None:
+        self._one_at_a_time.acquire()
+        self._displaced = {
+            name: sys.modules.pop(name) for name in self._names | self._own.keys() if name in sys.modules
+        }
+        sys.modules.update(self._own)
+        self._count = len(sys.modules)
+        sys.path.insert(0, self._folder)
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if len(sys.modules) != self._count:
+            modules = list(sys.modules.items())
+            self._own = {name: found for name, found in modules if name.partition(".")[0] in self._names}
+        for name in self._own:
+            sys.modules.pop(name, None)
+        sys.modules.update(self._displaced)
+        if self._folder in sys.path:
+            sys.path.remove(self._folder)
+        self._one_at_a_time.release()

@@ -14,9 +14,8 @@ from wildscav.play.app import Site
 from wildscav.play.eyes import Eyes
 from wildscav.play.links import Addresses, Base, Links, base_of
 from wildscav.play.lobby import HOST
-from wildscav.play.opponents import Agents, playing
 from wildscav.play.plan import Plan
-from wildscav.play.rounds import Venue
+from wildscav.play.rounds import Agents, Venue, playing
 from wildscav.play.table import COUNTDOWN, Table
 from wildscav.server import EndpointSettings, MatchServer
 from wildscav.server.hosting.precompile import precompile

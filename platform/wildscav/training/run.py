@@ -1,21 +1,46 @@
 """A training run from its first step to its score, with checkpoints on the way."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import closing, contextmanager
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 import torch
 from tensorboardX import SummaryWriter
 
+from wildscav.training.algorithms import ALGORITHMS, RLLIB, STABLE
 from wildscav.training.checkpoints import RESULT, WEIGHTS, RunFolder, write_json
 from wildscav.training.evaluation import Score, evaluate
-from wildscav.training.learner import Learner, learning, processor_seconds
 from wildscav.training.settings import TrainingSettings
 
 EVERY = 60.0  # s between two checkpoints
 Report = Callable[[Mapping[str, float]], None]  # gets the figures of each iteration
+
+
+class Learner(Protocol):
+    """A policy in training."""
+
+    steps: int  # of all learners so far
+    total: int  # rollouts of the run
+
+    @property
+    def rollouts(self) -> int:
+        """Rollouts so far."""
+
+    @property
+    def policy(self) -> Any:
+        """The layers one after the other, from rows (N, n) to scores (N, C)."""
+
+    def iterate(self) -> dict[str, float]:
+        """Play a rollout, learn from it, and return figures about both by name."""
+
+    def state(self) -> dict[str, Any]:
+        """Return everything that the next iteration depends on: tensors, numbers and lists of them."""
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Continue from what ``state`` returned."""
 
 
 class Result(NamedTuple):
@@ -118,3 +143,34 @@ def _save_layers(path: Path, policy: Any) -> None:
     linear = [module for module in policy if isinstance(module, torch.nn.Linear)]
     arrays = {f"weight_{layer}": module.weight.detach().numpy() for layer, module in enumerate(linear)}
     np.savez(path, **arrays, **{f"bias_{n}": module.bias.detach().numpy() for n, module in enumerate(linear)})
+
+
+@contextmanager
+def learning(settings: TrainingSettings) -> Iterator[Learner]:
+    """Yield the learner of a run, which knows nothing yet.
+
+    Raises:
+        UserError: The environment cannot be made, or is not one that the algorithm learns.
+    """
+    library = ALGORITHMS[settings.algorithm].library
+    if library == RLLIB:
+        from wildscav.training.rllib_cluster import connected
+
+        with connected(settings.address, settings.workers):
+            from wildscav.training.rllib_learner import RllibLearner
+
+            with closing(RllibLearner(settings)) as learner:
+                yield learner
+    elif library == STABLE:
+        from wildscav.training.stable_learner import StableLearner
+
+        yield StableLearner(settings)
+    else:
+        from wildscav.training.ppo import PPO
+
+        yield PPO(settings)
+
+
+def processor_seconds(learner: Learner) -> float:
+    """Return the processor time of this process, and of those that play for the learner, s."""
+    return time.process_time() + float(getattr(learner, "worker_seconds", 0.0))

@@ -6,8 +6,7 @@ from typing import Any
 
 from wildscav.errors import UserError
 from wildscav.terminal.suggestions import did_you_mean
-from wildscav.training.algorithms import ALGORITHMS
-from wildscav.training.hyperparameters import Hyperparameters
+from wildscav.training.algorithms import ALGORITHMS, Hyperparameters
 from wildscav.training.opposition import Opposition
 from wildscav.training.start import Start
 

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 import torch
 from stable_baselines3 import A2C, PPO
-from stable_baselines3.common.vec_env import VecEnv
 from torch import nn
 
 from wildscav.training.curriculum import Curriculum
 from wildscav.training.environment import mean_of
 from wildscav.training.learner_rows import LearnerRows, successes
 from wildscav.training.settings import TrainingSettings
+from wildscav_engine.envs.stable_baselines import MatchesVecEnv
 
 # What Stable-Baselines3 calls the figures of an update, and what they are called here.
 FIGURES = {
@@ -121,7 +121,7 @@ class StableLearner:
         np.random.set_state(("MT19937", keys.numpy().astype(np.uint32), place, 0, 0.0))  # noqa: NPY002
 
 
-class LearnersVecEnv(VecEnv):  # type: ignore[misc]
+class LearnersVecEnv(MatchesVecEnv):
     """The learners of all matches as environments of Stable-Baselines3."""
 
     def __init__(self, settings: TrainingSettings, curriculum: Curriculum) -> None:
@@ -144,10 +144,6 @@ class LearnersVecEnv(VecEnv):  # type: ignore[misc]
     def reset(self) -> Any:
         """Start new episodes."""
         return self.rows.reset(self._curriculum.stage)
-
-    def step_async(self, actions: Any) -> None:
-        """Store the next actions."""
-        self._actions = actions
 
     def step_wait(self) -> tuple[Any, Any, Any, list[dict[str, Any]]]:
         """Play one step. Where an episode ends, the next begins, and infos have the last observation."""
@@ -174,14 +170,6 @@ class LearnersVecEnv(VecEnv):  # type: ignore[misc]
         """Return an attribute of the environment, once for each row."""
         return [getattr(self.rows.env, attr_name, None)] * len(list(self._get_indices(indices)))
 
-    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
-        """Refuse, because rows have no attributes of their own.
-
-        Raises:
-            NotImplementedError: Always.
-        """
-        raise NotImplementedError(f"{attr_name} cannot be set")
-
     def env_method(self, method_name: str, *args: Any, indices: Any = None, **options: Any) -> list[Any]:
         """Refuse, because rows have no methods of their own.
 
@@ -189,7 +177,3 @@ class LearnersVecEnv(VecEnv):  # type: ignore[misc]
             NotImplementedError: Always.
         """
         raise NotImplementedError(f"{method_name} cannot be called")
-
-    def env_is_wrapped(self, wrapper_class: type[Any], indices: Any = None) -> list[bool]:  # noqa: ARG002
-        """Return False for each row, because rows are not wrapped environments."""
-        return [False] * len(list(self._get_indices(indices)))

@@ -15,7 +15,6 @@ from wildscav.proto.match_pb2 import SupplyBox as SupplyBoxMessage
 from wildscav.proto.match_pb2 import Tensor
 from wildscav.proto.match_pb2 import Vector as VectorMessage
 from wildscav.proto.match_pb2 import VisibleAgent as VisibleAgentMessage
-from wildscav.wire.varint import encode_varint
 
 KEY = b"\x12"  # of ServerMessage.observation: field 2, length-delimited
 
@@ -111,3 +110,13 @@ def decode_tensor(message: Tensor) -> NDArray[Any]:
             f"tensor {message.name!r} says {message.dtype} {shape} but has {len(message.data)} bytes"
         )
     return np.frombuffer(message.data, dtype).reshape(shape)
+
+
+def encode_varint(number: int) -> bytes:
+    """Return a number, at least 0, as protobuf writes it: seven bits per byte, the lowest bits first."""
+    parts = bytearray()
+    while number > 127:
+        parts.append(number & 127 | 128)
+        number >>= 7
+    parts.append(number)
+    return bytes(parts)

@@ -19,9 +19,8 @@ from wildscav_engine.maps.pools import LEVELS
 from wildscav_engine.record.format import RecordError, decode, encode, record_of
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.actions import FIELDS
-from wildscav_engine.specs.equipment import Equipment
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec, Placement
-from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_engine.specs.match_spec import Equipment, MatchSpec
 from wildscav_engine.specs.rules import Rules
 from wildscav_engine.specs.supply_config import SupplyConfig, SupplyWave
 from wildscav_engine.tracks import TRACKS

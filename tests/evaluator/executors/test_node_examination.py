@@ -3,7 +3,7 @@
 import pytest
 
 from wildscav_evaluator.executors.cluster.node_examination import code_digest, examine, mismatch
-from wildscav_evaluator.output.versions import CURRENT_VERSIONS
+from wildscav_evaluator.output.results import CURRENT_VERSIONS
 
 VERSIONS = CURRENT_VERSIONS.model_dump()
 

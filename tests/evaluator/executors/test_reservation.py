@@ -6,8 +6,7 @@ import pytest
 from tests.evaluator.sample_agents import WALKER, Submit
 
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.executors.cluster.reservation import cores_of
-from wildscav_evaluator.matches.jobs import Job
+from wildscav_evaluator.matches.jobs import Job, cores_of
 from wildscav_evaluator.sandbox import Limits
 
 

@@ -14,8 +14,7 @@ from wildscav_evaluator.cli.sessions.tournament import run_tournament
 from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_evaluator.monitoring.monitor import MonitorOptions
 from wildscav_evaluator.output.layout import LEDGER_FILE, OPENED_FILE, RESULTS_FILE
-from wildscav_evaluator.output.results import MatchRow
-from wildscav_evaluator.output.tournament_settings import TournamentSettings
+from wildscav_evaluator.output.results import MatchRow, TournamentSettings
 from wildscav_evaluator.plans.tournament import TournamentPlan
 from wildscav_evaluator.scores.score import summary
 from wildscav_evaluator.suites.seeds import new_secret, read_secret

@@ -20,8 +20,7 @@ from wildscav_evaluator.matches.run_job import after_worker_death
 from wildscav_evaluator.matches.watchdog import Patience
 from wildscav_evaluator.matches.workers import Workers
 from wildscav_evaluator.monitoring.dashboard import match_counts
-from wildscav_evaluator.monitoring.monitor import Monitor, MonitorOptions
-from wildscav_evaluator.monitoring.prometheus_metrics import EvaluationMetrics
+from wildscav_evaluator.monitoring.monitor import EvaluationMetrics, Monitor, MonitorOptions
 from wildscav_evaluator.output.layout import LOGS, MATCHES, RECORDS, REPLAYS
 from wildscav_evaluator.submissions.submission import Submission
 

@@ -14,8 +14,7 @@ from wildscav.monitoring.logs import open_log
 from wildscav.monitoring.metrics import serving_metrics
 from wildscav_evaluator.cli.sessions.evaluate import run_session
 from wildscav_evaluator.matches.jobs import Heartbeat
-from wildscav_evaluator.monitoring.monitor import Monitor, MonitorOptions
-from wildscav_evaluator.monitoring.prometheus_metrics import EvaluationMetrics
+from wildscav_evaluator.monitoring.monitor import EvaluationMetrics, Monitor, MonitorOptions
 from wildscav_evaluator.monitoring.tally import Tally
 from wildscav_evaluator.plans.evaluation import EvaluationPlan
 from wildscav_evaluator.submissions.submission import load_submission

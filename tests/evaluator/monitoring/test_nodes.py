@@ -10,8 +10,7 @@ from tests.evaluator.monitoring.jobs_by_hand import jobs
 from wildscav_evaluator.executors import Node
 from wildscav_evaluator.matches.jobs import Heartbeat
 from wildscav_evaluator.monitoring.dashboard import dashboard
-from wildscav_evaluator.monitoring.monitor import Monitor, MonitorOptions
-from wildscav_evaluator.monitoring.prometheus_metrics import EvaluationMetrics
+from wildscav_evaluator.monitoring.monitor import EvaluationMetrics, Monitor, MonitorOptions
 from wildscav_evaluator.monitoring.tally import Tally
 
 NODES = (

@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 
 from wildscav.errors import UserError
-from wildscav_evaluator.output.results import Results, Timings, read_results, write_results
-from wildscav_evaluator.output.versions import CURRENT_VERSIONS
+from wildscav_evaluator.output.results import CURRENT_VERSIONS, Results, Timings, read_results, write_results
 
 NOTHING = Timings(started="", wall=0.0, jobs=1, matches=())
 

@@ -9,8 +9,14 @@ import pytest
 from tests.platform.helpers.command import Done, command_here
 
 from wildscav_evaluator.cli.sessions.compare import comparison_table, verdict_line, with_distinct_names
-from wildscav_evaluator.output.results import Evaluation, MatchRow, MetricInfo, Results, Timings
-from wildscav_evaluator.output.versions import CURRENT_VERSIONS
+from wildscav_evaluator.output.results import (
+    CURRENT_VERSIONS,
+    Evaluation,
+    MatchRow,
+    MetricInfo,
+    Results,
+    Timings,
+)
 from wildscav_evaluator.scores.compare import Comparison, compare, judge
 from wildscav_evaluator.scores.score import summary
 from wildscav_evaluator.submissions.submission import Submission

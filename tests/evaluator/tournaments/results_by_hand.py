@@ -3,15 +3,15 @@
 from collections.abc import Mapping, Sequence
 
 from wildscav_evaluator.output.results import (
+    CURRENT_VERSIONS,
     Evaluation,
     MatchRow,
     Results,
     SeatRow,
     Timings,
+    TournamentSettings,
     metric_infos,
 )
-from wildscav_evaluator.output.tournament_settings import TournamentSettings
-from wildscav_evaluator.output.versions import CURRENT_VERSIONS
 from wildscav_evaluator.scores.score import summary
 
 

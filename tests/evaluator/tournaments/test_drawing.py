@@ -6,7 +6,7 @@ import pytest
 
 from wildscav.errors import UserError
 from wildscav_engine.specs.match_spec import SUBMISSION
-from wildscav_evaluator.output.tournament_settings import TournamentSettings
+from wildscav_evaluator.output.results import TournamentSettings
 from wildscav_evaluator.suites.quick import QUICK
 from wildscav_evaluator.suites.suite import Suite
 from wildscav_evaluator.tournaments.drawing import (

@@ -3,10 +3,15 @@
 import numpy as np
 import pytest
 
-from wildscav_evaluator.tournaments.constructions import balanced_after, lattice, lattice_rounds
 from wildscav_evaluator.tournaments.draws import Draws
 from wildscav_evaluator.tournaments.meetings import count_meetings, spread_of
-from wildscav_evaluator.tournaments.pairings import pair_up, pair_up_groups
+from wildscav_evaluator.tournaments.pairings import (
+    balanced_after,
+    lattice,
+    lattice_rounds,
+    pair_up,
+    pair_up_groups,
+)
 from wildscav_evaluator.tournaments.shift_search import search_shifts
 from wildscav_evaluator.tournaments.swap_search import search_swaps
 

@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 from tests.leaderboard.seasons_made import NOON
 
-from wildscav_evaluator.output.results import KeptLimits, metric_infos
-from wildscav_evaluator.output.versions import CURRENT_VERSIONS
+from wildscav_evaluator.output.results import CURRENT_VERSIONS, KeptLimits, metric_infos
 from wildscav_evaluator.ratings.matches import RatedMatch
 from wildscav_evaluator.seats import ROBOT_ENTRANT
 from wildscav_leaderboard.boards.documents import Conditions, Entry, LadderBoard

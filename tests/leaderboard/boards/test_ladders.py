@@ -7,8 +7,14 @@ from tests.leaderboard.seasons_made import NOON
 
 from wildscav_engine.specs.map_spec import MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.output.results import KeptLimits, MatchRow, MatchTiming, SeatRow, metric_infos
-from wildscav_evaluator.output.versions import CURRENT_VERSIONS
+from wildscav_evaluator.output.results import (
+    CURRENT_VERSIONS,
+    KeptLimits,
+    MatchRow,
+    MatchTiming,
+    SeatRow,
+    metric_infos,
+)
 from wildscav_evaluator.ratings.head_to_head import PairRecord, entrant_records
 from wildscav_leaderboard.boards.ladders import apply_matches, placed_match, played_on
 from wildscav_leaderboard.boards.meetings import Ladder, head_to_head, records_on

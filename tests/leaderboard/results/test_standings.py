@@ -5,8 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from wildscav_evaluator.output.results import Results
-from wildscav_evaluator.output.versions import Versions
+from wildscav_evaluator.output.results import Results, Versions
 from wildscav_leaderboard.results.database import reading
 from wildscav_leaderboard.results.sink import DatabaseSink
 from wildscav_leaderboard.results.standings import standings

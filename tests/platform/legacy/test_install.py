@@ -8,8 +8,7 @@ from tests.platform.helpers.command import command_here
 
 from wildscav.cli.legacy import DEFAULT_MAPS, read_ids
 from wildscav.errors import UserError
-from wildscav.legacy.install import install_engine, missing_maps
-from wildscav.legacy.map_files import paths_of, write_map
+from wildscav.legacy.install import install_engine, missing_maps, paths_of, write_map
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from tests.builders import place, seen_now
 from tests.platform.legacy.helpers.original import environment
 
-from wildscav.legacy.map_files import is_written, obj_of, paths_of, write_map
+from wildscav.legacy.install import is_written, obj_of, paths_of, write_map
 from wildscav_engine.maps import GameMap, load_map
 from wildscav_engine.sensors import DepthCamera
 from wildscav_engine.simulation.match import Match

@@ -143,9 +143,7 @@ def test_what_is_played_otherwise_than_asked_is_told_to_the_user_once(
 
 def test_only_a_parent_that_listens_on_the_port_is_the_client() -> None:
     code = (
-        "import sys\n"
-        "from wildscav.legacy.client_process import find_client\n"
-        "print(find_client(int(sys.argv[1])))\n"
+        "import sys\nfrom wildscav.legacy.program import find_client\nprint(find_client(int(sys.argv[1])))\n"
     )
     competitor = Competitor()
     for port, found in ((competitor.port, str(os.getpid())), (1, "None")):

@@ -7,7 +7,7 @@ import pytest
 from tests.platform.legacy.helpers.commands import MAP, command, open_way, setup
 
 from wildscav.legacy.episode import Episode, read_episode
-from wildscav.legacy.start_places import with_usable_places
+from wildscav.legacy.session import with_usable_places
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.maps import load_map
 

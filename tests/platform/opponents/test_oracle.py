@@ -13,7 +13,7 @@ from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.specs.actions import FIELDS
 from wildscav_engine.specs.map_spec import Country, MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
-from wildscav_engine.tracks.path_efficiency import spl_of
+from wildscav_engine.tracks.navigation import spl_of
 from wildscav_evaluator.suites.suite import suite
 
 VILLAGE = MapSpec(config=MapConfig(size=80, houses=3, storeys=(2, 2), vegetation=0.6), seed=3)

@@ -10,8 +10,8 @@ from tests.platform.play.pages import PageClient, page
 from tests.platform.play.tables import small_plan, tables_links
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
+from wildscav.play.app import MOST_COMMANDS
 from wildscav.play.page import RENEWED
-from wildscav.play.player_page import MOST_COMMANDS
 from wildscav_engine.record import read_record, verify_record
 
 

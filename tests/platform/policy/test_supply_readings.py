@@ -8,7 +8,7 @@ from tests.engine.envs.common import OPEN, options
 from tests.platform.helpers.policy_matches import play_match
 
 from wildscav import Action, Observation
-from wildscav.policy.supply_readings import with_boxes
+from wildscav.skills.trained_gathering import with_boxes
 from wildscav_engine.envs import SingleEnv
 from wildscav_engine.specs.supply_config import SupplyConfig, SupplyWave
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from tests.engine.envs.common import OPEN
 
-from wildscav.training.hyperparameters import Hyperparameters
+from wildscav.training.algorithms import Hyperparameters
 from wildscav.training.settings import TrainingSettings
 
 SMALL = Hyperparameters(matches=4, rollout=16, minibatch=16, epochs=2, layers=(8,))

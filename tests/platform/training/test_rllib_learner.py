@@ -20,7 +20,7 @@ if importlib.util.find_spec("ray") is None:  # imported, it would read its varia
 pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore")]
 
 from wildscav.training import run  # noqa: E402
-from wildscav.training.learner import learning  # noqa: E402
+from wildscav.training.run import learning  # noqa: E402
 from wildscav.training.submission import policy_submission  # noqa: E402
 
 

@@ -6,8 +6,7 @@ from typing import Any
 import pytest
 
 from wildscav.errors import UserError
-from wildscav.training.algorithms import ALGORITHMS
-from wildscav.training.hyperparameters import PAPER, Hyperparameters
+from wildscav.training.algorithms import ALGORITHMS, PAPER, Hyperparameters
 from wildscav.training.settings import TrainingSettings, changed, preset_settings
 from wildscav_engine.envs.batched import multi_agent_config
 from wildscav_engine.tracks import TRACKS

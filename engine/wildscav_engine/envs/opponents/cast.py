@@ -1,6 +1,6 @@
 """The cast: who plays in each seat behind the learners', match by match, and what they do in a step."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from random import Random
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from wildscav_engine.arithmetic.random_numbers import philox
 from wildscav_engine.envs.opponents.actors import Actor, ControllerActor, PolicyActor
 from wildscav_engine.envs.opponents.observed import ObservedSeats, Seated, Settings, View, settings_of
-from wildscav_engine.envs.opponents.results import results_against
 from wildscav_engine.envs.settings.config import EnvConfig
 from wildscav_engine.envs.settings.players import (
     Player,
@@ -21,15 +20,49 @@ from wildscav_engine.envs.settings.players import (
     read_player,
     seat_entry,
 )
+from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
 from wildscav_engine.simulation.snapshot import StateError
 from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_engine.tracks import TRACKS
 
 if TYPE_CHECKING:
     from wildscav_engine.simulation.batch import Batch
 
+WIN, DRAW, LOSS = 1.0, 0.5, 0.0
 # A random stream in addition to those of ``Stream``, beside that of ``episodes.py``.
 OPPONENTS = 65
 ROBOT = -1  # instead of the number of an actor: the simulation plays the seat
+
+
+def results_against(match: MatchInBatch, learners: int, seat: int) -> Iterator[float]:
+    """Yield the results of an episode against one seat: one for each team of learners except the seat's own.
+
+    The score decides, which is the first metric of the track; in ``royale``, the points, and so mainly the
+    placement. The first learner of each team counts.
+
+    Args:
+        match: The match at the end of the episode.
+        learners: The number of learners, who have the first seats.
+        seat: The seat that the learners played against.
+    """
+    teams = match.spec.team_of_seats
+    first_of_team = {teams[learner]: learner for learner in reversed(range(learners))}
+    for team in sorted(first_of_team.keys() - {teams[seat]}):
+        yield _compare(_score(match, first_of_team[team]), _score(match, seat))
+
+
+def _score(match: MatchInBatch, seat: int) -> float:
+    """Return the score of a seat; more is better."""
+    track = TRACKS[match.spec.track]
+    metric = track.metrics[0]
+    score = track.measure(match, seat)[metric.name]
+    return -score if metric.lower_is_better else score
+
+
+def _compare(own: float, other: float) -> float:
+    if own == other:
+        return DRAW
+    return WIN if own > other else LOSS
 
 
 class Cast:

@@ -6,12 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
-from wildscav_engine.envs.rendering.markers import mark_agents
-from wildscav_engine.envs.rendering.window import Window
 from wildscav_engine.envs.settings.config import EnvConfig
+from wildscav_engine.rendering.palette import of_seat
 from wildscav_engine.sensors import ColorCamera, DepthCamera
 from wildscav_engine.sensors.optics.dynamic_objects import dynamic_objects_of
+from wildscav_engine.simulation.state import Agents
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
+from wildscav_engine.view.display import check_display
 from wildscav_engine.view.video.cameras import behind
 from wildscav_engine.view.video.moments import Moment
 
@@ -23,6 +24,13 @@ if TYPE_CHECKING:
 TOP_FIELD_OF_VIEW = 40.0  # degrees, of the camera above the map
 PICTURE, WINDOW = (320, 180), (960, 540)  # pixels across and down, unless the options have others
 CLEARANCE = 60.0  # m, minimum height of that camera above the ground
+SIZE = 0.022  # of the image's longer side, from an arrowhead's center to its tip
+MIN_SIZE = 5.0  # pixels
+RIM = 1.6  # pixels, width of a dark rim that makes the marker visible on any ground
+# Corners relative to the center, to the right and ahead, in units of the distance to the tip.
+ARROWHEAD = ((0.0, 1.0), (0.75, -0.8), (0.0, -0.4), (-0.75, -0.8))
+DARK = (20, 20, 20)
+INSTALL = "render_mode=\"human\" needs pygame: pip install 'wildscav[window]'"
 
 
 def _tangent(angle: float) -> float:
@@ -114,3 +122,109 @@ class Renderer:
         if self._live is not None:
             self._live.close()
             self._live = None
+
+
+def mark_agents(picture: NDArray[np.uint8], agents: Agents, height: float, *, tangent_of_half: float) -> None:
+    """Mark the living agents of one match, in place.
+
+    Args:
+        picture: (height, width, 3) from a camera above the center of the map, north at the top.
+        agents: With a leading axis of length one.
+        height: m, height of the camera.
+        tangent_of_half: The tangent of half the camera's horizontal angle of view.
+    """
+    rows, columns = picture.shape[:2]
+    size = max(MIN_SIZE, SIZE * max(rows, columns))
+    for seat in np.flatnonzero(agents.health[0] > 0).tolist():
+        x, y, z = agents.position[0, seat].tolist()
+        scale = columns / 2 / (tangent_of_half * (height - y))  # pixels per metre
+        center = (columns / 2 + x * scale, rows / 2 - z * scale)
+        yaw = float(agents.yaw[0, seat])
+        _fill(picture, _corners(center, yaw, size + RIM), DARK)
+        _fill(picture, _corners(center, yaw, size), of_seat(int(agents.team[0, seat])))
+
+
+def _corners(center: tuple[float, float], yaw: float, size: float) -> NDArray[np.float64]:
+    """Return (4, 2) the corners of an arrowhead, in pixels to the right and down."""
+    ahead = np.array([sine(yaw), -cosine(yaw)])
+    right = np.array([-ahead[1], ahead[0]])
+    return np.array(
+        [np.array(center) + size * (across * right + along * ahead) for across, along in ARROWHEAD]
+    )
+
+
+def _fill(picture: NDArray[np.uint8], corners: NDArray[np.float64], color: tuple[int, int, int]) -> None:
+    """Fill the two triangles on either side of an arrowhead's axis, clipped to the image."""
+    rows, columns = picture.shape[:2]
+    left, top = np.clip(np.floor(corners.min(axis=0)).astype(int), 0, (columns, rows))
+    right, bottom = np.clip(np.ceil(corners.max(axis=0)).astype(int) + 1, 0, (columns, rows))
+    across, down = np.meshgrid(np.arange(left, right) + 0.5, np.arange(top, bottom) + 0.5)
+    tip, one, notch, other = corners
+    inside = _in_triangle(across, down, tip, one, notch) | _in_triangle(across, down, tip, notch, other)
+    picture[top:bottom, left:right][inside] = color
+
+
+def _in_triangle(
+    across: NDArray[np.float64], down: NDArray[np.float64], *corners: NDArray[np.float64]
+) -> NDArray[np.bool_]:
+    sides = []
+    for start, end in zip(corners, (*corners[1:], corners[0]), strict=True):
+        edge = end - start
+        sides.append(edge[0] * (down - start[1]) - edge[1] * (across - start[0]) >= 0.0)
+    inside: NDArray[np.bool_] = np.equal(sides[0], sides[1]) & np.equal(sides[1], sides[2])  # all on one side
+    return inside
+
+
+class Window:
+    """A window that opens with its first picture, and stays closed once its user closes it."""
+
+    def __init__(self, pictures_per_second: float) -> None:
+        """Create a window without opening it."""
+        self._rate = pictures_per_second
+        self._screen: Any = None
+        self._clock: Any = None
+        self.is_closed = False  # by its user
+
+    def show(self, picture: NDArray[np.uint8], title: str) -> None:
+        """Show a picture, and wait until the next one is due.
+
+        Args:
+            picture: (height, width, 3) red, green, blue.
+            title: What stands above it.
+
+        Raises:
+            NoDisplayError: There is no display.
+            gymnasium.error.DependencyNotInstalled: pygame is not installed.
+        """
+        if self.is_closed:
+            return
+        pygame = _pygame()
+        height, width = picture.shape[:2]
+        if self._screen is None:
+            check_display("human", others=("SDL_VIDEODRIVER",))
+            pygame.display.init()
+            self._screen = pygame.display.set_mode((width, height))
+            self._clock = pygame.time.Clock()
+        pygame.display.set_caption(title)
+        pygame.surfarray.blit_array(self._screen, picture.swapaxes(0, 1))
+        pygame.display.flip()
+        self._clock.tick(self._rate)
+        if any(event.type == pygame.QUIT for event in pygame.event.get()):
+            self.close()
+            self.is_closed = True
+
+    def close(self) -> None:
+        """Close the window, if it is open."""
+        if self._screen is not None:
+            _pygame().display.quit()
+            self._screen = None
+
+
+def _pygame() -> Any:
+    try:
+        import pygame
+    except ImportError as error:
+        from gymnasium.error import DependencyNotInstalled
+
+        raise DependencyNotInstalled(INSTALL) from error
+    return pygame

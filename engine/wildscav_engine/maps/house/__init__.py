@@ -11,8 +11,7 @@ from wildscav_engine.maps.house.plan import (
     Storey,
     Wall,
 )
-from wildscav_engine.maps.house.random_plan import LARGEST, SMALLEST, draw_plan
-from wildscav_engine.maps.house.types import draw_house, is_unseen
+from wildscav_engine.maps.house.random_plan import LARGEST, SMALLEST, draw_house, draw_plan, is_unseen
 
 __all__ = [
     "DOOR_HEIGHT",

@@ -1,15 +1,38 @@
 """Building the convex solids of a house from its plan."""
 
+from wildscav_engine.geometry.shapes import Pose, Rectangle, lean_to, pitched_roof
 from wildscav_engine.geometry.world import Kind, Solid
-from wildscav_engine.maps.house.box_builder import RAILING, Builder
-from wildscav_engine.maps.house.plan import SLAB, STOREY_HEIGHT, HousePlan, Side, Stairs
-from wildscav_engine.maps.house.roof import build_roofs
+from wildscav_engine.maps.house.box_builder import RAILING, Builder, around_hole
+from wildscav_engine.maps.house.openings import draw_faces, strip_along
+from wildscav_engine.maps.house.plan import (
+    DOOR_HEIGHT,
+    OUTER_WALL,
+    SLAB,
+    STOREY_HEIGHT,
+    HousePlan,
+    Roof,
+    Side,
+    Stairs,
+    Wing,
+    span_of,
+)
+from wildscav_engine.maps.house.rooms import without
+from wildscav_engine.maps.house.stairs import EDGE
 from wildscav_engine.maps.settlements.houses import House
 from wildscav_engine.maps.settlements.houses import Room as MapRoom
 from wildscav_engine.maps.settlements.sites import Site
 
 FLOOR_LIFT = 0.08  # m of the ground floor above the levelled ground
 FOUNDATION = 0.5  # m that the house reaches into the ground
+PARAPET = 0.5  # m, height
+RAILED_PARAPET = 0.95  # m, height on roofs that can be walked to
+# m; slightly less than the wall, so that its inner side is coplanar with no other surface
+PARAPET_THICKNESS = 0.2
+EAVES, OVERHANG = 0.15, 0.4  # m
+SLOPE = 0.62  # rise of pitched roofs per m from the eaves
+LEAN_TO_RISE = 0.85  # m; less than the sills of the storey above
+WING_LIFT = 0.03  # m that the roof of a wing is raised, so that no faces are coplanar
+EXIT_HEIGHT = 2.5  # m, inside the stair house
 
 
 def build_house(plan: HousePlan, site: Site) -> list[Solid]:
@@ -72,3 +95,146 @@ def house_of(plan: HousePlan, site: Site) -> House:
             MapRoom(level, room.area) for level, storey in enumerate(plan.storeys) for room in storey.rooms
         ),
     )
+
+
+def build_roofs(builder: Builder, plan: HousePlan) -> list[Solid]:
+    """Build a roof on every wing; flat roofs and attic floors are added to the builder.
+
+    Returns:
+        The pitched roofs.
+    """
+    solids = []
+    for number, wing in enumerate(plan.wings):
+        top = wing.storeys * STOREY_HEIGHT
+        hole = plan.stairs.well if plan.roof_exit and plan.stairs and number == 0 else None
+        kind = Kind.ROOF if wing.roof is Roof.FLAT else Kind.FLOOR
+        for part in around_hole(wing.inside, hole):
+            builder.block(kind, part, top - SLAB, top)
+        if wing.roof is Roof.FLAT:
+            height = RAILED_PARAPET if can_be_walked_to(plan, number) else PARAPET
+            _build_parapet(builder, plan.wings, number, top, height)
+        elif wing.roof is Roof.LEAN_TO:
+            solids.append(_build_lean_to(builder, wing, top))
+        else:
+            solids.append(_build_pitched(builder, plan.wings, number, top))
+    if plan.roof_exit and plan.stairs:
+        _build_exit(builder, plan.stairs, plan.wings[0].storeys * STOREY_HEIGHT)
+    return solids
+
+
+def can_be_walked_to(plan: HousePlan, number: int) -> bool:
+    """Return whether the roof of a wing can be walked to."""
+    wing = plan.wings[number]
+    level_with_main = wing.storeys == plan.wings[0].storeys
+    return wing.roof is Roof.FLAT and (number in plan.terraces or (plan.roof_exit and level_with_main))
+
+
+def _build_parapet(builder: Builder, wings: tuple[Wing, ...], number: int, top: float, height: float) -> None:
+    """Build parapets on the outer walls, but not between flat roofs that adjoin each other."""
+    wing = wings[number]
+    for face in draw_faces(wings, wing.storeys - 1):
+        if face.wing != number:
+            continue
+        outline = face.outline
+        if face.facing is Side.FRONT:
+            outline = outline._replace(back=outline.front - PARAPET_THICKNESS)
+        elif face.facing is Side.BACK:
+            outline = outline._replace(front=outline.back + PARAPET_THICKNESS)
+        elif face.facing is Side.RIGHT:
+            outline = outline._replace(left=outline.right - PARAPET_THICKNESS)
+        else:
+            outline = outline._replace(right=outline.left + PARAPET_THICKNESS)
+        spans = [span_of(outline, face.facing)]
+        for other in wings[1:]:
+            if number == 0 and other.joint is face.facing.opposite and other.storeys == wing.storeys:
+                spans = without(spans, span_of(other.inside, face.facing))
+        for start, end in spans:
+            if face.facing.is_across:
+                part = outline._replace(left=start, right=end)
+            else:
+                part = outline._replace(back=start, front=end)
+            builder.block(Kind.WALL, part, top, top + height)
+
+
+def _turned(where: Pose, area: Rectangle, towards: Side) -> tuple[Pose, Rectangle]:
+    """Return the pose rotated to face a side, and a rectangle in its axes."""
+    left, back, right, front = area
+    if towards is Side.FRONT:
+        return where, area
+    if towards is Side.BACK:
+        turned = where._replace(sine=-where.sine, cosine=-where.cosine)
+        return turned, Rectangle(-right, -front, -left, -back)
+    if towards is Side.RIGHT:
+        turned = where._replace(sine=where.cosine, cosine=-where.sine)
+        return turned, Rectangle(-front, left, -back, right)
+    turned = where._replace(sine=-where.cosine, cosine=where.sine)
+    return turned, Rectangle(back, -right, front, -left)
+
+
+def _build_pitched(builder: Builder, wings: tuple[Wing, ...], number: int, top: float) -> Solid:
+    """Build a gable or hip roof; the ridge runs along the longer side of a main block, outwards on a wing."""
+    wing, main = wings[number], wings[0]
+    left, back, right, front = wing.outline
+    towards = Side.FRONT if front - back >= right - left else Side.RIGHT
+    if wing.joint is not None:
+        towards = wing.joint.opposite
+    where, area = _turned(builder.where, wing.outline, towards)
+    start, bottom = area.back - OVERHANG, top
+    half = (area.right - area.left) / 2.0 + OVERHANG
+    rise = SLOPE * half
+    if wing.joint is not None:
+        # It ends at the wall of a higher main block, or inside the roof of one of equal height.
+        start, bottom = area.back + OUTER_WALL, top + WING_LIFT
+        if wing.storeys == main.storeys:
+            deep = _turned(builder.where, main.outline, towards)[1]
+            start -= (deep.front - deep.back) / 2.0
+            across, along = main.outline.right - main.outline.left, main.outline.front - main.outline.back
+            rise = min(rise, SLOPE * (min(across, along) / 2.0 + OVERHANG) - 2.0 * WING_LIFT)
+    end = area.front + OVERHANG
+    hip = min(half, (end - start) / 2.0) if wing.roof is Roof.HIP else 0.0
+    low = (area.left - OVERHANG, builder.ground + bottom, start)
+    high = (area.right + OVERHANG, builder.ground + bottom + EAVES + rise, end)
+    return pitched_roof(Kind.ROOF, where, low, high, EAVES, (hip if wing.joint is None else 0.0, hip))
+
+
+def _build_lean_to(builder: Builder, wing: Wing, top: float) -> Solid:
+    """Build a lean-to roof against the wall of the main block."""
+    where, area = _turned(builder.where, wing.outline, Side(wing.joint or 0).opposite)
+    low = (area.left - OVERHANG, builder.ground + top, area.back + OUTER_WALL)
+    high = (area.right + OVERHANG, builder.ground + top + LEAN_TO_RISE, area.front + OVERHANG)
+    return lean_to(Kind.ROOF, where, low, high, EAVES)
+
+
+def _build_exit(builder: Builder, stairs: Stairs, top: float) -> None:
+    """Build walls and a roof around the top of the stairs, open behind the last step."""
+    if stairs.landing:
+        builder.block(Kind.WALL, stairs.spine, top, top + RAILING)
+    outer = Rectangle(
+        stairs.well.left - EDGE, stairs.well.back - EDGE, stairs.well.right + EDGE, stairs.well.front + EDGE
+    )
+    out = _side_of(stairs.well, stairs.exit)
+    for side in Side:
+        strip = strip_along(outer, side, EDGE)
+        if side is not out:
+            builder.block(Kind.WALL, strip, top, top + EXIT_HEIGHT)
+            continue
+        start, end = span_of(stairs.exit, side)
+        for part in without([span_of(strip, side)], (start, end)):
+            builder.block(Kind.WALL, _part(strip, side, *part), top, top + EXIT_HEIGHT)
+        builder.block(Kind.WALL, _part(strip, side, start, end), top + DOOR_HEIGHT, top + EXIT_HEIGHT)
+    builder.block(Kind.ROOF, outer, top + EXIT_HEIGHT, top + EXIT_HEIGHT + EDGE)
+
+
+def _part(strip: Rectangle, side: Side, start: float, end: float) -> Rectangle:
+    if side.is_across:
+        return strip._replace(left=start, right=end)
+    return strip._replace(back=start, front=end)
+
+
+def _side_of(well: Rectangle, edge: Rectangle) -> Side:
+    """Return on which side of a well an adjacent edge lies."""
+    if edge.back >= well.front:
+        return Side.FRONT
+    if edge.front <= well.back:
+        return Side.BACK
+    return Side.RIGHT if edge.left >= well.right else Side.LEFT

@@ -14,6 +14,7 @@ from wildscav_engine.maps.house.openings import (
     windows_in,
 )
 from wildscav_engine.maps.house.plan import (
+    NARROWEST_ROOM,
     PASSAGE_WIDTH,
     Furniture,
     Opening,
@@ -26,7 +27,6 @@ from wildscav_engine.maps.house.plan import (
     Wing,
     line_of,
 )
-from wildscav_engine.maps.house.room_purposes import assign_purposes
 from wildscav_engine.maps.house.rooms import Door, Layout, choose_doors, divide, doorway
 from wildscav_engine.maps.house.stairs import HallPlace
 
@@ -34,6 +34,19 @@ TRIES = 12  # attempts to divide a storey so that doorways can connect all rooms
 SIDES = tuple(Side)
 # m, least length of a hall without the passage to its stairs, to have furniture at its sides
 FURNISHED_HALL = 2.5
+STYLES = ("dwelling", "dwelling", "dwelling", "store", "office")  # each entry is equally likely
+
+# The purposes of a storey's rooms, the largest room first; the last one repeats.
+GROUND: dict[str, tuple[str, ...]] = {
+    "dwelling": ("living", "kitchen", "dining", "study", "bath", "pantry"),
+    "store": ("store", "store", "workshop", "office", "store", "pantry"),
+    "office": ("office", "dining", "office", "kitchen", "office"),
+}
+UPPER: dict[str, tuple[str, ...]] = {
+    "dwelling": ("bedroom", "bedroom", "study", "bath", "bedroom"),
+    "store": ("store", "workshop", "store", "bedroom", "pantry"),
+    "office": ("office", "office", "study", "office"),
+}
 
 
 class _Draft:
@@ -219,3 +232,24 @@ def _is_before(area: Rectangle, gap: Gap) -> bool:
     """Return whether a gap of a hall is in the part in front of its stairs."""
     start, end = (area.left, area.right) if gap.side.is_across else (area.back, area.front)
     return gap.span[0] < end and gap.span[1] > start
+
+
+def assign_purposes(
+    dice: Dice, rooms: list[Rectangle], hall: Rectangle | None, style: str, level: int
+) -> list[str]:
+    """Return the purpose of each room of a storey."""
+    wanted = (UPPER if level else GROUND)[style]
+    names = [""] * len(rooms)
+    # Rooms of similar size are ordered at random.
+    order = sorted((-room.area * dice.uniform(0.8, 1.2), number) for number, room in enumerate(rooms))
+    named = 0
+    for _, number in order:
+        room = rooms[number]
+        if room == hall:
+            names[number] = "hall"
+        elif min(room.right - room.left, room.front - room.back) < NARROWEST_ROOM - 0.1:
+            names[number] = "corridor"
+        else:
+            names[number] = wanted[min(named, len(wanted) - 1)]
+            named += 1
+    return names

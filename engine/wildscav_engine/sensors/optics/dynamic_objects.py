@@ -4,6 +4,7 @@ Each consists of a few convex parts; see ``object_parts.py``.
 """
 
 import threading
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -38,7 +39,7 @@ from wildscav_engine.sensors.optics.object_parts import (
     write_object,
 )
 from wildscav_engine.simulation.batch_kernels import agents_of, matches_at, supplies_of
-from wildscav_engine.simulation.state import Agents, Matches, State, Supplies
+from wildscav_engine.simulation.state import Agents, Matches, State, Supplies, allocate_state
 from wildscav_engine.simulation.systems.supplies import is_present
 
 if TYPE_CHECKING:
@@ -47,6 +48,7 @@ if TYPE_CHECKING:
 BOX_YAW_STEP = 137.5  # degrees between the yaws of successive boxes, so that they do not line up
 DIFFERENT = -1  # in place of an index
 INVINCIBLE_WHITE = 0.5  # weight of white in the colours of an invincible agent
+Position = tuple[float, float, float]  # m, on the ground
 
 
 def dynamic_objects_of(match: "MatchView") -> DynamicObjects:
@@ -257,3 +259,20 @@ def as_dynamic_objects(solids: Solids) -> DynamicObjects:
     color[owned] = [of_seat(seat) for seat in solids.owner[owned].tolist()] or np.zeros((0, 3))
     instance = np.where(owned, solids.owner, np.arange(len(solids.kind)))
     return DynamicObjects(solids, instance.astype(np.int32), color)
+
+
+def placed_objects(agents: Sequence[tuple[Position, float]], boxes: Sequence[Position]) -> DynamicObjects:
+    """Return agents and boxes as images show them.
+
+    Args:
+        agents: The position and the yaw in degrees of each agent; each is in a team of its own.
+        boxes: The position of each box.
+    """
+    state = allocate_state(1, len(agents), len(boxes))
+    state.agents.present[:], state.agents.health[:] = True, 1
+    state.agents.team[0] = np.arange(len(agents))
+    state.agents.position[0] = np.array([place for place, _ in agents]).reshape(-1, 3)
+    state.agents.yaw[0] = [yaw for _, yaw in agents]
+    state.supplies.quantity[:], state.supplies.serial[0] = 1, np.arange(len(boxes))
+    state.supplies.position[0] = np.array(boxes).reshape(-1, 3)
+    return dynamic_objects_in(state)

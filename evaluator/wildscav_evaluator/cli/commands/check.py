@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from wildscav.cli.json_option import AsJson
+from wildscav.cli.shared_options import AsJson
 from wildscav.errors import UserError, describe
 from wildscav.system.output_folders import check_folder
 from wildscav_evaluator.cli.options.evaluation import SuiteOption

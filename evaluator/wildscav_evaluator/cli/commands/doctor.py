@@ -1,6 +1,6 @@
 """``wildscav doctor``: which sandboxes keep their promises on this machine, and which extensions work."""
 
-from wildscav.cli.json_option import AsJson
+from wildscav.cli.shared_options import AsJson
 from wildscav_evaluator.cli.options.executor import AddressOption, ExecutorOption, executor_of
 
 

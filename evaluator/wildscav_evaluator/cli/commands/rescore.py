@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from wildscav.cli.json_option import AsJson
+from wildscav.cli.shared_options import AsJson
 from wildscav_evaluator.cli.options.executor import AddressOption, ExecutorOption, executor_of
 from wildscav_evaluator.cli.options.signing import KeyOption
 

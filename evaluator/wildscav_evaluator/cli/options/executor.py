@@ -3,40 +3,28 @@
 The command line imports this module to show its help, so it imports nothing heavy.
 """
 
+from collections.abc import Collection
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from wildscav.terminal.suggestions import did_you_mean
+from wildscav.cli.shared_options import named_in
 
 if TYPE_CHECKING:
     from wildscav_evaluator.executors import Executor
 
 
-def _known(name: str) -> str:
-    """Return the name of an executor; an error of usage lists those that exist."""
+def _executors() -> Collection[str]:
     from wildscav_evaluator.executors import EXECUTORS
 
-    if name not in EXECUTORS:
-        known = ", ".join(map(repr, EXECUTORS))
-        raise typer.BadParameter(f"{name!r} is not one of {known}{did_you_mean(name, EXECUTORS)}")
-    return name
-
-
-def _completions(begun: str) -> list[str]:
-    """Return the names of executors that begin so."""
-    from wildscav_evaluator.executors import EXECUTORS
-
-    return [name for name in EXECUTORS if name.startswith(begun)]
+    return EXECUTORS
 
 
 ExecutorOption = Annotated[
     str,
     typer.Option(
         "--executor",
-        callback=_known,
-        autocompletion=_completions,
-        metavar="NAME",
+        **named_in(_executors),
         help="Where the work is done. local: in processes on this machine. ray: on the nodes of a Ray "
         "cluster. Or one that a package adds.",
     ),

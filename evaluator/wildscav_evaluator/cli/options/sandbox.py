@@ -1,32 +1,21 @@
 """The option ``--sandbox`` of every command that runs agents."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from wildscav.terminal.suggestions import did_you_mean
+from wildscav.cli.shared_options import named_in
 
 if TYPE_CHECKING:
     from wildscav_evaluator.executors import Executor
     from wildscav_evaluator.submissions.submission import Submission
 
 
-def _known(name: str | None) -> str | None:
-    """Return the name of a sandbox; an error of usage says which there are."""
+def _sandboxes() -> Collection[str]:
     from wildscav_evaluator.sandbox import SANDBOXES
 
-    if name is not None and name not in SANDBOXES:
-        known = ", ".join(map(repr, SANDBOXES))
-        raise typer.BadParameter(f"{name!r} is not one of {known}{did_you_mean(name, SANDBOXES)}")
-    return name
-
-
-def _completions(begun: str) -> list[str]:
-    """Return the names of sandboxes that begin so."""
-    from wildscav_evaluator.sandbox import SANDBOXES
-
-    return [name for name in SANDBOXES if name.startswith(begun)]
+    return SANDBOXES
 
 
 InSandbox = Annotated[
@@ -34,9 +23,7 @@ InSandbox = Annotated[
     typer.Option(
         "--sandbox",
         envvar="WILDSCAV_SANDBOX",
-        callback=_known,
-        autocompletion=_completions,
-        metavar="NAME",
+        **named_in(_sandboxes),
         help="How agents run. oci: in containers of Podman or Docker. bubblewrap: in namespaces of their "
         "own. process: as you do, for agents that you trust. Or one that a package adds. Default: the "
         "first of these three that works here.",

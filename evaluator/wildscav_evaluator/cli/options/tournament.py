@@ -12,7 +12,7 @@ from wildscav_engine.specs.actions import Field
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.bounds import FEWEST_ENTRANTS, MOST_ENTRANTS
 from wildscav_evaluator.cli.options.selection import check_plays, load_named
-from wildscav_evaluator.output.tournament_settings import TournamentSettings
+from wildscav_evaluator.output.results import TournamentSettings
 from wildscav_evaluator.seats import BATTLE_ROBOTS, ROBOT_ENTRANT
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_evaluator.suites.suite import Suite

@@ -16,8 +16,7 @@ from wildscav_evaluator.ledger.ledger import LedgerError, check_key, read_ledger
 from wildscav_evaluator.output.identity import Identity, read_identity
 from wildscav_evaluator.output.layout import LEDGER_FILE, OPENED_FILE, RESULTS_FILE
 from wildscav_evaluator.output.record_names import record_paths
-from wildscav_evaluator.output.results import Results, Timings, read_results
-from wildscav_evaluator.output.versions import CURRENT_VERSIONS
+from wildscav_evaluator.output.results import CURRENT_VERSIONS, Results, Timings, read_results
 from wildscav_evaluator.scores.audit import AuditedFolder, discrepancies, read_folder
 from wildscav_evaluator.scores.rescore import Replayed, recompute, replay_all
 from wildscav_evaluator.tournaments.tournament_file import tournament_of

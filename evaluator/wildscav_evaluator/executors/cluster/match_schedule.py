@@ -14,8 +14,7 @@ from wildscav_evaluator.executors.base import ExecutorError
 from wildscav_evaluator.executors.cluster.cluster_nodes import ClusterNode, ClusterNodes, last_line
 from wildscav_evaluator.executors.cluster.match_host import Broken, MatchHost, Report, Shipment
 from wildscav_evaluator.executors.cluster.messages import Ended, Happened, Message, Nodes, Played, Starting
-from wildscav_evaluator.executors.cluster.reservation import cores_of
-from wildscav_evaluator.matches.jobs import AttemptFailed, Job, sensors_read
+from wildscav_evaluator.matches.jobs import AttemptFailed, Job, cores_of, sensors_read
 from wildscav_evaluator.matches.run_job import after_worker_death
 from wildscav_evaluator.matches.workers import COMPILE_TIME
 

@@ -11,7 +11,7 @@ import wildscav_engine
 import wildscav_evaluator
 from wildscav.errors import WildscavError
 from wildscav.system import leftovers
-from wildscav_evaluator.output.versions import CURRENT_VERSIONS
+from wildscav_evaluator.output.results import CURRENT_VERSIONS
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES
 from wildscav_evaluator.sandbox.choose import missing_promises
 from wildscav_evaluator.submissions.images import image_problem

@@ -1,7 +1,7 @@
 """Finding the cause of a failure in an agent's output, from Python's tracebacks.
 
 Two kinds occur. An exception's traceback names the innermost frame last, and then the exception. The stacks
-that the SDK prints when an agent's time is up (``wildscav.sdk.watchdog``) name the innermost frame first.
+that the SDK prints when an agent's time is up (``wildscav.sdk.run``) name the innermost frame first.
 """
 
 import re

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.text import Text
 
-from wildscav.cli.json_option import AsJson
+from wildscav.cli.shared_options import AsJson
 from wildscav.errors import UserError
 from wildscav.terminal.console import LAYOUT, console, print_json, printable
 from wildscav_leaderboard.cli.competing.connected import SeasonUrl, season_client

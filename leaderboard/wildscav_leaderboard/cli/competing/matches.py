@@ -6,7 +6,7 @@ import typer
 from rich.table import Table
 from rich.text import Text
 
-from wildscav.cli.json_option import AsJson
+from wildscav.cli.shared_options import AsJson
 from wildscav.errors import UserError
 from wildscav.terminal.console import console, print_json
 from wildscav_leaderboard.cli.competing import texts

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from wildscav.cli.json_option import AsJson
+from wildscav.cli.shared_options import AsJson
 from wildscav.errors import UserError
 from wildscav.terminal.console import console, counted, error_console, print_json
 from wildscav_leaderboard.cli.competing import texts

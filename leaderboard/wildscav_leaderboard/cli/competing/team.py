@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from wildscav.cli.json_option import AsJson
+from wildscav.cli.shared_options import AsJson
 from wildscav.errors import UserError
 from wildscav.terminal.console import console, print_json
 from wildscav_leaderboard.cli.competing import texts

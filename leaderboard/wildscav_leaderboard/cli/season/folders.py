@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from wildscav.cli.json_option import AsJson
+from wildscav.cli.shared_options import AsJson
 from wildscav.terminal.console import command, console, counted, error_console, print_json
 from wildscav_leaderboard.cli.season.opening import SeasonFolder, opened
 

@@ -8,7 +8,7 @@ import typer
 from rich.table import Table
 from rich.text import Text
 
-from wildscav.cli.json_option import AsJson
+from wildscav.cli.shared_options import AsJson
 from wildscav.terminal.console import console, print_json
 from wildscav_leaderboard.cli.competing.texts import waits_for
 from wildscav_leaderboard.cli.season.opening import SeasonFolder, opened

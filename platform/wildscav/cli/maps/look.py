@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from wildscav.cli.maps.map_options import MapCommand, MapOptions
-from wildscav.cli.maps.picture_files import format_of, save
+from wildscav.cli.maps.map_options import MapCommand, MapOptions, format_of, save
 from wildscav.cli.shared_options import takes
 from wildscav.errors import UserError
 
@@ -107,7 +106,7 @@ def _picture(
     """
     from wildscav.terminal.console import error_console
     from wildscav_engine.sensors.display.legend import draw_reading
-    from wildscav_engine.sensors.optics.placed_objects import placed_objects
+    from wildscav_engine.sensors.optics.dynamic_objects import placed_objects
 
     placed = placed_objects(
         [(_place(game_map, agent), agent.numbers[-1]) for agent in agents],

@@ -3,6 +3,7 @@
 import json
 import tomllib
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
@@ -12,6 +13,8 @@ from typer.core import TyperCommand
 from wildscav.errors import UserError
 
 if TYPE_CHECKING:
+    from PIL.Image import Image
+
     from wildscav_engine.maps import GameMap
 
 MOST_IDS = 999
@@ -194,3 +197,26 @@ def _parsed_config(file: Path, content: bytes) -> dict[str, Any]:
     if not isinstance(read, dict):
         raise UserError(f"{file} must hold the fields of a MapConfig or a MapSpec", exit_code=2)
     return read
+
+
+def format_of(path: Path) -> str:
+    """Return the picture format of a file by its name."""
+    formats = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG", ".webp": "WEBP"}
+    if path.suffix.lower() not in formats:
+        raise UserError(f"{path} must end in one of {', '.join(formats)}", exit_code=2)
+    return formats[path.suffix.lower()]
+
+
+def save(picture: "Image", path: Path) -> str:
+    """Write a picture in the format of its file name; no partial file is left behind.
+
+    Returns:
+        A line that says what was written, and whether it replaced another file.
+    """
+    replaced = ", replacing the file that was there" if path.exists() else ""
+    from wildscav_engine.storage.files import write_whole
+
+    content = BytesIO()
+    picture.save(content, format_of(path), quality=90, optimize=True)
+    write_whole(path, content.getvalue())
+    return f"{path}: {picture.width} × {picture.height} pixels{replaced}"

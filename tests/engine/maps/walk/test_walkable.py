@@ -11,8 +11,8 @@ from wildscav_engine.geometry.clearance import is_clear
 from wildscav_engine.geometry.rays import cast_ray
 from wildscav_engine.geometry.shapes import Rectangle
 from wildscav_engine.maps.house import FLOOR_LIFT, STOREY_HEIGHT, HousePlan, doorsteps, draw_plan
+from wildscav_engine.maps.house.build import can_be_walked_to
 from wildscav_engine.maps.house.plan import Flight, Side
-from wildscav_engine.maps.house.roof import can_be_walked_to
 
 Place = tuple[float, float]  # m, in the axes of a house
 Node = tuple[int, int]

@@ -4,8 +4,7 @@ import numpy as np
 from tests.builders import make_match, place
 
 from wildscav_engine.geometry.world import Kind
-from wildscav_engine.sensors.optics.dynamic_objects import dynamic_objects_of
-from wildscav_engine.sensors.optics.placed_objects import placed_objects
+from wildscav_engine.sensors.optics.dynamic_objects import dynamic_objects_of, placed_objects
 
 
 def test_what_is_placed_looks_as_it_does_in_a_match() -> None:

@@ -9,9 +9,8 @@ from wildscav_engine.maps import generate_map
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.actions import Field
 from wildscav_engine.specs.body import EYE_HEIGHT
-from wildscav_engine.specs.equipment import Equipment
 from wildscav_engine.specs.map_spec import MapConfig
-from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_engine.specs.match_spec import Equipment, MatchSpec
 
 WALL = box((1.5, 0, 4), (8, 3, 4.5))
 ENEMY, ROBOT = (0.0, 0.0, -10.0), (0.0, 0.0, 2.0)  # the wall is a few steps behind the robot, to its right

@@ -5,8 +5,7 @@ from pydantic import ValidationError
 from tests.builders import act, make_match, place
 
 from wildscav_engine.simulation.match import Match
-from wildscav_engine.specs.equipment import Equipment
-from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_engine.specs.match_spec import Equipment, MatchSpec
 from wildscav_engine.specs.rules import Rules
 
 

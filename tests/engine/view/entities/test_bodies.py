@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tests.engine.view.rotations import turned
 
-from wildscav_engine.sensors.optics.placed_objects import placed_objects
+from wildscav_engine.sensors.optics.dynamic_objects import placed_objects
 from wildscav_engine.view.entities.bodies import body_colors, body_mesh, poses
 from wildscav_engine.view.recording import coordinates
 

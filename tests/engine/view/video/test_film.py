@@ -11,9 +11,8 @@ from wildscav_engine.rendering.palette import of_seat
 from wildscav_engine.simulation.state import NOBODY
 from wildscav_engine.view.recording.history import History, collect_history
 from wildscav_engine.view.video.cameras import Camera
-from wildscav_engine.view.video.director import SHORTEST, whom_to_follow
 from wildscav_engine.view.video.encode import write_poster
-from wildscav_engine.view.video.film import VIEWS, Film, Look, VideoError
+from wildscav_engine.view.video.film import SHORTEST, VIEWS, Film, Look, VideoError, whom_to_follow
 from wildscav_engine.view.video.moments import moment_at
 from wildscav_engine.view.video.overlay.drawing import font, shortened
 from wildscav_engine.view.video.overlay.feed import news_of

@@ -15,7 +15,7 @@ from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.cli.sessions.replay_agent import run_again
 from wildscav_evaluator.ledger.writer import LedgerWriter
 from wildscav_evaluator.matches.play import Seating, play_match
-from wildscav_evaluator.output.tournament_settings import TournamentSettings
+from wildscav_evaluator.output.results import TournamentSettings
 from wildscav_evaluator.plans.tournament import TournamentPlan
 from wildscav_evaluator.suites.seeds import SuiteSeed
 from wildscav_evaluator.suites.suite import SUITES

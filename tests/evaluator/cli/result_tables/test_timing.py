@@ -7,6 +7,7 @@ from rich.console import Console
 
 from wildscav_evaluator.cli.result_tables.timing import sandbox_and_limits, timing_table
 from wildscav_evaluator.output.results import (
+    CURRENT_VERSIONS,
     Evaluation,
     KeptLimits,
     MatchTiming,
@@ -15,7 +16,6 @@ from wildscav_evaluator.output.results import (
     Timings,
     metric_infos,
 )
-from wildscav_evaluator.output.versions import CURRENT_VERSIONS
 
 
 def seat(**changes: float) -> SeatTiming:

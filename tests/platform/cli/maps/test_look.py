@@ -17,8 +17,8 @@ from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.viewpoints import viewpoint_of
 from wildscav_engine.sensors import SENSORS, ColorCamera, DepthCamera
 from wildscav_engine.sensors.display.colors import distance_colors
+from wildscav_engine.sensors.optics.dynamic_objects import placed_objects
 from wildscav_engine.sensors.optics.optical import OpticalSensor
-from wildscav_engine.sensors.optics.placed_objects import placed_objects
 from wildscav_engine.specs.body import EYE_HEIGHT
 from wildscav_engine.specs.map_spec import MapConfig
 

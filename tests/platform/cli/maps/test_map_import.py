@@ -12,7 +12,7 @@ import typer
 from rich.console import Console
 from typer.testing import CliRunner
 
-from wildscav.cli.maps.map_import import import_map
+from wildscav.cli.maps.map import import_map
 from wildscav.errors import UserError
 from wildscav_engine.maps.base import load_base
 from wildscav_engine.specs.map_spec import MapConfig

@@ -10,7 +10,7 @@ from PIL import Image
 from wildscav_engine.simulation.track import Track
 from wildscav_engine.specs.actions import Field
 from wildscav_engine.view.recording.history import History
-from wildscav_engine.view.recording.ranking import order_at, ranking_keys
+from wildscav_engine.view.standings import order_at, ranking_keys
 from wildscav_engine.view.video.overlay.drawing import (
     SOFT,
     WHITE,
