@@ -20,7 +20,7 @@ from wildscav_evaluator.check.findings import Finding
 from wildscav_evaluator.matches.play import PlayedMatch, Seating, agents_at_play, play_match, prepare_logs
 from wildscav_evaluator.sandbox import Ending, Limits, Sandbox
 from wildscav_evaluator.seats import submission_seats
-from wildscav_evaluator.submissions.images import lacks_packages
+from wildscav_evaluator.submissions.images import lacks_packages, missing_packages
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_evaluator.suites.seeds import SuiteSeed
 from wildscav_evaluator.suites.suite import EVALUATION_MAPS, Suite
@@ -120,7 +120,7 @@ def run_checks(
         WildscavError: The platform failed.
     """
     if lacks_packages(submission):
-        yield findings.packages(submission.folder)
+        yield findings.packages(missing_packages(submission))
     with asyncio.Runner() as runner:
         yield from _run_all(submission, sandbox, logs, trials, clock, runner)
 
