@@ -1,9 +1,8 @@
 """The findings of a check: whether a rule is kept, what was observed, and how to fix it."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from pathlib import Path
 
 from wildscav.server import Clock, SeatReport
 from wildscav.wire.actions import MAX_WALK_SPEED
@@ -11,6 +10,7 @@ from wildscav_evaluator.matches.play import EXIT_TIME
 from wildscav_evaluator.sandbox import Ending, Limits
 from wildscav_evaluator.submissions.images import REQUIREMENTS
 
+SHOWN_REQUIREMENTS, LONGEST_REQUIREMENT = 3, 80  # lines, and characters of each
 SLOW = 0.8  # share of the step budget; a median answer time above it is too close to the budget
 
 
@@ -54,13 +54,22 @@ def judge_match(report: SeatReport, clock: Clock, limits: Limits, what: str) -> 
     yield timing(report, clock)
 
 
-def packages(folder: Path) -> Finding:
-    """Return the finding that the sandbox did not install a submission's requirements."""
+def packages(missing: Sequence[str]) -> Finding:
+    """Judge what a submission requires in a sandbox that installs nothing.
+
+    Args:
+        missing: The requirements that this machine's Python does not fulfil.
+    """
+    if not missing:
+        seen = f"this machine has what {REQUIREMENTS} names; its sandbox installs nothing"
+        return Finding("packages", Verdict.KEPT, seen)
+    names = ", ".join(repr(line[:LONGEST_REQUIREMENT]) for line in missing[:SHOWN_REQUIREMENTS])
     return Finding(
         "packages",
-        Verdict.DOUBTFUL,
-        f"{REQUIREMENTS} was not installed: the submission ran with the packages of this machine",
-        f"run it as a judge may: `wildscav build {folder}`, then check it again with --sandbox oci",
+        Verdict.BROKEN,
+        f"{REQUIREMENTS} names {names}, which this machine does not have, and its sandbox installs nothing",
+        "do without, or put it into the submission's own files; where the judge runs containers "
+        "(--sandbox oci), `wildscav build` installs it",
     )
 
 
@@ -175,7 +184,7 @@ def advice_on(status: str, clock: Clock, limits: Limits) -> str:
         ),
         "crashed": (
             "read its last lines; the agent's folder is read-only, only /tmp is writable, there is no "
-            "network, and only what requirements.txt names is installed"
+            "network, and no package but those of its sandbox"
         ),
         "out_of_memory": (
             f"it may use {limits.memory / 2**20:.0f} MiB, including what it writes to /tmp: load smaller "

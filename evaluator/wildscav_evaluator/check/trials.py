@@ -21,7 +21,7 @@ from wildscav_evaluator.matches.play import PlayedMatch, Seating, agents_at_play
 from wildscav_evaluator.sandbox import Ending, Launch, Limits, Promise, RunningAgent, Sandbox
 from wildscav_evaluator.sandbox.agents.host_python import socket_path
 from wildscav_evaluator.seats import submission_seats
-from wildscav_evaluator.submissions.images import lacks_packages
+from wildscav_evaluator.submissions.images import lacks_packages, missing_packages
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_evaluator.suites.seeds import SuiteSeed
 from wildscav_evaluator.suites.suite import EVALUATION_MAPS, Suite
@@ -124,7 +124,7 @@ def run_checks(
         WildscavError: The platform failed.
     """
     if lacks_packages(submission):
-        yield findings.packages(submission.folder)
+        yield findings.packages(missing_packages(submission))
     with asyncio.Runner() as runner:
         yield from _run_all(submission, sandbox, logs, trials, clock, runner)
 

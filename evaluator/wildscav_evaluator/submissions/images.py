@@ -8,8 +8,10 @@ import io
 import os
 import secrets
 import subprocess
+import sys
 import tarfile
 import zipfile
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import replace
 from email.message import Message
@@ -37,6 +39,7 @@ from wildscav_evaluator.sandbox.containers.left_containers import (
 from wildscav_evaluator.submission_files import SubmissionError, copy_files
 from wildscav_evaluator.submissions.submission import LARGEST_MANIFEST, MANIFEST, Submission, read_manifest
 
+KEPT_LINES = 20  # of what a failing build prints
 IMAGE = "image:"  # before the name of a prebuilt image, where a command takes a submission
 REQUIREMENTS = "requirements.txt"
 BASE = "localhost/wildscav/agent-base"
@@ -51,6 +54,19 @@ LARGEST_VARIABLES = 65_536  # bytes, names included; Linux accepts 128 KiB in on
 LARGEST_HEADERS = 16_384  # bytes of a tar archive with one file, without the file's content
 TAG = "py3-none-any"
 LEFT_OUT = {"__pycache__"}
+
+
+class BuildError(SandboxError):
+    """An image could not be built.
+
+    Args:
+        message: Why.
+        last_lines: The last lines that the engine printed.
+    """
+
+    def __init__(self, message: str, last_lines: tuple[str, ...] = ()) -> None:
+        super().__init__(message)
+        self.last_lines = last_lines
 
 
 @functools.cache
@@ -90,7 +106,8 @@ def build_image(
         dockerfile: A Dockerfile to use instead of ``docker/agent.Dockerfile``.
 
     Raises:
-        SandboxError: There is no engine, or the build failed; the engine has printed why.
+        BuildError: The build failed; the engine has printed why.
+        SandboxError: There is no engine, or the build of what all images are built on failed.
     """
     engine = find_engine()
     if base is None:
@@ -100,7 +117,10 @@ def build_image(
             own = ["--build-arg", f"PYTHON={python}"] if python else []
             with leftovers.temporary_folder("build-") as folder:
                 write_sdk_wheel(folder)
-                _build(engine, base, folder, _dockerfile("base.Dockerfile"), [*own, *options])
+                try:
+                    _build(engine, base, folder, _dockerfile("base.Dockerfile"), [*own, *options])
+                except BuildError as error:
+                    raise SandboxError(str(error)) from None  # no submission is to blame
     name = built_name(submission)
     with leftovers.temporary_folder("build-") as folder:
         context = copy_files(submission.folder, folder / "context")
@@ -120,8 +140,15 @@ def _build(
     engine: ContainerEngine, name: str, context: Path, dockerfile: Path, options: Sequence[str]
 ) -> None:
     command = [*engine.command, "build", "--file", str(dockerfile), "--tag", name, *options]
-    if subprocess.run([*command, str(context)], check=False).returncode != 0:  # it prints its own errors
-        raise SandboxError(f"{name} could not be built: {engine.name} printed the reason above")
+    last_lines = deque(["no message"], KEPT_LINES)
+    with subprocess.Popen(
+        [*command, str(context)], stderr=subprocess.PIPE, encoding="utf-8", errors="replace"
+    ) as process:
+        for line in process.stderr or ():
+            sys.stderr.write(line)
+            last_lines.extend(filter(None, [line.strip()]))
+    if process.returncode != 0:
+        raise BuildError(f"{name} could not be built: {last_lines[-1]}", tuple(last_lines))
 
 
 def _exists(engine: ContainerEngine, name: str) -> bool:
@@ -171,6 +198,28 @@ def image_problem(name: str) -> str:
 def lacks_packages(submission: Submission) -> bool:
     """Return whether a submission requires packages and is not an image that has them."""
     return submission.image is None and (submission.folder / REQUIREMENTS).is_file()
+
+
+def missing_packages(submission: Submission) -> list[str]:
+    """Return the lines of a submission's requirements that this machine's Python does not fulfil."""
+    from importlib.metadata import PackageNotFoundError, version
+
+    from packaging.requirements import InvalidRequirement, Requirement
+
+    missing = []
+    with (submission.folder / REQUIREMENTS).open(encoding="utf-8", errors="replace") as file:
+        lines = file.read(LARGEST_MANIFEST).splitlines()
+    for wanted in filter(None, (line.partition("#")[0].strip() for line in lines)):
+        try:
+            need = Requirement(wanted)
+            if need.marker and not need.marker.evaluate():
+                continue
+            if need.specifier.contains(version(need.name), prereleases=True):
+                continue
+        except (InvalidRequirement, PackageNotFoundError):  # such as an option of pip
+            pass
+        missing.append(wanted)
+    return missing
 
 
 def load_image(reference: str) -> Submission:

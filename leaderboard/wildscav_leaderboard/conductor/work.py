@@ -24,11 +24,10 @@ from wildscav_evaluator.output.journal import file_digest
 from wildscav_evaluator.output.layout import LOGS, MATCHES, RECORDS
 from wildscav_evaluator.output.results import MatchRow
 from wildscav_evaluator.sandbox import SANDBOXES
-from wildscav_evaluator.sandbox.base import SandboxError
 from wildscav_evaluator.sandbox.process import DANGER, WARNING
 from wildscav_evaluator.seats import robot_entrant
 from wildscav_evaluator.submission_files import SubmissionError
-from wildscav_evaluator.submissions.images import build_image, lacks_packages, with_images
+from wildscav_evaluator.submissions.images import BuildError, build_image, lacks_packages, with_images
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_leaderboard.boards.matchmaking import seated
 from wildscav_leaderboard.matches.models import LADDER, Match
@@ -76,7 +75,7 @@ def build(season: Season, archive: str, entrant: str, sandbox: str) -> Rejection
     """Unpack a submission, and build its image if the sandbox runs images and it names packages.
 
     Raises:
-        UserError: The archive is missing.
+        UserError: The archive is missing, or no image can be built on this machine.
         OSError: The disk is full.
     """
     try:
@@ -87,8 +86,8 @@ def build(season: Season, archive: str, entrant: str, sandbox: str) -> Rejection
         return None
     try:
         build_image(submission)
-    except SandboxError as error:
-        return Rejection(f"its image could not be built: {error}", command="wildscav build DIR")
+    except BuildError as error:
+        return Rejection(str(error), error.last_lines, "wildscav build DIR")
     return None
 
 

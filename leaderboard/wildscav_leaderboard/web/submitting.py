@@ -7,6 +7,7 @@ import anyio.to_thread
 from fastapi import APIRouter, Form, Query, Request
 from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse, Response
 
+from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.submissions.archives import SUFFIXES
 from wildscav_leaderboard.access.requests import (
     CurrentDatabase,
@@ -19,6 +20,7 @@ from wildscav_leaderboard.access.requests import (
 from wildscav_leaderboard.access.uploads import check_upload_wanted, take_upload, uploaded
 from wildscav_leaderboard.organizing.team_acts import do_team_act
 from wildscav_leaderboard.presentation.people import account_view
+from wildscav_leaderboard.seasons.in_force import sandbox_of
 from wildscav_leaderboard.seasons.refusals import RefusalError
 from wildscav_leaderboard.submissions.quotas import active_of
 from wildscav_leaderboard.teams.service import own_team
@@ -35,8 +37,18 @@ def form(
     """Show how to hand in a submission."""
     account = account_view(session, season, caller, now)
     active = active_of(session, own_team(session, caller.account).id) if account.team else []
-    quota = account.quota
-    return page(request, "submit.html", caller, suffixes=SUFFIXES, quota=quota, active=active, now=now)
+    sandbox, tracks = sandbox_of(session, season), season.settings.tracks
+    return page(
+        request,
+        "submit.html",
+        caller,
+        suffixes=SUFFIXES,
+        quota=account.quota,
+        active=active,
+        now=now,
+        sandbox=sandbox,
+        limits={track: season.limits(track) for track in tracks} if SANDBOXES[sandbox].isolated else {},
+    )
 
 
 @router.post("/submit")

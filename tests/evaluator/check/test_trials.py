@@ -116,16 +116,26 @@ def test_a_fresh_match_is_on_no_map_of_the_suite_and_differs_each_time(tmp_path:
     assert public == suite.matches("navigation", 0)[0]
 
 
-def test_packages_that_were_not_installed_are_named_before_anything_is_played(
-    submit: Submit, tmp_path: Path
+@pytest.mark.parametrize(
+    ("requirements", "missing"),
+    [
+        ("", ""),
+        ("# nothing\nnumpy>=1  # this machine has it\nwildscav\nno-such-package; python_version < '3'", ""),
+        ("numpy\nno-such-package==1\n", "'no-such-package==1'"),
+        ("numpy>=999", "'numpy>=999'"),
+        ("-r others.txt\n", "'-r others.txt'"),
+    ],
+)
+def test_packages_that_the_sandbox_lacks_are_named_before_anything_is_played(
+    submit: Submit, tmp_path: Path, requirements: str, missing: str
 ) -> None:
     submission = submit("walker", WALKER)
-    (submission.folder / "requirements.txt").write_text("torch\n")
+    (submission.folder / "requirements.txt").write_text(requirements)
 
     first = next(run_checks(submission, SANDBOXES["process"], tmp_path / "logs", {}, clock=PATIENT))
 
-    assert (first.check, first.verdict) == ("packages", Verdict.DOUBTFUL)
-    assert f"wildscav build {submission.folder}" in first.advice
+    assert (first.check, first.verdict) == ("packages", Verdict.BROKEN if missing else Verdict.KEPT)
+    assert f"names {missing}, which this machine does not have" in first.seen or not missing
 
 
 @pytest.mark.slow

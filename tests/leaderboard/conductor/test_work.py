@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from tests.evaluator.sandbox.available import missing
 from tests.leaderboard.agents import write_agent
 from tests.leaderboard.seasons_made import NOON, checked, make_season
 
@@ -12,8 +13,11 @@ from wildscav_engine.storage.files import write_whole
 from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.output.journal import file_digest
 from wildscav_evaluator.output.results import MatchRow
+from wildscav_evaluator.sandbox import SandboxError
+from wildscav_evaluator.sandbox.containers.container_engine import call, find_engine
 from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS
-from wildscav_leaderboard.conductor.work import check_command, job_of, keep_record, trial_of
+from wildscav_evaluator.submissions import images
+from wildscav_leaderboard.conductor.work import build, check_command, job_of, keep_record, trial_of, validate
 from wildscav_leaderboard.matches.models import (
     FINAL,
     FINAL_ROUND,
@@ -95,6 +99,49 @@ def test_the_private_seeds_of_a_match_follow_from_the_secret_that_its_map_follow
 
     secret = season.final_seed if final else season.seed
     assert job.seeds == secret.private(spec, [archive.digest])
+
+
+def test_packages_that_no_sandbox_of_the_season_installs_are_the_competitors_fault(tmp_path: Path) -> None:
+    season = make_season(tmp_path / "season")
+    folder = write_agent(tmp_path, "walker")
+    (folder / "requirements.txt").write_text("no-such-package\n")
+    archive = archive_name(checked(season, folder))
+
+    rejection = validate(season, archive, "walker-1", "process", tmp_path / "logs")
+
+    assert rejection is not None
+    assert rejection.reason.startswith(
+        "packages: requirements.txt names 'no-such-package', which this machine"
+    )
+    assert str(season.folder) not in rejection.reason
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("broken", ["base.Dockerfile", "agent.Dockerfile"])
+def test_only_a_build_of_the_submission_itself_is_the_competitors_fault(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, broken: str
+) -> None:
+    if why := missing("oci"):
+        pytest.skip(why)
+    season = make_season(tmp_path / "season")
+    folder = write_agent(tmp_path, "walker")
+    (folder / "requirements.txt").write_text("no-such-package\n")
+    archive = archive_name(checked(season, folder))
+    for name in ("base.Dockerfile", "agent.Dockerfile"):
+        missing_file = "COPY no-such-file /\n" if name == broken else ""
+        (tmp_path / name).write_text(f"FROM scratch\nCOPY . /\n{missing_file}")
+    monkeypatch.setattr(images, "DOCKERFILES", tmp_path)
+    monkeypatch.setenv(images.PYTHON, base := f"of-{tmp_path.name}")
+    try:
+        if broken == "base.Dockerfile":
+            with pytest.raises(SandboxError, match=r"could not be built: .*no-such-file"):
+                build(season, archive, "walker-1", "oci")
+        else:
+            rejection = build(season, archive, "walker-1", "oci")
+            assert rejection is not None
+            assert "no-such-file" in rejection.last_lines[-1]
+    finally:
+        call(find_engine(), "rmi", "-f", images.base_name(base))
 
 
 def test_a_ladder_is_tried_with_the_seats_of_its_matches(tmp_path: Path) -> None:

@@ -63,6 +63,19 @@ def test_results_that_cannot_be_seen_are_named_once(
     assert "p99" in text_of(client, hostile_season, "/matches/{own_suite}", "organizer")
 
 
+def test_who_submits_is_told_the_sandbox_and_its_limits(
+    client: httpx.Client, hostile_season: FilledSeason, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert "check my-agent --sandbox process" in text_of(client, hostile_season, "/submit", "owner")
+
+    execution = hostile_season.season.settings.execution
+    monkeypatch.setitem(execution.__dict__, "sandbox", "bubblewrap")
+    page = text_of(client, hostile_season, "/submit", "owner")
+
+    assert "check my-agent --sandbox bubblewrap" in page
+    assert "navigation: 1 core, 2.0GiB of memory, 256.0MiB in /tmp, 256 processes" in page
+
+
 def test_a_track_without_a_rank_says_why(client: httpx.Client, hostile_season: FilledSeason) -> None:
     worse = text_of(client, hostile_season, f"/submissions/{FIRST}")
     assert "The board shows the best submission of its team, night-owl 1.1 ." in worse
