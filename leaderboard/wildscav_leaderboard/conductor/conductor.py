@@ -101,7 +101,7 @@ class Conductor:
         """Conduct while this process holds the lease."""
         settings = self.season.settings.execution
         with ExitStack() as stack:
-            stack.enter_context(LeaseKeeper(self.database, self._holding))
+            stack.enter_context(LeaseKeeper(self.database, self._holding, log=self._log))
             stack.enter_context(Deliverer(self.database, self.season.settings.webhooks, self._log))
             child = stack.enter_context(Child())
             kind = EXECUTORS[settings.executor]

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Iterator
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import httpx
@@ -19,6 +19,8 @@ from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.hosting.metrics import SeasonMetrics
 from wildscav_leaderboard.hosting.web_counts import WebCounts
 from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.state import RESTARTS, write_state
+from wildscav_leaderboard.webhooks.service import add_webhook, queue_message
 
 
 @pytest.fixture
@@ -54,6 +56,18 @@ def test_submissions_and_the_missing_conductor_are_seen(
     assert seen["wildscav_season_conductor_up",] == 0
     assert seen["wildscav_season_database_up",] == 1
     assert seen["wildscav_season_paused",] == 0
+
+
+def test_messages_that_nobody_sends_and_threads_that_broke_are_seen(database: Database) -> None:
+    long_ago = datetime.now(UTC) - timedelta(minutes=10)
+    with database.writing() as session:
+        foxes, _ = team_with_member(session, "foxes")
+        add_webhook(session, foxes, "https://example.org/", long_ago)
+        queue_message(session, foxes.id, "submission.active", {}, long_ago)
+        write_state(session, RESTARTS, {"webhooks": 3}, long_ago)
+    seen = scraped(database, WebCounts())
+    assert seen["wildscav_season_webhooks_overdue_seconds",] >= 600
+    assert seen["wildscav_season_restarts_total", "webhooks"] == 3
 
 
 def test_a_database_that_does_not_answer_is_seen(tmp_path: Path) -> None:
