@@ -50,7 +50,11 @@ def reading(database: Annotated[Database, Depends(database_of)]) -> Iterator[Ses
         yield session
 
 
-def season_of(request: Request, session: Annotated[Session, Depends(reading)]) -> Season:
+# It ends before the answer is sent, or whoever reads an answer slowly would keep a connection all the while.
+Reading = Annotated[Session, Depends(reading, scope="function")]
+
+
+def season_of(request: Request, session: Reading) -> Season:
     """Return the season that is served, with the rules that are in force."""
     season = in_force(session, request.app.state.season)
     request.state.season = season  # for what every page shows
@@ -67,7 +71,6 @@ CurrentSeason = Annotated[Season, Depends(season_of)]
 CurrentDatabase = Annotated[Database, Depends(database_of)]
 Renders = Annotated[RenderCache, Depends(renders_of)]
 Now = Annotated[datetime, Depends(present)]
-Reading = Annotated[Session, Depends(reading)]
 Bearer = Annotated[HTTPAuthorizationCredentials | None, Depends(bearer)]
 
 
