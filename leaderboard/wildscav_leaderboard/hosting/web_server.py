@@ -39,12 +39,3 @@ def run_web(
     gc.collect()
     gc.freeze()
     uvicorn.Server(config).run()
-
-
-def address_of(season: Season) -> str:
-    """Return the address at which people find the season."""
-    web = season.settings.web
-    if web.url is not None:
-        return web.url.rstrip("/")
-    host = f"[{web.host}]" if ":" in web.host else web.host
-    return f"{'http' if web.certificate is None else 'https'}://{host}:{web.port}"
