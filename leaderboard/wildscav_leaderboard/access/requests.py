@@ -13,6 +13,7 @@ from fastapi import Depends, Request
 from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
 from sqlalchemy.orm import Session
 
+from wildscav_leaderboard.access.rate_limits import RateLimits, subscriber
 from wildscav_leaderboard.accounts.models import Token
 from wildscav_leaderboard.accounts.service import (
     Caller,
@@ -200,9 +201,20 @@ def check_form(caller: Caller, csrf: str) -> None:
         raise ForbiddenError("this form is from another session: load the page again")
 
 
-def address_of(request: Request) -> str:
-    """Return the address from which a request comes."""
-    return request.client.host if request.client is not None else "unknown"
+async def address_of(request: Request) -> str:
+    """Return the address from which a request comes; of version 6, its subscriber's network."""
+    return subscriber(request.client.host) if request.client is not None else "unknown"
+
+
+Address = Annotated[str, Depends(address_of)]
+
+
+async def rate_limits(database: CurrentDatabase) -> RateLimits:
+    """Return what counts uses."""
+    return RateLimits(database)
+
+
+Limits = Annotated[RateLimits, Depends(rate_limits)]
 
 
 def cookie_name(request: Request) -> str:

@@ -1,21 +1,21 @@
 """Routes of accounts and tokens."""
 
-from typing import Annotated
+from fastapi import APIRouter
+from starlette.concurrency import run_in_threadpool
 
-from fastapi import APIRouter, Depends, Request
-
-from wildscav_leaderboard.access.rate_limits import SIGN_UPS, TRIES, RateLimits
+from wildscav_leaderboard.access.logins import log_in
+from wildscav_leaderboard.access.rate_limits import SIGN_UPS
 from wildscav_leaderboard.access.requests import (
+    Address,
     Bearer,
     CurrentDatabase,
     CurrentSeason,
     KnownProgram,
+    Limits,
     Now,
     Reading,
 )
 from wildscav_leaderboard.accounts import passwords, service
-from wildscav_leaderboard.accounts.models import Account
-from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.presentation.documents import (
     AccountView,
     NewAccount,
@@ -25,24 +25,8 @@ from wildscav_leaderboard.presentation.documents import (
     TokenView,
 )
 from wildscav_leaderboard.presentation.people import account_view
-from wildscav_leaderboard.seasons.refusals import UnknownCallerError
 
 router = APIRouter(tags=["accounts"])
-
-
-def rate_limits(request: Request) -> RateLimits:
-    """Return the counters of this process."""
-    limits: RateLimits = request.app.state.limits
-    return limits
-
-
-def address(request: Request) -> str:
-    """Return the address of whoever asks."""
-    return request.client.host if request.client is not None else "unknown"
-
-
-Limits = Annotated[RateLimits, Depends(rate_limits)]
-Address = Annotated[str, Depends(address)]
 
 
 @router.post("/accounts", status_code=201)
@@ -64,29 +48,15 @@ def register(
 
 
 @router.post("/tokens", status_code=201)
-def new_token(
-    asked: NewToken, database: CurrentDatabase, now: Now, limits: Limits, where: Address
-) -> NewTokenView:
+async def new_token(asked: NewToken, database: CurrentDatabase, now: Now, where: Address) -> NewTokenView:
     """Get a token with a name and a password."""
-    limits.use(TRIES, "address", where)
-    limits.use(TRIES, "name", asked.name)
-    account = checked_account(database, asked.name, asked.password)
-    with database.writing() as session:
-        return NewTokenView(token=service.new_token(session, account, asked.label, now))
+    account = await log_in(database, where, asked.name, asked.password)
 
+    def made() -> NewTokenView:
+        with database.writing() as session:
+            return NewTokenView(token=service.new_token(session, account, asked.label, now))
 
-def checked_account(database: Database, name: str, password: str) -> Account:
-    """Return the account with a name and a password.
-
-    Raises:
-        UnknownCallerError: There is none, or the password is wrong; it does not say which.
-        ForbiddenError: The account is disabled.
-    """
-    with database.reading() as session:
-        account = service.find_account(session, name)
-    if not passwords.matches(password, None if account is None else account.password) or account is None:
-        raise UnknownCallerError("the name or the password is wrong")
-    return service.check_usable(account)
+    return await run_in_threadpool(made)
 
 
 @router.get("/tokens")

@@ -6,15 +6,13 @@ from functools import partial
 
 from fastapi import APIRouter
 from fastapi.responses import StreamingResponse
-from limits import RateLimitItemPerMinute
 
-from wildscav_leaderboard.access.requests import CurrentSeason, Reading
-from wildscav_leaderboard.api.accounts import Address, Limits
+from wildscav_leaderboard.access.rate_limits import DOWNLOADS
+from wildscav_leaderboard.access.requests import Address, CurrentSeason, Limits, Reading
 from wildscav_leaderboard.publishing.documents import PublishedSeason
 from wildscav_leaderboard.publishing.service import Addresses, Audience, board_lines, published_season
 
 router = APIRouter(tags=["audit"])
-DOWNLOADS = RateLimitItemPerMinute(30)  # of boards with all of their matches, by address
 IN_MEMORY, PIECE = 1 << 20, 64 << 10  # bytes of such a board, beyond which it is in a file; sent at once
 ON_SITE = Addresses(
     lines={"public": "tracks/{track}.ndjson", "season": "tracks/{track}.ndjson?audience=season"},

@@ -18,7 +18,6 @@ from tests.leaderboard.hosting.clients import ask, copied_database, numbers_of
 from tests.leaderboard.hosting.route_table import ASKING, LOG_IN, TABLE, Line
 from tests.leaderboard.spectating.served import served
 
-from wildscav_leaderboard.access.rate_limits import RateLimits
 from wildscav_leaderboard.accounts.models import Account, Invitation, Token, WebSession
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.hosting.app import create_app
@@ -61,7 +60,6 @@ def walk(hostile_season: FilledSeason, tmp_path_factory: pytest.TempPathFactory)
         for line in TABLE:
             method, path = NO_METHODS.get(line.method, line.method), line.path.format(**numbers)
             for asker in ASKING:
-                app.state.limits = RateLimits()
                 with nullcontext() if method == "GET" else copied_database(app, filled, folder):
                     answers.append(Answer(line, asker, ask(client, filled, asker, method, path, line.body)))
         yield Walk(app, filled, answers, "\n".join(logged.lines), holding)
