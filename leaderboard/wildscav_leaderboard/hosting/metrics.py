@@ -49,8 +49,11 @@ class SeasonMetrics(Collector):
 
 
 def _of_database(session: Session, now: datetime) -> Iterable[Metric]:
-    conductor = GaugeMetricFamily(f"{PREFIX}_conductor_up", "1 while a conductor holds the lease, else 0.")
-    conductor.add_metric((), float(holder_of(session, clock(session)) is not None))
+    conductor = GaugeMetricFamily(
+        f"{PREFIX}_conductor_up", "1 while a conductor holds the lease and can have matches played, else 0."
+    )
+    failed = season_state.read_state(session, season_state.FAILED)
+    conductor.add_metric((), float(holder_of(session, clock(session)) is not None and failed is None))
     yield conductor
     paused = GaugeMetricFamily(f"{PREFIX}_paused", "1 while the season is paused, else 0.")
     paused.add_metric((), float(season_state.read_state(session, season_state.PAUSED) is not None))
