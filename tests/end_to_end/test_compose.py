@@ -34,7 +34,7 @@ SERVICES: dict[str, dict[str, Any]] = COMPOSE["services"]
 
 
 def test_a_season_has_a_web_site_a_conductor_and_postgresql() -> None:
-    assert set(SERVICES) == {"server", "evaluator", "database", "web", "conductor"}
+    assert set(SERVICES) == {"server", "evaluator", "database", "web", "conductor", "proxy"}
     assert SERVICES["database"]["image"].startswith("docker.io/library/postgres:")
     for name in ("web", "conductor"):
         assert SERVICES[name]["depends_on"] == {"database": {"condition": "service_healthy"}}
@@ -51,7 +51,8 @@ def test_what_a_service_refers_to_is_there(name: str) -> None:
     assert set(service.get("secrets", ())) <= set(COMPOSE["secrets"])
     for volume in service.get("volumes", ()):
         source = volume.partition(":")[0]
-        assert source.startswith("../") or source in COMPOSE["volumes"]
+        is_file = source.startswith("./") and (FILE.parent / source).is_file()
+        assert is_file or source.startswith("../") or source in COMPOSE["volumes"]
 
 
 @pytest.mark.parametrize("name", ["web", "conductor"])

@@ -2,40 +2,77 @@
 
 import math
 import time
+from datetime import UTC, datetime, timedelta
+from hashlib import blake2b
 from http import HTTPStatus
+from ipaddress import IPv6Address, IPv6Network
 
-from limits import RateLimitItem, RateLimitItemPerMinute
-from limits.storage import MemoryStorage
-from limits.strategies import MovingWindowRateLimiter
+from sqlalchemy import delete, select
 from starlette.responses import JSONResponse
 from starlette.types import ASGIApp, Receive, Scope, Send
 
+from wildscav_leaderboard.access.models import Use
+from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.seasons.refusals import TooMuchError
 
-TRIES = RateLimitItemPerMinute(10)  # of passwords, by address and by name
-SIGN_UPS = RateLimitItemPerMinute(10)  # accounts, by address
-GAMES = RateLimitItemPerMinute(6)  # against submissions, by account or address
+# In a minute:
+TRIES = 10  # of passwords that are wrong, by address
+SIGN_UPS = 10  # accounts, by address
+GAMES = 6  # against submissions, by account or address
+DOWNLOADS = 30  # of boards with all of their matches, by address
 MINUTE = 60.0  # s
 
 
 class RateLimits:
-    """Counts tries of each address and each name in the last minute, in this process's memory."""
+    """Counts uses in the last minute. All web servers of a season count in its database.
 
-    def __init__(self) -> None:
-        self._limiter = MovingWindowRateLimiter(MemoryStorage())
+    Args:
+        database: The season's database.
+    """
 
-    def use(self, item: RateLimitItem, *key: str) -> None:
-        """Count one use.
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    def use(self, most: int | None, *key: str) -> int:
+        """Count one use; return how many there were before it.
+
+        Args:
+            most: How many may be in a minute; None for any number.
+            key: Of what.
 
         Raises:
             TooMuchError: There were too many.
         """
-        if not self._limiter.hit(item, *key):
-            raise TooMuchError(f"too often: try again in {self.wait(item, *key)} s")
+        now, name = datetime.now(UTC), _digest(key)
+        begin = now - timedelta(seconds=MINUTE)
+        with self._database.writing() as session:
+            session.execute(delete(Use).where(Use.at <= begin))
+            before = list(session.scalars(select(Use.at).filter_by(key=name).order_by(Use.at)))
+            if most is not None and len(before) >= most:
+                wait = max(1, math.ceil((before[-most] - begin).total_seconds()))
+                raise TooMuchError(f"too often: try again in {wait} s")
+            session.add(Use(key=name, at=now))
+        return len(before)
 
-    def wait(self, item: RateLimitItem, *key: str) -> int:
-        """Return in how many seconds there may be another use."""
-        return max(1, math.ceil(self._limiter.get_window_stats(item, *key).reset_time - time.time()))
+    def take_back(self, *key: str) -> None:
+        """Take the latest use back."""
+        latest = select(Use.id).filter_by(key=_digest(key)).order_by(Use.id.desc()).limit(1)
+        with self._database.writing() as session:
+            session.execute(delete(Use).where(Use.id == latest.scalar_subquery()))
+
+
+def _digest(key: tuple[str, ...]) -> str:
+    """Return what is stored of a key: a name may be long, and is nobody's business."""
+    return blake2b("\0".join(key).encode("utf-8", "replace"), digest_size=16).hexdigest()
+
+
+def subscriber(address: str) -> str:
+    """Return what counts as one address: of version 6, all 2⁶⁴ that one subscriber has."""
+    try:
+        found = IPv6Address(address)
+    except ValueError:  # one of version 4, or none
+        return address
+    return str(found.ipv4_mapped or IPv6Network((found, 64), strict=False))
 
 
 class AddressCounts:
@@ -91,7 +128,7 @@ class AddressLimit:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer a request."""
-        address = (scope.get("client") or ("unknown",))[0]
+        address = subscriber((scope.get("client") or ("unknown",))[0])
         wait = 0 if scope["type"] != "http" else self._counts.use(address, time.monotonic())
         if not wait:
             await self._app(scope, receive, send)

@@ -13,6 +13,7 @@ from fastapi import Depends, Request
 from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
 from sqlalchemy.orm import Session
 
+from wildscav_leaderboard.access.rate_limits import RateLimits, subscriber
 from wildscav_leaderboard.accounts.models import Token
 from wildscav_leaderboard.accounts.service import (
     Caller,
@@ -50,7 +51,11 @@ def reading(database: Annotated[Database, Depends(database_of)]) -> Iterator[Ses
         yield session
 
 
-def season_of(request: Request, session: Annotated[Session, Depends(reading)]) -> Season:
+# It ends before the answer is sent, or whoever reads an answer slowly would keep a connection all the while.
+Reading = Annotated[Session, Depends(reading, scope="function")]
+
+
+def season_of(request: Request, session: Reading) -> Season:
     """Return the season that is served, with the rules that are in force."""
     season = in_force(session, request.app.state.season)
     request.state.season = season  # for what every page shows
@@ -67,7 +72,6 @@ CurrentSeason = Annotated[Season, Depends(season_of)]
 CurrentDatabase = Annotated[Database, Depends(database_of)]
 Renders = Annotated[RenderCache, Depends(renders_of)]
 Now = Annotated[datetime, Depends(present)]
-Reading = Annotated[Session, Depends(reading)]
 Bearer = Annotated[HTTPAuthorizationCredentials | None, Depends(bearer)]
 
 
@@ -197,9 +201,20 @@ def check_form(caller: Caller, csrf: str) -> None:
         raise ForbiddenError("this form is from another session: load the page again")
 
 
-def address_of(request: Request) -> str:
-    """Return the address from which a request comes."""
-    return request.client.host if request.client is not None else "unknown"
+async def address_of(request: Request) -> str:
+    """Return the address from which a request comes; of version 6, its subscriber's network."""
+    return subscriber(request.client.host) if request.client is not None else "unknown"
+
+
+Address = Annotated[str, Depends(address_of)]
+
+
+async def rate_limits(database: CurrentDatabase) -> RateLimits:
+    """Return what counts uses."""
+    return RateLimits(database)
+
+
+Limits = Annotated[RateLimits, Depends(rate_limits)]
 
 
 def cookie_name(request: Request) -> str:

@@ -1,18 +1,19 @@
 """Routes of accounts and tokens."""
 
-from typing import Annotated
+from fastapi import APIRouter
+from starlette.concurrency import run_in_threadpool
 
-from fastapi import APIRouter, Depends, Request
-
-from wildscav_leaderboard.access.rate_limits import SIGN_UPS, TRIES, RateLimits
+from wildscav_leaderboard.access.logins import log_in
+from wildscav_leaderboard.access.rate_limits import SIGN_UPS
 from wildscav_leaderboard.access.requests import (
+    Address,
     Bearer,
     CurrentDatabase,
     CurrentSeason,
     KnownProgram,
+    Limits,
     Now,
     Reading,
-    address_of,
 )
 from wildscav_leaderboard.accounts import passwords, service
 from wildscav_leaderboard.presentation.documents import (
@@ -26,16 +27,6 @@ from wildscav_leaderboard.presentation.documents import (
 from wildscav_leaderboard.presentation.people import account_view
 
 router = APIRouter(tags=["accounts"])
-
-
-def rate_limits(request: Request) -> RateLimits:
-    """Return the counters of this process."""
-    limits: RateLimits = request.app.state.limits
-    return limits
-
-
-Limits = Annotated[RateLimits, Depends(rate_limits)]
-Address = Annotated[str, Depends(address_of)]
 
 
 @router.post("/accounts", status_code=201)
@@ -57,15 +48,15 @@ def register(
 
 
 @router.post("/tokens", status_code=201)
-def new_token(
-    asked: NewToken, database: CurrentDatabase, now: Now, limits: Limits, where: Address
-) -> NewTokenView:
+async def new_token(asked: NewToken, database: CurrentDatabase, now: Now, where: Address) -> NewTokenView:
     """Get a token with a name and a password."""
-    limits.use(TRIES, "address", where)
-    limits.use(TRIES, "name", asked.name)
-    account = service.checked_account(database, asked.name, asked.password)
-    with database.writing() as session:
-        return NewTokenView(token=service.new_token(session, account, asked.label, now))
+    account = await log_in(database, where, asked.name, asked.password)
+
+    def made() -> NewTokenView:
+        with database.writing() as session:
+            return NewTokenView(token=service.new_token(session, account, asked.label, now))
+
+    return await run_in_threadpool(made)
 
 
 @router.get("/tokens")

@@ -1,18 +1,19 @@
 """Routes of what is published for audits."""
 
+import tempfile
 from collections.abc import Iterator
+from functools import partial
 
 from fastapi import APIRouter
 from fastapi.responses import StreamingResponse
-from limits import RateLimitItemPerMinute
 
-from wildscav_leaderboard.access.requests import CurrentDatabase, CurrentSeason, Reading
-from wildscav_leaderboard.api.accounts import Address, Limits
+from wildscav_leaderboard.access.rate_limits import DOWNLOADS
+from wildscav_leaderboard.access.requests import Address, CurrentSeason, Limits, Reading
 from wildscav_leaderboard.publishing.documents import PublishedSeason
 from wildscav_leaderboard.publishing.service import Addresses, Audience, board_lines, published_season
 
 router = APIRouter(tags=["audit"])
-DOWNLOADS = RateLimitItemPerMinute(30)  # of boards with all of their matches, by address
+IN_MEMORY, PIECE = 1 << 20, 64 << 10  # bytes of such a board, beyond which it is in a file; sent at once
 ON_SITE = Addresses(
     lines={"public": "tracks/{track}.ndjson", "season": "tracks/{track}.ndjson?audience=season"},
     shown={"public": "../boards/{track}", "season": "../boards/{track}?audience=season"},
@@ -34,7 +35,7 @@ def season(current: CurrentSeason, session: Reading) -> PublishedSeason:
 def track(
     track: str,
     current: CurrentSeason,
-    database: CurrentDatabase,
+    session: Reading,
     limits: Limits,
     where: Address,
     audience: Audience = "public",
@@ -46,9 +47,13 @@ def track(
     current.track(track)
     limits.use(DOWNLOADS, "audit", where)
 
-    def lines() -> Iterator[str]:
-        with database.reading() as session:
-            for line in board_lines(session, current, track, audience):
-                yield line.text()
+    # All of it is read before any of it is sent, so that slow readers keep no connection to the database.
+    file = tempfile.SpooledTemporaryFile(IN_MEMORY)  # noqa: SIM115 (it ends with the answer)
+    file.writelines(line.text().encode() for line in board_lines(session, current, track, audience))
+    file.seek(0)
 
-    return StreamingResponse(lines(), media_type="application/x-ndjson")
+    def pieces() -> Iterator[bytes]:
+        with file:
+            yield from iter(partial(file.read, PIECE), b"")
+
+    return StreamingResponse(pieces(), media_type="application/x-ndjson")

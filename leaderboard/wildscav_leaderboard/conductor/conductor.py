@@ -109,7 +109,9 @@ class Conductor:
             except Exception as error:  # noqa: BLE001 (whatever it is, the season goes on)
                 known = isinstance(error, WildscavError)
                 trace = {} if known else {"trace": "".join(traceback.format_exception(error))}
-                self._log.warning("conductor_failed", reason=str(error) or type(error).__name__, **trace)
+                reason = str(error) or type(error).__name__
+                self._log.warning("conductor_failed", reason=reason, **trace)
+                self._note_failure(reason)
                 self._stopping.wait(pause)
                 pause = min(2 * pause, LONGEST_PAUSE)
 
@@ -126,12 +128,12 @@ class Conductor:
         """Conduct while this process holds the lease."""
         settings = self.season.settings.execution
         with ExitStack() as stack:
-            stack.enter_context(LeaseKeeper(self.database, self._holding))
+            stack.enter_context(LeaseKeeper(self.database, self._holding, log=self._log))
+            stack.callback(self._release)  # another conductor may be able to play
             stack.enter_context(Deliverer(self.database, self.season.settings.webhooks, self._log))
             kind = EXECUTORS[settings.executor]
             executor = stack.enter_context(kind(settings.matches, settings.address))
             self._sandbox = work.chosen_sandbox(self.season, executor, self._log)
-            stack.callback(self._release)
             with self.database.writing() as session:
                 lease.check(session, self._holding)
                 self._publish_nodes(session, executor)
@@ -143,10 +145,22 @@ class Conductor:
             validators = stack.enter_context(
                 Validators(self.season, self.database, self._holding, self._sandbox, self._log)
             )
+            failed = True  # perhaps a conductor before this one
             while not self._stopping.is_set():
                 validators.check()
-                if not self.round(executor):
+                is_busy = self.round(executor)
+                if failed:
+                    self._note_failure(None)
+                    failed = False
+                if not is_busy:
                     self._stopping.wait(IDLE)
+
+    def _note_failure(self, reason: str | None) -> None:
+        """Note for the metrics that nothing can be played, or that it can again."""
+        with suppress(DatabaseError), self.database.writing() as session:
+            season_state.write_state(
+                session, season_state.FAILED, {"reason": reason} if reason else None, now()
+            )
 
     def _release(self) -> None:
         with suppress(LeaseLostError, DatabaseError), self.database.writing() as session:

@@ -5,9 +5,11 @@ import threading
 from types import FrameType
 from typing import Any, Self
 
+from wildscav.monitoring.logs import Log
 from wildscav_leaderboard.conductor import lease
 from wildscav_leaderboard.conductor.lease import Holding, LeaseLostError
 from wildscav_leaderboard.database.connection import Database, DatabaseError, clock
+from wildscav_leaderboard.seasons.watchdog import watched_thread
 
 # Interrupts the main thread. It is none that a terminal sends, which the conductor's process ignores.
 INTERRUPT = signal.SIGUSR1
@@ -22,12 +24,19 @@ class LeaseKeeper:
         database: The database, of which it uses connections of its own.
         holding: The lease.
         every: How often it renews the lease, s.
+        log: Where to report that it broke and goes on.
     """
 
-    def __init__(self, database: Database, holding: Holding, every: float = lease.RENEWED_EVERY) -> None:
+    def __init__(
+        self,
+        database: Database,
+        holding: Holding,
+        every: float = lease.RENEWED_EVERY,
+        log: Log | None = None,
+    ) -> None:
         self._database, self._holding, self._every = database, holding, every
         self._ended, self._lost = threading.Event(), False
-        self._thread = threading.Thread(target=self._keep, daemon=True)
+        self._thread = watched_thread("lease", self._keep, self._ended, database, log)
         self._is_main = threading.current_thread() is threading.main_thread()
         self._before: Any = None
 

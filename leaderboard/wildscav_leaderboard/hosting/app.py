@@ -15,7 +15,7 @@ from wildscav.version import __version__
 from wildscav_evaluator.cache import cache_folder
 from wildscav_leaderboard.access.body_limit import BodyLimit
 from wildscav_leaderboard.access.headers import SecurityHeaders
-from wildscav_leaderboard.access.rate_limits import AddressLimit, RateLimits
+from wildscav_leaderboard.access.rate_limits import AddressLimit
 from wildscav_leaderboard.api.errors import as_json
 from wildscav_leaderboard.api.routers import PREFIX, api_router
 from wildscav_leaderboard.database.connection import Database
@@ -62,7 +62,7 @@ def create_app(
         openapi_url=f"{PREFIX}/openapi.json",
         lifespan=lifespan,
     )
-    app.state.season, app.state.database, app.state.limits = season, database, RateLimits()
+    app.state.season, app.state.database = season, database
     app.state.renders, app.state.live, app.state.tables = renders, LiveMatches(season.live), tables
     app.include_router(api_router())
     app.include_router(rerun_viewer.router(cache_folder("rerun-viewer")))

@@ -16,6 +16,7 @@ from wildscav_leaderboard.matches.models import Match
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.models import Submission
+from wildscav_leaderboard.webhooks.models import Delivery
 
 PREFIX = "wildscav_season"
 
@@ -48,8 +49,11 @@ class SeasonMetrics(Collector):
 
 
 def _of_database(session: Session, now: datetime) -> Iterable[Metric]:
-    conductor = GaugeMetricFamily(f"{PREFIX}_conductor_up", "1 while a conductor holds the lease, else 0.")
-    conductor.add_metric((), float(holder_of(session, clock(session)) is not None))
+    conductor = GaugeMetricFamily(
+        f"{PREFIX}_conductor_up", "1 while a conductor holds the lease and can have matches played, else 0."
+    )
+    failed = season_state.read_state(session, season_state.FAILED)
+    conductor.add_metric((), float(holder_of(session, clock(session)) is not None and failed is None))
     yield conductor
     paused = GaugeMetricFamily(f"{PREFIX}_paused", "1 while the season is paused, else 0.")
     paused.add_metric((), float(season_state.read_state(session, season_state.PAUSED) is not None))
@@ -58,6 +62,8 @@ def _of_database(session: Session, now: datetime) -> Iterable[Metric]:
     yield _oldest(session, now)
     yield _matches(session)
     yield _attempts(session)
+    yield _overdue(session, now)
+    yield _restarts(session)
 
 
 def _submissions(session: Session) -> Metric:
@@ -75,9 +81,12 @@ def _oldest(session: Session, now: datetime) -> Metric:
     waiting = select(func.min(Submission.since)).where(
         Submission.state.in_((states.SUBMITTED, states.QUEUED))
     )
-    since = session.scalar(waiting)
-    family.add_metric((), 0.0 if since is None else (now - since).total_seconds())
+    family.add_metric((), _passed(session.scalar(waiting), now))
     return family
+
+
+def _passed(since: datetime | None, now: datetime) -> float:
+    return 0.0 if since is None else max(0.0, (now - since).total_seconds())
 
 
 def _matches(session: Session) -> Metric:
@@ -99,4 +108,21 @@ def _attempts(session: Session) -> Metric:
     )
     for kind, outcome, count in session.execute(counted.order_by(Attempt.kind, Attempt.outcome)):
         family.add_metric((kind, outcome or ""), count)
+    return family
+
+
+def _overdue(session: Session, now: datetime) -> Metric:
+    family = GaugeMetricFamily(
+        f"{PREFIX}_webhooks_overdue_seconds", "How long the message has been due that has been due longest."
+    )
+    family.add_metric((), _passed(session.scalar(select(func.min(Delivery.next_at))), now))
+    return family
+
+
+def _restarts(session: Session) -> Metric:
+    family = CounterMetricFamily(
+        f"{PREFIX}_restarts", "How often threads of the conductor broke and began again.", labels=("thread",)
+    )
+    for thread, count in (season_state.read_state(session, season_state.RESTARTS) or {}).items():
+        family.add_metric((thread,), count)
     return family

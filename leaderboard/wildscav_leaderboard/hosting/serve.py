@@ -114,13 +114,13 @@ def _run_web(season: Season, log: Log) -> None:
     from wildscav.monitoring.metrics import serving_metrics
     from wildscav_leaderboard.hosting.metrics import SeasonMetrics
     from wildscav_leaderboard.hosting.web_counts import WebCounts
-    from wildscav_leaderboard.hosting.web_server import address_of, run_web
+    from wildscav_leaderboard.hosting.web_server import run_web
 
     database, counts = season.database(), WebCounts()
     metrics = SeasonMetrics(database, counts)
     try:
         with serving_metrics(metrics, season.settings.web.metrics_port) as address:
-            log.info("web_starts", address=address_of(season), metrics=address)
+            log.info("web_starts", address=season.settings.web.address, metrics=address)
             run_web(season, database, counts, log)
     finally:
         database.close()

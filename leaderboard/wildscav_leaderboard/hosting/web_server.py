@@ -3,10 +3,12 @@
 import gc
 
 import uvicorn
+from starlette.types import ASGIApp
 
 from wildscav.monitoring.logs import Log
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.hosting.app import create_app
+from wildscav_leaderboard.hosting.guarded_connections import GuardedConnection
 from wildscav_leaderboard.hosting.web_counts import WebCounts
 from wildscav_leaderboard.seasons.folder import Season
 
@@ -18,9 +20,18 @@ def run_web(
     season: Season, database: Database, counts: WebCounts | None = None, log: Log | None = None
 ) -> None:
     """Serve the web site and the API until the process is told to end."""
+    config = configured(season, create_app(season, database, counts, log))
+    # What is loaded by now stays: a full collection that went through it would answer nobody for 0.1 s.
+    gc.collect()
+    gc.freeze()
+    uvicorn.Server(config).run()
+
+
+def configured(season: Season, app: ASGIApp) -> uvicorn.Config:
+    """Return how uvicorn serves a season's application."""
     web = season.settings.web
-    config = uvicorn.Config(
-        create_app(season, database, counts, log),
+    return uvicorn.Config(
+        app,
         host=web.host,
         port=web.port,
         log_level="warning",
@@ -30,21 +41,9 @@ def run_web(
         ssl_certfile=None if web.certificate is None else str(season.folder / web.certificate),
         ssl_keyfile=None if web.key is None else str(season.folder / web.key),
         timeout_graceful_shutdown=GRACE,
+        http=GuardedConnection,
         ws="websockets-sansio",
         ws_max_size=LARGEST_MESSAGE,
         ws_per_message_deflate=False,  # pictures are compressed already
         server_header=False,
     )
-    # What is loaded by now stays: a full collection that went through it would answer nobody for 0.1 s.
-    gc.collect()
-    gc.freeze()
-    uvicorn.Server(config).run()
-
-
-def address_of(season: Season) -> str:
-    """Return the address at which people find the season."""
-    web = season.settings.web
-    if web.url is not None:
-        return web.url.rstrip("/")
-    host = f"[{web.host}]" if ":" in web.host else web.host
-    return f"{'http' if web.certificate is None else 'https'}://{host}:{web.port}"

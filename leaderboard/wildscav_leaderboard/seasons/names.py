@@ -6,6 +6,13 @@ import unicodedata
 from wildscav_leaderboard.seasons.refusals import InvalidError
 
 NAME = re.compile(r"[a-z0-9][a-z0-9-]{1,39}")
+# Letters of other scripts that look like Latin ones, from https://www.unicode.org/Public/security/latest/confusables.txt:
+# those of them that keyboards of people have. What nobody sees is left out.
+LOOK_ALIKES = str.maketrans(
+    "АВЕЅІЈКМНОРСТУХԌаеѕіјорсухһԁԛԝӏѵΑΒΕΖΗΙΚΜΝΟΡΤΥΧαγινορυϲϳՕՍՏԼհոսօցɑɡıſ0|",  # noqa: RUF001
+    "ABESIJKMHOPCTYXGaesijopcyxhdqwlvABEZHIKMNOPTYXayivopucjOUSLhnuogagifol",
+    "\u034f\u115f\u1160\u17b4\u17b5\u2800\u3164\uffa0",
+)
 
 
 def checked_name(name: str, what: str) -> str:
@@ -42,6 +49,13 @@ def checked_line(text: str, what: str, longest: int, *, empty: bool = False) -> 
         fewest = 0 if empty else 1
         raise InvalidError(f"the {what} must have {fewest} to {longest} printable characters on one line")
     return text
+
+
+def skeleton(text: str) -> str:
+    """Return what all texts share that look like a text, whatever their case, as UTS 39 compares names."""
+    text = unicodedata.normalize("NFKC", text).translate(LOOK_ALIKES).casefold().translate(LOOK_ALIKES)
+    text = text.replace("rn", "m").replace("vv", "w").replace("i", "l").replace("1", "l")
+    return " ".join(text.split())
 
 
 def shown(text: str) -> str:

@@ -97,6 +97,14 @@ class Web(_Part):
             ip_network(proxy, strict=False)
         return self
 
+    @property
+    def address(self) -> str:
+        """The address at which people find the season, whatever a request says."""
+        if self.url is not None:
+            return self.url.rstrip("/")
+        host = f"[{self.host}]" if ":" in self.host else self.host
+        return f"{'http' if self.certificate is None else 'https'}://{host}:{self.port}"
+
 
 class Play(_Part):
     """Matches of people against submissions, on the site. Nothing of them counts for boards."""

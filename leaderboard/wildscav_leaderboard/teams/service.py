@@ -8,7 +8,7 @@ from sqlalchemy.orm import Session
 from wildscav_leaderboard.accounts.keys import TEAM_KEY, digest_of, new_key
 from wildscav_leaderboard.accounts.models import Account
 from wildscav_leaderboard.database.connection import once
-from wildscav_leaderboard.seasons.names import checked_line, checked_name
+from wildscav_leaderboard.seasons.names import checked_line, checked_name, skeleton
 from wildscav_leaderboard.seasons.refusals import ForbiddenError, NotFoundError, RefusalError
 from wildscav_leaderboard.seasons.settings import SeasonSettings
 from wildscav_leaderboard.teams.models import Member, Team
@@ -25,6 +25,9 @@ def make_team(session: Session, account: Account, name: str, title: str, now: da
     _check_free(session, account)
     if session.scalars(select(Team).filter_by(name=name)).first() is not None:
         raise RefusalError(f"there is already a team {name!r}: choose another name, or join it with its key")
+    for other in session.scalars(select(Team.title)):
+        if skeleton(other) == skeleton(title):
+            raise RefusalError(f"the team {other!r} looks the same: choose another title")
     key = new_key(TEAM_KEY)
     team = Team(name=name, title=title, created=now, join_digest=digest_of(key))
     session.add(team)

@@ -23,7 +23,7 @@ from wildscav_leaderboard.web.rendering import base_of, rendered
 
 router = APIRouter()
 ENTRIES = 50  # of a feed
-FEED = {"Cache-Control": "public, max-age=60"}
+FEED = {"Cache-Control": "public, max-age=60", "Vary": "Host"}  # which stands in their links
 # A badge is shown by other sites, and may load nothing and run nothing there.
 BADGE = {
     "Cache-Control": "public, max-age=300",

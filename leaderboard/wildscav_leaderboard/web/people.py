@@ -6,15 +6,18 @@ from typing import Annotated
 from fastapi import APIRouter, Form, Query, Request
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from sqlalchemy.orm import Session
+from starlette.concurrency import run_in_threadpool
 
-from wildscav_leaderboard.access.rate_limits import SIGN_UPS, TRIES, RateLimits
+from wildscav_leaderboard.access.logins import log_in
+from wildscav_leaderboard.access.rate_limits import SIGN_UPS
 from wildscav_leaderboard.access.requests import (
+    Address,
     AnyBrowser,
     CurrentDatabase,
     CurrentSeason,
     KnownBrowser,
+    Limits,
     Now,
-    address_of,
     check_form,
     cookie_name,
 )
@@ -45,26 +48,24 @@ def login_form(
 
 
 @router.post("/login", response_class=HTMLResponse)
-def login(
+async def login(
     request: Request,
     _own_form: SameSite,
     database: CurrentDatabase,
     now: Now,
+    where: Address,
     name: Text,
     password: Text,
     following: Text = "",
 ) -> Response:
     """Log in, and go on to the page that asked for it."""
-    limits: RateLimits = request.app.state.limits
     try:
-        limits.use(TRIES, "address", address_of(request))
-        limits.use(TRIES, "name", name)
-        account = service.checked_account(database, name, password)
+        account = await log_in(database, where, name, password)
     except RefusalError as error:
         return page(
             request, "login.html", None, error.status, error=str(error), name=name, following=following
         )
-    return _logged_in(request, database, account, now, following)
+    return await run_in_threadpool(_logged_in, request, database, account, now, following)
 
 
 def _logged_in(
@@ -109,14 +110,15 @@ def register(
     season: CurrentSeason,
     database: CurrentDatabase,
     now: Now,
+    limits: Limits,
+    where: Address,
     name: Text,
     password: Text,
     invitation: Text = "",
 ) -> Response:
     """Register and log in."""
-    limits: RateLimits = request.app.state.limits
     try:
-        limits.use(SIGN_UPS, "accounts", address_of(request))
+        limits.use(SIGN_UPS, "accounts", where)
         hashed = passwords.hashed(password)
         with database.writing() as session:
             account = service.register(session, season.settings, name, hashed, invitation.strip(), now)

@@ -6,12 +6,13 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Form, Request, WebSocket
 from fastapi.responses import RedirectResponse, Response
 
-from wildscav_leaderboard.access.rate_limits import GAMES, RateLimits
+from wildscav_leaderboard.access.rate_limits import GAMES
 from wildscav_leaderboard.access.requests import (
+    Address,
     AnyBrowser,
     CurrentDatabase,
     CurrentSeason,
-    address_of,
+    Limits,
     check_form,
 )
 from wildscav_leaderboard.access.same_site import SameSite, is_own_origin
@@ -53,6 +54,8 @@ def play(
     database: CurrentDatabase,
     tables: OwnTables,
     caller: AnyBrowser,
+    limits: Limits,
+    where: Address,
     track: Text,
     csrf: Text = "",
 ) -> Response:
@@ -66,7 +69,7 @@ def play(
         if caller is None and season.settings.play.who == "accounts":
             raise UnknownCallerError("log in first: people without an account cannot play here")
         wish = Wish(
-            person=_person(request, caller),
+            person=_person(where, caller),
             submission=number,
             archive=one.archive,
             entrant=one.entrant,
@@ -74,14 +77,13 @@ def play(
             track=track,
             base=base_of(request),
         )
-    limits: RateLimits = request.app.state.limits
     limits.use(GAMES, "games", wish.person)
     table = tables.open(wish, lambda: _refused_now(database, season, number, track))
     return RedirectResponse(table.path, HTTPStatus.SEE_OTHER)
 
 
-def _person(request: Request, caller: Caller | None) -> str:
-    return f"address {address_of(request)}" if caller is None else f"account {caller.account.id}"
+def _person(where: str, caller: Caller | None) -> str:
+    return f"address {where}" if caller is None else f"account {caller.account.id}"
 
 
 def _refused_now(database: Database, season: Season, number: int, track: str) -> str:

@@ -72,6 +72,7 @@ def page(
         visitor=caller,
         path=request.url.path,
         base=base_of(request),
+        address=season.settings.web.address,  # in what people copy, so not as the request says
         **values,
     )
     return HTMLResponse(text, status, {"Cache-Control": "private, no-cache"})

@@ -6,7 +6,10 @@ looked up once, all of its addresses are checked, and the connection goes to an 
 
 import asyncio
 import socket
+from concurrent.futures import Future
 from ipaddress import IPv4Address, IPv6Address, IPv6Network, ip_address
+from threading import Thread
+from typing import Any
 
 Address = IPv4Address | IPv6Address
 TRANSLATED = IPv6Network("64:ff9b::/96")  # NAT64, RFC 6052: the last 32 bits are an address of version 4
@@ -28,7 +31,7 @@ async def checked_addresses(host: str, port: int, *, private_addresses: bool) ->
         RefusedAddressError: There are none, or one of them is not allowed.
     """
     try:
-        found = await asyncio.get_running_loop().getaddrinfo(host, port, type=socket.SOCK_STREAM)
+        found = await _looked_up(host, port)
     except (OSError, UnicodeError):
         raise RefusedAddressError("the name cannot be looked up") from None
     addresses = list(dict.fromkeys(ip_address(entry[4][0]) for entry in found))
@@ -39,6 +42,22 @@ async def checked_addresses(host: str, port: int, *, private_addresses: bool) ->
                 "organizer does not allow"
             )
     return addresses
+
+
+async def _looked_up(host: str, port: int) -> list[Any]:
+    """Look a name up in a thread of its own: a slow name keeps no other one, and no end, waiting."""
+    found: Future[list[Any]] = Future()
+
+    def look_up() -> None:
+        if not found.set_running_or_notify_cancel():
+            return
+        try:
+            found.set_result(socket.getaddrinfo(host, port, type=socket.SOCK_STREAM))
+        except Exception as error:  # noqa: BLE001 (whoever waits gets it)
+            found.set_exception(error)
+
+    Thread(target=look_up, daemon=True).start()
+    return await asyncio.wrap_future(found)
 
 
 def is_public(address: Address) -> bool:

@@ -2,8 +2,6 @@
 
 import asyncio
 import json
-from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from datetime import datetime
 from http import HTTPStatus
@@ -24,6 +22,7 @@ class Message:
     """A message that is to be sent now."""
 
     delivery: int
+    webhook: int
     event: str  # its identifier, equal in all attempts
     url: str
     secret: str
@@ -39,21 +38,23 @@ class Answer:
     is_gone: bool = False  # whether the receiver says that it wants no more messages, ever
 
 
-async def send_all(messages: Sequence[Message], now: datetime, *, private_addresses: bool) -> list[Answer]:
-    """Send messages at the same time, and return how it went, in their order."""
-    # A name that is looked up slowly must not keep the others waiting.
-    asyncio.get_running_loop().set_default_executor(ThreadPoolExecutor(len(messages)))
-    # Neither proxies nor passwords of this machine's user; certificates from SSL_CERT_FILE if it is set.
-    client = httpx.AsyncClient(
-        verify=httpx.create_ssl_context(), trust_env=False, timeout=httpx.Timeout(TIME, connect=CONNECT_TIME)
+def open_client() -> httpx.AsyncClient:
+    """Return a client with neither proxies nor passwords of this machine's user; SSL_CERT_FILE counts.
+
+    It keeps no connection, because the next one to the same address may be to another name.
+    """
+    return httpx.AsyncClient(
+        verify=httpx.create_ssl_context(),
+        trust_env=False,
+        timeout=httpx.Timeout(TIME, connect=CONNECT_TIME),
+        limits=httpx.Limits(max_keepalive_connections=0),
     )
-    async with client:
-        return await asyncio.gather(*(_send(client, one, now, private_addresses) for one in messages))
 
 
-async def _send(
-    client: httpx.AsyncClient, message: Message, now: datetime, private_addresses: bool
+async def send(
+    client: httpx.AsyncClient, message: Message, now: datetime, *, private_addresses: bool
 ) -> Answer:
+    """Send a message, and return how it went, whatever goes wrong."""
     try:
         async with asyncio.timeout(TIME):
             status = await _post(client, message, now, private_addresses)
@@ -61,7 +62,9 @@ async def _send(
         return Answer(message.delivery, f"there was no answer within {TIME:.0f} s")
     except RefusedAddressError as error:
         return Answer(message.delivery, str(error))
-    except (httpx.HTTPError, httpx.InvalidURL, OSError, ValueError) as error:
+    except Exception as error:  # noqa: BLE001 (whatever a team's address causes is that team's alone)
+        while isinstance(error, ExceptionGroup):
+            error = error.exceptions[0]
         reason = " ".join(str(error).split())[:200]
         return Answer(message.delivery, f"it cannot be reached: {reason or type(error).__name__}")
     if 200 <= status < 300:

@@ -16,6 +16,7 @@ from wildscav_leaderboard.webhooks.models import Delivery, Webhook
 
 LONGEST_URL = 500
 SCHEMES = ("https", "http")
+HIGHEST_PORT = 65_535
 MOST = 5  # webhooks of a team
 
 
@@ -39,13 +40,18 @@ def _check_url(url: str) -> None:
     """Refuse what is no address of a receiver. Where it leads is checked whenever a message is sent."""
     try:
         parsed = httpx.URL(url)
+        _ = parsed.host
     except httpx.InvalidURL:
         parsed = httpx.URL("")
+    except UnicodeError as error:
+        raise InvalidError(f"the name in the address of a webhook is not valid: {error}") from None
     if not url.isprintable() or len(url) > LONGEST_URL or parsed.scheme not in SCHEMES or not parsed.host:
         raise InvalidError(
             f"the address of a webhook must begin with https:// or http:// and have at most {LONGEST_URL} "
             "characters"
         )
+    if parsed.port is not None and not 1 <= parsed.port <= HIGHEST_PORT:
+        raise InvalidError(f"the port of a webhook is {parsed.port}, must be 1 to {HIGHEST_PORT}")
     if parsed.userinfo:
         raise InvalidError("the address of a webhook must not contain a name or a password")
 

@@ -63,7 +63,6 @@ EXTRAS = {
     "h5py": "data",
     "httpx": "leaderboard",
     "jinja2": "leaderboard",
-    "limits": "leaderboard",
     "minari": "data",
     "numba": "engine",
     "prometheus_client": "engine",

@@ -14,14 +14,14 @@ from typing import Any, NamedTuple
 import httpx
 import pytest
 from fastapi.routing import iter_route_contexts
-from sqlalchemy import select
+from sqlalchemy import delete, select
 from sqlalchemy.orm import Session
 from tests.leaderboard.filled_season import FilledSeason
 from tests.leaderboard.hosting.clients import ask, copied_database, numbers_of
 from tests.leaderboard.hosting.route_table import TABLE
 from tests.leaderboard.spectating.served import served
 
-from wildscav_leaderboard.access.rate_limits import RateLimits
+from wildscav_leaderboard.access.models import Use
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.matches.models import FINISHED, LADDER, SUITE, Match, MatchResult, MatchSeat
@@ -124,12 +124,14 @@ def walk(hostile_season: FilledSeason, tmp_path_factory: pytest.TempPathFactory)
         for state in STATES:
             with Database(f"sqlite:///{copy}").writing() as session:
                 enter(session, filled, state, matches)
+                session.execute(delete(Use))
             address = stack.enter_context(served(app))
             client = stack.enter_context(httpx.Client(base_url=address, timeout=60.0))
             for route, path in paths:
-                for asker in ASKERS:
-                    app.state.limits = RateLimits()
-                    answers.append(Answer(state, asker, route, path, ask(client, filled, asker, "GET", path)))
+                answers.extend(
+                    Answer(state, asker, route, path, ask(client, filled, asker, "GET", path))
+                    for asker in ASKERS
+                )
         yield Walk(answers, matches, routes)
 
 

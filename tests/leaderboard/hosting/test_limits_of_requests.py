@@ -9,9 +9,11 @@ from tests.leaderboard.filled_season import PASSWORD
 from tests.leaderboard.seasons_made import NOON, make_season
 from tests.leaderboard.spectating.served import served
 
+from wildscav_leaderboard.access import logins
 from wildscav_leaderboard.accounts.passwords import hashed
 from wildscav_leaderboard.accounts.service import add_account, new_token
 from wildscav_leaderboard.hosting.app import create_app
+from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.teams.service import make_team
 
 ARCHIVE = "[quotas]\nper_day = 3\nactive = 2\narchive = 1"  # MiB
@@ -21,12 +23,13 @@ PIECE = bytes(64 << 10)
 class Arena:
     """A served season with one team, and its member's token."""
 
-    def __init__(self, folder: Path, client: httpx.Client, token: str) -> None:
-        self.files, self.client, self.token = folder / "season" / "files", client, token
+    def __init__(self, season: Season, client: httpx.Client, token: str) -> None:
+        self.season, self.files, self.client, self.token = season, season.files, client, token
 
 
 @pytest.fixture
-def arena(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Arena]:
+def arena(tmp_path: Path, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Iterator[Arena]:
+    monkeypatch.setattr(logins, "LONGEST_PAUSE", 0.0)
     more = f"[web]\nrequests_per_minute = {getattr(request, 'param', 1000)}\n"
     season = make_season(tmp_path / "season", more, current=True)
     settings = season.settings.model_copy(
@@ -41,7 +44,7 @@ def arena(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Arena]:
         token = new_token(session, account, "test", NOON)
     app = create_app(season, database)
     with served(app) as address, httpx.Client(base_url=address, timeout=60.0) as client:
-        yield Arena(tmp_path, client, token)
+        yield Arena(season, client, token)
     database.close()
 
 
@@ -71,6 +74,44 @@ def test_the_page_and_the_api_count_passwords_together(arena: Arena) -> None:
         arena.client.post("/api/v1/tokens", json=wrong)
 
     assert arena.client.post("/login", data=wrong).status_code == 429
+
+
+def test_web_servers_of_one_season_count_together(arena: Arena) -> None:
+    wrong = {"name": "owls", "password": "a wrong password"}
+    other = arena.season.database()
+    with served(create_app(arena.season, other)) as address:
+        for _ in range(5):
+            arena.client.post("/login", data=wrong)
+            httpx.post(f"{address}/login", data=wrong)
+        assert httpx.post(f"{address}/login", data=wrong).status_code == 429
+    other.close()
+
+
+def tried(arena: Arena, address: str, password: str = PASSWORD) -> int:
+    """Try a password from an address; return the status."""
+    body = {"name": "owls", "password": password}
+    headers = {"X-Forwarded-For": address}
+    return arena.client.post("/api/v1/tokens", json=body, headers=headers).status_code
+
+
+def test_nobody_is_locked_out_by_wrong_tries_of_others(arena: Arena) -> None:
+    assert {tried(arena, f"192.0.2.{number}", "a wrong password") for number in range(15)} == {401}
+    assert tried(arena, "198.51.100.1") == 201
+
+
+def test_a_network_of_version_6_counts_as_one_address(arena: Arena) -> None:
+    wrong = [tried(arena, f"2001:db8:0:1::{number:x}", "a wrong password") for number in range(11)]
+    assert wrong == [401] * 10 + [429]
+    assert tried(arena, "2001:db8:0:2::1") == 201
+
+
+def test_whoever_knows_the_password_may_log_in_often(arena: Arena) -> None:
+    assert [tried(arena, "192.0.2.1") for _ in range(12)] == [201] * 12
+
+
+def test_a_name_answers_more_slowly_with_every_try() -> None:
+    pauses = [logins.pause(tries) for tries in range(12)]
+    assert pauses == [0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 4.0, 8.0, 8.0, 8.0, 8.0]
 
 
 def test_accounts_cannot_be_made_by_the_hundred(arena: Arena) -> None:

@@ -1,8 +1,12 @@
 """What an organizer's Prometheus sees, and what stands in the log."""
 
 import json
+import operator
+import re
+import threading
+import time
 from collections.abc import Iterator
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import httpx
@@ -14,11 +18,16 @@ from tests.leaderboard.spectating.served import served
 
 from wildscav.monitoring.logs import open_log
 from wildscav.monitoring.metrics import serving_metrics
-from wildscav_leaderboard.database.connection import Database
+from wildscav_evaluator.executors import ExecutorError
+from wildscav_leaderboard.conductor.conductor import Conductor
+from wildscav_leaderboard.conductor.lease import acquire, release
+from wildscav_leaderboard.database.connection import Database, clock
 from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.hosting.metrics import SeasonMetrics
 from wildscav_leaderboard.hosting.web_counts import WebCounts
 from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.state import RESTARTS, write_state
+from wildscav_leaderboard.webhooks.service import add_webhook, queue_message, remove_webhook
 
 
 @pytest.fixture
@@ -54,6 +63,63 @@ def test_submissions_and_the_missing_conductor_are_seen(
     assert seen["wildscav_season_conductor_up",] == 0
     assert seen["wildscav_season_database_up",] == 1
     assert seen["wildscav_season_paused",] == 0
+
+
+def test_messages_that_nobody_sends_and_threads_that_broke_are_seen(database: Database) -> None:
+    long_ago = datetime.now(UTC) - timedelta(minutes=10)
+    with database.writing() as session:
+        foxes, _ = team_with_member(session, "foxes")
+        add_webhook(session, foxes, "https://example.org/", long_ago)
+        queue_message(session, foxes.id, "submission.active", {}, long_ago)
+        write_state(session, RESTARTS, {"webhooks": 3}, long_ago)
+    seen = scraped(database, WebCounts())
+    assert seen["wildscav_season_webhooks_overdue_seconds",] >= 600
+    assert seen["wildscav_season_restarts_total", "webhooks"] == 3
+
+
+def alerts(seen: dict[tuple[str, ...], float]) -> set[str]:
+    """Return which of the alerts that the documentation suggests would fire."""
+    page = (Path(__file__).parents[3] / "docs" / "organizing.md").read_text("utf-8")
+    found = re.findall(r"alert: (\w+), expr: (\w+) (==|>) (\d+)", page)
+    assert len(found) == 3
+    compare = {"==": operator.eq, ">": operator.gt}
+    return {name for name, of, sign, than in found if compare[sign](seen.get((of,), -1.0), float(than))}
+
+
+def test_the_alerts_fire_when_nothing_is_played_or_sent_and_else_do_not(
+    season: Season, database: Database, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    conductor = Conductor(season, database)
+
+    def fails(*_: object) -> str:
+        conductor.stop()
+        raise ExecutorError("no node of the Ray cluster is left")
+
+    with monkeypatch.context() as patched:
+        patched.setattr("wildscav_leaderboard.conductor.conductor.chosen_sandbox", fails)
+        conductor.run()
+    with database.writing() as session:
+        holding = acquire(session, "another one, which tries too", clock(session))
+        assert holding is not None  # the first one gave it back
+        foxes, _ = team_with_member(session, "foxes")
+        webhook = add_webhook(session, foxes, "https://example.org/", datetime.now(UTC))
+        queue_message(session, foxes.id, "submission.active", {}, datetime.now(UTC) - timedelta(minutes=10))
+    assert alerts(scraped(database, WebCounts())) == {"NothingIsPlayed", "WebhooksWait"}
+
+    with database.writing() as session:
+        release(session, holding, clock(session))
+        remove_webhook(session, foxes, webhook.id)
+    conductor = Conductor(season, database)
+    conducting = threading.Thread(target=conductor.run)
+    conducting.start()
+    while alerts(scraped(database, WebCounts())) and conducting.is_alive():
+        time.sleep(0.05)
+    assert alerts(scraped(database, WebCounts())) == set()
+    conductor.stop()
+    conducting.join()
+
+    lost = Database(f"sqlite:///{tmp_path / 'no' / 'folder' / 'season.db'}")
+    assert alerts(scraped(lost, WebCounts())) == {"NoDatabase"}
 
 
 def test_a_database_that_does_not_answer_is_seen(tmp_path: Path) -> None:

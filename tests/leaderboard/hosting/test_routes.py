@@ -10,15 +10,16 @@ import httpx
 import pytest
 from fastapi import FastAPI
 from fastapi.routing import iter_route_contexts
-from sqlalchemy import select
+from sqlalchemy import QueuePool, select
 from starlette.routing import WebSocketRoute
+from starlette.types import Message, Receive, Scope, Send
 from tests.leaderboard.filled_season import HOSTILE, FilledSeason
 from tests.leaderboard.hosting.clients import ask, copied_database, numbers_of
 from tests.leaderboard.hosting.route_table import ASKING, LOG_IN, TABLE, Line
 from tests.leaderboard.spectating.served import served
 
-from wildscav_leaderboard.access.rate_limits import RateLimits
 from wildscav_leaderboard.accounts.models import Account, Invitation, Token, WebSession
+from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.matches.models import SUITE, Match
 from wildscav_leaderboard.teams.models import Team
@@ -43,6 +44,7 @@ class Walk(NamedTuple):
     filled: FilledSeason
     answers: list[Answer]
     log: str
+    holding: set[str]  # paths whose answers were sent while a connection to the database was held
 
 
 @pytest.fixture(scope="module")
@@ -53,15 +55,37 @@ def walk(hostile_season: FilledSeason, tmp_path_factory: pytest.TempPathFactory)
     app.state.renders.close()  # so that nobody waits for what cannot be rendered
     logging.getLogger().addHandler(logged)
     answers = []
-    with served(app) as address, httpx.Client(base_url=address, timeout=60.0) as client:
+    holding: set[str] = set()
+    with served(_Watched(app, holding)) as address, httpx.Client(base_url=address, timeout=60.0) as client:
         for line in TABLE:
             method, path = NO_METHODS.get(line.method, line.method), line.path.format(**numbers)
             for asker in ASKING:
-                app.state.limits = RateLimits()
                 with nullcontext() if method == "GET" else copied_database(app, filled, folder):
                     answers.append(Answer(line, asker, ask(client, filled, asker, method, path, line.body)))
-        yield Walk(app, filled, answers, "\n".join(logged.lines))
+        yield Walk(app, filled, answers, "\n".join(logged.lines), holding)
     logging.getLogger().removeHandler(logged)
+
+
+class _Watched:
+    """Notes for which paths a connection to the database is held while the body is sent."""
+
+    def __init__(self, app: FastAPI, holding: set[str]) -> None:
+        self._app, self._holding = app, holding
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        async def watch(message: Message) -> None:
+            if message["type"] == "http.response.body" and _connections(self._app.state.database):
+                self._holding.add(scope["path"])
+            await send(message)
+
+        await self._app(scope, receive, watch)
+
+
+def _connections(database: Database) -> int:
+    """Return how many connections for reading are in use."""
+    pool = database._readers.pool
+    assert isinstance(pool, QueuePool)
+    return pool.checkedout()
 
 
 class _Kept(logging.Handler):
@@ -91,6 +115,10 @@ def test_everyone_gets_what_the_table_says(walk: Walk) -> None:
         if response.status_code != line.statuses[ASKING.index(asker)]
     ]
     assert not wrong, "\n".join(wrong)
+
+
+def test_no_answer_holds_a_connection_to_the_database_while_it_is_sent(walk: Walk) -> None:
+    assert walk.holding == set()
 
 
 def test_whoever_is_not_logged_in_is_sent_to_do_that(walk: Walk) -> None:

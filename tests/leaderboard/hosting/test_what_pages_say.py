@@ -10,6 +10,7 @@ from tests.leaderboard.filled_season import HOSTILE, FilledSeason
 from tests.leaderboard.hosting.clients import ask
 from tests.leaderboard.spectating.served import served
 
+from wildscav_leaderboard.access.requests import COOKIE
 from wildscav_leaderboard.hosting.app import create_app
 
 FIRST = 1  # the first submission of the owls, who have a better one
@@ -125,3 +126,15 @@ def test_where_the_record_is_hidden_so_are_video_and_poster(
     assert "og:image" not in page
     assert "<video" not in page
     assert "Watch the video" not in page
+
+
+@pytest.mark.parametrize("path", ["/", "/submit", "/account", "/teams/owls"])
+def test_what_people_copy_from_a_page_names_the_address_of_the_settings(
+    client: httpx.Client, hostile_season: FilledSeason, path: str
+) -> None:
+    cookie = f"{COOKIE}={hostile_season.people['owner'].cookie}"
+    page = client.get(path, headers={"Host": "evil.example", "Cookie": cookie})
+
+    assert page.status_code == 200
+    assert "evil.example" not in page.text
+    assert "http://127.0.0.1:8000" in page.text

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import uvicorn
-from fastapi import FastAPI
+from starlette.types import ASGIApp
 
 # s that a connection may be idle. On a busy machine, uvicorn's 5 s may pass between two requests:
 # it is closed just when a client sends the next one.
@@ -15,7 +15,7 @@ IDLE = 3600
 
 
 @contextmanager
-def served(app: FastAPI) -> Iterator[str]:
+def served(app: ASGIApp) -> Iterator[str]:
     """Serve an application on a free port, and give the address of its root."""
     with socket.socket() as listening:
         listening.bind(("127.0.0.1", 0))

@@ -45,8 +45,10 @@ def text(entry: ET.Element, name: str) -> str:
 
 
 def test_announcements_have_a_feed_with_names_that_stay(site: Site) -> None:
-    (entry,) = entries(site.client.get("/feeds/announcements.atom"))
+    response = site.client.get("/feeds/announcements.atom")
+    (entry,) = entries(response)
 
+    assert response.headers["vary"] == "Host"
     assert text(entry, "title") == site.filled.words.announcement
     assert text(entry, "content") == site.filled.words.text
     opens = site.filled.season.settings.opens

@@ -1,7 +1,9 @@
 """Messages arrive signed, are sent again until they arrive or are given up, and go only where they may."""
 
+import asyncio
 import json
 import socket
+import threading
 from collections.abc import Iterator
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -22,7 +24,7 @@ from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.seasons.settings import Webhooks
 from wildscav_leaderboard.teams.service import find_team
 from wildscav_leaderboard.webhooks import delivery
-from wildscav_leaderboard.webhooks.delivery import MOST_ATTEMPTS, Deliverer, deliver_due, next_attempt
+from wildscav_leaderboard.webhooks.delivery import MOST_ATTEMPTS, Deliverer, Sender, next_attempt
 from wildscav_leaderboard.webhooks.models import Delivery, Webhook
 from wildscav_leaderboard.webhooks.service import add_webhook, queue_for, queue_message, remove_webhook
 
@@ -51,6 +53,16 @@ def queue(
     with database.writing() as session:
         (queued,) = queue_message(session, foxes, kind, DATA, at or now())
         return queued.event
+
+
+def deliver_due(database: Database, settings: Webhooks, time: datetime) -> int:
+    """Send the messages that are due, one for each webhook, and wait for their answers."""
+
+    async def deliver() -> int:
+        async with Sender(database, settings) as sender:
+            return await sender.send_due(time)
+
+    return asyncio.run(deliver())
 
 
 def stored(database: Database, event: str) -> Delivery:
@@ -291,7 +303,7 @@ def test_an_answer_that_comes_after_its_webhook_was_removed_is_dropped(
     with database.writing() as session:
         (message,) = delivery.due(session, now())
         remove_webhook(session, find_team(session, "foxes"), webhook.id)
-        delivery.note(session, [delivery.Answer(message.delivery, "it was late")], now())
+        delivery.note(session, delivery.Answer(message.delivery, "it was late"), now())
 
 
 @pytest.fixture
@@ -310,6 +322,45 @@ def test_the_thread_sends_what_is_queued_while_it_runs(
         assert there.arrived.acquire(timeout=60)
 
     assert {headers["webhook-id"] for headers, _ in there.got} == events
+
+
+@pytest.mark.parametrize("url", ["http://192.0.2.1:70000/x", "http://xn--/", "http://xn--a/"])
+def test_an_address_that_cannot_be_an_address_costs_its_own_message_alone(
+    database: Database, foxes: int, there: Receiver, url: str
+) -> None:
+    with database.writing() as session:  # as versions before this one stored it
+        session.add(Webhook(team_id=foxes, url=url, secret="whsec_AAAA", created=now()))  # noqa: S106
+    hook(database, there.url())
+    with database.writing() as session:
+        lost, arrived = queue_message(session, foxes, "submission.active", DATA, now())
+
+    assert deliver_due(database, Webhooks(private_addresses=True), now()) == 2
+
+    assert stored(database, lost.event).problem.startswith("it cannot be reached: ")
+    assert stored(database, lost.event).next_at is not None
+    assert stored(database, arrived.event).delivered is not None
+
+
+def test_a_name_that_is_looked_up_slowly_holds_up_nobody_else(
+    database: Database, foxes: int, there: Receiver, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    answered, look_up = threading.Event(), socket.getaddrinfo
+
+    def slow(host: Any, *more: Any, **others: Any) -> Any:
+        if host in ("slow.test", b"slow.test"):
+            answered.wait(60)
+        return look_up(host, *more, **others)
+
+    monkeypatch.setattr(socket, "getaddrinfo", slow)
+    hook(database, "http://slow.test/")
+    with Deliverer(database, HERE):
+        queue(database, foxes)
+        hook(database, there.url())
+        for _ in range(3):
+            with database.writing() as session:
+                queue_message(session, foxes, "submission.active", DATA, now())
+            assert there.arrived.acquire(timeout=30)
+        answered.set()
 
 
 def test_nothing_is_sent_where_webhooks_are_not_enabled(

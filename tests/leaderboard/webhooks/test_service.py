@@ -27,6 +27,10 @@ from wildscav_leaderboard.webhooks.service import (
         ("https://example.org/\x1b[2J", "must begin with"),
         ("https://example.org:port/", "must begin with"),
         ("https://example.org/" + "a" * 500, "at most 500 characters"),
+        ("http://192.0.2.1:70000/x", "the port of a webhook is 70000, must be 1 to 65535"),
+        ("http://192.0.2.1:0/x", "must be 1 to 65535"),
+        ("http://xn--a/", "the name in the address of a webhook is not valid"),
+        ("http://xn--/", "the name in the address of a webhook is not valid"),
         ("https://me:secret@example.org/", "must not contain a name or a password"),
     ],
 )

@@ -121,9 +121,8 @@ class _Watch:
 
     def _show(self) -> None:
         from wildscav_evaluator.sandbox.process import WARNING
-        from wildscav_leaderboard.hosting.web_server import address_of
 
-        address = address_of(self._season)
+        address = self._season.settings.web.address
         logins = (f"log in as {one.name:10} password {one.password}" for one in self._logins[:2])
         lines = [
             f"the season is at {address} (Ctrl-C ends it)",

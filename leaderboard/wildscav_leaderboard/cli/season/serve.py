@@ -26,7 +26,6 @@ def serve(
     from wildscav_leaderboard.hosting.ports import check_port
     from wildscav_leaderboard.hosting.serve import CONDUCTOR, WEB
     from wildscav_leaderboard.hosting.serve import serve as run
-    from wildscav_leaderboard.hosting.web_server import address_of
     from wildscav_leaderboard.organizing.checking import check_rules
     from wildscav_leaderboard.seasons.folder import Season
 
@@ -45,5 +44,5 @@ def serve(
     for line in check_rules(season):
         console.print(line, soft_wrap=True)
     if WEB in parts:
-        console.print(f"{season.settings.title}: {address_of(season)} (Ctrl-C ends it)", soft_wrap=True)
+        console.print(f"{season.settings.title}: {changed.address} (Ctrl-C ends it)", soft_wrap=True)
     run(season, parts, "json" if log_format == "json" else "text")

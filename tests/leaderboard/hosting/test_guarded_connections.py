@@ -1,0 +1,87 @@
+"""Clients that open connections and send little or nothing: they are ended, and others are served."""
+
+import socket
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+import pytest
+import uvicorn
+from starlette.responses import PlainTextResponse
+from starlette.types import Receive, Scope, Send
+from tests.leaderboard.seasons_made import make_season
+
+from wildscav_leaderboard.hosting import guarded_connections
+from wildscav_leaderboard.hosting.web_server import configured
+
+WHOLE = b"GET / HTTP/1.1\r\nHost: a\r\n\r\n"
+
+
+async def reads(scope: Scope, receive: Receive, send: Send) -> None:
+    """Read a request to its end, and answer it."""
+    while (message := await receive()).get("more_body"):
+        pass
+    if message["type"] == "http.request":
+        await PlainTextResponse("ok")(scope, receive, send)
+
+
+@contextmanager
+def listening(folder: Path, more: str = "") -> Iterator[tuple[str, int]]:
+    """Serve an application as a season is served, and give its address."""
+    config = configured(make_season(folder, more), reads)
+    config.lifespan = "off"
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        server = uvicorn.Server(config)
+        thread = threading.Thread(target=server.run, args=([listener],))
+        thread.start()
+        while not server.started and thread.is_alive():
+            time.sleep(0.01)
+        try:
+            yield listener.getsockname()
+        finally:
+            server.should_exit = True
+            thread.join()
+
+
+def answers(connection: socket.socket) -> bool:
+    """Return whether a request on a connection is answered; not if the connection was ended."""
+    with suppress(ConnectionError):
+        connection.sendall(WHOLE)
+        return connection.recv(12) == b"HTTP/1.1 200"
+    return False
+
+
+@pytest.mark.parametrize(
+    "sent", [b"", b"GET / HTTP/1.1\r\nHost:", b"POST / HTTP/1.1\r\nHost: a\r\nContent-Length: 9\r\n\r\nhalf"]
+)
+def test_a_request_that_never_ends_is_ended(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, sent: bytes
+) -> None:
+    monkeypatch.setattr(guarded_connections, "INTERVAL", 0.05)
+    with listening(tmp_path / "season") as there, socket.create_connection(there, timeout=30.0) as connection:
+        connection.sendall(sent)
+        with suppress(ConnectionResetError):
+            assert connection.recv(1) == b""
+
+
+@pytest.mark.parametrize("name", ["IN_ALL", "OF_ONE"])
+def test_one_client_cannot_use_up_all_connections(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    monkeypatch.setattr(guarded_connections, name, 3)
+    with listening(tmp_path / "season") as there:
+        opened = [socket.create_connection(there, timeout=30.0) for _ in range(5)]
+        assert [answers(one) for one in opened] == [True, True, True, False, False]
+        for one in opened:
+            one.close()
+
+
+def test_a_proxy_passes_on_the_requests_of_many(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(guarded_connections, "OF_ONE", 3)
+    with listening(tmp_path / "season", '[web]\nproxies = ["127.0.0.0/8"]\n') as there:
+        opened = [socket.create_connection(there, timeout=30.0) for _ in range(5)]
+        assert all(answers(one) for one in opened)
+        for one in opened:
+            one.close()
