@@ -72,12 +72,13 @@ def test_the_settings_on_the_page_are_settings(block: str) -> None:
 
 
 def test_the_metrics_on_the_page_are_those_that_are_served(tmp_path: Path) -> None:
-    database = make_season(tmp_path / "season").database()
+    season = make_season(tmp_path / "season")
+    database = season.database()
     database.upgrade()
     counts = WebCounts()
     counts.requests.add("GET", "/", 200, 0.1)
     registry = CollectorRegistry()
-    registry.register(SeasonMetrics(database, counts))
+    registry.register(SeasonMetrics(season, database, counts))
     served = {metric.name for metric in registry.collect()}
     database.close()
     told = set(re.findall(r"`(wildscav_season_\w+)`", TEXT))

@@ -14,6 +14,8 @@ from wildscav_leaderboard.database.connection import Database, DatabaseError, cl
 from wildscav_leaderboard.hosting.web_counts import WebCounts
 from wildscav_leaderboard.matches.models import Match
 from wildscav_leaderboard.seasons import state as season_state
+from wildscav_leaderboard.seasons.disk import free_bytes
+from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.webhooks.models import Delivery
@@ -25,16 +27,25 @@ class SeasonMetrics(Collector):
     """The metrics of a season.
 
     Args:
+        season: The season.
         database: Its database.
         counts: What this process counts.
     """
 
-    def __init__(self, database: Database, counts: WebCounts) -> None:
-        self._database, self._counts = database, counts
+    def __init__(self, season: Season, database: Database, counts: WebCounts) -> None:
+        self._season, self._database, self._counts = season, database, counts
 
     def collect(self) -> Iterable[Metric]:
         """Return all metrics; without the database's ones while it does not answer."""
         yield from self._counts.collect()
+        free = GaugeMetricFamily(
+            f"{PREFIX}_disk_free_bytes",
+            "What is free for the season's files, and for caches.",
+            labels=("disk",),
+        )
+        for disk, left in free_bytes(self._season).items():
+            free.add_metric((disk,), left)
+        yield free
         answers = GaugeMetricFamily(f"{PREFIX}_database_up", "1 while the database answers, else 0.")
         try:
             with self._database.reading() as session:

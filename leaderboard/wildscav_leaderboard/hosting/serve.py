@@ -117,7 +117,7 @@ def _run_web(season: Season, log: Log) -> None:
     from wildscav_leaderboard.hosting.web_server import run_web
 
     database, counts = season.database(), WebCounts()
-    metrics = SeasonMetrics(database, counts)
+    metrics = SeasonMetrics(season, database, counts)
     try:
         with serving_metrics(metrics, season.settings.web.metrics_port) as address:
             log.info("web_starts", address=season.settings.web.address, metrics=address)

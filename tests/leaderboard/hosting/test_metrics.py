@@ -43,9 +43,9 @@ def database(season: Season) -> Iterator[Database]:
     opened.close()
 
 
-def scraped(database: Database, counts: WebCounts) -> dict[tuple[str, ...], float]:
+def scraped(season: Season, database: Database, counts: WebCounts) -> dict[tuple[str, ...], float]:
     """What Prometheus reads: each value by its name and its labels."""
-    with serving_metrics(SeasonMetrics(database, counts), 0) as address:
+    with serving_metrics(SeasonMetrics(season, database, counts), 0) as address:
         assert address is not None
         text = httpx.get(address, timeout=60.0).text
     families = text_string_to_metric_families(text)
@@ -58,21 +58,23 @@ def test_submissions_and_the_missing_conductor_are_seen(
     with database.writing() as session:
         team_with_member(session, "foxes")
         submitted(session, season, "foxes", write_agent(tmp_path, "fox"), datetime.now(UTC))
-    seen = scraped(database, WebCounts())
+    seen = scraped(season, database, WebCounts())
     assert seen["wildscav_season_submissions", "submitted"] == 1
     assert seen["wildscav_season_conductor_up",] == 0
     assert seen["wildscav_season_database_up",] == 1
     assert seen["wildscav_season_paused",] == 0
 
 
-def test_messages_that_nobody_sends_and_threads_that_broke_are_seen(database: Database) -> None:
+def test_messages_that_nobody_sends_and_threads_that_broke_are_seen(
+    season: Season, database: Database
+) -> None:
     long_ago = datetime.now(UTC) - timedelta(minutes=10)
     with database.writing() as session:
         foxes, _ = team_with_member(session, "foxes")
         add_webhook(session, foxes, "https://example.org/", long_ago)
         queue_message(session, foxes.id, "submission.active", {}, long_ago)
         write_state(session, RESTARTS, {"webhooks": 3}, long_ago)
-    seen = scraped(database, WebCounts())
+    seen = scraped(season, database, WebCounts())
     assert seen["wildscav_season_webhooks_overdue_seconds",] >= 600
     assert seen["wildscav_season_restarts_total", "webhooks"] == 3
 
@@ -80,10 +82,16 @@ def test_messages_that_nobody_sends_and_threads_that_broke_are_seen(database: Da
 def alerts(seen: dict[tuple[str, ...], float]) -> set[str]:
     """Return which of the alerts that the documentation suggests would fire."""
     page = (Path(__file__).parents[3] / "docs" / "organizing.md").read_text("utf-8")
-    found = re.findall(r"alert: (\w+), expr: (\w+) (==|>) (\d+)", page)
-    assert len(found) == 3
-    compare = {"==": operator.eq, ">": operator.gt}
-    return {name for name, of, sign, than in found if compare[sign](seen.get((of,), -1.0), float(than))}
+    found = re.findall(r"alert: (\w+), expr: (\w+) (==|>|<) ([\de]+)", page)
+    assert len(found) == 4
+    compare = {"==": operator.eq, ">": operator.gt, "<": operator.lt}
+    values = [(key[0], value) for key, value in seen.items()]
+    return {
+        name
+        for name, of, sign, than in found
+        for key, value in values
+        if key == of and compare[sign](value, float(than))
+    }
 
 
 def test_the_alerts_fire_when_nothing_is_played_or_sent_and_else_do_not(
@@ -96,7 +104,7 @@ def test_the_alerts_fire_when_nothing_is_played_or_sent_and_else_do_not(
         raise ExecutorError("no node of the Ray cluster is left")
 
     with monkeypatch.context() as patched:
-        patched.setattr("wildscav_leaderboard.conductor.conductor.chosen_sandbox", fails)
+        patched.setattr("wildscav_leaderboard.conductor.work.chosen_sandbox", fails)
         conductor.run()
     with database.writing() as session:
         holding = acquire(session, "another one, which tries too", clock(session))
@@ -104,7 +112,7 @@ def test_the_alerts_fire_when_nothing_is_played_or_sent_and_else_do_not(
         foxes, _ = team_with_member(session, "foxes")
         webhook = add_webhook(session, foxes, "https://example.org/", datetime.now(UTC))
         queue_message(session, foxes.id, "submission.active", {}, datetime.now(UTC) - timedelta(minutes=10))
-    assert alerts(scraped(database, WebCounts())) == {"NothingIsPlayed", "WebhooksWait"}
+    assert alerts(scraped(season, database, WebCounts())) == {"NothingIsPlayed", "WebhooksWait"}
 
     with database.writing() as session:
         release(session, holding, clock(session))
@@ -112,20 +120,26 @@ def test_the_alerts_fire_when_nothing_is_played_or_sent_and_else_do_not(
     conductor = Conductor(season, database)
     conducting = threading.Thread(target=conductor.run)
     conducting.start()
-    while alerts(scraped(database, WebCounts())) and conducting.is_alive():
+    while alerts(scraped(season, database, WebCounts())) and conducting.is_alive():
         time.sleep(0.05)
-    assert alerts(scraped(database, WebCounts())) == set()
+    assert alerts(scraped(season, database, WebCounts())) == set()
     conductor.stop()
     conducting.join()
 
     lost = Database(f"sqlite:///{tmp_path / 'no' / 'folder' / 'season.db'}")
-    assert alerts(scraped(lost, WebCounts())) == {"NoDatabase"}
+    seen = scraped(season, lost, WebCounts())
+    assert alerts(seen) == {"NoDatabase"}
+    assert alerts({**seen, ("wildscav_season_disk_free_bytes", "cache"): 1e9}) == {"NoDatabase", "DiskFills"}
 
 
-def test_a_database_that_does_not_answer_is_seen(tmp_path: Path) -> None:
+def test_a_database_that_does_not_answer_is_seen(season: Season, tmp_path: Path) -> None:
     lost = Database(f"sqlite:///{tmp_path / 'no' / 'folder' / 'season.db'}")
-    seen = scraped(lost, WebCounts())
-    assert seen == {("wildscav_season_database_up",): 0, ("wildscav_season_tables",): 0}
+    seen = scraped(season, lost, WebCounts())
+    disks = {key for key in seen if key[0] == "wildscav_season_disk_free_bytes"}
+    assert {key: seen[key] for key in seen.keys() - disks} == {
+        ("wildscav_season_database_up",): 0,
+        ("wildscav_season_tables",): 0,
+    }
 
 
 def test_requests_are_counted_by_route_and_not_by_address(season: Season, database: Database) -> None:
@@ -133,7 +147,7 @@ def test_requests_are_counted_by_route_and_not_by_address(season: Season, databa
     with served(create_app(season, database, counts)) as address:
         for path in ("/matches/1", "/matches/2", "/api/v1/matches/3", "/static/season.css", "/no/1", "/no/2"):
             httpx.get(f"{address}{path}", timeout=60.0)
-    seen = scraped(database, counts)
+    seen = scraped(season, database, counts)
     total = "wildscav_season_requests_total"
     assert seen[total, "GET", "/matches/{number}", "404"] == 2
     assert seen[total, "GET", "/api/v1/matches/{match}", "404"] == 1

@@ -3,8 +3,8 @@
 import sqlalchemy as sa
 from alembic import op
 
-revision = "uses"
-down_revision = "4"
+revision = "3"
+down_revision = "2"
 
 
 def upgrade() -> None:
