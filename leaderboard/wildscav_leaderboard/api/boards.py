@@ -18,7 +18,12 @@ from wildscav_leaderboard.presentation.documents import (
     PointView,
     SeasonView,
 )
-from wildscav_leaderboard.presentation.season import announcement_views, counts_view, season_view
+from wildscav_leaderboard.presentation.season import (
+    announcement_views,
+    counts_view,
+    season_view,
+    validation_view,
+)
 from wildscav_leaderboard.seasons.refusals import NotFoundError, UnknownCallerError
 
 router = APIRouter(tags=["boards"])
@@ -29,7 +34,8 @@ MOST_NUMBERS = 50  # submissions or teams of one answer
 @router.get("/season")
 def season(current: CurrentSeason, session: Reading) -> SeasonView:
     """Return the season: its dates, tracks, versions and announcements."""
-    return season_view(session, current).model_copy(update={"counts": counts_view(session)})
+    more = {"counts": counts_view(session), "validation": validation_view(session, current)}
+    return season_view(session, current).model_copy(update=more)
 
 
 @router.get("/boards")

@@ -105,17 +105,9 @@ def validate(season: Season, archive: str, entrant: str, sandbox: str, logs: Pat
     trials = {track: trial_of(season, track, submission.name) for track in tracks}
     for finding in run_checks(submission, SANDBOXES[sandbox], logs, trials):
         if finding.verdict == Verdict.BROKEN:
-            named = finding.check.removeprefix("match: ")
-            command = check_command(season, named if named in tracks else tracks[0], sandbox)
+            command = f"wildscav check DIR --season {season.settings.web.address}"
             return _rejection(finding, command, submission.folder)
     return None
-
-
-def check_command(season: Season, track: str, sandbox: str) -> str:
-    """Return the command that tries a submission as the season does; an organizer's own suite is hidden."""
-    suite = season.suite(track)
-    chosen = f" --suite {suite.name}" if suite.source is None else ""
-    return f"wildscav check DIR{chosen} --sandbox {sandbox}"
 
 
 def trial_of(season: Season, track: str, entrant: str) -> Trial:

@@ -284,6 +284,13 @@ class CountsView(View):
     matches: int  # that were played
 
 
+class ValidationView(View):
+    """How submissions are validated, for ``wildscav check --season``."""
+
+    sandbox: str
+    limits: dict[str, dict[str, Any]]  # of an agent on each track
+
+
 class SeasonView(View):
     """The season."""
 
@@ -303,7 +310,9 @@ class SeasonView(View):
     versions: dict[str, Any]
     tracks: list[TrackView]
     announcements: list[AnnouncementView]
-    counts: CountsView | None = None  # only where the season itself is asked for
+    # Only where the season itself is asked for:
+    counts: CountsView | None = None
+    validation: ValidationView | None = None
 
 
 class PointView(View):

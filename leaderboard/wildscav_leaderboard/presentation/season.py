@@ -14,9 +14,11 @@ from wildscav_leaderboard.presentation.documents import (
     CountsView,
     SeasonView,
     TrackView,
+    ValidationView,
 )
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.in_force import sandbox_of
 from wildscav_leaderboard.seasons.models import Announcement
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.teams.service import count_teams
@@ -52,6 +54,12 @@ def announcement_views(session: Session) -> list[AnnouncementView]:
     """Return what the organizers announced, the latest first."""
     found = session.scalars(select(Announcement).order_by(Announcement.id.desc()))
     return [AnnouncementView.model_validate(one) for one in found]
+
+
+def validation_view(session: Session, season: Season) -> ValidationView:
+    """Return how submissions are validated."""
+    limits = {track: season.limits(track).model_dump(mode="json") for track in season.settings.tracks}
+    return ValidationView(sandbox=sandbox_of(session, season), limits=limits)
 
 
 def counts_view(session: Session) -> CountsView:

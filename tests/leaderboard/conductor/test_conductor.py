@@ -192,7 +192,7 @@ def test_an_agent_that_crashes_fails_with_its_last_lines_and_a_command(
         assert one.reason.startswith("match: navigation: crashed")
         assert any("lost the thread" in line for line in one.last_lines)
         assert any('File "agent.py"' in line for line in one.last_lines)
-        assert one.command == "wildscav check DIR --sandbox process"
+        assert one.command == f"wildscav check DIR --season {season.settings.web.address}"
 
 
 def test_an_archive_that_is_gone_is_the_platforms_fault_and_is_not_charged(

@@ -17,7 +17,7 @@ from wildscav_evaluator.sandbox import SandboxError
 from wildscav_evaluator.sandbox.containers.container_engine import call, find_engine
 from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS
 from wildscav_evaluator.submissions import images
-from wildscav_leaderboard.conductor.work import build, check_command, job_of, keep_record, trial_of, validate
+from wildscav_leaderboard.conductor.work import build, job_of, keep_record, trial_of, validate
 from wildscav_leaderboard.matches.models import (
     FINAL,
     FINAL_ROUND,
@@ -27,7 +27,6 @@ from wildscav_leaderboard.matches.models import (
     Match,
     MatchSeat,
 )
-from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.submissions.archives import archive_name
 
 
@@ -148,17 +147,6 @@ def test_a_ladder_is_tried_with_the_seats_of_its_matches(tmp_path: Path) -> None
     season = make_season(tmp_path / "season")
     spec, limits, _ = trial_of(season, "battle", "walker-1")
     assert (sorted(spec.seats), limits) == (["fighter", "submission"], season.limits("battle"))
-
-
-def test_a_team_is_told_the_seasons_suite_only_where_everybody_has_it(tmp_path: Path) -> None:
-    folder = make_season(tmp_path / "season").folder
-    settings = folder / "season.toml"
-    settings.write_text(settings.read_text().replace('"tiny.toml"', '"official"', 1))
-    commands = {track: check_command(Season.open(folder), track, "oci") for track in ("navigation", "battle")}
-    assert commands == {
-        "navigation": "wildscav check DIR --suite official --sandbox oci",
-        "battle": "wildscav check DIR --sandbox oci",
-    }
 
 
 def test_a_match_without_a_record_is_refused(result: JobResult) -> None:

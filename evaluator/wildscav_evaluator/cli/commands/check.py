@@ -23,6 +23,15 @@ def check(
     ],
     logs: Annotated[Path, typer.Option(help="Folder for the agent's output.")] = Path("out/check"),
     suite: SuiteOption = "quick",
+    season: Annotated[
+        str | None,
+        typer.Option(
+            help="Address of a season, whose sandbox, limits and suites are used; --suite only where the "
+            "season's own is hidden.",
+            metavar="URL",
+            show_default=False,
+        ),
+    ] = None,
     sandbox: InSandbox = None,
     as_json: AsJson = False,
 ) -> None:
@@ -31,6 +40,7 @@ def check(
     The submission plays the beginning of a match of the suite on each of its tracks, one in which it is often
     late, and one that is cancelled. Every failure is explained, with advice on how to fix it.
     """
+    from wildscav_evaluator.check.season import SeasonRules
     from wildscav_evaluator.check.trials import Trial
     from wildscav_evaluator.cli.options.selection import load_submissions, suite_tracks
     from wildscav_evaluator.cli.sessions.check import run_check
@@ -39,8 +49,14 @@ def check(
 
     check_folder("--logs", logs)
     loaded, chosen = load_submissions([submission]), find_suite(suite)
-    limits = {track: chosen.limits.get(track, DEFAULT_LIMITS) for track in suite_tracks(loaded, [], chosen)}
-    trials = {track: Trial.of(chosen, track, limits[track], seed=0) for track in limits}
+    if season is not None:
+        rules = SeasonRules.of(season)
+        sandbox, trials = sandbox or rules.validation.sandbox, rules.trials(loaded[0], suite)
+    else:
+        limits = {
+            track: chosen.limits.get(track, DEFAULT_LIMITS) for track in suite_tracks(loaded, [], chosen)
+        }
+        trials = {track: Trial.of(chosen, track, limits[track], seed=0) for track in limits}
     name, (runs,) = chosen_sandbox(sandbox, loaded)
     try:
         run_check(runs, SANDBOXES[name], logs, trials, as_json=as_json)

@@ -1,0 +1,77 @@
+"""What a season says of how it validates submissions, so that ``wildscav check`` does the same."""
+
+from http.client import HTTPException
+from urllib.request import urlopen
+
+from pydantic import BaseModel, ValidationError
+
+from wildscav.errors import UserError, describe
+from wildscav_engine.specs.match_spec import SUBMISSION
+from wildscav_engine.tracks import TRACKS
+from wildscav_evaluator.check.trials import Trial
+from wildscav_evaluator.sandbox.limits import Limits
+from wildscav_evaluator.submissions.submission import Submission
+from wildscav_evaluator.suites.suite import SUITES
+from wildscav_evaluator.suites.suite_file import find_suite
+
+LARGEST = 1 << 20  # bytes of an answer
+TIMEOUT = 30.0  # s
+
+
+class _Track(BaseModel):
+    name: str
+    suite: str
+    seats: int
+
+
+class _Validation(BaseModel):
+    sandbox: str
+    limits: dict[str, Limits]
+
+
+class SeasonRules(BaseModel):
+    """What matters here of what a season says of itself."""
+
+    tracks: list[_Track]
+    validation: _Validation
+
+    @classmethod
+    def of(cls, url: str) -> "SeasonRules":
+        """Ask a season.
+
+        Raises:
+            UserError: It does not answer, or is none.
+        """
+        if not url.startswith(("http://", "https://")):
+            raise UserError(f"--season is {url!r}, must be an address such as https://season.example.org", 2)
+        try:
+            with urlopen(f"{url.rstrip('/')}/api/v1/season", timeout=TIMEOUT) as answer:  # noqa: S310
+                return cls.model_validate_json(answer.read(LARGEST))
+        except (OSError, HTTPException, ValueError) as error:
+            why = "this is no season of this version" if isinstance(error, ValidationError) else error
+            raise UserError(
+                f"cannot ask the season {url}: {describe(why) if isinstance(why, OSError) else why}"
+            ) from None
+
+    def trials(self, submission: Submission, instead: str) -> dict[str, Trial]:
+        """Return what to play on each track that the submission and the season have.
+
+        Args:
+            submission: The submission.
+            instead: The suite that is played where the season's own is hidden.
+
+        Raises:
+            UserError: They have none in common.
+        """
+        tracks = [one for one in self.tracks if one.name in submission.manifest.tracks]
+        if not tracks:
+            raise UserError(f"the season has only {', '.join(one.name for one in self.tracks)}")
+        return {one.name: self._trial(one, instead) for one in tracks}
+
+    def _trial(self, track: _Track, instead: str) -> Trial:
+        suite = find_suite(track.suite if track.suite in SUITES else instead)
+        trial = Trial.of(suite, track.name, self.validation.limits[track.name], seed=0)
+        if track.seats == 1:  # the suite says who plays
+            return trial
+        seats = (SUBMISSION, *(TRACKS[track.name].robot for _ in range(track.seats - 1)))
+        return trial._replace(spec=trial.spec.model_copy(update={"seats": seats}))
