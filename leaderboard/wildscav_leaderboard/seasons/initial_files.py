@@ -58,7 +58,7 @@ def write_season_folder(folder: Path, texts: Mapping[str, str]) -> tuple[str, st
         folder.parent.mkdir(parents=True, exist_ok=True)
         with leftovers.temporary_folder_in(folder.parent, ".season-") as fresh:
             made = fresh / "season"
-            made.mkdir()
+            made.mkdir(mode=0o700)
             for name, text in texts.items():
                 (made / name).write_text(text, "utf-8")
             _write_secret(made / SECRET_FILE, secret)

@@ -17,6 +17,7 @@ from wildscav_leaderboard.cli.season.folder_argument import SeasonFolder
 from wildscav_leaderboard.organizing.acts import ACTS, COMMAND_LINE
 from wildscav_leaderboard.seasons.acts import Act, Doing
 from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.own_database import opened
 
 SHORT = {"reason": ["-r"]}  # names of options
 
@@ -87,13 +88,8 @@ def _keyword(name: str, annotation: Any, default: Any = inspect.Parameter.empty)
 
 
 def _do(season: Season, act: Act, arguments: dict[str, Any]) -> None:
-    database = season.database()
-    try:
-        database.upgrade()
-        with database.writing() as session:
-            result = act.do(Doing(session, season, command_line(), datetime.now(UTC)), arguments)
-    finally:
-        database.close()
+    with opened(season) as database, database.writing() as session:
+        result = act.do(Doing(session, season, command_line(), datetime.now(UTC)), arguments)
     lines = [act.says.format(**arguments)] if act.says else []
     if isinstance(result, BaseModel):
         *_, (name, secret) = result.model_dump().items()

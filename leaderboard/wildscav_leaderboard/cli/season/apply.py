@@ -20,11 +20,10 @@ def apply(
     from wildscav_leaderboard.cli.season.acts import command_line
     from wildscav_leaderboard.conductor.editions import apply_editions, edition_changes
     from wildscav_leaderboard.seasons.folder import Season
+    from wildscav_leaderboard.seasons.own_database import opened
 
     season = Season.open(folder)
-    database = season.database()
-    try:
-        database.upgrade()
+    with opened(season) as database:
         with database.reading() as session:
             changes = edition_changes(session, season)
         for change in changes:
@@ -34,5 +33,3 @@ def apply(
         with database.writing() as session:
             apply_editions(session, season, command_line(), datetime.now(UTC))
         console.print("the new rules are in force", soft_wrap=True)
-    finally:
-        database.close()

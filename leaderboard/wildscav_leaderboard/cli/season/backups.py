@@ -20,15 +20,11 @@ def backup(folder: SeasonFolder, out: Backup) -> None:
     """Back up a season while it runs: settings, secrets, database, archives and records, in one tar."""
     from wildscav_leaderboard.organizing.backups.backup import back_up
     from wildscav_leaderboard.seasons.folder import Season
+    from wildscav_leaderboard.seasons.own_database import opened
 
     season = Season.open(folder)
-    database = season.database()
-    try:
-        database.upgrade()
-        with _progress("files are backed up") as on_progress:
-            done = back_up(season, database, out, datetime.now(UTC), on_progress)
-    finally:
-        database.close()
+    with opened(season, any_version=True) as database, _progress("files are backed up") as on_progress:
+        done = back_up(season, database, out, datetime.now(UTC), on_progress)
     size = f"{done.size / (1 << 20):,.1f} MiB"
     held = f"{counted(done.rows, 'row')} and {counted(done.files, 'file')}, {size}"
     _say(f"{out}: {held}; it holds the secrets, so keep it safe")

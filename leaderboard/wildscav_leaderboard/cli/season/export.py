@@ -19,14 +19,11 @@ def export(
     """Write what is published of a season into a folder: boards, matches and records, for anyone to audit."""
     from wildscav_leaderboard.publishing.export import export as run
     from wildscav_leaderboard.seasons.folder import Season
+    from wildscav_leaderboard.seasons.own_database import opened
 
     season = Season.open(folder)
-    database = season.database()
-    try:
-        database.upgrade()
+    with opened(season) as database:
         made = run(season, database, out)
-    finally:
-        database.close()
     hidden = f"; {made.hidden:,} more are still hidden" if made.hidden else ""
     console.print(
         f"{counted(made.boards, 'board')}, {counted(made.matches, 'match')}, "

@@ -58,13 +58,12 @@ def finalize(
     from wildscav_leaderboard.cli.season.acts import command_line
     from wildscav_leaderboard.organizing import finalizing
     from wildscav_leaderboard.seasons.folder import PUBLISHED, Season
+    from wildscav_leaderboard.seasons.own_database import opened
 
     season = Season.open(folder)
     if now and not yes and not abort and datetime.now(UTC) < season.settings.closes:
         typer.confirm(QUESTION, abort=True)
-    database = season.database()
-    try:
-        database.upgrade()
+    with opened(season) as database:
         with database.writing() as session:
             actor, at = command_line(), datetime.now(UTC)
             if abort:
@@ -79,8 +78,6 @@ def finalize(
         _wait(season, database)
         console.print("the season is over: its boards are final, and its secrets are opened", soft_wrap=True)
         _publish(season, database, out or season.folder / PUBLISHED, again=again)
-    finally:
-        database.close()
 
 
 def _publish(season: "Season", database: "Database", out: Path, *, again: bool) -> None:

@@ -22,15 +22,11 @@ def status(folder: SeasonFolder, as_json: AsJson = False) -> None:
     """Show how a season is doing: what waits, what is played, and what went wrong."""
     from wildscav_leaderboard.organizing.status import status as found
     from wildscav_leaderboard.seasons.folder import Season
+    from wildscav_leaderboard.seasons.own_database import opened
 
     season = Season.open(folder)
-    database = season.database()
-    try:
-        database.upgrade()
-        with database.reading() as session:
-            one = found(session, season, datetime.now(UTC))
-    finally:
-        database.close()
+    with opened(season) as database, database.reading() as session:
+        one = found(session, season, datetime.now(UTC))
     if as_json:
         print_json(_document(one))
     console.print(_table(season.settings.title, one))
