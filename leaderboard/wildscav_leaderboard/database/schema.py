@@ -30,10 +30,19 @@ def check_is_current(connection: Connection, name: str) -> None:
     Raises:
         UserError: It has none, or an older or a newer one, or that of something else.
     """
-    check_known(connection, name)
-    current = ScriptDirectory.from_config(_config(connection)).get_current_head()
-    if version_of(connection) != current:
+    version, current = versions_of(connection, name)
+    if version != current:
         raise UserError(f"{name} has no season of this version: `wildscav season serve` brings it up to date")
+
+
+def versions_of(connection: Connection, name: str) -> tuple[str | None, str | None]:
+    """Return the version of a database's schema, and the current one.
+
+    Raises:
+        UserError: It is a newer one, or that of something else.
+    """
+    check_known(connection, name)
+    return version_of(connection), ScriptDirectory.from_config(_config(connection)).get_current_head()
 
 
 def take_back_to(connection: Connection, version: str) -> None:

@@ -17,6 +17,7 @@ from types import FrameType
 from wildscav.monitoring.logs import Log, LogFormat, open_log
 from wildscav.system.worker_processes import end_with_parent
 from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.own_database import opened
 
 WEB, CONDUCTOR = "web", "conductor"
 LOOKS = 0.2  # s between two looks at the processes
@@ -69,7 +70,7 @@ def serve(
     """Run parts of a season until this process is told to end.
 
     Args:
-        season: The season; its database gets the current schema first.
+        season: The season, whose database has the current schema, or is empty.
         parts: ``web``, ``conductor``, or both.
         form: The format of log lines; None writes none.
         watch: Called several times a second; the season ends with what it raises.
@@ -77,9 +78,8 @@ def serve(
     Raises:
         UserError: The database cannot be used.
     """
-    database = season.database()
-    database.upgrade()
-    database.close()
+    with opened(season):
+        pass
     log = open_log(form)
     settings = season.settings.model_dump_json()
     running = [Part(name, season.folder, settings, form) for name in parts]

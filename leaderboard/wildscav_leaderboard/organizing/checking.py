@@ -11,9 +11,11 @@ from wildscav.errors import UserError
 from wildscav_leaderboard.conductor.editions import edition_changes
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.database.schema import check_is_current
+from wildscav_leaderboard.organizing.backups.backup import upgraded
 from wildscav_leaderboard.organizing.stored_files import stored_files
 from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE, Season
 from wildscav_leaderboard.seasons.initial_files import COMMITMENTS_FILE, commitments_text
+from wildscav_leaderboard.seasons.own_database import opened
 
 OnProgress = Callable[[int, int], None]  # files that are checked, of how many
 
@@ -60,18 +62,20 @@ def check_season(folder: Path, on_progress: OnProgress = lambda *_: None) -> Che
 
 
 def check_rules(season: Season) -> list[str]:
-    """Check the secrets of a season that is about to run; return the changes of its rules not in force yet.
+    """Check the secrets of a season that is about to run, and bring its database up to date.
+
+    Returns:
+        What was done, and the changes of its rules that are not in force yet.
 
     Raises:
         UserError: The secrets are not those whose commitments were published, or the database cannot be used.
     """
     for problem in wrong_secrets(season.folder):
         raise UserError(problem)
-    with closing(season.database()) as database:
-        database.upgrade()
-        with database.reading() as session:
-            changes = [one.text for one in edition_changes(session, season)]
-    return [*changes, "`wildscav season apply` brings this into force"] if changes else []
+    done = list(upgraded(season))
+    with opened(season) as database, database.reading() as session:
+        changes = [one.text for one in edition_changes(session, season)]
+    return [*done, *changes, *(["`wildscav season apply` brings this into force"] if changes else [])]
 
 
 def _wrong_commitments(season: Season) -> Iterator[str]:

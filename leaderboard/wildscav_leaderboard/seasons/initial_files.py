@@ -53,7 +53,7 @@ def write_season_folder(folder: Path, texts: Mapping[str, str]) -> tuple[str, st
     secret, final = new_secret(), new_secret()
     with place_for(folder, "the season's folder cannot be made") as place:
         made = place / "season"
-        made.mkdir()
+        made.mkdir(mode=0o700)
         for name, text in texts.items():
             (made / name).write_text(text, "utf-8")
         _write_secret(made / SECRET_FILE, secret)

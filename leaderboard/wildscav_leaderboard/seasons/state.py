@@ -19,6 +19,7 @@ FINALIZED = "finalized"  # {"at", "field", "conditions"}: those matches are play
 LEFT_OUT = "left_out"  # {number: reason}: submissions that are on no board, although they take part
 OPENED = "opened"  # {"secret", "final_secret"}: the secrets are public
 EDITIONS = "editions"  # {track: number}: the editions that are in force
+SEASON = "season"  # {"name", "commitment"}: whose database this is
 FAILED = "failed"  # {"reason"}: the conductor can play nothing; unset after its next round
 RESTARTS = "restarts"  # {thread: count}: how often the conductor's threads broke and were begun again
 NODES = "nodes"  # {"nodes": […], "sandbox"}: where the conductor plays, for pages

@@ -8,10 +8,12 @@ from typing import Any
 
 import httpx
 import pytest
+from sqlalchemy import delete
 from tests.leaderboard.filled_season import FilledSeason
 from tests.leaderboard.hosting.clients import ask
 from tests.leaderboard.spectating.served import served
 
+from wildscav_leaderboard.access.models import Use
 from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.playing.tables import Tables
 from wildscav_leaderboard.seasons.settings import Play
@@ -23,6 +25,8 @@ def site(filled: FilledSeason, **play: Any) -> Iterator[httpx.Client]:
     settings = filled.season.settings.model_copy(update={"play": Play(**{"enabled": True, **play})})
     app = create_app(replace(filled.season, settings=settings), filled.database)
     tables: Tables = app.state.tables
+    with filled.database.writing() as session:  # games of the test before do not count
+        session.execute(delete(Use))
     try:
         with served(app) as address, httpx.Client(base_url=address, timeout=60.0) as client:
             yield client

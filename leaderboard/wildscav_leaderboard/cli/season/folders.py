@@ -59,7 +59,10 @@ def backup(folder: SeasonFolder, out: Backup) -> None:
     """Back up a season while it runs: settings, secrets, database, archives and records, in one tar."""
     from wildscav_leaderboard.organizing.backups.backup import back_up
 
-    with opened(folder) as (season, database), _progress("files are backed up") as on_progress:
+    with (
+        opened(folder, any_version=True) as (season, database),
+        _progress("files are backed up") as on_progress,
+    ):
         done = back_up(season, database, out, datetime.now(UTC), on_progress)
     size = f"{done.size / (1 << 20):,.1f} MiB"
     held = f"{counted(done.rows, 'row')} and {counted(done.files, 'file')}, {size}"

@@ -1,7 +1,7 @@
 """The season that a command is about: the argument that names its folder, and its opening."""
 
 from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,11 +15,11 @@ SeasonFolder = Annotated[Path, typer.Argument(help="The season's folder.", metav
 
 
 @contextmanager
-def opened(folder: Path) -> "Iterator[tuple[Season, Database]]":
-    """Give a season and its database, whose schema is brought up to date."""
+def opened(folder: Path, *, any_version: bool = False) -> "Iterator[tuple[Season, Database]]":
+    """Give a season and its database. See ``own_database.opened``."""
+    from wildscav_leaderboard.seasons import own_database
     from wildscav_leaderboard.seasons.folder import Season
 
     season = Season.open(folder)
-    with closing(season.database()) as database:
-        database.upgrade()
+    with own_database.opened(season, any_version=any_version) as database:
         yield season, database

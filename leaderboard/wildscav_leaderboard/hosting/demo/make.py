@@ -25,6 +25,7 @@ from wildscav_leaderboard.organizing import acts
 from wildscav_leaderboard.seasons.acts import Doing
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.initial_files import write_season_folder
+from wildscav_leaderboard.seasons.own_database import opened
 from wildscav_leaderboard.seasons.settings import SETTINGS_FILE
 from wildscav_leaderboard.submissions.packing import pack
 from wildscav_leaderboard.teams.service import make_team
@@ -61,14 +62,10 @@ def make_demo(folder: Path, port: int, sandbox: str | None = None) -> tuple[Seas
     now = datetime.now(UTC)
     write_season_folder(folder, _files(now, port, _sandbox(sandbox)))
     season = Season.open(folder)
-    database = season.database()
-    try:
-        database.upgrade()
+    with opened(season) as database:
         logins = (_organizer(season, database, now), *(_team(database, name, now) for name in ALL_ROUND))
         for name in ALL_ROUND:
             _hand_in(season, database, name, now)
-    finally:
-        database.close()
     return season, logins
 
 

@@ -1,0 +1,102 @@
+"""A season uses its own database alone, changes no older one unasked, and shows nothing to other users."""
+
+from pathlib import Path
+
+import pytest
+from sqlalchemy import create_engine
+from tests.leaderboard.seasons_made import make_season
+
+from wildscav.errors import UserError
+from wildscav_leaderboard.cli.season.folders import backup
+from wildscav_leaderboard.cli.season.status import status
+from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.database.schema import take_back_to, version_of
+from wildscav_leaderboard.organizing.backups.restore import restore
+from wildscav_leaderboard.organizing.checking import check_rules, check_season
+from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.own_database import opened
+from wildscav_leaderboard.seasons.state import SEASON, read_state
+
+VARIABLE = "WILDSCAV_SEASON_DATABASE"
+
+
+@pytest.fixture
+def season(tmp_path: Path, empty_url: str, monkeypatch: pytest.MonkeyPatch) -> Season:
+    """A season on a database of each kind."""
+    monkeypatch.setenv(VARIABLE, empty_url)
+    made = make_season(tmp_path / "season", current=True)
+    with opened(made):
+        return made
+
+
+@pytest.fixture
+def old_version(season: Season) -> str:
+    """The version of the season's database, which is the one before the current one."""
+    engine = create_engine(season.database().url)
+    with engine.begin() as connection:
+        take_back_to(connection, "-1")
+    engine.dispose()
+    return version(season)
+
+
+def version(season: Season) -> str:
+    engine = create_engine(season.database().url)
+    with engine.connect() as connection:
+        found = version_of(connection)
+    engine.dispose()
+    assert found is not None
+    return found
+
+
+def test_the_database_of_another_season_is_refused(season: Season, tmp_path: Path) -> None:
+    other = make_season(tmp_path / "other", current=True)
+    with pytest.raises(UserError, match="is of another season, trial, whose secret is not the one in"):
+        status(other.folder)
+    with opened(season) as database, database.reading() as session:
+        assert read_state(session, SEASON) == {"name": "trial", "commitment": season.seed.commitment}
+
+
+def test_an_older_database_is_backed_up_as_it_is(season: Season, old_version: str, tmp_path: Path) -> None:
+    backup(season.folder, tmp_path / "old.tar")
+    with pytest.raises(UserError, match="`wildscav season serve` brings it up to date"):
+        status(season.folder)
+    assert version(season) == old_version
+
+
+def test_a_season_that_begins_to_run_upgrades_its_database_after_a_backup(
+    season: Season, old_version: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first, second, *_ = check_rules(season)
+
+    (backed_up,) = (season.folder / "backups").iterdir()
+    assert str(backed_up) in first
+    assert f"schema {old_version}" in first
+    assert f"brought to schema {version(season)}" in second
+    assert version(season) != old_version
+    assert not any("schema" in line for line in check_rules(season))  # it is up to date
+    backup(season.folder, tmp_path / "new.tar")  # which does not hold the first one
+    assert (tmp_path / "new.tar").stat().st_size < 2 * backed_up.stat().st_size
+    monkeypatch.delenv(VARIABLE)
+    restore(backed_up, tmp_path / "again")
+    assert not [one for one in check_season(tmp_path / "again").problems if "commitments" not in one]
+
+
+def test_other_users_can_read_nothing_of_a_season(tmp_path: Path) -> None:
+    season = make_season(tmp_path / "season", current=True)
+    season.files.mkdir()
+    file = tmp_path / "elsewhere.db"
+    database = Database(f"sqlite:///{file}")
+    database.upgrade()
+    database.close()
+    season = Season(season.folder, season.settings.model_copy(update={"database": f"sqlite:///{file}"}))
+    for path, mode in ((season.folder, 0o755), (season.files, 0o775), (file, 0o644)):
+        path.chmod(mode)
+
+    with opened(season):
+        pass
+
+    assert [path.stat().st_mode & 0o777 for path in (season.folder, season.files, file)] == [
+        0o700,
+        0o700,
+        0o600,
+    ]
