@@ -4,12 +4,14 @@ A program shows a token in the header ``Authorization: Bearer …``. A browser h
 forms carries a token as well, so that no other site can send them (cross-site request forgery).
 """
 
-from collections.abc import Iterator
+import asyncio
+from collections.abc import AsyncIterator
 from datetime import UTC, datetime
 from secrets import compare_digest
 from typing import Annotated
 
 from fastapi import Depends, Request
+from fastapi.concurrency import contextmanager_in_threadpool
 from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
 from sqlalchemy.orm import Session
 
@@ -45,9 +47,16 @@ async def present() -> datetime:
     return datetime.now(UTC)
 
 
-def reading(database: Annotated[Database, Depends(database_of)]) -> Iterator[Session]:
-    """Yield a session that reads."""
-    with database.reading() as session:
+async def reading(
+    request: Request, database: Annotated[Database, Depends(database_of)]
+) -> AsyncIterator[Session]:
+    """Yield a session that reads, once it is the request's turn.
+
+    Requests that wait here take no thread. If all threads waited for a connection to the database, the
+    requests that have one could not go on, and no page would be answered.
+    """
+    turn: asyncio.Semaphore = request.app.state.readers
+    async with turn, contextmanager_in_threadpool(database.reading()) as session:
         yield session
 
 

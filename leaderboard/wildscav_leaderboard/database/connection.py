@@ -19,6 +19,7 @@ from wildscav.errors import UserError
 
 BUSY_TIMEOUT = 30.0  # s that a writer waits for another one
 WRITERS = 0x57494C44  # number of the advisory lock that writers take in PostgreSQL
+READERS = 10  # requests that read at a time, of the 15 connections that a process has
 KINDS = ("sqlite", "postgresql")
 KEPT = "kept"  # in the info of sessions that read: what follows from what was read, kept for the next ones
 READ = "read"  # there as well: what the session has read, and need not read again

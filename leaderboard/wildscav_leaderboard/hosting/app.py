@@ -1,5 +1,6 @@
 """The web application: the API and the pages of one season."""
 
+import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from http import HTTPStatus
@@ -18,7 +19,7 @@ from wildscav_leaderboard.access.headers import SecurityHeaders
 from wildscav_leaderboard.access.rate_limits import AddressLimit
 from wildscav_leaderboard.api.errors import as_json
 from wildscav_leaderboard.api.routers import PREFIX, api_router
-from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.database.connection import READERS, Database
 from wildscav_leaderboard.hosting.broken_requests import BrokenRequests
 from wildscav_leaderboard.hosting.request_log import RequestLog
 from wildscav_leaderboard.hosting.web_counts import WebCounts
@@ -63,6 +64,7 @@ def create_app(
         lifespan=lifespan,
     )
     app.state.season, app.state.database = season, database
+    app.state.readers = asyncio.Semaphore(READERS)
     app.state.renders, app.state.live, app.state.tables = renders, LiveMatches(season.live), tables
     app.include_router(api_router())
     app.include_router(rerun_viewer.router(cache_folder("rerun-viewer")))
