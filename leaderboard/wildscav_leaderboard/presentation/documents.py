@@ -5,6 +5,8 @@ from typing import Any, Self
 
 from pydantic import BaseModel, ConfigDict
 
+from wildscav_leaderboard.boards.documents import ProgressView, TotalsView
+
 
 class View(BaseModel):
     """Base of all documents."""
@@ -142,24 +144,6 @@ class TransitionView(View):
     at: datetime
     state: str
     detail: str
-
-
-class ProgressView(View):
-    """How far a submission is on a track."""
-
-    track: str
-    played: int  # matches
-    planned: int  # on a ladder: until its rating counts as settled
-    missing: int  # entrants without whom its ladder makes no match for it; 0 once it has one
-
-
-class TotalsView(View):
-    """How a submission did in all of its matches of a suite together."""
-
-    track: str
-    matches: int
-    score: float  # their mean
-    faults: dict[str, int]  # in how many matches it had each kind of fault
 
 
 class SubmissionView(View):

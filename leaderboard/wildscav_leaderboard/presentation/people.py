@@ -1,5 +1,6 @@
 """Teams and accounts as they are shown."""
 
+from collections import Counter
 from datetime import datetime
 
 from sqlalchemy import case, func, select
@@ -11,7 +12,7 @@ from wildscav_leaderboard.presentation.documents import AccountView, QuotaView, 
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.models import Submission
-from wildscav_leaderboard.submissions.quotas import quota_of
+from wildscav_leaderboard.submissions.quotas import active_of, day_after, used_today
 from wildscav_leaderboard.teams.models import Member, Team
 from wildscav_leaderboard.teams.service import members_of, team_of
 
@@ -46,7 +47,15 @@ def team_rows(session: Session) -> list[TeamRow]:
 
 def quota_view(session: Session, season: Season, team: Team, now: datetime) -> QuotaView:
     """Return what a team has used of its quota."""
-    return QuotaView.model_validate(quota_of(session, season.settings.quotas, team, now))
+    quotas, used = season.settings.quotas, used_today(session, Submission.team_id == team.id, now)
+    return QuotaView(
+        per_day=quotas.per_day,
+        used_today=used,
+        left_today=max(0, quotas.per_day - used),
+        resets=day_after(now),
+        active_per_track=quotas.active,
+        active=Counter(track for one in active_of(session, team.id) for track in one.playing),
+    )
 
 
 def account_view(session: Session, season: Season, caller: Caller, now: datetime) -> AccountView:
