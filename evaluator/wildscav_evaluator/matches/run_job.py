@@ -204,7 +204,9 @@ def _render(job: Job) -> str:
 def seat_row(job: Job, played: PlayedMatch, seat: int) -> SeatRow:
     """Return how a match went in an entrant's seat, as a row of the results file."""
     metrics = dict(played.match.result().seats[seat].metrics)
-    entrant, team = _entrant_and_team(job, seat)
+    # In an evaluation every seat is the submission's.
+    rated = job.evaluated is None
+    entrant, team = (job.entrants[seat], job.spec.team_of_seats[seat]) if rated else (None, None)
     if seat in job.robots:
         return SeatRow(seat=seat, submission=entrant, team=team, status=FINISHED, metrics=metrics)
     report, log = played.seats[seat], job.log(seat)
@@ -224,11 +226,6 @@ def seat_row(job: Job, played: PlayedMatch, seat: int) -> SeatRow:
         metrics=metrics,
         log=log if (job.out / log).exists() else None,
     )
-
-
-def _entrant_and_team(job: Job, seat: int) -> tuple[str | None, int | None]:
-    """Return whose seat it is and its team; None in an evaluation, where every seat is the submission's."""
-    return (None, None) if job.evaluated is not None else (job.entrants[seat], job.spec.team_of_seats[seat])
 
 
 def match_timing(job: Job, played: PlayedMatch, started: float, wall: float) -> MatchTiming:
