@@ -22,8 +22,6 @@ from wildscav_engine.sensors.optics.pinhole import PinholeCamera
 from wildscav_engine.sensors.optics.shown_maps import ShownMap, ShownMaps
 
 if TYPE_CHECKING:
-    from gymnasium.spaces import Box
-
     from wildscav_engine.maps.game_map import GameMap
     from wildscav_engine.simulation.match_view import MatchView
 
@@ -45,11 +43,9 @@ class ColorCamera(BatchedOpticalSensor, PinholeCamera):
     channels: ClassVar[tuple[int, ...]] = (3,)
 
     @property
-    def space(self) -> "Box":
-        """(height, width, 3) red, green and blue, 0-255."""
-        from gymnasium.spaces import Box
-
-        return Box(0, 255, self.shape, np.uint8)
+    def bounds(self) -> tuple[float, float]:
+        """0 and 255."""
+        return 0, 255
 
     def prepare(self, game_map: "GameMap") -> None:
         """Compute what images of a map are made from, including its colours."""

@@ -25,8 +25,6 @@ from wildscav_engine.sensors.optics.pinhole import PinholeCamera
 from wildscav_engine.sensors.optics.shown_maps import ShownMap, ShownMaps
 
 if TYPE_CHECKING:
-    from gymnasium.spaces import Box
-
     from wildscav_engine.simulation.match_view import MatchView
 
 __all__ = ["FIRST_AGENT", "FIRST_BOX", "FIRST_SOLID", "SegmentationCamera"]
@@ -54,12 +52,9 @@ class SegmentationCamera(BatchedOpticalSensor, PinholeCamera):
         return np.uint8 if self.label == "kind" else np.int32
 
     @property
-    def space(self) -> "Box":
-        """(height, width) labels."""
-        from gymnasium.spaces import Box
-
-        greatest = max(Kind) if self.label == "kind" else MAX_LABEL
-        return Box(0, int(greatest), self.shape, self.dtype)  # type: ignore[arg-type]
+    def bounds(self) -> tuple[float, float]:
+        """The least and the greatest label."""
+        return 0, max(Kind) if self.label == "kind" else MAX_LABEL
 
     def moving_in(self, match: "MatchView") -> Solids:
         """Return the living agents and the supply boxes of the match."""

@@ -210,19 +210,13 @@ def seat_row(job: Job, played: PlayedMatch, seat: int) -> SeatRow:
     if seat in job.robots:
         return SeatRow(seat=seat, submission=entrant, team=team, status=FINISHED, metrics=metrics)
     report, log = played.seats[seat], job.log(seat)
-    return SeatRow(
-        seat=seat,
+    return SeatRow.about(
+        report,
         submission=entrant,
         team=team,
         status=report.status.value,
         fault=fault.value if (fault := report.status.fault) else None,
-        detail=report.detail,
-        exit_code=report.exit_code,
-        killed_by=report.killed_by,
-        last_lines=report.last_lines,
         actions=report.steps_played,
-        invalid_actions=report.invalid_actions,
-        ignored_fields=report.ignored_fields,
         metrics=metrics,
         log=log if (job.out / log).exists() else None,
     )
@@ -251,16 +245,11 @@ def match_timing(job: Job, played: PlayedMatch, started: float, wall: float) -> 
 
 def _seat_timing(report: SeatReport) -> SeatTiming:
     times = report.think_time
-    return SeatTiming(
-        seat=report.seat,
-        start_up=report.start_up,
+    return SeatTiming.about(
+        report,
         steps=report.steps_played + report.late_steps,
-        late_steps=report.late_steps,
-        credited=report.credited,
-        dropped_actions=report.dropped_actions,
         time_used=times.total,
         latency_p50=times.p50,
         latency_p99=times.p99,
         latency_max=times.max,
-        time_bank=report.time_bank,
     )

@@ -19,7 +19,7 @@ from wildscav_leaderboard.teams.service import members_of, team_of
 
 def team_view(session: Session, team: Team) -> TeamView:
     """Return a team as it is shown to everyone."""
-    return TeamView.of(team, members=members_of(session, team))
+    return TeamView.about(team, members=members_of(session, team))
 
 
 def team_rows(session: Session) -> list[TeamRow]:
@@ -35,7 +35,7 @@ def team_rows(session: Session) -> list[TeamRow]:
     counted = select(Submission.team_id, func.count(), is_active).group_by(Submission.team_id)
     counts = {team: (count, active) for team, count, active in session.execute(counted)}
     return [
-        TeamRow.of(
+        TeamRow.about(
             team,
             members=members.get(team.id, []),
             submissions=counts.get(team.id, (0, 0))[0],
@@ -61,7 +61,7 @@ def quota_view(session: Session, season: Season, team: Team, now: datetime) -> Q
 def account_view(session: Session, season: Season, caller: Caller, now: datetime) -> AccountView:
     """Return whoever asks."""
     team = team_of(session, caller.account)
-    return AccountView.of(
+    return AccountView.about(
         caller.account,
         team=None if team is None else team_view(session, team),
         quota=None if team is None else quota_view(session, season, team, now),

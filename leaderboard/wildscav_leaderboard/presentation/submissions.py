@@ -65,7 +65,7 @@ def _view(
     wait: float | None,
 ) -> SubmissionView:
     own = is_own(session, caller, one)
-    return SubmissionView.of(
+    return SubmissionView.about(
         one,
         team=team.name,
         team_title=team.title,
