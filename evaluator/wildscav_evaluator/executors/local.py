@@ -34,13 +34,18 @@ class LocalExecutor:
             raise UserError(
                 "--address names a cluster, and --executor local has none: use --executor ray", exit_code=2
             )
-        self.at_once = at_once or cores()  # matches or calls, at most
+        self._at_once = at_once or cores()
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
         """Do nothing: what was started is stopped at the end of ``players`` and ``map``."""
+
+    @property
+    def at_once(self) -> int:
+        """How many matches or calls at once, at most."""
+        return self._at_once
 
     @property
     def nodes(self) -> tuple[Node, ...]:
@@ -63,7 +68,7 @@ class LocalExecutor:
     @contextmanager
     def players(self, jobs: Sequence[Job], lock: Lock | None = None) -> Iterator[Workers]:
         """Start workers, and compile the engine in the first one. See ``Executor``."""
-        with Workers(min(self.at_once, len(jobs)), lock) as workers:
+        with Workers(min(self._at_once, len(jobs)), lock) as workers:
             try:
                 workers.precompile(sensors_read(jobs))
             except WorkerDiedError as error:
@@ -72,14 +77,14 @@ class LocalExecutor:
 
     def map(self, function: Callable[[Item], Value], items: Iterable[Item]) -> Iterator[Value]:
         """Call a function in a pool of processes; in this process if only one is wanted. See ``Executor``."""
-        if self.at_once == 1:
+        if self._at_once == 1:
             yield from map(function, items)
             return
         before = active_children()
         spawn = get_context("spawn")
-        with ProcessPoolExecutor(self.at_once, spawn, become_worker, (os.getpid(),)) as pool:
+        with ProcessPoolExecutor(self._at_once, spawn, become_worker, (os.getpid(),)) as pool:
             try:
-                yield from _in_order(pool, function, items, self.at_once * QUEUED)
+                yield from _in_order(pool, function, items, self._at_once * QUEUED)
             except BrokenProcessPool as error:
                 raise ExecutorError("a worker process died: the machine may have no memory left") from error
             except BaseException:

@@ -47,7 +47,7 @@ class RayExecutor:
         check_installed()
         self._at_once, self._address = at_once, address
         self._bridge: Bridge | None = None
-        self.nodes: tuple[Node, ...] = ()  # of the cluster
+        self._nodes: tuple[Node, ...] = ()
 
     def __enter__(self) -> Self:
         if self._address is not None:
@@ -61,9 +61,14 @@ class RayExecutor:
             self._bridge.close()
 
     @property
+    def nodes(self) -> tuple[Node, ...]:
+        """The nodes of the cluster. See ``Executor``."""
+        return self._nodes
+
+    @property
     def at_once(self) -> int:
         """How many matches of one seat at once, at most."""
-        cores = sum(node.cores for node in self.nodes if not node.problem)
+        cores = sum(node.cores for node in self._nodes if not node.problem)
         return max(1, min(cores, self._at_once or EVERYTHING))
 
     def examine(self, sandboxes: Sequence[str], images: Sequence[str] = ()) -> tuple[Examined, ...]:
@@ -97,8 +102,8 @@ class RayExecutor:
         if not cores[best]:
             raise SandboxError(_no_sandbox(found, names))
         for message in self._request(Use(best)):
-            self.nodes = cast("Nodes", message).nodes
-        unused = tuple(f"node {one.name} is not used: {one.problem}" for one in self.nodes if one.problem)
+            self._nodes = cast("Nodes", message).nodes
+        unused = tuple(f"node {one.name} is not used: {one.problem}" for one in self._nodes if one.problem)
         warnings = unused if SANDBOXES[best].isolated else (WARNING, *unused)
         return Choice(SANDBOXES[best], warnings), tuple(submissions)
 
@@ -109,7 +114,7 @@ class RayExecutor:
         lock: Lock | None = None,  # noqa: ARG002 - only this process writes to the folder
     ) -> Iterator["RayPlayers"]:
         """Bring the submissions to the cluster, and compile the engine there. See ``Executor``."""
-        if not self.nodes:
+        if not self._nodes:
             self.choose_sandbox(jobs[0].sandbox, [one for job in jobs for one in job.submissions])
         for _ in self._request(Prepare(tuple(jobs), self._at_once or EVERYTHING)):
             pass
@@ -117,7 +122,7 @@ class RayExecutor:
 
     def map(self, function: Callable[[Item], Value], items: Iterable[Item]) -> Iterator[Value]:
         """Call a function on the nodes, one core for each call. See ``Executor``."""
-        if not self.nodes:
+        if not self._nodes:
             self._use_any_sandbox()
         iterator = iter(items)
         values: dict[int, Value] = {}
@@ -134,7 +139,7 @@ class RayExecutor:
         """Use all nodes with this version of Wildscav: calls run no agents."""
         found = self.examine(())
         for message in self._request(Use("")):
-            self.nodes = cast("Nodes", message).nodes
+            self._nodes = cast("Nodes", message).nodes
         if all(one.problem for one in found):
             raise ExecutorError(_no_node(found))
 
@@ -153,7 +158,7 @@ class RayExecutor:
 
         for message in self._request(Play(), start):
             if isinstance(message, Nodes):
-                self.nodes = message.nodes
+                self._nodes = message.nodes
             elif isinstance(message, Happened):
                 job = mine[message.number]
                 if isinstance(message.event, AttemptFailed):

@@ -247,6 +247,14 @@ def _seats_of(viewers: ArrayLike, count: int) -> NDArray[np.int32]:
     return seats.astype(np.int32)
 
 
+class SeesObjects(OpticalSensor):
+    """A sensor that always sees agents and supply boxes."""
+
+    def moving_in(self, match: "MatchView") -> Solids:
+        """Return the living agents and the supply boxes of the match."""
+        return dynamic_objects_of(match)
+
+
 class MovingOption(OpticalSensor):
     """A sensor with the option ``moving``: whether it also sees agents and supply boxes."""
 
