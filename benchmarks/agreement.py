@@ -88,7 +88,9 @@ class _Difference:
         if self._grazes(ours):
             return "grazing"
         # Only Embree traces more rays, so that a fault of ours cannot explain itself.
-        near = np.abs(self._theirs_turned() - ours) <= _slack(ours)
+        theirs_turned = np.asarray(self._embree(self.turned, self.tracer.distances), np.float64)
+        # Hits of slightly turned rays are so near to each other, on a surface not seen edge-on.
+        near = np.abs(theirs_turned - ours) <= CLOSE + 2.0 * TURN * ours
         if near.all() and theirs > ours:
             return "crack"
         return "silhouette" if near.any() else "unexplained"
@@ -115,14 +117,6 @@ class _Difference:
         reach = np.full(len(rays), self.far, np.float32)
         origins = np.tile(self.eye.astype(np.float32), (len(rays), 1))
         return query(origins, rays.astype(np.float32), reach)  # type: ignore[operator, no-any-return]
-
-    def _theirs_turned(self) -> NDArray[np.float64]:
-        return np.asarray(self._embree(self.turned, self.tracer.distances), np.float64)
-
-
-def _slack(distance: float) -> float:
-    """Return the distance in m between hits of slightly turned rays, on a surface not seen edge-on."""
-    return CLOSE + 2.0 * TURN * distance
 
 
 def _turned_slightly(direction: NDArray[np.float64]) -> NDArray[np.float64]:

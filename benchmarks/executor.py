@@ -63,21 +63,13 @@ def one_node(cores: int) -> Iterator[str]:
     os.environ |= {"RAY_AUTH_MODE": "token", "RAY_AUTH_TOKEN": secrets.token_hex(32)}
     with socket.create_server((NODE, 0)) as free:
         port = free.getsockname()[1]
-    command = [
-        str(Path(sys.executable).with_name("ray")),
-        "start",
-        "--head",
-        "--block",
-        "--disable-usage-stats",
-    ]
-    options = [
-        f"--node-ip-address={NODE}",
-        f"--port={port}",
-        f"--num-cpus={cores}",
-        "--include-dashboard=false",
-    ]
+    command = (
+        *(str(Path(sys.executable).with_name("ray")), "start", "--head", "--block"),
+        *("--disable-usage-stats", "--include-dashboard=false"),
+        *(f"--node-ip-address={NODE}", f"--port={port}", f"--num-cpus={cores}"),
+    )
     quiet = subprocess.DEVNULL
-    with subprocess.Popen([*command, *options], stdout=quiet, stderr=quiet) as process:
+    with subprocess.Popen(command, stdout=quiet, stderr=quiet) as process:
         try:
             _await_cluster(port)
             yield f"{NODE}:{port}"

@@ -203,19 +203,15 @@ def _add_matches(database: Database, season: Season, entrants: list[str], now: d
 def _matches(season: Season, entrants: list[str]) -> Iterator[tuple[Match, list[MatchSeat]]]:
     """Yield all matches with their seats."""
     now = datetime.now(UTC)
+
+    def made(kind: str, track: str, number: int, group: int, spec: Any) -> Match:
+        about = {"kind": kind, "track": track, "number": number, "group_id": group, "spec": spec}
+        return Match(**about, edition_id=season.numbers[track], created=now, since=now)
+
     for place, spec in enumerate(season.suite_matches["navigation"]):
         dumped = spec.model_dump(mode="json")
         for group, entrant in enumerate(entrants, 1):
-            match = Match(
-                kind=SUITE,
-                track="navigation",
-                edition_id=season.numbers["navigation"],
-                number=place,
-                group_id=group,
-                spec=dumped,
-                created=now,
-                since=now,
-            )
+            match = made(SUITE, "navigation", place, group, dumped)
             yield match, [MatchSeat(match_id=0, seat=0, submission_id=group, entrant=entrant)]
     suite, draw = season.suite("battle"), np.random.default_rng(1)
     for number in range(0, LADDER_MATCHES, 2):
@@ -223,23 +219,11 @@ def _matches(season: Season, entrants: list[str]) -> Iterator[tuple[Match, list[
         names = {entrants[one]: int(one) + 1 for one in met}
         for turn in range(2):
             spec, seated = ladder_match(suite, "battle", season.seed.value, number + turn, sorted(names))
-            match = Match(
-                kind=LADDER,
-                track="battle",
-                edition_id=season.numbers["battle"],
-                number=number + turn,
-                group_id=0,
-                spec=spec.model_dump(mode="json"),
-                created=now,
-                since=now,
-            )
-            yield (
-                match,
-                [
-                    MatchSeat(match_id=0, seat=seat, submission_id=names[name], entrant=name)
-                    for seat, name in seated.items()
-                ],
-            )
+            seats = [
+                MatchSeat(match_id=0, seat=seat, submission_id=names[name], entrant=name)
+                for seat, name in seated.items()
+            ]
+            yield made(LADDER, "battle", number + turn, 0, spec.model_dump(mode="json")), seats
 
 
 def _columns(one: Match | MatchSeat) -> dict[str, Any]:

@@ -71,11 +71,6 @@ def played_numbers(policy: Any, settings: TrainingSettings, episodes: int, choos
     return played(policy, settings, episodes, choose)._asdict()
 
 
-def trained_on(settings: TrainingSettings) -> dict[str, Any]:
-    """Train a policy and measure it."""
-    return trained(settings, played_numbers, "success", (POINT_EPISODES, EPISODES))
-
-
 def untrained(settings: TrainingSettings) -> dict[str, Any]:
     """Play the test episodes with agents that were not trained."""
     choices = sum(sizes_of(make_env(settings, 1, None)))
@@ -132,8 +127,8 @@ def main(
     torch.set_num_threads(1)
     for seed in numbers(seeds):
         for number in numbers(maps):
-            settings = settings_of(number, seed)
-            add(out / f"{number:03}-seed-{seed}.json", partial(trained_on, settings))
+            run = (settings_of(number, seed), played_numbers, "success", (POINT_EPISODES, EPISODES))
+            add(out / f"{number:03}-seed-{seed}.json", partial(trained, *run))
     for number in numbers(maps):
         add(out / f"{number:03}-untrained.json", partial(untrained, settings_of(number, 0)))
     sys.stdout.write(table(out))

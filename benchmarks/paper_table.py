@@ -49,7 +49,7 @@ def rows_of(number: int, trained: Sequence[Any], untrained: Sequence[Any]) -> li
         for name, (success, length, spread) in PAPER[number].items()
     ]
     rows += [
-        f"| | `{name}` | {rate(list(map(bool, score['success'])))} | {lengths([score])} | | | |"
+        f"| | `{name}` | {rate(list(map(bool, score['success'])))} | {spread_of([score])} | | | |"
         for run in untrained
         for name, score in run["scores"].items()
     ]
@@ -66,16 +66,11 @@ def trained_row(runs: Sequence[Mapping[str, Any]], choose: str) -> str:
         success = f"{statistics.fmean(means):.1f} ± {statistics.stdev(means):.1f} %"
     seconds = statistics.fmean(run["cpu_seconds"] for run in runs)
     cells = f"{len(runs)} | {runs[0]['steps']:,} | {seconds:.0f}"
-    return f"| | {TITLES[choose]} | {success} | {lengths(scores)} | {cells} |"
+    return f"| | {TITLES[choose]} | {success} | {spread_of(scores)} | {cells} |"
 
 
-def lengths(scores: Sequence[Mapping[str, Any]]) -> str:
-    """Return the mean and the standard deviation of the length of all episodes, as the paper does."""
-    return spread_of(scores, "length")
-
-
-def spread_of(scores: Sequence[Mapping[str, Any]], name: str) -> str:
-    """Return the mean and the standard deviation of a number over all episodes."""
+def spread_of(scores: Sequence[Mapping[str, Any]], name: str = "length") -> str:
+    """Return the mean and the standard deviation of a number over all episodes, as the paper does."""
     every = [value for score in scores for value in score[name]]
     return f"{statistics.fmean(every):.1f} ± {statistics.stdev(every):.1f}"
 
@@ -95,7 +90,9 @@ def team_rows(task: str, runs: Sequence[Any]) -> str:
         effort = f"{len(learned)} | {learned[0]['steps']:,} | {seconds:.0f}"
         cells = team_cells(task, [run["scores"][choose] for run in learned])
         rows.append(f"| {TITLES[choose]} | {cells} | {effort} |\n")
-    rows += [paper_row(name, mean, spread) for name, (mean, spread) in PAPER_TEAMS[task].items()]
+    # It counted boxes in gathering, and steps in capture.
+    paper = PAPER_TEAMS[task].items()
+    rows += [f"| the paper's {name} | {mean} ± {spread} | | | | | |\n" for name, (mean, spread) in paper]
     others = [(name, score) for run in runs if "seed" not in run for name, score in run["scores"].items()]
     rows += [f"| `{name}` | {team_cells(task, [score])} | | | |\n" for name, score in others]
     return "".join(rows)
@@ -107,9 +104,4 @@ def team_cells(task: str, scores: Sequence[Mapping[str, Any]]) -> str:
     if task == "gathering":
         return f"{spread_of(scores, 'boxes')} | {spread_of(scores, 'supplies')} | {count}"
     success = rate([bool(one) for score in scores for one in score["success"]])
-    return f"{lengths(scores)} | {success} | {count}"
-
-
-def paper_row(name: str, mean: float, spread: float) -> str:
-    """Return a row with the paper's figure: it counted boxes in gathering, and steps in capture."""
-    return f"| the paper's {name} | {mean} ± {spread} | | | | | |\n"
+    return f"{spread_of(scores)} | {success} | {count}"

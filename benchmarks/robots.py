@@ -7,12 +7,12 @@ the other tracks use random maps. The seats are dealt anew for each match.
 """
 
 import functools
-import math
 from collections.abc import Callable, Iterator
 from typing import Annotated, NamedTuple
 
 import numpy as np
 import typer
+from baselines import wilson
 
 from wildscav_engine.arithmetic.random_numbers import Dice, Stream
 from wildscav_engine.maps import MapError, generate_map
@@ -27,7 +27,6 @@ from wildscav_evaluator.suites.wild import battle, gathering, meeting_ground, ro
 
 MAPS = 20  # of each kind
 TOGETHER = 40  # matches in a batch
-Z = 1.959964  # of a 95 % interval
 
 
 class Row(NamedTuple):
@@ -179,14 +178,6 @@ def _score(batch: Batch, number: int, seats: list[int]) -> float:
     if batch.track.has_target:
         return float(agents.reached[number, seats].any())
     return float(agents.supplies[number, seats].sum())
-
-
-def wilson(share: float, matches: int) -> tuple[float, float]:
-    """Return the 95 % interval of a share (Wilson, JASA 1927)."""
-    squared = Z * Z / matches
-    middle = (share + squared / 2) / (1 + squared)
-    half = Z * math.sqrt(share * (1 - share) / matches + squared / (4 * matches)) / (1 + squared)
-    return middle - half, middle + half
 
 
 def described(row: Row) -> str:

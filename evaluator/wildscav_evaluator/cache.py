@@ -25,7 +25,7 @@ def is_kept(entry: Path) -> bool:
     return False
 
 
-def prune(folder: Path, largest: int = LARGEST, oldest: float = OLDEST) -> None:
+def prune(folder: Path, largest: int = LARGEST) -> None:
     """Remove what nobody used for long, and if a cache is too large, what was not used for the longest time.
 
     Whatever was used within a day stays, since it may be in use.
@@ -33,12 +33,11 @@ def prune(folder: Path, largest: int = LARGEST, oldest: float = OLDEST) -> None:
     Args:
         folder: The cache.
         largest: Bytes of what stays, unless more is in use.
-        oldest: For how long what nobody uses is kept, s.
     """
     total, now = 0, time.time()
     for entry in sorted(folder.iterdir(), key=_used, reverse=True):
         total += sum(path.lstat().st_size for path in (entry, *entry.rglob("*")))
-        if now - _used(entry) > (oldest if total <= largest else min(IN_USE, oldest)):
+        if now - _used(entry) > (OLDEST if total <= largest else IN_USE):
             shutil.rmtree(entry, ignore_errors=True)
 
 

@@ -19,11 +19,6 @@ MOVED = {
 LINK = re.compile(r"(?<=\]\()(?![a-z]+:|#|/)([^)#\s]+)")
 
 
-def origin_of(page: str) -> str:
-    """Return the path in the repository of the text of a page."""
-    return next((source for source, moved in MOVED.items() if moved == page), DOCS + page)
-
-
 def links_for_site(markdown: str, page: str, add: Callable[[str], None]) -> str:
     """Return the text of a page with links that work on the website.
 
@@ -32,7 +27,8 @@ def links_for_site(markdown: str, page: str, add: Callable[[str], None]) -> str:
         page: Its path on the website.
         add: Called with every linked file that is not a page of the website.
     """
-    origin = posixpath.dirname(origin_of(page))
+    source_of_page = next((source for source, moved in MOVED.items() if moved == page), DOCS + page)
+    origin = posixpath.dirname(source_of_page)
 
     def moved(link: re.Match[str]) -> str:
         source = posixpath.normpath(posixpath.join(origin, link[1]))

@@ -121,14 +121,11 @@ def _type(field: FieldDescriptorProto, message: DescriptorProto) -> str:
         if inner.options.map_entry and field.type_name.endswith(f".{message.name}.{inner.name}"):
             key, value = inner.field
             return f"map of {_type(key, message)} to {_type(value, message)}"
-    name = _link(field.type_name) if field.type_name else _scalar(field)
+    scalar = FieldDescriptorProto.Type.Name(field.type).removeprefix("TYPE_").lower()
+    name = _link(field.type_name) if field.type_name else code(scalar)
     if field.label == FieldDescriptorProto.LABEL_REPEATED:
         return f"repeated {name}"
     return f"optional {name}" if field.proto3_optional else name
-
-
-def _scalar(field: FieldDescriptorProto) -> str:
-    return code(FieldDescriptorProto.Type.Name(field.type).removeprefix("TYPE_").lower())
 
 
 def _link(full_name: str) -> str:

@@ -14,22 +14,18 @@ from wildscav_engine.parallel.turns import Turns
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.dynamic_objects import ObjectSets
 from wildscav_engine.rendering.shading.render import render_pictures
-from wildscav_engine.rendering.tracing.solids import Solids
 from wildscav_engine.sensors.base import sensor
 from wildscav_engine.sensors.optics.batched import BatchedOpticalSensor
-from wildscav_engine.sensors.optics.dynamic_objects import dynamic_objects_of
+from wildscav_engine.sensors.optics.optical import SeesObjects
 from wildscav_engine.sensors.optics.pinhole import PinholeCamera
 from wildscav_engine.sensors.optics.shown_maps import ShownMap, ShownMaps
 
 if TYPE_CHECKING:
-    from gymnasium.spaces import Box
-
     from wildscav_engine.maps.game_map import GameMap
-    from wildscav_engine.simulation.match_view import MatchView
 
 
 @sensor
-class ColorCamera(BatchedOpticalSensor, PinholeCamera):
+class ColorCamera(SeesObjects, BatchedOpticalSensor, PinholeCamera):
     """Images in red, green and blue."""
 
     width: Annotated[int, Field(ge=1, le=1920)] = 160  # pixels
@@ -45,20 +41,14 @@ class ColorCamera(BatchedOpticalSensor, PinholeCamera):
     channels: ClassVar[tuple[int, ...]] = (3,)
 
     @property
-    def space(self) -> "Box":
-        """(height, width, 3) red, green and blue, 0-255."""
-        from gymnasium.spaces import Box
-
-        return Box(0, 255, self.shape, np.uint8)
+    def bounds(self) -> tuple[float, float]:
+        """0 and 255."""
+        return 0, 255
 
     def prepare(self, game_map: "GameMap") -> None:
         """Compute what images of a map are made from, including its colours."""
         super().prepare(game_map)
         _ = game_map.appearance
-
-    def moving_in(self, match: "MatchView") -> Solids:
-        """Return the living agents and the supply boxes of the match."""
-        return dynamic_objects_of(match)
 
     def write_images(
         self,

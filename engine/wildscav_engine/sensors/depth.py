@@ -27,8 +27,6 @@ from wildscav_engine.sensors.optics.pinhole import PinholeCamera
 from wildscav_engine.sensors.optics.shown_maps import ShownMap, ShownMaps
 
 if TYPE_CHECKING:
-    from gymnasium.spaces import Box
-
     from wildscav_engine.maps.game_map import GameMap
     from wildscav_engine.simulation.match_view import MatchView
 
@@ -45,13 +43,6 @@ class DepthCamera(MovingOption, BatchedOpticalSensor, PinholeCamera):
     ray_time: ClassVar[int] = 5
 
     moving: bool = False  # whether agents and supply boxes are visible
-
-    @property
-    def space(self) -> "Box":
-        """(height, width) m, from 0 to ``far``."""
-        from gymnasium.spaces import Box
-
-        return Box(np.float32(0.0), np.float32(self.far), self.shape, np.float32)
 
     def read(self, match: "MatchView", seats: Sequence[int]) -> NDArray[np.float32]:
         """Return the depth maps of some agents, (len(seats), height, width) m; see ``OpticalSensor.read``."""

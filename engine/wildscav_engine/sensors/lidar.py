@@ -25,7 +25,6 @@ from wildscav_engine.sensors.optics.shown_maps import ShownMap, ShownMaps
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from gymnasium.spaces import Box
 
 Elevation = Annotated[float, Field(ge=-90, le=90)]
 
@@ -76,13 +75,6 @@ class Lidar(MovingOption, BatchedOpticalSensor):
             return np.array([(self.highest + self.lowest) / 2.0])
         steps = np.arange(self.channels) / (self.channels - 1)
         return self.highest + (self.lowest - self.highest) * steps
-
-    @property
-    def space(self) -> "Box":
-        """(channels, azimuths) m, from 0 to ``range``."""
-        from gymnasium.spaces import Box
-
-        return Box(np.float32(0.0), np.float32(self.range), self.shape, np.float32)
 
     def write_images(
         self,

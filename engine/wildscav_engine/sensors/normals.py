@@ -5,7 +5,7 @@ nothing within ``far``, or where it starts inside a solid. Rays pass through wat
 supply boxes are invisible unless the option ``moving`` is set.
 """
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,9 +20,6 @@ from wildscav_engine.sensors.optics.optical import MovingOption
 from wildscav_engine.sensors.optics.pinhole import PinholeCamera
 from wildscav_engine.sensors.optics.shown_maps import ShownMap, ShownMaps
 
-if TYPE_CHECKING:
-    from gymnasium.spaces import Box
-
 
 @sensor
 class NormalCamera(MovingOption, BatchedOpticalSensor, PinholeCamera):
@@ -36,11 +33,9 @@ class NormalCamera(MovingOption, BatchedOpticalSensor, PinholeCamera):
     moving: bool = False  # whether agents and supply boxes are visible
 
     @property
-    def space(self) -> "Box":
-        """(height, width, 3), from -1 to 1."""
-        from gymnasium.spaces import Box
-
-        return Box(np.float32(-1.0), np.float32(1.0), self.shape, np.float32)
+    def bounds(self) -> tuple[float, float]:
+        """-1 and 1."""
+        return -1.0, 1.0
 
     def write_images(
         self,

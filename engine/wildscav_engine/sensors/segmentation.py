@@ -7,7 +7,7 @@ index, and supply boxes from ``FIRST_BOX`` on by serial number. A wall with a do
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,17 +17,11 @@ from wildscav_engine.parallel.turns import Turns
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.dynamic_objects import ObjectSets
 from wildscav_engine.rendering.labels import FIRST_AGENT, FIRST_BOX, FIRST_SOLID, write_labels
-from wildscav_engine.rendering.tracing.solids import Solids
 from wildscav_engine.sensors.base import Sensor, sensor
 from wildscav_engine.sensors.optics.batched import BatchedOpticalSensor
-from wildscav_engine.sensors.optics.dynamic_objects import dynamic_objects_of
+from wildscav_engine.sensors.optics.optical import SeesObjects
 from wildscav_engine.sensors.optics.pinhole import PinholeCamera
 from wildscav_engine.sensors.optics.shown_maps import ShownMap, ShownMaps
-
-if TYPE_CHECKING:
-    from gymnasium.spaces import Box
-
-    from wildscav_engine.simulation.match_view import MatchView
 
 __all__ = ["FIRST_AGENT", "FIRST_BOX", "FIRST_SOLID", "SegmentationCamera"]
 
@@ -35,7 +29,7 @@ MAX_LABEL = 2**31 - 1
 
 
 @sensor
-class SegmentationCamera(BatchedOpticalSensor, PinholeCamera):
+class SegmentationCamera(SeesObjects, BatchedOpticalSensor, PinholeCamera):
     """Labels of the objects in each pixel."""
 
     label: Literal["kind", "instance"] = "kind"
@@ -54,16 +48,9 @@ class SegmentationCamera(BatchedOpticalSensor, PinholeCamera):
         return np.uint8 if self.label == "kind" else np.int32
 
     @property
-    def space(self) -> "Box":
-        """(height, width) labels."""
-        from gymnasium.spaces import Box
-
-        greatest = max(Kind) if self.label == "kind" else MAX_LABEL
-        return Box(0, int(greatest), self.shape, self.dtype)  # type: ignore[arg-type]
-
-    def moving_in(self, match: "MatchView") -> Solids:
-        """Return the living agents and the supply boxes of the match."""
-        return dynamic_objects_of(match)
+    def bounds(self) -> tuple[float, float]:
+        """The least and the greatest label."""
+        return 0, max(Kind) if self.label == "kind" else MAX_LABEL
 
     def write_images(
         self,

@@ -88,7 +88,7 @@ def _table(record: Record, history: History, names: tuple[str, ...], followed: i
     if history.has_teammates:
         columns.append(Column("Team", np.broadcast_to(history.teams + 1, agents.health.shape)))
     if history.target is not None:
-        columns.append(Column("Distance", history.distance_to_target, _metres, False))
+        columns.append(Column("Distance", history.distance_to_target, "{:.0f} m".format, False))
     if track.has_supplies:
         if history.has_teammates:
             columns.append(Column("Team has", history.supplies_of_team))
@@ -134,10 +134,6 @@ def _line(table: Table, row: int, seat: int, place: int) -> str:
     name = _plain(table.names[seat])
     cells = "".join(f" {column.write(float(column.values[row, seat]))} |" for column in table.columns)
     return f"| {place} | {f'**{name}**' if seat == table.followed else name} |{cells}"
-
-
-def _metres(distance: float) -> str:
-    return f"{distance:.0f} m"
 
 
 def _health(left: float) -> str:

@@ -46,7 +46,8 @@ class LedgerWriter:
     def __init__(self, out: Path, identity: Identity, key: SigningKey | None) -> None:
         self._out, self._key = out, key
         self._path = out / LEDGER_FILE
-        self._number, self._head = 0, ""
+        self._number = 0
+        self.head = ""  # SHA-256 of the last line, which identifies the whole ledger
         self._played: dict[str, Ended] = {}
         self._closed: Closed | None = None
         ledger = self._read_existing(identity)
@@ -55,13 +56,8 @@ class LedgerWriter:
         if ledger is None:
             self._append(Opened(identity=identity))
         else:
-            self._number, self._head = len(ledger.entries), ledger.head
+            self._number, self.head = len(ledger.entries), ledger.head
             self._played, self._closed = ledger.played, ledger.closed
-
-    @property
-    def head(self) -> str:
-        """SHA-256 of the last line, which identifies the whole ledger."""
-        return self._head
 
     def _read_existing(self, identity: Identity) -> Ledger | None:
         """Return the existing ledger, truncated to its last complete line; None if there is none."""
@@ -172,7 +168,7 @@ class LedgerWriter:
             self._append(Resumed())
         self._closed = None
         at = datetime.now(UTC).isoformat(timespec="milliseconds")
-        entry = Entry(number=self._number, previous=self._head or None, at=at, fact=fact, signature=None)
+        entry = Entry(number=self._number, previous=self.head or None, at=at, fact=fact, signature=None)
         if self._key is not None:
             entry = entry.model_copy(update={"signature": self._key.sign(entry.signed)})
         line = entry.line
@@ -183,7 +179,7 @@ class LedgerWriter:
                 os.fsync(writer.fileno())
         except OSError as error:
             raise UserError(f"the ledger {self._path} cannot be written: {error.strerror}") from error
-        self._number, self._head = self._number + 1, digest_of_line(line)
+        self._number, self.head = self._number + 1, digest_of_line(line)
 
 
 def _row(result: JobResult) -> MatchRow:
@@ -192,14 +188,7 @@ def _row(result: JobResult) -> MatchRow:
 
 def _scores(results: Results) -> list[Score]:
     return [
-        Score(
-            submission=one.submission,
-            track=one.track,
-            metric=one.metrics[0].name,
-            summary=one.score,
-            matches=len(one.matches),
-            faults=one.faults,
-        )
+        Score.about(one, metric=one.metrics[0].name, summary=one.score, matches=len(one.matches))
         for one in results.evaluations
     ]
 

@@ -204,31 +204,22 @@ def _render(job: Job) -> str:
 def seat_row(job: Job, played: PlayedMatch, seat: int) -> SeatRow:
     """Return how a match went in an entrant's seat, as a row of the results file."""
     metrics = dict(played.match.result().seats[seat].metrics)
-    entrant, team = _entrant_and_team(job, seat)
+    # In an evaluation every seat is the submission's.
+    rated = job.evaluated is None
+    entrant, team = (job.entrants[seat], job.spec.team_of_seats[seat]) if rated else (None, None)
     if seat in job.robots:
         return SeatRow(seat=seat, submission=entrant, team=team, status=FINISHED, metrics=metrics)
     report, log = played.seats[seat], job.log(seat)
-    return SeatRow(
-        seat=seat,
+    return SeatRow.about(
+        report,
         submission=entrant,
         team=team,
         status=report.status.value,
         fault=fault.value if (fault := report.status.fault) else None,
-        detail=report.detail,
-        exit_code=report.exit_code,
-        killed_by=report.killed_by,
-        last_lines=report.last_lines,
         actions=report.steps_played,
-        invalid_actions=report.invalid_actions,
-        ignored_fields=report.ignored_fields,
         metrics=metrics,
         log=log if (job.out / log).exists() else None,
     )
-
-
-def _entrant_and_team(job: Job, seat: int) -> tuple[str | None, int | None]:
-    """Return whose seat it is and its team; None in an evaluation, where every seat is the submission's."""
-    return (None, None) if job.evaluated is not None else (job.entrants[seat], job.spec.team_of_seats[seat])
 
 
 def match_timing(job: Job, played: PlayedMatch, started: float, wall: float) -> MatchTiming:
@@ -254,16 +245,11 @@ def match_timing(job: Job, played: PlayedMatch, started: float, wall: float) -> 
 
 def _seat_timing(report: SeatReport) -> SeatTiming:
     times = report.think_time
-    return SeatTiming(
-        seat=report.seat,
-        start_up=report.start_up,
+    return SeatTiming.about(
+        report,
         steps=report.steps_played + report.late_steps,
-        late_steps=report.late_steps,
-        credited=report.credited,
-        dropped_actions=report.dropped_actions,
         time_used=times.total,
         latency_p50=times.p50,
         latency_p99=times.p99,
         latency_max=times.max,
-        time_bank=report.time_bank,
     )

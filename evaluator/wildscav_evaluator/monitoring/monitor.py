@@ -273,10 +273,7 @@ class Monitor:
         row, timing = result.row, result.timing
         values: dict[str, Any] = {
             "match": result.job.stem,
-            "status": row.status,
-            "fault": row.fault,
-            "detail": row.detail,
-            "metrics": row.metrics,
+            **row.model_dump(include={"status", "fault", "detail", "metrics"}),
         }
         if timing is not None:
             values |= {

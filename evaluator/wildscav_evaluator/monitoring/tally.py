@@ -76,7 +76,7 @@ class Tally:
         self.jobs = {job.stem: job for job in jobs}
         self.done: dict[str, JobResult] = {}
         self.running: dict[str, RunningMatch] = {}
-        self._failed = 0
+        self.failed = 0  # matches in which something went wrong
         self.broken = 0  # attempts that the platform broke, each played again
         self.lines: dict[tuple[str, str], TrackProgress] = {}
         for job in jobs:
@@ -131,7 +131,7 @@ class Tally:
             line.failed += row.fault is not None
             if row.metrics is not None:
                 line.scores.append(row.metrics[line.metric.name])
-        self._failed += result.row.fault is not None
+        self.failed += result.row.fault is not None
         return lines
 
     def _lines(self, job: Job) -> list[TrackProgress]:
@@ -144,11 +144,6 @@ class Tally:
         return [(job.track, name) for name in dict.fromkeys(job.entrants.values())]
 
     # State.
-
-    @property
-    def failed(self) -> int:
-        """Matches in which something went wrong."""
-        return self._failed
 
     @property
     def waiting(self) -> int:

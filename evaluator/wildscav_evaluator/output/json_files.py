@@ -1,4 +1,4 @@
-"""The base of all JSON files in an output folder.
+"""The base of all JSON files in an output folder, and of other documents.
 
 A folder may come from an untrusted source, so its files are read with limits. A small file takes little
 memory. A large one is first read in a process with limits, and here only if it fits into those.
@@ -27,7 +27,17 @@ MEMORY = 512 << 20  # bytes of memory that reading a large file may take
 SMALL = 256 << 10  # bytes of a file that is read without a trial
 
 
-class FileModel(BaseModel):
+class Document(BaseModel):
+    """Base of models that may have fields in common with what they describe."""
+
+    @classmethod
+    def about(cls, source: object, **others: Any) -> Self:
+        """Return a document of what something has of its fields, and of the others that are given."""
+        names = [name for name in cls.model_fields if name not in others and hasattr(source, name)]
+        return cls.model_validate({name: getattr(source, name) for name in names} | others)
+
+
+class FileModel(Document):
     """Base of the models of such a file and its parts."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")

@@ -9,7 +9,7 @@ from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.output import results
 from wildscav_evaluator.output.identity import Entrant, Identity, digest_of
-from wildscav_evaluator.output.results import CURRENT_VERSIONS, metric_infos
+from wildscav_evaluator.output.results import metric_infos
 from wildscav_evaluator.plans.plan import Plan, evaluation_of
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_evaluator.suites.suite import matches_in_rounds
@@ -70,25 +70,18 @@ class EvaluationPlan(Plan):
         """Return everything that the results depend on."""
         specs = [spec for track in self.tracks for spec in self.matches(track)]
         return Identity(
-            versions=CURRENT_VERSIONS,
-            suite=self.suite.label,
+            **self.conditions(self.tracks),
             seed=self.seed.label,
-            commitment=self.seed.commitment,
-            rounds=self.rounds,
             tracks=self.tracks,
             matches=digest_of(specs),
             submissions=tuple(
-                Entrant(
-                    name=one.name,
+                Entrant.about(
+                    one,
                     version=one.manifest.version,
-                    digest=one.digest,
                     tracks=tuple(track for track in self.tracks if track in one.manifest.tracks),
                 )
                 for one in self.submissions
             ),
-            sandbox=self.sandbox,
-            limits=self.kept_limits(self.tracks),
-            key=self.public_key,
         )
 
     def collect(self, done: Iterable[JobResult]) -> results.Results:
@@ -96,14 +89,8 @@ class EvaluationPlan(Plan):
         # In the order of the suite.
         done = sorted(done, key=lambda one: (one.job.track, str(one.job.evaluated), one.job.index))
         return results.Results(
-            versions=CURRENT_VERSIONS,
-            suite=self.suite.label,
+            **self.conditions(self.tracks),
             seed=None if self.seed.commitment else self.seed.value,
-            commitment=self.seed.commitment,
-            rounds=self.rounds,
-            sandbox=self.sandbox,
-            limits=self.kept_limits(self.tracks),
-            key=self.public_key,
             evaluations=tuple(self._evaluation(track, one, done) for track, one in self.entries()),
             timings=self.timings(done),
         )

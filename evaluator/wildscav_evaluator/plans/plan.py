@@ -6,13 +6,14 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 from wildscav_evaluator.ledger.keys import SigningKey
 from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.output.identity import Entrant, Identity
 from wildscav_evaluator.output.numbered_folders import own_folder
 from wildscav_evaluator.output.results import (
+    CURRENT_VERSIONS,
     Evaluation,
     KeptLimits,
     MatchRow,
@@ -71,6 +72,18 @@ class Plan(ABC):
     def public_key(self) -> str | None:
         """The public half of the key, 64 hexadecimal digits."""
         return None if self.key is None else self.key.public
+
+    def conditions(self, tracks: Iterable[str]) -> dict[str, Any]:
+        """Return what the identity and the results of a run on some tracks both name."""
+        return {
+            "versions": CURRENT_VERSIONS,
+            "suite": self.suite.label,
+            "commitment": self.seed.commitment,
+            "rounds": self.rounds,
+            "sandbox": self.sandbox,
+            "limits": self.kept_limits(tracks),
+            "key": self.public_key,
+        }
 
     def in_own_folder(self) -> Self:
         """Return this plan with a numbered output folder inside its output folder."""

@@ -8,7 +8,6 @@ from wildscav_engine.version import ENGINE_VERSION
 from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.output.identity import Entrant, Identity, digest_of
 from wildscav_evaluator.output.results import (
-    CURRENT_VERSIONS,
     MatchRow,
     Results,
     TournamentSettings,
@@ -95,17 +94,11 @@ class TournamentPlan(Plan):
     def identity(self) -> Identity:
         """Return everything that the results depend on."""
         return Identity(
-            versions=CURRENT_VERSIONS,
-            suite=self.suite.label,
+            **self.conditions((self.track,)),
             seed=self.seed.label,
-            commitment=self.seed.commitment,
-            rounds=self.rounds,
             tracks=(self.track,),
             matches=digest_of(match.spec for match in self.matches),
             submissions=self.entrants,
-            sandbox=self.sandbox,
-            limits=self.kept_limits((self.track,)),
-            key=self.public_key,
             tournament=self.settings,
         )
 
@@ -118,14 +111,8 @@ class TournamentPlan(Plan):
                 rows[name].append(row)
         metrics = metric_infos(self.track, self.matches[0].spec.metrics)
         return Results(
-            versions=CURRENT_VERSIONS,
-            suite=self.suite.label,
+            **self.conditions((self.track,)),
             seed=None if self.seed.commitment else self.seed.value,
-            commitment=self.seed.commitment,
-            rounds=self.rounds,
-            sandbox=self.sandbox,
-            limits=self.kept_limits((self.track,)),
-            key=self.public_key,
             tournament=self.settings,
             evaluations=tuple(
                 evaluation_of(one, one.version, self.track, metrics, rows[one.name]) for one in self.entrants

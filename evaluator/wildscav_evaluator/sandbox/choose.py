@@ -14,7 +14,7 @@ from pathlib import Path
 from wildscav import __version__
 from wildscav.system import leftovers
 from wildscav_evaluator.cache import cache_folder
-from wildscav_evaluator.sandbox.base import Promise, Sandbox, SandboxError
+from wildscav_evaluator.sandbox.base import Sandbox, SandboxError
 from wildscav_evaluator.sandbox.limits import Limits
 from wildscav_evaluator.sandbox.process import WARNING, ProcessSandbox
 
@@ -83,12 +83,8 @@ def missing_promises(sandbox: Sandbox, limits: Limits) -> str:
         with contextlib.suppress(OSError):
             memory.parent.mkdir(parents=True, exist_ok=True)
             memory.touch()
-    return "; ".join(map(describe_broken, broken))
-
-
-def describe_broken(promise: Promise) -> str:
-    """Return one line about a promise that is not kept."""
-    return f"{promise.name}: {promise.found}" + (f" ({promise.remedy})" if promise.remedy else "")
+    told = (f"{one.name}: {one.found}" + (f" ({one.remedy})" if one.remedy else "") for one in broken)
+    return "; ".join(told)
 
 
 def _memory(sandbox: Sandbox, limits: Limits) -> Path:

@@ -100,12 +100,8 @@ async def _probe(sandbox: Sandbox, folder: Path, limits: Limits) -> dict[str, An
         found: dict[str, Any] = json.loads(text.partition("\n")[0])
     except ValueError:
         raise SandboxError(f"the probe did not run: {ending}") from None
-    return found | {"printed": len(text.partition(f"\n{CUT}")[0]), "left": _processes_with(token)}
-
-
-def _processes_with(token: str) -> int:
-    """Return how many processes have a token in their environment."""
-    return sum(token.encode() in read_file(process, "environ") for process in all_processes())
+    left = sum(token.encode() in read_file(process, "environ") for process in all_processes())
+    return found | {"printed": len(text.partition(f"\n{CUT}")[0]), "left": left}
 
 
 def _judge(found: dict[str, Any], limits: Limits) -> Iterator[Promise]:

@@ -63,13 +63,10 @@ class Comparisons(FileModel):
 def compare(results: Results, first: str, second: str) -> Comparisons:
     """Compare two submissions on every track of an evaluation in which both take part."""
     by_name = {(one.submission, one.track): one for one in results.evaluations}
-    return Comparisons(
-        versions=results.versions,
-        suite=results.suite,
+    return Comparisons.about(
+        results,
+        format=2,
         seed=results.seed_label,
-        rounds=results.rounds,
-        sandbox=results.sandbox,
-        limits=results.limits,
         comparisons=tuple(
             compare_evaluations(by_name[first, track], by_name[second, track]) for track in results.tracks
         ),

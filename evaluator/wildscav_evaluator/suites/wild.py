@@ -38,12 +38,12 @@ def meeting_ground(dice: Dice) -> MapConfig:
     )
 
 
-def moving_supplies(dice: Dice, time_limit: float = FIGHT_TIME) -> SupplyConfig:
+def moving_supplies(dice: Dice) -> SupplyConfig:
     """Return few boxes all over the map, and a hot spot that moves to the end of a match."""
     interval = choose(dice, (20.0, 25.0, 30.0))
     hot_spot = HotSpot(
         interval=interval,
-        places=int(time_limit // interval),
+        places=int(FIGHT_TIME // interval),
         radius=choose(dice, (5.0, 8.0)),
         boxes=choose(dice, (10, 15)),
         quantity=(10, 30),

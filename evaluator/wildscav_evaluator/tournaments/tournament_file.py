@@ -8,7 +8,6 @@ from wildscav.terminal.console import counted
 from wildscav_evaluator.output.json_files import FileModel, FileModelError
 from wildscav_evaluator.output.layout import RESULTS_FILE, TOURNAMENT_FILE
 from wildscav_evaluator.output.results import (
-    Evaluation,
     KeptLimits,
     MetricInfo,
     Results,
@@ -67,31 +66,19 @@ def tournament_of(results: Results) -> Tournament:
         raise ValueError("the results are not those of a tournament on one track")
     rated = list(rated_matches(results, settings.repeats))
     indices = {row.index for one in evaluations for row in one.matches}
-    return Tournament(
-        versions=results.versions,
+    return Tournament.about(
+        results,
+        format=1,
         track=evaluations[0].track,
-        suite=results.suite,
         seed=results.seed_label,
-        rounds=results.rounds,
         settings=settings,
-        sandbox=results.sandbox,
         limits=results.limits.get(evaluations[0].track, KeptLimits()),
         placed_by=placing_metric(evaluations[0].metrics),
         matches=len(rated),
         failed=len(indices) - len(rated),
         score=evaluations[0].metrics[0],
-        entrants=tuple(_entry(one) for one in evaluations),
+        entrants=tuple(Entry.about(one, name=one.submission) for one in evaluations),
         ratings=rate(rated),
-    )
-
-
-def _entry(evaluation: Evaluation) -> Entry:
-    return Entry(
-        name=evaluation.submission,
-        version=evaluation.version,
-        digest=evaluation.digest,
-        faults=evaluation.faults,
-        score=evaluation.score,
     )
 
 

@@ -6,7 +6,6 @@ from datetime import datetime, timedelta
 from sqlalchemy import delete, select
 from sqlalchemy.orm import Session
 
-from wildscav_leaderboard.accounts import passwords
 from wildscav_leaderboard.accounts.keys import INVITATION, TOKEN, digest_of, new_key
 from wildscav_leaderboard.accounts.models import (
     COMPETITOR,
@@ -16,7 +15,6 @@ from wildscav_leaderboard.accounts.models import (
     Token,
     WebSession,
 )
-from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.seasons.names import checked_line, checked_name
 from wildscav_leaderboard.seasons.refusals import (
     ForbiddenError,
@@ -150,20 +148,6 @@ def check_usable(account: Account) -> Account:
     if account.disabled is not None:
         raise ForbiddenError(f"the account {account.name} is disabled: {account.disabled}")
     return account
-
-
-def checked_account(database: Database, name: str, password: str) -> Account:
-    """Return the account with a name and a password.
-
-    Raises:
-        UnknownCallerError: There is none, or the password is wrong; it does not say which.
-        ForbiddenError: The account is disabled.
-    """
-    with database.reading() as session:
-        account = find_account(session, name)
-    if not passwords.matches(password, None if account is None else account.password) or account is None:
-        raise UnknownCallerError("the name or the password is wrong")
-    return check_usable(account)
 
 
 def new_token(session: Session, account: Account, label: str, now: datetime) -> str:

@@ -87,7 +87,9 @@ class Audit:
                     self._check_board(report, source, season, track, board, seeds, records, memory)
                 except InvalidDocumentError as error:
                     report.findings.append(Finding(str(error)))
-                report.findings[before:] = [one.of_board(board) for one in report.findings[before:]]
+                report.findings[before:] = [
+                    replace(one, track=board.label) for one in report.findings[before:]
+                ]
             if source.is_live:
                 memory.keep()
             return report

@@ -1,10 +1,10 @@
 """What an audit found: what is wrong, what was checked, and what could not be."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 from wildscav_leaderboard.boards.documents import Row
-from wildscav_leaderboard.publishing.documents import BoardFile, PublishedBoard, PublishedMatch
+from wildscav_leaderboard.publishing.documents import BoardFile, PublishedMatch
 
 
 @dataclass(frozen=True)
@@ -29,10 +29,6 @@ class Finding:
         )
         where = ", ".join(place for place in places if place is not None)
         return f"{where}: {self.problem}" if where else self.problem
-
-    def of_board(self, board: PublishedBoard) -> "Finding":
-        """Return it with its board."""
-        return replace(self, track=board.label)
 
 
 def wrong_value(name: str, published: Any, expected: Any, **place: Any) -> Finding:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field
 
 from wildscav_evaluator.output.results import MetricInfo, Summary
 from wildscav_leaderboard.seasons.editions import Conditions, Part
@@ -26,6 +26,24 @@ class Entry:
     def shown(self) -> dict[str, Any]:
         """What its row has of it."""
         return {name: value for name, value in vars(self).items() if name != "entrant"}
+
+
+class ProgressView(BaseModel):
+    """How far a submission is on a track."""
+
+    track: str
+    played: int  # matches
+    planned: int  # on a ladder: at most, if its rating is not settled before
+    missing: int  # entrants without whom its ladder makes no match for it; 0 once it has one
+
+
+class TotalsView(BaseModel):
+    """How a submission did in all of its matches of a suite together."""
+
+    track: str
+    matches: int
+    score: float  # their mean
+    faults: dict[str, int]  # in how many matches it had each kind of fault
 
 
 class Row(Part):

@@ -1,11 +1,11 @@
 """How far submissions are on their tracks, and which ladders wait for entrants."""
 
 from collections import Counter
-from typing import NamedTuple
 
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
+from wildscav_leaderboard.boards.documents import ProgressView, TotalsView
 from wildscav_leaderboard.matches.models import FINISHED, SUITE, VOID, Match, MatchResult, MatchSeat
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.submissions.models import Submission
@@ -13,25 +13,7 @@ from wildscav_leaderboard.submissions.states import ACTIVE
 from wildscav_leaderboard.teams.models import Team
 
 
-class Progress(NamedTuple):
-    """How far a submission is on a track."""
-
-    track: str
-    played: int  # matches
-    planned: int  # on a ladder: at most, if its rating is not settled before
-    missing: int  # entrants without whom its ladder makes no match for it; 0 once it has one
-
-
-class Totals(NamedTuple):
-    """How a submission did in all of its matches of a suite together, since single ones are hidden."""
-
-    track: str
-    matches: int
-    score: float  # their mean
-    faults: dict[str, int]  # in how many matches it had each kind of fault
-
-
-def totals_of(session: Session, submission: Submission) -> list[Totals]:
+def totals_of(session: Session, submission: Submission) -> list[TotalsView]:
     """Return a submission's totals on each suite on which all of its matches are over.
 
     There are none before: each change of them would tell one match.
@@ -55,13 +37,18 @@ def totals_of(session: Session, submission: Submission) -> list[Totals]:
         if fault is not None:
             faults.setdefault(track, []).append(status)
     return [
-        Totals(track, len(each), sum(each) / len(each), dict(Counter(faults.get(track, ()))))
+        TotalsView(
+            track=track,
+            matches=len(each),
+            score=sum(each) / len(each),
+            faults=Counter(faults.get(track, ())),
+        )
         for track, each in scores.items()
         if track not in unfinished
     ]
 
 
-def progress_of(session: Session, season: Season, submission: Submission) -> list[Progress]:
+def progress_of(session: Session, season: Season, submission: Submission) -> list[ProgressView]:
     """Return how far a submission is on each of its tracks; nothing unless it takes part."""
     if submission.state != ACTIVE:
         return []
@@ -75,8 +62,9 @@ def progress_of(session: Session, season: Season, submission: Submission) -> lis
     found = []
     for track, settings in tracks.items():
         planned = made[track] if settings.mode == "suite" else max(settings.matches, made[track])
+        played = counts.get(track, {}).get(FINISHED, 0)
         waited_for = 0 if made[track] else missing.get(track, 0)
-        found.append(Progress(track, counts.get(track, {}).get(FINISHED, 0), planned, waited_for))
+        found.append(ProgressView(track=track, played=played, planned=planned, missing=waited_for))
     return found
 
 

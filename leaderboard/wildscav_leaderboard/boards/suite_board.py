@@ -75,9 +75,9 @@ def suite_board(
     teams = {one.entry.team for one in ranked}
     waiting = sorted((one for one in results if one.entry.team not in teams), key=lambda one: one.submission)
     ranges = _ranges(ranked, score)
-    rows = [
+    rows = [  # of those that wait, a team's newest one
         *(_row(one, *ranks, metrics) for one, ranks in zip(ranked, ranges, strict=True)),
-        *(_row(one, None, None, ()) for one in _last_of_teams(waiting)),
+        *(_row(one, None, None, ()) for one in {one.entry.team: one for one in waiting}.values()),
     ]
     return SuiteBoard(
         track=track,
@@ -107,11 +107,6 @@ def _best_of_teams(ordered: Iterable[SuiteResults]) -> list[SuiteResults]:
     for one in ordered:
         first.setdefault(one.entry.team, one)
     return list(first.values())
-
-
-def _last_of_teams(ordered: Iterable[SuiteResults]) -> list[SuiteResults]:
-    """Return the last of each team: its newest one."""
-    return list({one.entry.team: one for one in ordered}.values())
 
 
 def _ranges(ranked: Sequence[SuiteResults], score: MetricInfo) -> list[tuple[int, int]]:

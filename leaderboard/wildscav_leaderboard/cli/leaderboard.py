@@ -115,12 +115,12 @@ def _nothing_found(everything: "list[Standings]", track: str | None, suite: str 
 
 def _table(one: "Standings") -> Table:
     from wildscav_evaluator.cli.result_tables import ranking
+    from wildscav_evaluator.output.results import MetricInfo, Summary
     from wildscav_evaluator.scores.number_format import NOTHING
-    from wildscav_leaderboard.results.standings import metric_of, summary_of
 
     table = ranking.ranking_table(f"{one.track} · suite {one.suite} · seed {one.seed}")
     # Rows without a score come last, so the first row has the metrics if any row does.
-    metrics = [metric_of(score) for score in one.rows[0].evaluation.scores]
+    metrics = [MetricInfo.about(score) for score in one.rows[0].evaluation.scores]
     ranking.add_metrics(table, metrics)
     ranking.add_columns(table, "matches\nfailed", "date")
     for row in one.rows:
@@ -128,7 +128,7 @@ def _table(one: "Standings") -> Table:
         table.add_row(
             NOTHING if row.rank is None else str(row.rank),
             f"{evaluation.submission.name} {evaluation.submission.version}",
-            *ranking.metric_cells(metrics, {score.name: summary_of(score) for score in evaluation.scores}),
+            *ranking.metric_cells(metrics, {score.name: Summary.about(score) for score in evaluation.scores}),
             ranking.fault_cell(evaluation.faults, len(evaluation.matches)),
             f"{evaluation.started:%Y-%m-%d}",
         )

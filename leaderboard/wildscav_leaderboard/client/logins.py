@@ -42,12 +42,12 @@ class Logins:
 
     @classmethod
     def read(cls) -> "Logins":
-        """Read the user's file; there may be none.
+        """Read the user's file; there may be none. It is in the folder where the system keeps settings.
 
         Raises:
             UserError: It cannot be read, or was damaged.
         """
-        path = config_folder() / FILE
+        path = Path(os.environ.get(FOLDER_VARIABLE) or typer.get_app_dir("wildscav")) / FILE
         try:
             content = _Content.model_validate_json(path.read_bytes())
         except FileNotFoundError:
@@ -84,8 +84,3 @@ class Logins:
             fresh.replace(self.path)
         except OSError as error:
             raise UserError(f"the login cannot be stored: {describe(error)}") from None
-
-
-def config_folder() -> Path:
-    """Return the user's folder of settings: in WILDSCAV_CONFIG_DIR, or where the system keeps them."""
-    return Path(os.environ.get(FOLDER_VARIABLE) or typer.get_app_dir("wildscav"))

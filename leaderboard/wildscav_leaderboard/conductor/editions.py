@@ -80,7 +80,8 @@ def begin_editions(session: Session, season: Season, now: datetime) -> list[Edit
     for track in written.settings.tracks:
         if track not in numbers and _adopt(session, written, track, now):
             continue
-        if track not in numbers or not _has_matches(session, numbers[track]):
+        matches = select(Match.id).filter_by(edition_id=numbers.get(track)).limit(1)
+        if track not in numbers or session.scalar(matches) is None:
             _enter(session, written, track, edition_of(written, track, sandbox_of(session, written)), now)
     in_use = in_force(session, written)
     for submission in session.scalars(select(Submission).filter_by(state=ACTIVE)).all():
@@ -201,10 +202,6 @@ def _enter(
         for submission, _ in taking_part(session, track):
             plan_suites(session, season, submission, now)
     return number
-
-
-def _has_matches(session: Session, edition: int) -> bool:
-    return session.scalar(select(Match.id).filter_by(edition_id=edition).limit(1)) is not None
 
 
 def _count_waiting(session: Session, edition: int) -> int:

@@ -174,7 +174,6 @@ def list_matches(
     submission: int | None = None,
     track: str | None = None,
     state: str | None = None,
-    kind: str | None = None,
     before: int | None = None,
     limit: int = MOST,
 ) -> list[Match]:
@@ -183,7 +182,7 @@ def list_matches(
     if submission is not None:
         own = select(MatchSeat.match_id).where(MatchSeat.submission_id == submission)
         wanted = wanted.where(Match.id.in_(own))
-    for column, value in ((Match.track, track), (Match.state, state), (Match.kind, kind)):
+    for column, value in ((Match.track, track), (Match.state, state)):
         if value is not None:
             wanted = wanted.where(column == value)
     if before is not None:

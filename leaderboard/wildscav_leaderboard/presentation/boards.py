@@ -48,7 +48,7 @@ def head_to_head_view(session: Session, board: LadderBoard) -> HeadToHeadView:
         track=board.track,
         entrants=[_entrant(name, row) for name, row in zip(names, rows, strict=True)],
         records=[
-            PairView.of(record, first=first, second=second)
+            PairView.about(record, first=first, second=second)
             for (first, second), record in sorted(records.items())
         ],
     )
@@ -86,7 +86,7 @@ def _opponents(board: LadderBoard, records: Mapping[str, PairRecord]) -> list[Op
     rows = {entrant_name(row): row for row in board.rows}
     ordered = sorted(records.items(), key=lambda one: (-one[1].count, one[0]))
     return [
-        OpponentView.of(record, opponent=_entrant(name, rows[name]) if name in rows else _unlisted(name))
+        OpponentView.about(record, opponent=_entrant(name, rows[name]) if name in rows else _unlisted(name))
         for name, record in ordered
     ]
 
@@ -104,7 +104,7 @@ def _unlisted(entrant: str) -> EntrantView:
 
 def point_views(points: Sequence[BoardPoint], team: str | None = None) -> list[PointView]:
     """Return points of the history of places."""
-    return [PointView.of(point, team=team, submission=point.submission_id) for point in points]
+    return [PointView.about(point, team=team, submission=point.submission_id) for point in points]
 
 
 def ranked_teams(board: BoardDocument | None, count: int) -> dict[str, str]:

@@ -1,21 +1,18 @@
 """The documents that the API answers with, and that pages show."""
 
 from datetime import datetime
-from typing import Any, Self
+from typing import Any
 
 from pydantic import BaseModel, ConfigDict
 
+from wildscav_evaluator.output.json_files import Document
+from wildscav_leaderboard.boards.documents import ProgressView, TotalsView
 
-class View(BaseModel):
+
+class View(Document, BaseModel):
     """Base of all documents."""
 
     model_config = ConfigDict(from_attributes=True)
-
-    @classmethod
-    def of(cls, source: object, **others: Any) -> Self:
-        """Return a document of what something has of its fields, and of the others that are given."""
-        names = [name for name in cls.model_fields if name not in others and hasattr(source, name)]
-        return cls.model_validate({name: getattr(source, name) for name in names} | others)
 
 
 class ErrorView(View):
@@ -142,24 +139,6 @@ class TransitionView(View):
     at: datetime
     state: str
     detail: str
-
-
-class ProgressView(View):
-    """How far a submission is on a track."""
-
-    track: str
-    played: int  # matches
-    planned: int  # on a ladder: until its rating counts as settled
-    missing: int  # entrants without whom its ladder makes no match for it; 0 once it has one
-
-
-class TotalsView(View):
-    """How a submission did in all of its matches of a suite together."""
-
-    track: str
-    matches: int
-    score: float  # their mean
-    faults: dict[str, int]  # in how many matches it had each kind of fault
 
 
 class SubmissionView(View):

@@ -85,7 +85,7 @@ def _view(
         row = None if visible.outcome_in(team) else rows.get(seat.seat)
         detailed = visible.is_own(team) and not visible.own
         views.append(_seat(seat, known, row, timings.get(seat.seat) if detailed else None, detailed=detailed))
-    return MatchView.of(
+    return MatchView.about(
         match,
         since=None if visible.own else match.since,
         detail="" if visible.own else match.detail,

@@ -60,4 +60,4 @@ def account_rows(session: Session) -> list[AccountRow]:
         .outerjoin(Team, Team.id == Member.team_id)
         .order_by(Account.name)
     )
-    return [AccountRow.of(one, team=team) for one, team in session.execute(wanted)]
+    return [AccountRow.about(one, team=team) for one, team in session.execute(wanted)]

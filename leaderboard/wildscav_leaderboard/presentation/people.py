@@ -1,5 +1,6 @@
 """Teams and accounts as they are shown."""
 
+from collections import Counter
 from datetime import datetime
 
 from sqlalchemy import case, func, select
@@ -11,14 +12,14 @@ from wildscav_leaderboard.presentation.documents import AccountView, QuotaView, 
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.models import Submission
-from wildscav_leaderboard.submissions.quotas import quota_of
+from wildscav_leaderboard.submissions.quotas import active_of, day_after, used_today
 from wildscav_leaderboard.teams.models import Member, Team
 from wildscav_leaderboard.teams.service import members_of, team_of
 
 
 def team_view(session: Session, team: Team) -> TeamView:
     """Return a team as it is shown to everyone."""
-    return TeamView.of(team, members=members_of(session, team))
+    return TeamView.about(team, members=members_of(session, team))
 
 
 def team_rows(session: Session) -> list[TeamRow]:
@@ -34,7 +35,7 @@ def team_rows(session: Session) -> list[TeamRow]:
     counted = select(Submission.team_id, func.count(), is_active).group_by(Submission.team_id)
     counts = {team: (count, active) for team, count, active in session.execute(counted)}
     return [
-        TeamRow.of(
+        TeamRow.about(
             team,
             members=members.get(team.id, []),
             submissions=counts.get(team.id, (0, 0))[0],
@@ -46,13 +47,21 @@ def team_rows(session: Session) -> list[TeamRow]:
 
 def quota_view(session: Session, season: Season, team: Team, now: datetime) -> QuotaView:
     """Return what a team has used of its quota."""
-    return QuotaView.model_validate(quota_of(session, season.settings.quotas, team, now))
+    quotas, used = season.settings.quotas, used_today(session, Submission.team_id == team.id, now)
+    return QuotaView(
+        per_day=quotas.per_day,
+        used_today=used,
+        left_today=max(0, quotas.per_day - used),
+        resets=day_after(now),
+        active_per_track=quotas.active,
+        active=Counter(track for one in active_of(session, team.id) for track in one.playing),
+    )
 
 
 def account_view(session: Session, season: Season, caller: Caller, now: datetime) -> AccountView:
     """Return whoever asks."""
     team = team_of(session, caller.account)
-    return AccountView.of(
+    return AccountView.about(
         caller.account,
         team=None if team is None else team_view(session, team),
         quota=None if team is None else quota_view(session, season, team, now),

@@ -27,7 +27,7 @@ from wildscav_leaderboard.teams.service import count_teams
 def season_view(session: Session, season: Season) -> SeasonView:
     """Return the season and what the organizers announced."""
     settings, state = season.settings, season_state.state_of(session)
-    return SeasonView.of(
+    return SeasonView.about(
         settings,
         commitment=str(season.seed.commitment),
         final_commitment=str(season.final_seed.commitment),
@@ -38,7 +38,7 @@ def season_view(session: Session, season: Season) -> SeasonView:
         finalized=season_state.FINALIZED in state,
         versions=CURRENT_VERSIONS.model_dump(),
         tracks=[
-            TrackView.of(
+            TrackView.about(
                 track,
                 name=name,
                 edition=season.numbers.get(name),

@@ -8,12 +8,7 @@ from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.accounts.service import Caller
 from wildscav_leaderboard.boards.progress import progress_of, totals_of
-from wildscav_leaderboard.presentation.documents import (
-    ProgressView,
-    SubmissionView,
-    TotalsView,
-    TransitionView,
-)
+from wildscav_leaderboard.presentation.documents import SubmissionView, TransitionView
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import TooMuchError
 from wildscav_leaderboard.submissions import states
@@ -54,9 +49,8 @@ def submission_view(
         with suppress(TooMuchError):
             pairs = replaced_by(session, season.settings.quotas, submission)
             replaces = {track: one.id for track, one in reversed(pairs)}
-    told = [] if season is None else progress_of(session, season, submission)
-    progress = [ProgressView.model_validate(one) for one in told]
-    totals = [TotalsView.model_validate(one) for one in (totals_of(session, submission) if own else ())]
+    progress = [] if season is None else progress_of(session, season, submission)
+    totals = totals_of(session, submission) if own else []
     return view.model_copy(
         update={"history": history, "replaces": replaces, "progress": progress, "totals": totals}
     )
@@ -71,7 +65,7 @@ def _view(
     wait: float | None,
 ) -> SubmissionView:
     own = is_own(session, caller, one)
-    return SubmissionView.of(
+    return SubmissionView.about(
         one,
         team=team.name,
         team_title=team.title,

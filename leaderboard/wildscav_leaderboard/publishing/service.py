@@ -72,12 +72,8 @@ def published_season(session: Session, season: Season, addresses: Addresses) -> 
     """
     settings = season.settings
     opened = season_state.read_state(session, season_state.OPENED) is not None
-    return PublishedSeason(
-        name=settings.name,
-        title=settings.title,
-        opens=settings.opens,
-        freezes=settings.freezes,
-        closes=settings.closes,
+    return PublishedSeason.about(
+        settings,
         frozen=season_state.frozen_since(session),
         finalized=season_state.read_state(session, season_state.FINALIZED) is not None,
         secret=_secret(season.folder / SECRET_FILE, season.seed, opened=opened),
@@ -92,10 +88,9 @@ def published_season(session: Session, season: Season, addresses: Addresses) -> 
 
 def _editions(session: Session, season: Season) -> Iterator[PublishedEdition]:
     for row in session.scalars(select(EditionRow).order_by(EditionRow.id)):
-        yield PublishedEdition(
-            track=row.track,
+        yield PublishedEdition.about(
+            row,
             number=row.id,
-            digest=row.digest,
             begun=row.created,
             in_force=row.id in season.numbers.values(),
             conditions=Edition.model_validate(row.document).conditions,
@@ -171,16 +166,7 @@ def _submissions(session: Session, board: BoardDocument) -> list[PublishedSubmis
         .order_by(Submission.id)
     )
     return [
-        PublishedSubmission(
-            id=one.id,
-            entrant=one.entrant,
-            name=one.name,
-            version=one.version,
-            team=team.name,
-            team_title=titles.get(team.name, team.title),
-            created=one.created,
-            digest=one.digest,
-        )
+        PublishedSubmission.about(one, team=team.name, team_title=titles.get(team.name, team.title))
         for one, team in session.execute(wanted)
     ]
 

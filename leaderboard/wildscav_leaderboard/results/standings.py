@@ -126,16 +126,7 @@ def _row(row: Row) -> dict[str, Any]:
         "matches": len(evaluation.matches),
         "faults": evaluation.faults,
         "scores": [
-            metric_of(score).model_dump() | summary_of(score).model_dump() for score in evaluation.scores
+            MetricInfo.about(score).model_dump() | Summary.about(score).model_dump()
+            for score in evaluation.scores
         ],
     }
-
-
-def metric_of(score: models.Score) -> MetricInfo:
-    """Return what a score measures."""
-    return MetricInfo.model_validate(score, from_attributes=True)
-
-
-def summary_of(score: models.Score) -> Summary:
-    """Return the figures of a score."""
-    return Summary.model_validate(score, from_attributes=True)

@@ -10,8 +10,7 @@ from hashlib import blake2b
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pydantic import BaseModel, ConfigDict
-
+from wildscav_evaluator.output.json_files import FileModel
 from wildscav_evaluator.output.results import CURRENT_VERSIONS, KeptLimits, MetricInfo, Versions
 from wildscav_leaderboard.seasons.settings import Mode, TrackSettings
 
@@ -19,10 +18,8 @@ if TYPE_CHECKING:
     from wildscav_evaluator.suites.suite import Suite
 
 
-class Part(BaseModel):
+class Part(FileModel):
     """A part of a document, which never changes once it is made."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
 
 class Conditions(Part):

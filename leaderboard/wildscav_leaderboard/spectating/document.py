@@ -6,20 +6,14 @@ second of the match), so that the document stays small. North is +z, east is +x.
 
 from typing import Final, Literal
 
-from pydantic import BaseModel, ConfigDict
+from wildscav_evaluator.output.json_files import FileModel
 
 TRAILS_VERSION: Final = 1  # of the document; it moves when a field changes its meaning or goes
 
 EventKind = Literal["hit", "death", "out", "respawn", "pick_up", "target", "zone"]
 
 
-class Part(BaseModel):
-    """A part of the document, which never changes once it is made."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-
-class MapExtent(Part):
+class MapExtent(FileModel):
     """The part of the world that the map covers."""
 
     west: int  # dm, x of its western edge
@@ -28,7 +22,7 @@ class MapExtent(Part):
     height: int  # dm, from north to south
 
 
-class SeatResultShown(Part):
+class SeatResultShown(FileModel):
     """What a seat achieved by the end of the match."""
 
     supplies: int
@@ -40,7 +34,7 @@ class SeatResultShown(Part):
     metrics: dict[str, float]  # by the names of the track's metrics
 
 
-class SeatShown(Part):
+class SeatShown(FileModel):
     """A seat of the match."""
 
     seat: int
@@ -51,7 +45,7 @@ class SeatShown(Part):
     result: SeatResultShown | None  # None while the match is being played
 
 
-class SeatSamples(Part):
+class SeatSamples(FileModel):
     """The course of one seat; each list has one entry for each frame of ``Samples.frames``."""
 
     x: list[int]  # dm
@@ -62,14 +56,14 @@ class SeatSamples(Part):
     supplies: list[int]  # carried
 
 
-class Samples(Part):
+class Samples(FileModel):
     """The course of all seats."""
 
     frames: list[int]
     seats: list[SeatSamples]
 
 
-class Event(Part):
+class Event(FileModel):
     """Something that happened.
 
     ``seat`` did it, or it happened to it: it hit ``other``, died or left the match (shot by ``other``, if
@@ -84,7 +78,7 @@ class Event(Part):
     amount: int = 0  # of "hit": the hp that the other has left
 
 
-class Circle(Part):
+class Circle(FileModel):
     """A circle on the map."""
 
     x: int  # dm
@@ -92,7 +86,7 @@ class Circle(Part):
     radius: int  # dm
 
 
-class ZonePhase(Part):
+class ZonePhase(FileModel):
     """A phase of the safe zone, which moves at constant speed from ``start`` to ``end``."""
 
     start: int  # frame
@@ -102,7 +96,7 @@ class ZonePhase(Part):
     damage: int  # hp per second outside
 
 
-class Box(Part):
+class Box(FileModel):
     """A box of supplies that lies on the map from a frame until it is taken."""
 
     x: int  # dm
@@ -112,7 +106,7 @@ class Box(Part):
     taken: int | None  # frame; None if it stays
 
 
-class Target(Part):
+class Target(FileModel):
     """The target of the match."""
 
     x: int  # dm
@@ -120,7 +114,7 @@ class Target(Part):
     height: int  # dm
 
 
-class Trails(Part):
+class Trails(FileModel):
     """A match, seen from above.
 
     Of a match that is being played, a document holds the samples and events after a cursor; the next one is

@@ -95,22 +95,12 @@ def seats_shown(
             kind=spec.seats[seat],
             team=spec.team_of_seats[seat],
             full_health=spec.equipment_of(seat).health,
-            result=None if results is None else _result(results[seat]),
+            result=None
+            if results is None
+            else SeatResultShown.about(results[seat], walked=decimetres(results[seat].walked)),
         )
         for seat, name in enumerate(names)
     ]
-
-
-def _result(result: SeatResult) -> SeatResultShown:
-    return SeatResultShown(
-        supplies=result.supplies,
-        kills=result.kills,
-        deaths=result.deaths,
-        shots=result.shots,
-        hits=result.hits,
-        walked=decimetres(result.walked),
-        metrics=result.metrics,
-    )
 
 
 def target_of(state: State) -> Target | None:

@@ -4,9 +4,7 @@ There are two counters. A team's own attempts count for its quota (``Submission.
 platform broke are counted apart (``Submission.platform_faults``), are retried, and are never charged.
 """
 
-from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
 from datetime import datetime, timedelta
 
 from sqlalchemy import ColumnElement, func, select
@@ -21,29 +19,6 @@ from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.teams.models import Team
 
 
-@dataclass(frozen=True)
-class QuotaView:
-    """What a team has used of its quota."""
-
-    per_day: int
-    used_today: int
-    resets: datetime  # when the day ends
-    active_per_track: int
-    active: dict[str, int]  # by track
-
-    @property
-    def left_today(self) -> int:
-        """How many submissions the team may hand in before the day ends."""
-        return max(0, self.per_day - self.used_today)
-
-
-def quota_of(session: Session, quotas: Quotas, team: Team, now: datetime) -> QuotaView:
-    """Return what a team has used of its quota. A day is one of UTC."""
-    used = _used_today(session, Submission.team_id == team.id, now)
-    active = Counter(track for one in active_of(session, team.id) for track in one.playing)
-    return QuotaView(quotas.per_day, used, _midnight(now) + timedelta(days=1), quotas.active, dict(active))
-
-
 def check_day(session: Session, quotas: Quotas, team: Team, account: Account, now: datetime) -> None:
     """Check that a team, and an account in whatever team, may hand in another submission today.
 
@@ -55,21 +30,22 @@ def check_day(session: Session, quotas: Quotas, team: Team, account: Account, no
         "you have, in this team and others,": Submission.account_id == account.id,
     }
     for who, is_of in counted_for.items():
-        if _used_today(session, is_of, now) >= quotas.per_day:
+        if used_today(session, is_of, now) >= quotas.per_day:
             raise TooMuchError(
                 f"{who} used today's {counted(quotas.per_day, 'submission')}; the next day begins at "
-                f"{_midnight(now) + timedelta(days=1):%Y-%m-%d %H:%M} UTC"
+                f"{day_after(now):%Y-%m-%d %H:%M} UTC"
             )
 
 
-def _used_today(session: Session, is_of: ColumnElement[bool], now: datetime) -> int:
-    """Return how many charged submissions of somebody were handed in on this day."""
+def used_today(session: Session, is_of: ColumnElement[bool], now: datetime) -> int:
+    """Return how many charged submissions of somebody were handed in on this day, which is one of UTC."""
     wanted = select(func.count()).select_from(Submission).where(is_of, Submission.charged)
-    return session.scalar(wanted.where(Submission.created >= _midnight(now))) or 0
+    return session.scalar(wanted.where(Submission.created >= day_after(now) - timedelta(days=1))) or 0
 
 
-def _midnight(now: datetime) -> datetime:
-    return now.replace(hour=0, minute=0, second=0, microsecond=0)
+def day_after(now: datetime) -> datetime:
+    """Return when the next day begins."""
+    return now.replace(hour=0, minute=0, second=0, microsecond=0) + timedelta(days=1)
 
 
 def active_of(session: Session, team_id: int) -> list[Submission]:

@@ -7,11 +7,11 @@ from datetime import datetime
 from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.accounts.service import Caller
-from wildscav_leaderboard.boards.documents import Row
+from wildscav_leaderboard.boards.documents import ProgressView, Row
 from wildscav_leaderboard.boards.history import histories_of
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.models import BoardPoint
-from wildscav_leaderboard.boards.progress import Progress, progress_of
+from wildscav_leaderboard.boards.progress import progress_of
 from wildscav_leaderboard.matches.visibility import shown_until
 from wildscav_leaderboard.presentation.boards import opponent_views
 from wildscav_leaderboard.presentation.documents import OpponentView, SubmissionView
@@ -30,7 +30,7 @@ class TrackPlace:
     points: Sequence[BoardPoint]  # its ranks over time; none if it was never ranked
     chart: Chart | None
     met: list[OpponentView]
-    progress: Progress | None  # None if it has a rank, or does not take part
+    progress: ProgressView | None  # None if it has a rank, or does not take part
     better: Row | None  # the row of its team, if that is another submission's
     frozen: bool  # whether the boards were frozen before the present, for whoever looks
 

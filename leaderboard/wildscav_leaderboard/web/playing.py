@@ -16,7 +16,6 @@ from wildscav_leaderboard.access.requests import (
     check_form,
 )
 from wildscav_leaderboard.access.same_site import SameSite, is_own_origin
-from wildscav_leaderboard.accounts.service import Caller
 from wildscav_leaderboard.database.connection import Database, DatabaseError
 from wildscav_leaderboard.playing.passing import OVER, pass_request, pass_socket, refuse
 from wildscav_leaderboard.playing.permission import refused_why
@@ -69,7 +68,7 @@ def play(
         if caller is None and season.settings.play.who == "accounts":
             raise UnknownCallerError("log in first: people without an account cannot play here")
         wish = Wish(
-            person=_person(where, caller),
+            person=f"address {where}" if caller is None else f"account {caller.account.id}",
             submission=number,
             archive=one.archive,
             entrant=one.entrant,
@@ -80,10 +79,6 @@ def play(
     limits.use(GAMES, "games", wish.person)
     table = tables.open(wish, lambda: _refused_now(database, season, number, track))
     return RedirectResponse(table.path, HTTPStatus.SEE_OTHER)
-
-
-def _person(where: str, caller: Caller | None) -> str:
-    return f"address {where}" if caller is None else f"account {caller.account.id}"
 
 
 def _refused_now(database: Database, season: Season, number: int, track: str) -> str:

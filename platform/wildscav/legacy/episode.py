@@ -148,7 +148,7 @@ def _spec(command: GMCommand, setups: Sequence[AgentSetup]) -> "MatchSpec":
         target=_place(command, "target_location") if has_target else None,
         supplies=_supplies(command) if has_supplies else None,
         equipment=tuple(map(_equipment, setups)),
-        respawn_at="random" if _returns_anywhere(command) else "start",
+        respawn_at="random" if command.is_random_respawn_location else "start",
         rules=_rules(command),
     )
 
@@ -176,24 +176,16 @@ def _equipment(setup: AgentSetup) -> "Equipment":
     )
 
 
-def _returns_anywhere(command: GMCommand) -> bool:
-    """Return whether dead agents respawn at a random place instead of their start."""
-    return command.is_random_respawn_location
-
-
 def _supplies(command: GMCommand) -> "SupplyConfig":
     from wildscav_engine.specs.supply_config import SupplyConfig
 
+    later = (_wave(data, _value(data, "supply_refresh_time")) for data in command.supply_refresh_datas)
     return SupplyConfig(
-        waves=(_wave(command, 0.0), *map(_refresh, command.supply_refresh_datas)),
+        waves=(_wave(command, 0.0), *later),
         spacing=_value(command, "supply_grid_length"),
         outdoor_quantity=_range(command, "supply_random_min", "supply_random_max"),
         indoor_quantity=_range(command, "supply_house_random_min", "supply_house_random_max"),
     )
-
-
-def _refresh(data: SupplyRefreshData) -> "SupplyWave":
-    return _wave(data, _value(data, "supply_refresh_time"))
 
 
 def _wave(source: GMCommand | SupplyRefreshData, time: float) -> "SupplyWave":

@@ -30,22 +30,18 @@ class Events:
         return taken
 
 
+# What the page shows of an observation as it is.
+SHOWN = (
+    *("time", "health", "alive", "respawn_in", "invincible_in", "clip", "spare_ammo", "reload_in"),
+    *("supplies", "can_pick_up", "in_water", "yaw"),
+)
+
+
 def display_of(observation: Observation, match: MatchInfo) -> dict[str, Any]:
     """Return what the page shows of an observation, as JSON has it."""
     return {
-        "time": observation.time,
+        **{name: getattr(observation, name) for name in SHOWN},
         "left": max(0.0, match.time_limit - observation.time),
-        "health": observation.health,
-        "alive": observation.alive,
-        "respawn_in": observation.respawn_in,
-        "invincible_in": observation.invincible_in,
-        "clip": observation.clip,
-        "spare_ammo": observation.spare_ammo,
-        "reload_in": observation.reload_in,
-        "supplies": observation.supplies,
-        "can_pick_up": observation.can_pick_up,
-        "in_water": observation.in_water,
-        "yaw": observation.yaw,
         "target": _bearing(observation.position, observation.target or match.target),
         "boxes": [_bearing(observation.position, box.position) for box in observation.supply_boxes[:8]],
     }

@@ -41,11 +41,6 @@ class Photographer(Protocol):
         """Return a picture of the present."""
 
 
-def photographer_of(hosted: "HostedMatch", seat: int | None) -> Photographer:
-    """Return whoever takes pictures through a seat's eyes, or for None from above."""
-    return Overview(hosted.match) if seat is None else SeatsEyes(hosted, seat)
-
-
 class SeatsEyes:
     """Pictures as the person or agent in a seat sees them, with what a person's page shows beside them.
 
@@ -177,9 +172,11 @@ class Gallery:
                 began = loop.time()
                 for view in set(self._watched.values()):
                     if view is None or view < hosted.match.seats:
-                        photographer = photographers.get(view) or photographer_of(hosted, view)
-                        photographers[view] = photographer
-                        await self._take(hosted, view, photographer, painter)
+                        if view not in photographers:
+                            photographers[view] = (
+                                Overview(hosted.match) if view is None else SeatsEyes(hosted, view)
+                            )
+                        await self._take(hosted, view, photographers[view], painter)
                 await asyncio.sleep(max(0.0, began + 1.0 / RATE - loop.time()))
 
     async def _take(

@@ -112,8 +112,8 @@ class SelfPlay:
             self._join(policy)
         for levels in self._given.robots:
             self._raise_level(levels)
-        results = self.league.results
-        return {f"win rate/{name}": each.win_rate for name, each in results.items() if _is_fixed(name)}
+        fixed = {name: one for name, one in self.league.results.items() if not name.startswith("self-")}
+        return {f"win rate/{name}": one.win_rate for name, one in fixed.items()}
 
     def _raise_level(self, levels: Sequence[str]) -> None:
         """Add the next level of a robot if the learner beats the present one."""
@@ -162,7 +162,3 @@ def _shares(opposition: Opposition) -> dict[str, Any]:
         "latest_share": LATEST * copies,
         "capacity": COPIES + 2 + submissions,  # nobody is dropped
     }
-
-
-def _is_fixed(name: str) -> bool:
-    return not name.startswith("self-")

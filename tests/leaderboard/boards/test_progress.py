@@ -7,7 +7,8 @@ import pytest
 from tests.leaderboard.conductor.conducted import Conducted
 from tests.leaderboard.seasons_made import make_season, team_with_member
 
-from wildscav_leaderboard.boards.progress import Progress, Totals, missing_entrants, progress_of, totals_of
+from wildscav_leaderboard.boards.documents import TotalsView
+from wildscav_leaderboard.boards.progress import missing_entrants, progress_of, totals_of
 from wildscav_leaderboard.seasons.folder import Season
 
 BOTH = ("navigation", "battle")
@@ -52,7 +53,7 @@ def test_progress_counts_what_is_played_of_what_is_planned(season: Conducted) ->
     number = season.active("foxes", BOTH)
     with season.database.reading() as session:
         found = progress_of(session, season.season, season.submission(number))
-    assert found == [Progress("navigation", 0, 2, 0), Progress("battle", 0, 100, 1)]
+    assert [tuple(vars(one).values()) for one in found] == [("navigation", 0, 2, 0), ("battle", 0, 100, 1)]
 
 
 def test_totals_of_a_suite_are_told_when_all_of_its_matches_are_over(season: Conducted) -> None:
@@ -63,7 +64,7 @@ def test_totals_of_a_suite_are_told_when_all_of_its_matches_are_over(season: Con
         assert season.played(attempt, score)
         with season.database.reading() as session:
             found.append(totals_of(session, season.submission(number)))
-    assert found == [[], [Totals("navigation", 2, 4.0, {})]]
+    assert found == [[], [TotalsView(track="navigation", matches=2, score=4.0, faults={})]]
 
 
 def test_whatever_takes_no_part_has_no_progress(season: Conducted) -> None:

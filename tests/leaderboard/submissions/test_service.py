@@ -12,6 +12,7 @@ from wildscav_leaderboard.access.uploads import take_upload
 from wildscav_leaderboard.accounts.models import Account
 from wildscav_leaderboard.accounts.service import find_account
 from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.presentation.people import quota_view
 from wildscav_leaderboard.presentation.submissions import submission_view
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import RefusalError, TooMuchError
@@ -19,7 +20,6 @@ from wildscav_leaderboard.seasons.state import NODES, write_state
 from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.queue import queue
-from wildscav_leaderboard.submissions.quotas import quota_of
 from wildscav_leaderboard.submissions.service import (
     StateError,
     activate,
@@ -163,7 +163,7 @@ def test_a_fault_of_the_platform_is_never_charged(
             move(session, found, states.QUEUED, NOON)
             move(session, found, states.BUILDING, NOON)
         move(session, found, states.FAILED, NOON, fault="platform", reason="the disk was full")
-        quota = quota_of(session, season.settings.quotas, find_team(session, foxes), NOON)
+        quota = quota_view(session, season, find_team(session, foxes), NOON)
     assert (quota.used_today, quota.left_today) == (2, 1)
     enter(database, season, foxes, agents[3])
 
@@ -175,7 +175,7 @@ def test_a_fault_of_the_agent_and_a_withdrawal_stay_charged(
     with database.writing() as session:
         move(session, session.get_one(Submission, first.id), states.FAILED, NOON, fault="agent")
         move(session, session.get_one(Submission, second.id), states.CANCELLED, NOON)
-        quota = quota_of(session, season.settings.quotas, find_team(session, foxes), NOON)
+        quota = quota_view(session, season, find_team(session, foxes), NOON)
     assert quota.used_today == 2
 
 

@@ -158,21 +158,17 @@ class EnvConfig(Spec):
             ValueError: The options do not give a valid match.
         """
         return MatchSpec(
-            track=self.track,
-            seats=self.seats,
             teams=self.team_of_seats,
             time_limit=TRACKS[self.track].time_limit if self.time_limit is None else self.time_limit,
-            frames_per_action=self.frames_per_action,
-            start=self.start,
-            starts=self.starts,
-            start_range=self.start_range,
-            target=self.target,
-            supplies=self.supplies,
-            supply_goal=self.supply_goal,
-            zone=self.zone,
-            rules=self.rules,
+            **{name: getattr(self, name) for name in OF_MATCHES},
         )
 
+
+# What the spec of a match has as it is here.
+OF_MATCHES = (
+    *("track", "seats", "frames_per_action", "start", "starts", "start_range", "target"),
+    *("supplies", "supply_goal", "zone", "rules"),
+)
 
 # What ``set_options`` may change from the next episode on: neither spaces, nor players, nor rules.
 CHANGEABLE = (

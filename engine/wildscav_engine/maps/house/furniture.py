@@ -201,7 +201,7 @@ def _place_piece(
         outline, side = _in_middle(dice, arrangement.core, piece, width)
         if arrangement.place_in_middle(outline):
             return _furniture(name, outline, side, width)
-    for side in _shuffled(dice, sides):
+    for _, side in sorted((dice.uniform(), side) for side in sides):
         if not arrangement.leaves_passage(side, piece.depth):
             continue
         span = _draw_place(dice, arrangement.free_spans(side, piece), width)
@@ -211,10 +211,6 @@ def _place_piece(
         if arrangement.place_at_wall(outline, side):
             return _furniture(name, outline, side, width)
     return None
-
-
-def _shuffled(dice: Dice, sides: tuple[Side, ...]) -> list[Side]:
-    return [side for _, side in sorted((dice.uniform(), side) for side in sides)]
 
 
 def _draw_place(dice: Dice, spans: list[Span], width: float) -> Span | None:

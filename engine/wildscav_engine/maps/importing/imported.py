@@ -3,7 +3,6 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wildscav_engine.maps.base import NAME_LIMIT, Base, BaseError, check_base
 from wildscav_engine.maps.ground.terrain import DEEPEST_WATER
@@ -31,8 +30,8 @@ def finish(base: Base, notes: list[str]) -> Imported:
             f"the water level is {base.water_level:g} m, but the highest ground is at {ground.max():g} m"
         )
     if base.heights is not None:
-        heights, depth = _raise_beds(base.heights, base.water_level)
-        base = base._replace(heights=heights)
+        depth = float(base.water_level - base.heights.min())
+        base = base._replace(heights=np.maximum(base.heights, base.water_level - DEEPEST_WATER))
         if depth > DEEPEST_WATER + NOTEWORTHY:
             notes = [
                 *notes,
@@ -40,8 +39,3 @@ def finish(base: Base, notes: list[str]) -> Imported:
             ]
     check_base(base)
     return Imported(base, tuple(notes))
-
-
-def _raise_beds(heights: NDArray[np.float64], level: float) -> tuple[NDArray[np.float64], float]:
-    """Return heights with all water shallow enough to wade, and the greatest original depth in m."""
-    return np.maximum(heights, level - DEEPEST_WATER), float(level - heights.min())

@@ -18,6 +18,8 @@ from wildscav_engine.sensors.optics.shown_maps import ShownMaps
 from wildscav_engine.specs.body import EYE_HEIGHT
 
 if TYPE_CHECKING:
+    from gymnasium.spaces import Box
+
     from wildscav_engine.maps.game_map import GameMap
     from wildscav_engine.simulation.match_view import MatchView
 
@@ -46,6 +48,20 @@ class OpticalSensor(Sensor):
     @abstractmethod
     def lens(self) -> tuple[float, float]:
         """The half width and the range, as ``Cameras`` has them."""
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """The least and the greatest number of an image; by default 0 and the range."""
+        return 0.0, self.lens[1]
+
+    @property
+    def space(self) -> "Box":
+        """The images, between their bounds."""
+        from gymnasium.spaces import Box
+
+        dtype: Any = self.dtype
+        low, high = self.bounds
+        return Box(dtype(low), dtype(high), self.shape, dtype)
 
     @abstractmethod
     def render_into(
@@ -229,6 +245,14 @@ def _seats_of(viewers: ArrayLike, count: int) -> NDArray[np.int32]:
             f"viewers hold {seats[(seats < 0) | (seats > MAX_SEAT)][0]}, must be seats, 0 or more"
         )
     return seats.astype(np.int32)
+
+
+class SeesObjects(OpticalSensor):
+    """A sensor that always sees agents and supply boxes."""
+
+    def moving_in(self, match: "MatchView") -> Solids:
+        """Return the living agents and the supply boxes of the match."""
+        return dynamic_objects_of(match)
 
 
 class MovingOption(OpticalSensor):

@@ -1,6 +1,7 @@
 """What ``wildscav check`` shows: a table of the findings, and how to fix failures."""
 
 from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 
 from rich.table import Table
@@ -57,16 +58,7 @@ def _document(submission: Submission, findings: list[Finding], logs: Path) -> di
         "submission": submission.name,
         "version": submission.manifest.version,
         "passed": not any(finding.verdict == Verdict.BROKEN for finding in findings),
-        "findings": [
-            {
-                "check": finding.check,
-                "verdict": finding.verdict.value,
-                "seen": finding.seen,
-                "advice": finding.advice,
-                "last_lines": finding.last_lines,
-            }
-            for finding in findings
-        ],
+        "findings": [asdict(finding) | {"verdict": finding.verdict.value} for finding in findings],
         "logs": str(logs),
     }
 

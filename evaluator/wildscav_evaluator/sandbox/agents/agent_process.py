@@ -157,6 +157,7 @@ async def start_process(
     launch: Launch,
     handle: AgentHandle,
     *,
+    kind: type[AgentProcess] = AgentProcess,
     environment: Mapping[str, str],
     folder: Path,
     pass_fds: Sequence[int] = (),
@@ -167,6 +168,7 @@ async def start_process(
         arguments: The command.
         launch: The agent's launch.
         handle: The sandbox's handle on it.
+        kind: The class of what is returned.
         environment: All of its environment variables.
         folder: Its working directory.
         pass_fds: File descriptors that stay open for it.
@@ -194,7 +196,7 @@ async def start_process(
         raise
     finally:
         os.close(theirs)
-    return AgentProcess(process, output, launch, handle)
+    return kind(process, output, launch, handle)
 
 
 async def _open_stream(pipe: int) -> tuple[asyncio.StreamReader, asyncio.ReadTransport]:

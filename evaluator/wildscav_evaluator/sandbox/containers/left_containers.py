@@ -111,12 +111,10 @@ def _is_removed(engine: ContainerEngine, name: str, settled: float) -> bool:
 def _wait_for_creation(name: str) -> None:
     """Wait for an engine's command that is still creating a container although its starter is dead."""
     end = time.monotonic() + CREATION_TIME
-    while _is_created_now(name) and time.monotonic() < end:
+    while any(b"create" in words and name.encode() in words for words in _command_lines()):
+        if time.monotonic() >= end:
+            return
         time.sleep(0.02)
-
-
-def _is_created_now(name: str) -> bool:
-    return any(b"create" in words and name.encode() in words for words in _command_lines())
 
 
 def kill_left_processes(entry: str) -> None:

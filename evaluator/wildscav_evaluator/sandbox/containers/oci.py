@@ -94,7 +94,7 @@ class OciSandbox:
 
         return try_promises(self, limits)
 
-    async def start(self, launch: Launch) -> "Container":
+    async def start(self, launch: Launch) -> AgentProcess:
         """Start an agent. See ``Sandbox.start``."""
         engine = await asyncio.to_thread(find_engine)
         start_reaper(os.getpid())
@@ -105,17 +105,17 @@ class OciSandbox:
             arguments = await asyncio.to_thread(_create_command, launch, handle)
             handle.identity = await engine.run(*arguments, environment=environment)
             enter_processes(engine, handle.identity)
-            process = await start_process(
+            return await start_process(
                 [*engine.command, "start", "--attach", handle.container],
                 launch,
                 handle,
+                kind=Container,
                 environment=os.environ,
                 folder=Path("/"),
             )
         except BaseException:
             await asyncio.shield(handle.release())
             raise
-        return Container(process, handle)
 
 
 class ContainerHandle:
@@ -175,15 +175,14 @@ class ContainerHandle:
         await asyncio.to_thread(shutil.rmtree, self.folder, ignore_errors=True)
 
 
-class Container:
+class Container(AgentProcess):
     """One agent's container."""
 
-    def __init__(self, process: AgentProcess, handle: ContainerHandle) -> None:
-        self._process, self._handle = process, handle
+    _handle: ContainerHandle
 
     async def ended(self) -> Ending:
         """Wait for the container to end. See ``RunningAgent.ended``."""
-        ending = await self._process.ended()
+        ending = await super().ended()
         if self._handle.command and NOT_RUN in ending.last_words:  # Podman's init does not name the program
             return replace(ending, last_words=f"cannot run {self._handle.command}: {ending.last_words}")
         if ending.exit_code in NO_COMMAND and self._handle.command:
@@ -192,18 +191,6 @@ class Container:
             engine = self._handle.engine.name
             return Ending(platform_fault=f"{engine} could not start the container: {ending.last_words}")
         return ending
-
-    def meter(self) -> GroupMeter | None:
-        """Return what measures its waits for a processor. See ``RunningAgent.meter``."""
-        return self._process.meter()
-
-    def overdue(self) -> str:
-        """Return where the agent's code was when its time was up. See ``RunningAgent.overdue``."""
-        return self._process.overdue()
-
-    async def stop(self) -> None:
-        """Remove the container. See ``RunningAgent.stop``."""
-        await self._process.stop()
 
 
 def _create_command(launch: Launch, handle: ContainerHandle) -> list[str]:

@@ -55,53 +55,33 @@ class HostedMatch:
         self.match = match
         self.id = secrets.token_hex(8)  # in logs
         self.names = tuple(names)
-        self._seats = {seat.number: seat for seat in seats}
-        self._clock = clock
+        self.seats = {seat.number: seat for seat in seats}  # of submissions
+        self.clock = clock
         self._lockstep = Lockstep(match, seats, clock, seat_time)
-        self._launched = dict.fromkeys(() if starting else self._seats, time.perf_counter())  # when, s
+        self._launched = dict.fromkeys(() if starting else self.seats, time.perf_counter())  # when, s
         self._all_launched = asyncio.Event()
-        if len(self._launched) == len(self._seats):
+        if len(self._launched) == len(self.seats):
             self._all_launched.set()
         self._joined = asyncio.Event()  # every seat is ready or gone
-        self._playing = False
+        self.playing = False  # whether the wait for seats is over
         self._final_messages: dict[int, ServerMessage] = {}
-        self._task = asyncio.create_task(self._run(), name="match")
+        self.task = asyncio.create_task(self._run(), name="match")  # which plays it
 
     # The interface for the match's host.
 
     @property
     def tokens(self) -> dict[int, str]:
         """The secret token of every submission seat."""
-        return {number: seat.token for number, seat in self._seats.items()}
-
-    @property
-    def seats(self) -> dict[int, Seat]:
-        """The submission seats."""
-        return self._seats
-
-    @property
-    def clock(self) -> Clock:
-        """The limits of the seats' time in this match."""
-        return self._clock
-
-    @property
-    def playing(self) -> bool:
-        """Whether the wait for seats is over."""
-        return self._playing
-
-    @property
-    def task(self) -> asyncio.Task[MatchOutcome]:
-        """The task that plays the match."""
-        return self._task
+        return {number: seat.token for number, seat in self.seats.items()}
 
     def measure(self, seat: int, meter: WaitMeter) -> None:
         """Credit a seat's bank from now on with its agent's waits for a processor."""
-        self._seats[seat].meter = meter
+        self.seats[seat].meter = meter
 
     def launched(self, seat: int) -> None:
         """Note that a seat's agent has been started. Its start-up time begins now."""
         self._launched[seat] = time.perf_counter()
-        if len(self._launched) == len(self._seats):
+        if len(self._launched) == len(self.seats):
             self._all_launched.set()
 
     def give_up(self, seat: int, reason: str, status: SeatStatus = SeatStatus.CRASHED) -> None:
@@ -109,7 +89,7 @@ class HostedMatch:
 
         Does nothing if the seat is gone already or the match is over.
         """
-        given_up = self._seats[seat]
+        given_up = self.seats[seat]
         if not given_up.gone and not self.match.over:
             self.leave(given_up, status, reason)
             given_up.dismiss(
@@ -118,7 +98,7 @@ class HostedMatch:
 
     def cancel(self) -> None:
         """Cancel the match at once, without a result."""
-        self._task.cancel()
+        self.task.cancel()
 
     async def finished(self) -> MatchOutcome:
         """Wait until the match is over.
@@ -126,10 +106,10 @@ class HostedMatch:
         Raises:
             MatchCancelledError: It was cancelled.
         """
-        await asyncio.wait([self._task])
-        if self._task.cancelled():
+        await asyncio.wait([self.task])
+        if self.task.cancelled():
             raise MatchCancelledError("the match was cancelled")
-        return self._task.result()
+        return self.task.result()
 
     # The interface for the seats' streams.
 
@@ -157,7 +137,7 @@ class HostedMatch:
 
     def info_for(self, seat: Seat) -> ServerMessage:
         """Return the first message to a seat."""
-        return encode_match_info(match_info(self.match, seat.number, self._clock))
+        return encode_match_info(match_info(self.match, seat.number, self.clock))
 
     def ready(self, seat: Seat) -> None:
         """Note that a seat is ready."""
@@ -214,7 +194,7 @@ class HostedMatch:
             self._lockstep.stop()
 
     def _dismiss_all(self, code: grpc.StatusCode, reason: str, message: str) -> None:
-        for seat in self._seats.values():
+        for seat in self.seats.values():
             if seat.present:
                 seat.dismiss(RefusalError(code, reason, message))
 
@@ -223,27 +203,27 @@ class HostedMatch:
         # The time that the host takes to start all agents is not theirs. If it fails, it cancels the match.
         await self._all_launched.wait()
         loop = asyncio.get_running_loop()
-        due = loop.time() + self._clock.join_timeout
+        due = loop.time() + self.clock.join_timeout
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout_at(due):
                 await self._joined.wait()
         if not self._joined.is_set() and loop.time() - due > LAG:
             # The server was busy, and a Join may be unread, so the seats get that time back.
             await asyncio.sleep(loop.time() - due)
-        self._playing = True
-        for seat in self._seats.values():
+        self.playing = True
+        for seat in self.seats.values():
             if not seat.ready:
                 self._close_late_seat(seat)
 
     def _close_late_seat(self, seat: Seat) -> None:
         """Close a seat whose time to start up is over."""
         missed = "join" if seat.stream is None else "get ready"
-        reason = f"did not {missed} within {self._clock.join_timeout:g} s"
+        reason = f"did not {missed} within {self.clock.join_timeout:g} s"
         self.leave(seat, SeatStatus.NEVER_JOINED, reason)
         seat.dismiss(RefusalError(grpc.StatusCode.FAILED_PRECONDITION, "SEAT_CLOSED", reason))
 
     def _check_joined(self) -> None:
-        if all(seat.gone or seat.ready for seat in self._seats.values()):
+        if all(seat.gone or seat.ready for seat in self.seats.values()):
             self._joined.set()
 
     async def _play(self) -> MatchOutcome:
@@ -252,14 +232,14 @@ class HostedMatch:
         await self._lockstep.play()
         seconds = time.perf_counter() - started
         await self._send_final_messages()
-        reports = {number: seat.report() for number, seat in self._seats.items()}
+        reports = {number: seat.report() for number, seat in self.seats.items()}
         return MatchOutcome(self.match, reports, seconds)
 
     async def _send_final_messages(self) -> None:
         """Send the result to every seat that is still present, and wait until it is received."""
         # It may search for the shortest way to the target, while other matches play on.
         result = await asyncio.to_thread(self.match.result)
-        for number, seat in self._seats.items():
+        for number, seat in self.seats.items():
             if seat.present:
                 self._mark_finished(seat)
             conduct = seat.conduct_message()
@@ -267,7 +247,7 @@ class HostedMatch:
             over = MatchOver(result=own, steps=result.steps, frames=result.frames, conduct=conduct)
             self._final_messages[number] = ServerMessage(match_over=over)
             seat.notify()
-        streams = {seat.stream for seat in self._seats.values() if seat.stream is not None and seat.present}
+        streams = {seat.stream for seat in self.seats.values() if seat.stream is not None and seat.present}
         if streams:
             _, unheard = await asyncio.wait(streams, timeout=CLOSING_TIME)
             for stream in unheard:
