@@ -33,6 +33,7 @@ class Status:
     executor: str | None
     at_once: int | None  # matches
     paused: str | None
+    failed: str | None  # why nothing can be played
     teams: int
     submissions: dict[str, int]  # by state
     matches: dict[str, int]  # by state
@@ -46,6 +47,7 @@ def status(session: Session, season: Season, now: datetime) -> Status:
     """Return how a season is doing."""
     nodes = season_state.read_state(session, season_state.NODES) or {}
     paused = season_state.read_state(session, season_state.PAUSED)
+    failed = season_state.read_state(session, season_state.FAILED)
     broken = select(Attempt).where(
         Attempt.outcome.in_(("platform", "lost")), Attempt.started > now - timedelta(days=1)
     )
@@ -55,6 +57,7 @@ def status(session: Session, season: Season, now: datetime) -> Status:
         executor=nodes.get("executor"),
         at_once=nodes.get("at_once"),
         paused=None if paused is None else str(paused["reason"]),
+        failed=None if failed is None else str(failed["reason"]),
         teams=count_teams(session),
         submissions=_counts(session, Submission),
         matches=_counts(session, Match),

@@ -33,6 +33,7 @@ class StatusView(View):
     executor: str | None
     at_once: int | None  # matches
     paused: str | None  # why
+    failed: str | None  # why nothing can be played
     teams: int
     submissions: dict[str, int]  # by state
     matches: dict[str, int]  # by state

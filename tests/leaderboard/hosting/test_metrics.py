@@ -25,6 +25,7 @@ from wildscav_leaderboard.database.connection import Database, clock
 from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.hosting.metrics import SeasonMetrics
 from wildscav_leaderboard.hosting.web_counts import WebCounts
+from wildscav_leaderboard.organizing.status import status
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.state import RESTARTS, write_state
 from wildscav_leaderboard.webhooks.service import add_webhook, queue_message, remove_webhook
@@ -112,6 +113,7 @@ def test_the_alerts_fire_when_nothing_is_played_or_sent_and_else_do_not(
         foxes, _ = team_with_member(session, "foxes")
         webhook = add_webhook(session, foxes, "https://example.org/", datetime.now(UTC))
         queue_message(session, foxes.id, "submission.active", {}, datetime.now(UTC) - timedelta(minutes=10))
+        assert status(session, season, datetime.now(UTC)).failed == "no node of the Ray cluster is left"
     assert alerts(scraped(season, database, WebCounts())) == {"NothingIsPlayed", "WebhooksWait"}
 
     with database.writing() as session:

@@ -55,6 +55,7 @@ def _table(title: str, one: "Status") -> Table:
     rows = {
         "conductor": conducted,
         "matches are played": where,
+        "nothing is played": one.failed or "",
         "paused": one.paused or "no",
         "teams": f"{one.teams:,}",
         "submissions": _counted(one.submissions),
