@@ -67,13 +67,14 @@ def test_results_that_cannot_be_seen_are_named_once(
 def test_who_submits_is_told_the_sandbox_and_its_limits(
     client: httpx.Client, hostile_season: FilledSeason, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert "check my-agent --sandbox process" in text_of(client, hostile_season, "/submit", "owner")
+    assert "Agents run in the sandbox process." in text_of(client, hostile_season, "/submit", "owner")
 
     execution = hostile_season.season.settings.execution
     monkeypatch.setitem(execution.__dict__, "sandbox", "bubblewrap")
     page = text_of(client, hostile_season, "/submit", "owner")
 
-    assert "check my-agent --sandbox bubblewrap" in page
+    assert "Agents run in the sandbox bubblewrap." in page
+    assert "wildscav check my-agent --season http" in page
     assert "navigation: 1 core, 2.0GiB of memory, 256.0MiB in /tmp, 256 processes" in page
 
 
