@@ -65,6 +65,6 @@ def _check_own(session: Session, season: Season, database: Database) -> bool:
 def _close_to_others(season: Season, database: Database) -> None:
     """Take from others what they might do with a season's folder, files and database of SQLite."""
     file = (database.url.database or "") if database.kind == "sqlite" else ""
-    for path in (season.folder, season.files, Path(file or season.folder)):
+    for path in (season.folder, *season.folder.iterdir(), season.files, Path(file or season.folder)):
         with suppress(OSError):  # it is another user's, or not there yet
             path.chmod(path.stat().st_mode & 0o700)
