@@ -4,7 +4,6 @@ import threading
 import time
 import traceback
 from contextlib import ExitStack, suppress
-from datetime import UTC, datetime
 from pathlib import Path
 
 from sqlalchemy.orm import Session
@@ -21,7 +20,7 @@ from wildscav_leaderboard.conductor.keeper import LeaseKeeper
 from wildscav_leaderboard.conductor.lease import Holding, LeaseLostError
 from wildscav_leaderboard.conductor.models import Attempt
 from wildscav_leaderboard.conductor.plans import plan_ladders
-from wildscav_leaderboard.conductor.validators import IDLE, Validators
+from wildscav_leaderboard.conductor.validators import IDLE, Validators, now
 from wildscav_leaderboard.database.connection import Database, DatabaseError, clock
 from wildscav_leaderboard.matches.models import Match
 from wildscav_leaderboard.matches.service import seats_of
@@ -62,11 +61,6 @@ class Broadcast:
         """Show a match no longer: its record tells everything."""
         with suppress(OSError):
             self._live.end(job.evaluation)
-
-
-def now() -> datetime:
-    """Return the time."""
-    return datetime.now(UTC)
 
 
 class Conductor:

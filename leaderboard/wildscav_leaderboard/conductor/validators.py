@@ -21,6 +21,11 @@ from wildscav_leaderboard.submissions.models import Submission
 IDLE = 1.0  # s between two looks when there is nothing to do
 
 
+def now() -> datetime:
+    """Return the time."""
+    return datetime.now(UTC)
+
+
 class Validators:
     """Threads that each take the next submission, and have a child process do the work. A context manager.
 
@@ -66,8 +71,8 @@ class Validators:
         check_room(self._season)
         with self._database.writing() as session:
             season = in_force(session, self._season)
-            steps.admit(session, _now())
-            attempt = steps.take_submission(session, season, self._holding, _now())
+            steps.admit(session, now())
+            attempt = steps.take_submission(session, season, self._holding, now())
             if attempt is None:
                 return False
             submission = session.get_one(Submission, attempt.submission_id)
@@ -76,12 +81,12 @@ class Validators:
         deadlines, logs = season.settings.deadlines, season.submission_folder(submission.id) / "logs"
         if self._tried(child, season, attempt, work.build, arguments, deadlines.building):
             with self._database.writing() as session:
-                following = steps.built(session, season, self._holding, attempt.id, _now())
+                following = steps.built(session, season, self._holding, attempt.id, now())
             if following is not None and self._tried(
                 child, season, following, work.validate, (*arguments, logs), deadlines.validating
             ):
                 with self._database.writing() as session:
-                    steps.validated(session, in_force(session, season), self._holding, following.id, _now())
+                    steps.validated(session, in_force(session, season), self._holding, following.id, now())
                 self._log.info("submission_active", submission=submission.id)
         return True
 
@@ -104,7 +109,7 @@ class Validators:
                 why = describe(error) if isinstance(error, OSError) else str(error) or type(error).__name__
                 self._log.warning("attempt_broke", attempt=attempt.id, fault="platform", reason=why)
                 with self._database.writing() as session:
-                    steps.broke(session, season, self._holding, attempt.id, _now(), why)
+                    steps.broke(session, season, self._holding, attempt.id, now(), why)
             return False
         if rejection is None:
             return True
@@ -113,14 +118,10 @@ class Validators:
                 session,
                 self._holding,
                 attempt.id,
-                _now(),
+                now(),
                 reason=rejection.reason,
                 last_lines=rejection.last_lines,
                 command=rejection.command,
             )
         self._log.info("submission_rejected", submission=attempt.submission_id, reason=rejection.reason)
         return False
-
-
-def _now() -> datetime:
-    return datetime.now(UTC)

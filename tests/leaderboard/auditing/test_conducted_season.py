@@ -12,7 +12,7 @@ from tests.leaderboard.seasons_made import make_season, submitted, team_with_mem
 from tests.leaderboard.spectating.served import served
 
 from wildscav_leaderboard.boards.kept import read_board
-from wildscav_leaderboard.conductor.conductor import now
+from wildscav_leaderboard.conductor.validators import now
 from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.matches.models import FINISHED, Match
 from wildscav_leaderboard.publishing.export import export

@@ -16,8 +16,8 @@ from tests.leaderboard.seasons_made import make_season, submitted, team_with_mem
 from wildscav_engine.record import read_record
 from wildscav_evaluator.output.journal import file_digest
 from wildscav_leaderboard.conductor.attempts import RETURNED
-from wildscav_leaderboard.conductor.conductor import now
 from wildscav_leaderboard.conductor.models import Attempt
+from wildscav_leaderboard.conductor.validators import now
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import (
     FINISHED,

@@ -31,9 +31,9 @@ from tests.ports import free_ports
 from wildscav_evaluator.output.journal import file_digest
 from wildscav_leaderboard.accounts.service import new_token
 from wildscav_leaderboard.boards.kept import read_board
-from wildscav_leaderboard.conductor.conductor import now
 from wildscav_leaderboard.conductor.models import Attempt
 from wildscav_leaderboard.conductor.plans import plan_ladders
+from wildscav_leaderboard.conductor.validators import now
 from wildscav_leaderboard.database.connection import Database, DatabaseError
 from wildscav_leaderboard.matches.models import FINISHED, PLAYING, WAITING, Match, MatchResult
 from wildscav_leaderboard.seasons.folder import Season
