@@ -22,11 +22,10 @@ SUITE_MATCHES = 4
 
 def is_shown(session: Session) -> bool:
     """Return whether everything is played and on the boards."""
-    states = list(session.scalars(select(Match.state)))
     boards = [read_board(session, track) for track in ("navigation", "battle")]
-    shown = [board for board in boards if board is not None and any(row.rank for row in board.rows)]
-    is_over = len(states) > SUITE_MATCHES and set(states) == {FINISHED}
-    return is_over and len(shown) == 2
+    rows = [row for board in boards if board is not None for row in board.rows if row.submission is not None]
+    is_over = set(session.scalars(select(Match.state))) == {FINISHED}
+    return is_over and len(rows) == 4 and all(row.rank and row.matches == row.planned for row in rows)
 
 
 @pytest.mark.slow
