@@ -48,7 +48,7 @@ else
 endif
 
 test-slow: .venv/.training ## Run the slow tests, three at a time: they wait more than they compute.
-	$(BIN)/python $(PYTEST) -n 3 --dist worksteal -m slow
+	$(BIN)/python $(PYTEST) -n 3 --dist worksteal -m slow --durations=40
 
 test-with: .venv/.dev ## Run PART of the tests with another Python or other releases: PYTHON=python3.14, RELEASES='numba==0.68.0'.
 	rm -rf $(OTHER)

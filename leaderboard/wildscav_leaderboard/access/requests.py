@@ -13,6 +13,7 @@ from typing import Annotated
 from fastapi import Depends, Request
 from fastapi.concurrency import contextmanager_in_threadpool
 from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
+from pydantic import Field
 from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.access.rate_limits import RateLimits, subscriber
@@ -81,6 +82,7 @@ CurrentSeason = Annotated[Season, Depends(season_of)]
 CurrentDatabase = Annotated[Database, Depends(database_of)]
 Renders = Annotated[RenderCache, Depends(renders_of)]
 Now = Annotated[datetime, Depends(present)]
+Number = Annotated[int, Field(ge=0, le=2**53)]  # of an entry of the database, which has no larger ones
 Bearer = Annotated[HTTPAuthorizationCredentials | None, Depends(bearer)]
 
 

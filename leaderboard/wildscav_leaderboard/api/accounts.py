@@ -13,6 +13,7 @@ from wildscav_leaderboard.access.requests import (
     KnownProgram,
     Limits,
     Now,
+    Number,
     Reading,
 )
 from wildscav_leaderboard.accounts import passwords, service
@@ -74,7 +75,7 @@ def revoke_current(_caller: KnownProgram, given: Bearer, database: CurrentDataba
 
 
 @router.delete("/tokens/{token}", status_code=204)
-def revoke(token: int, caller: KnownProgram, database: CurrentDatabase, now: Now) -> None:
+def revoke(token: Number, caller: KnownProgram, database: CurrentDatabase, now: Now) -> None:
     """Revoke one of your tokens."""
     with database.writing() as session:
         service.revoke_token(session, caller.account, token, now)

@@ -3,9 +3,8 @@
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Query, Request, Response
-from pydantic import Field
 
-from wildscav_leaderboard.access.requests import AnyProgram, CurrentSeason, Reading, check_organizer
+from wildscav_leaderboard.access.requests import AnyProgram, CurrentSeason, Number, Reading, check_organizer
 from wildscav_leaderboard.boards.documents import BoardDocument
 from wildscav_leaderboard.boards.history import history, team_histories
 from wildscav_leaderboard.boards.kept import kept_board, read_board
@@ -27,7 +26,6 @@ from wildscav_leaderboard.presentation.season import (
 from wildscav_leaderboard.seasons.refusals import NotFoundError, UnknownCallerError
 
 router = APIRouter(tags=["boards"])
-Number = Annotated[int, Field(ge=1, le=2**53)]
 MOST_NUMBERS = 50  # submissions or teams of one answer
 
 

@@ -11,6 +11,7 @@ from wildscav_leaderboard.access.requests import (
     CurrentSeason,
     KnownReader,
     Now,
+    Number,
     Reading,
     Renders,
 )
@@ -28,7 +29,6 @@ from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.teams.models import Team
 
 router = APIRouter(tags=["matches"])
-Number = Annotated[int, Query(ge=1, le=2**53)]
 RENDERED: dict[int | str, dict[str, Any]] = {
     202: {"description": "It is being rendered: ask again in a moment."},
     503: {"description": "It could not be rendered."},
@@ -56,13 +56,13 @@ def matches(
 
 
 @router.get("/matches/{match}")
-def match(match: int, caller: AnyReader, session: Reading) -> MatchView:
+def match(match: Number, caller: AnyReader, session: Reading) -> MatchView:
     """Return a match."""
     return match_views(session, [find_match(session, match)], caller)[0]
 
 
 @router.get("/matches/{match}/record", response_class=FileResponse)
-def record(match: int, caller: AnyReader, session: Reading, season: CurrentSeason) -> Response:
+def record(match: Number, caller: AnyReader, session: Reading, season: CurrentSeason) -> Response:
     """Return the record of a match, from which anyone can play it again."""
     path = record_path(session, season, match, caller)
     return FileResponse(
@@ -74,7 +74,7 @@ def record(match: int, caller: AnyReader, session: Reading, season: CurrentSeaso
 class Rendering:
     """A request for what is rendered from the record of a match."""
 
-    match: int
+    match: Number
     caller: AnyReader
     session: Reading
     season: CurrentSeason
@@ -153,7 +153,7 @@ def video_file(asked: Asked) -> Response:
 
 
 @router.get("/matches/{match}/logs/{seat}", response_class=PlainTextResponse, responses=REFUSALS)
-def logs(match: int, seat: int, caller: KnownReader, session: Reading, season: CurrentSeason) -> str:
+def logs(match: Number, seat: Number, caller: KnownReader, session: Reading, season: CurrentSeason) -> str:
     """Return what an agent of your team printed in a match."""
     found, place = find_match(session, match), session.get(MatchSeat, (match, seat))
     visible = seen_by(session, [found], caller)[match]

@@ -10,6 +10,7 @@ from wildscav_leaderboard.access.requests import (
     CurrentDatabase,
     CurrentSeason,
     Now,
+    Number,
     OrganizingProgram,
     Reading,
     organizing_program,
@@ -37,7 +38,7 @@ def status(season: CurrentSeason, session: Reading, now: Now) -> StatusView:
 @router.get("/audit-log")
 def audit_log(
     session: Reading,
-    before: Annotated[int | None, Query(ge=1, le=2**53)] = None,
+    before: Number | None = None,
     limit: Annotated[int, Query(ge=1, le=MOST)] = MOST,
 ) -> list[AuditEntryView]:
     """List the privileged acts, the latest first."""

@@ -14,6 +14,7 @@ from wildscav_leaderboard.access.requests import (
     CurrentSeason,
     KnownProgram,
     Now,
+    Number,
     Reading,
 )
 from wildscav_leaderboard.access.uploads import check_upload_wanted, take_upload, uploaded
@@ -36,7 +37,6 @@ from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.teams.service import find_team, own_team
 
 router = APIRouter(tags=["submissions"])
-Number = Annotated[int, Query(ge=1, le=2**53)]
 Limit = Annotated[int, Query(ge=1, le=MOST)]
 LARGEST_LOG = 1 << 20  # bytes
 
@@ -93,7 +93,7 @@ def submissions(
 
 @router.get("/submissions/{submission}")
 def submission(
-    submission: int, caller: AnyProgram, season: CurrentSeason, session: Reading, now: Now
+    submission: Number, caller: AnyProgram, season: CurrentSeason, session: Reading, now: Now
 ) -> SubmissionView:
     """Return a submission. Its team and the organizers see why it failed."""
     return submission_view(session, season, service.find_submission(session, submission), caller, now)
@@ -101,7 +101,7 @@ def submission(
 
 @router.post("/submissions/{submission}/{act}")
 def act(
-    submission: int,
+    submission: Number,
     act: str,
     caller: KnownProgram,
     season: CurrentSeason,
@@ -115,7 +115,7 @@ def act(
 
 
 @router.get("/submissions/{submission}/opponents")
-def opponents(submission: int, track: str, current: CurrentSeason, session: Reading) -> list[OpponentView]:
+def opponents(submission: Number, track: str, current: CurrentSeason, session: Reading) -> list[OpponentView]:
     """Return how a submission did against everyone whom it met on a ladder."""
     current.track(track)
     found = service.find_submission(session, submission)
@@ -123,7 +123,7 @@ def opponents(submission: int, track: str, current: CurrentSeason, session: Read
 
 
 @router.get("/submissions/{submission}/logs", response_class=PlainTextResponse, responses=REFUSALS)
-def logs(submission: int, caller: KnownProgram, session: Reading, season: CurrentSeason) -> str:
+def logs(submission: Number, caller: KnownProgram, session: Reading, season: CurrentSeason) -> str:
     """Return what a submission of your team printed in its validation."""
     found = service.find_submission(session, submission)
     if not is_own(session, caller, found):

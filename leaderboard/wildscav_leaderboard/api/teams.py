@@ -2,7 +2,14 @@
 
 from fastapi import APIRouter
 
-from wildscav_leaderboard.access.requests import CurrentDatabase, CurrentSeason, KnownProgram, Now, Reading
+from wildscav_leaderboard.access.requests import (
+    CurrentDatabase,
+    CurrentSeason,
+    KnownProgram,
+    Now,
+    Number,
+    Reading,
+)
 from wildscav_leaderboard.presentation.documents import (
     Key,
     KeyView,
@@ -82,14 +89,14 @@ def add_webhook(new: NewWebhook, caller: KnownProgram, database: CurrentDatabase
 
 
 @router.delete("/webhooks/{webhook}", status_code=204)
-def remove_webhook(webhook: int, caller: KnownProgram, database: CurrentDatabase) -> None:
+def remove_webhook(webhook: Number, caller: KnownProgram, database: CurrentDatabase) -> None:
     """Remove one of your team's webhooks."""
     with database.writing() as session:
         webhooks.remove_webhook(session, service.own_team(session, caller.account), webhook)
 
 
 @router.post("/webhooks/{webhook}/test", status_code=202)
-def test_webhook(webhook: int, caller: KnownProgram, database: CurrentDatabase, now: Now) -> WebhookView:
+def test_webhook(webhook: Number, caller: KnownProgram, database: CurrentDatabase, now: Now) -> WebhookView:
     """Send a message to one of your team's webhooks."""
     with database.writing() as session:
         own = service.own_team(session, caller.account)

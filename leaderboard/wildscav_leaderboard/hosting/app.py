@@ -17,10 +17,11 @@ from wildscav_evaluator.cache import cache_folder
 from wildscav_leaderboard.access.body_limit import BodyLimit
 from wildscav_leaderboard.access.headers import SecurityHeaders
 from wildscav_leaderboard.access.rate_limits import AddressLimit
-from wildscav_leaderboard.api.errors import as_json
+from wildscav_leaderboard.api.errors import answer, as_json
 from wildscav_leaderboard.api.routers import PREFIX, api_router
 from wildscav_leaderboard.database.connection import READERS, Database
 from wildscav_leaderboard.hosting.broken_requests import BrokenRequests
+from wildscav_leaderboard.hosting.head_requests import HeadRequests
 from wildscav_leaderboard.hosting.request_log import RequestLog
 from wildscav_leaderboard.hosting.web_counts import WebCounts
 from wildscav_leaderboard.playing.tables import Tables
@@ -76,6 +77,7 @@ def create_app(
     app.add_middleware(BrokenRequests, answer=_answer)
     app.add_middleware(AddressLimit, per_minute=season.settings.web.requests_per_minute)
     app.add_middleware(BodyLimit, uploads=UPLOADS)
+    app.add_middleware(HeadRequests)
     app.add_middleware(RequestLog, counts=counts.requests, log=log)
     app.add_middleware(SecurityHeaders)
     return app
@@ -98,5 +100,6 @@ def _ready(request: Request) -> Response:
         database.check()
         check_room(request.app.state.season)
     except UserError as error:
-        return JSONResponse({"ready": False, "reason": str(error)}, HTTPStatus.SERVICE_UNAVAILABLE)
+        _, reason = answer(error)  # without the address of the database
+        return JSONResponse({"ready": False, "reason": reason}, HTTPStatus.SERVICE_UNAVAILABLE)
     return JSONResponse({"ready": True})

@@ -1,14 +1,14 @@
 """The pages of boards: who leads, how it came about, and who beat whom."""
 
 from datetime import datetime
-from typing import Annotated, Any
+from typing import Any
 
-from fastapi import APIRouter, Query, Request
+from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse
 from markupsafe import Markup
 from sqlalchemy.orm import Session
 
-from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Reading, check_organizer
+from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Number, Reading, check_organizer
 from wildscav_leaderboard.boards.documents import SuiteBoard
 from wildscav_leaderboard.boards.history import team_histories
 from wildscav_leaderboard.boards.kept import board_updated, earlier_editions, read_board
@@ -22,7 +22,6 @@ from wildscav_leaderboard.web.charts import Scale, rank_chart
 from wildscav_leaderboard.web.rendering import PageParts, page, rendered
 
 router = APIRouter()
-Number = Annotated[int, Query(ge=1, le=2**53)]
 CHARTED = 8  # teams whose history is drawn
 
 

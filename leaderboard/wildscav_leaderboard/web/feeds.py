@@ -10,7 +10,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from wildscav.terminal.console import counted
-from wildscav_leaderboard.access.requests import CurrentSeason, Reading
+from wildscav_leaderboard.access.requests import CurrentSeason, Number, Reading
 from wildscav_leaderboard.boards.documents import BoardDocument, Row
 from wildscav_leaderboard.boards.history import latest_points
 from wildscav_leaderboard.boards.kept import read_board
@@ -95,7 +95,7 @@ def team_badge(track: str, name: str, season: CurrentSeason, session: Reading) -
 
 
 @router.get("/badges/{track}/submissions/{number}.svg")
-def submission_badge(track: str, number: int, season: CurrentSeason, session: Reading) -> Response:
+def submission_badge(track: str, number: Number, season: CurrentSeason, session: Reading) -> Response:
     """Return a submission's rank on a track, as a picture; it has one if it is the best of its team."""
     season.track(track)
     one = find_submission(session, number)

@@ -3,12 +3,12 @@
 import re
 from typing import Annotated, Any, NamedTuple
 
-from fastapi import APIRouter, Depends, Query, Request
+from fastapi import APIRouter, Depends, Request
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from pydantic import BaseModel
 from sqlalchemy.orm import Session
 
-from wildscav_leaderboard.access.requests import CurrentDatabase, Now, OrganizingBrowser, check_form
+from wildscav_leaderboard.access.requests import CurrentDatabase, Now, Number, OrganizingBrowser, check_form
 from wildscav_leaderboard.accounts.service import Caller, invitations
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.organizing.acts import ACTS
@@ -26,7 +26,6 @@ from wildscav_leaderboard.submissions.queue import queue
 from wildscav_leaderboard.web.rendering import page
 
 router = APIRouter()
-Before = Annotated[int | None, Query(ge=1, le=2**53)]
 ENTRIES = 100  # of a list that are shown at once
 OWN_PAGE = re.compile(r"/organizer(?:/[a-z-]+)?")
 
@@ -45,7 +44,7 @@ def overview(
     database: CurrentDatabase,
     now: Now,
     state: str = "",
-    before: Before = None,
+    before: Number | None = None,
 ) -> HTMLResponse:
     """Show one of the organizers' pages; of lists, what comes before an entry, and is in a state."""
     return _show(request, caller, database, now, request.url.path, state=state, before=before)

@@ -13,6 +13,7 @@ from wildscav_leaderboard.access.requests import (
     CurrentDatabase,
     CurrentSeason,
     Limits,
+    Number,
     check_form,
 )
 from wildscav_leaderboard.access.same_site import SameSite, is_own_origin
@@ -47,7 +48,7 @@ OwnTables = Annotated[Tables, Depends(tables_of)]
 @router.post("/submissions/{number}/play")
 def play(
     request: Request,
-    number: int,
+    number: Number,
     _own_form: SameSite,
     season: CurrentSeason,
     database: CurrentDatabase,

@@ -1,14 +1,14 @@
 """The pages for everyone about the season, its teams and their submissions."""
 
 from collections.abc import Mapping
-from typing import Annotated, Any
+from typing import Any
 
-from fastapi import APIRouter, Query, Request
+from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse
 from sqlalchemy.orm import Session
 
 from wildscav_evaluator.output.results import metric_infos
-from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Now, Reading
+from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Now, Number, Reading
 from wildscav_leaderboard.boards.documents import BoardDocument
 from wildscav_leaderboard.boards.history import histories_of_team
 from wildscav_leaderboard.boards.kept import read_board
@@ -96,12 +96,12 @@ def _team_places(
 @router.get("/submissions/{number}", response_class=HTMLResponse)
 def submission(
     request: Request,
-    number: int,
+    number: Number,
     session: Reading,
     caller: AnyBrowser,
     season: CurrentSeason,
     now: Now,
-    before: Annotated[int | None, Query(ge=1, le=2**53)] = None,
+    before: Number | None = None,
 ) -> HTMLResponse:
     """Show a submission: its states, why it failed, its places and its matches."""
     found = find_submission(session, number)

@@ -14,6 +14,7 @@ from wildscav_leaderboard.access.requests import (
     CurrentSeason,
     KnownBrowser,
     Now,
+    Number,
     Reading,
     check_form,
 )
@@ -60,7 +61,7 @@ async def submit(
     now: Now,
     message: Annotated[str, Query(max_length=1000)] = "",
     suffix: Annotated[str, Query(max_length=20)] = ".tar.gz",
-    replaces: Annotated[int | None, Query(ge=1, le=2**53)] = None,
+    replaces: Number | None = None,
 ) -> JSONResponse:
     """Take a submission from the form's script; the body of the request is the archive."""
     run = anyio.to_thread.run_sync
@@ -78,7 +79,7 @@ async def submit(
 @router.post("/submissions/{number}/{act}")
 def act(
     request: Request,
-    number: int,
+    number: Number,
     act: str,
     caller: KnownBrowser,
     database: CurrentDatabase,

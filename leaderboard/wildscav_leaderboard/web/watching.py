@@ -8,7 +8,7 @@ from fastapi.responses import HTMLResponse
 from sqlalchemy.orm import Session
 
 from wildscav_evaluator.output.results import metric_infos
-from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Now, Reading, Renders
+from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Now, Number, Reading, Renders
 from wildscav_leaderboard.matches.models import FINISHED, PLAYING
 from wildscav_leaderboard.matches.service import find_match
 from wildscav_leaderboard.matches.visibility import record_path, seen_by
@@ -28,7 +28,7 @@ router = APIRouter()
 @router.get("/matches/{number}", response_class=HTMLResponse)
 def match(
     request: Request,
-    number: int,
+    number: Number,
     session: Reading,
     caller: AnyBrowser,
     season: CurrentSeason,
@@ -86,7 +86,7 @@ def _unseen(view: MatchView) -> str:
 
 
 @router.get("/matches/{number}/watch", response_class=HTMLResponse)
-def watch(request: Request, number: int, session: Reading, caller: AnyBrowser) -> HTMLResponse:
+def watch(request: Request, number: Number, session: Reading, caller: AnyBrowser) -> HTMLResponse:
     """Show the replay of a match in the Rerun viewer."""
     (view,) = match_views(session, [find_match(session, number)], caller)
     if view.hidden is not None:

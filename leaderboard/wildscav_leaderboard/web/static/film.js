@@ -1,26 +1,10 @@
 // The video of a match: asks for it, says how far it is, and shows it once it is rendered. Its poster is shown at once.
 
-const PAUSE = 1000; // ms between two questions
+import { untilReady } from "./progress.js";
+
 const card = document.querySelector(".film");
 const button = card.querySelector("a.button[rel]");
 const status = card.querySelector("[role=status]");
-
-async function progressOf(address) {
-  const answer = await fetch(address).catch(() => null);
-  if (!answer) return { state: "waiting", detail: "The connection is lost; trying again …" };
-  if (answer.headers.get("content-type").startsWith("image/")) return { state: "ready" };
-  return answer.json();
-}
-
-async function untilReady(address, tell) {
-  for (;;) {
-    const { state, detail, error } = await progressOf(address);
-    if (state === "ready") return true;
-    tell(error ?? detail);
-    if (error || state === "failed") return false;
-    await new Promise((resolve) => setTimeout(resolve, PAUSE));
-  }
-}
 
 async function showPoster() {
   if (!(await untilReady(card.dataset.poster, () => {})) || card.querySelector("video, img")) return;

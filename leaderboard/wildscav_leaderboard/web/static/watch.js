@@ -1,19 +1,12 @@
 // Asks for the replay until it is rendered, says how far it is, and then shows it in the viewer.
 
+import { untilReady } from "./progress.js";
+
 const frame = document.querySelector("iframe[data-viewer]");
 const status = document.querySelector("#replay-status");
-const PAUSE = 1000; // ms between two questions
 
-async function ask() {
-  const answer = await fetch(frame.dataset.progress).catch(() => null);
-  const progress = answer ? await answer.json() : { state: "waiting", detail: "The connection is lost; trying again …" };
-  status.textContent = progress.detail || "The viewer is loading …";
-  if (progress.state === "ready") {
-    frame.addEventListener("load", () => (status.textContent = ""), { once: true });
-    frame.src = frame.dataset.viewer;
-  } else if (progress.state !== "failed") {
-    setTimeout(ask, PAUSE);
-  }
+if (await untilReady(frame.dataset.progress, (text) => (status.textContent = text))) {
+  status.textContent = "The viewer is loading …";
+  frame.addEventListener("load", () => (status.textContent = ""), { once: true });
+  frame.src = frame.dataset.viewer;
 }
-
-ask();
