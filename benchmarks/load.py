@@ -46,7 +46,7 @@ async def _ask(
     port: int, path: str, seconds: float, connections: int, rate: float | None, cookie: str
 ) -> Load:
     load = Load()
-    more = f"Cookie: wildscav={cookie}\r\n" if cookie else ""
+    more = f"Cookie: wildscav-large={cookie}\r\n" if cookie else ""
     request = f"GET {path} HTTP/1.1\r\nHost: localhost\r\n{more}\r\n".encode()
     begun = time.perf_counter()
     due = iter(range(10**9))

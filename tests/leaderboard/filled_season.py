@@ -56,6 +56,7 @@ maps = 4
 episodes = 1
 match = { time_limit = 30, seats = ["submission", "fighter"] }
 """
+COOKIE = "wildscav-trial"  # of a browser that is logged in
 MANIFEST = 'name = "{name}"\nversion = "{version}"\nentry_point = "agent:Player"\ntracks = {tracks}\n'
 AGENT = "from wildscav import Action, Agent\n\nclass Player(Agent):\n    def act(self, observation):\n"
 AGENT += "        return Action()\n"

@@ -30,8 +30,6 @@ from wildscav_leaderboard.seasons.in_force import in_force
 from wildscav_leaderboard.seasons.refusals import ForbiddenError, UnknownCallerError
 from wildscav_leaderboard.spectating.render_cache import RenderCache
 
-COOKIE, SECURE_COOKIE = "wildscav", "__Host-wildscav"  # the second where there is TLS
-
 bearer = HTTPBearer(
     auto_error=False, description="A token from `wildscav login`, or from the account's page."
 )
@@ -229,5 +227,9 @@ Limits = Annotated[RateLimits, Depends(rate_limits)]
 
 
 def cookie_name(request: Request) -> str:
-    """Return the name of the cookie, which browsers bind to TLS where there is TLS."""
-    return SECURE_COOKIE if request.url.scheme == "https" else COOKIE
+    """Return the name of the season's cookie, which browsers bind to TLS where there is TLS.
+
+    Browsers send the cookies of a host to all of its ports, on each of which there may be a season.
+    """
+    season: Season = request.app.state.season
+    return f"{'__Host-' if request.url.scheme == 'https' else ''}wildscav-{season.settings.name}"

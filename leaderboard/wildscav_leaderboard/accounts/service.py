@@ -100,7 +100,13 @@ def _use_invitation(session: Session, key: str, now: datetime) -> str:
 
 
 def invite(
-    session: Session, label: str, now: datetime, *, role: str = COMPETITOR, uses: int | None = 1
+    session: Session,
+    label: str,
+    now: datetime,
+    *,
+    role: str = COMPETITOR,
+    uses: int | None = 1,
+    days: int | None = None,
 ) -> str:
     """Make an invitation, and return its key, which is shown once.
 
@@ -110,10 +116,16 @@ def invite(
         now: The time.
         role: Of the accounts that are registered with it.
         uses: How many; None for any number.
+        days: After how many it expires; None for never.
     """
     key = new_key(INVITATION)
     label = checked_line(label, "label of an invitation", 100, empty=True)
-    session.add(Invitation(digest=digest_of(key), role=role, label=label, created=now, uses_left=uses))
+    expires = None if days is None else now + timedelta(days=days)
+    session.add(
+        Invitation(
+            digest=digest_of(key), role=role, label=label, created=now, expires=expires, uses_left=uses
+        )
+    )
     return key
 
 

@@ -27,7 +27,7 @@ from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.queue import queue
 from wildscav_leaderboard.submissions.service import PLATFORM, activate, move
 
-CONDUCTOR = "conductor"  # the actor of what nobody did
+CONDUCTOR = "the conductor"  # the actor of what nobody did; no account can be called so
 
 
 def is_paused(session: Session) -> bool:

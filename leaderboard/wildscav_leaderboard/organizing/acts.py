@@ -126,6 +126,10 @@ Uses = Annotated[
         description="How many people may register with it; 0 or nothing for any number.",
     ),
 ]
+Days = Annotated[
+    int | None,
+    Field(ge=1, le=3650, title="Days", description="After how many days it expires; 0 or nothing for never."),
+]
 Role = Annotated[
     Literal["competitor", "organizer"], Field(title="As", description="For organizers, not competitors.")
 ]
@@ -190,9 +194,11 @@ def announce(doing: Doing, title: Title, text: Text = "") -> None:
 
 
 @act("{role}", "Make an invitation", path="/invitations", detail="{label}: {uses} registrations")
-def invite(doing: Doing, *, label: Label = "", uses: Uses = 1, role: Role = "competitor") -> NewKey:
+def invite(
+    doing: Doing, *, label: Label = "", uses: Uses = 1, days: Days = 30, role: Role = "competitor"
+) -> NewKey:
     """Make an invitation, with whose key people register. The key is shown once."""
-    return NewKey(key=new_invitation(doing.session, label, doing.now, role=role, uses=uses))
+    return NewKey(key=new_invitation(doing.session, label, doing.now, role=role, uses=uses, days=days))
 
 
 @act("account {name}", "Make an organizer", path="", command="organizer", says="account  {name}")

@@ -52,7 +52,7 @@ class AuditEntry(Base):
 
     id: Mapped[int] = mapped_column(primary_key=True, init=False)
     at: Mapped[datetime] = mapped_column(index=True)
-    actor: Mapped[str]  # name of the account, or "command line", or "conductor"
+    actor: Mapped[str]  # name of the account, or "command line (USER)", or "the conductor"
     act: Mapped[str]  # a verb, such as "disqualify team"
     subject: Mapped[str]  # what it was done to, such as "team foxes"
     detail: Mapped[str] = mapped_column(default="")  # the reason, or what changed

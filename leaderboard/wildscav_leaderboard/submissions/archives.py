@@ -2,8 +2,6 @@
 
 import hashlib
 import os
-import shutil
-import threading
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -83,23 +81,15 @@ def archive_name(archive: CheckedArchive) -> str:
 
 
 def store_archive(archive: CheckedArchive, season: Season) -> None:
-    """Put an archive into the season's files, whole or not at all.
+    """Move an archive into the season's files, on whose disk it is, whole or not at all.
 
     Raises:
-        OSError: The disk is full or cannot be written.
+        OSError: The disk cannot be written.
     """
     season.archives.mkdir(parents=True, exist_ok=True)
-    target = season.archives / archive_name(archive)
-    if target.exists():
-        return
-    fresh = target.with_name(f".{target.name}.{os.getpid()}-{threading.get_ident()}")
-    try:
-        shutil.copyfile(archive.path, fresh)
-        with fresh.open("rb") as file:
-            os.fsync(file.fileno())
-        fresh.rename(target)
-    finally:
-        fresh.unlink(missing_ok=True)
+    with archive.path.open("rb") as file:
+        os.fsync(file.fileno())
+    archive.path.replace(season.archives / archive_name(archive))
 
 
 def load_archive(season: Season, name: str, entrant: str) -> Submission:

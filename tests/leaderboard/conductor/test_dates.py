@@ -38,7 +38,7 @@ def test_the_boards_freeze_at_their_date_once(database: Database, season: Season
     for now, comes in ((DUE - SECOND, False), (DUE, True), (DUE, False), (DUE + SECOND, False)):
         with database.writing() as session:
             assert freeze_when_due(session, season, now) is comes
-    assert acts(database) == [("conductor", "freeze")]
+    assert acts(database) == [("the conductor", "freeze")]
 
 
 def test_boards_go_on_when_the_date_is_moved_and_freeze_again_then(
@@ -55,7 +55,11 @@ def test_boards_go_on_when_the_date_is_moved_and_freeze_again_then(
         with database.writing() as session:
             assert freeze_when_due(session, one, now) is comes
             assert (read_state(session, FROZEN) is not None) is frozen
-    assert acts(database) == [("conductor", "freeze"), ("conductor", "unfreeze"), ("conductor", "freeze")]
+    assert acts(database) == [
+        ("the conductor", "freeze"),
+        ("the conductor", "unfreeze"),
+        ("the conductor", "freeze"),
+    ]
 
 
 def test_what_organizers_unfreeze_or_freeze_stays_so_whatever_date_has_passed(
@@ -100,7 +104,7 @@ def test_the_conductor_does_it(tmp_path: Path) -> None:
     conductor._acquire()
     conductor._sandbox = "process"
     conductor._refresh_boards(at_once=True)
-    assert acts(database) == [("conductor", "freeze")]
+    assert acts(database) == [("the conductor", "freeze")]
     database.close()
 
 

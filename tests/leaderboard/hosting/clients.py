@@ -9,9 +9,8 @@ from typing import Any
 import httpx
 from fastapi import FastAPI
 from sqlalchemy import select
-from tests.leaderboard.filled_season import FilledSeason, Person
+from tests.leaderboard.filled_season import COOKIE, FilledSeason, Person
 
-from wildscav_leaderboard.access.requests import COOKIE
 from wildscav_leaderboard.accounts.models import Account, Token
 from wildscav_leaderboard.database.connection import Database
 

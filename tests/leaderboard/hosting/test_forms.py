@@ -8,12 +8,11 @@ from pathlib import Path
 import httpx
 import pytest
 from fastapi import FastAPI
-from tests.leaderboard.filled_season import PASSWORD, FilledSeason
+from tests.leaderboard.filled_season import COOKIE, PASSWORD, FilledSeason
 from tests.leaderboard.hosting.clients import copied_database, numbers_of
 from tests.leaderboard.hosting.route_table import TABLE, Line
 from tests.leaderboard.spectating.served import served
 
-from wildscav_leaderboard.access.requests import COOKIE
 from wildscav_leaderboard.hosting.app import create_app
 
 WITHOUT_SESSION = {"/login", "/register"}  # forms for those who are not logged in

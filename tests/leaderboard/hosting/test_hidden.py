@@ -16,7 +16,7 @@ import pytest
 from fastapi.routing import iter_route_contexts
 from sqlalchemy import delete, select
 from sqlalchemy.orm import Session
-from tests.leaderboard.filled_season import FilledSeason
+from tests.leaderboard.filled_season import COOKIE, FilledSeason
 from tests.leaderboard.hosting.clients import ask, copied_database, numbers_of
 from tests.leaderboard.hosting.route_table import TABLE
 from tests.leaderboard.spectating.served import served
@@ -270,7 +270,7 @@ def test_organizers_read_hidden_files_in_their_browser(
     path = f"/api/v1/matches/{hostile_season.matches['own_suite']}/record"
     with served(app) as address, httpx.Client(base_url=address, timeout=60.0) as client:
         got = {
-            asker: client.get(path, headers={"Cookie": f"wildscav={hostile_season.people[asker].cookie}"})
+            asker: client.get(path, headers={"Cookie": f"{COOKIE}={hostile_season.people[asker].cookie}"})
             for asker in ("owner", "organizer")
         }
         page = ask(

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import httpx
@@ -54,3 +55,25 @@ def test_whoever_asks_whether_the_season_is_ready_is_not_told_where_its_database
         "ready": False,
         "reason": "the database does not answer: try again in a moment",
     }
+
+
+def test_a_browser_stays_logged_in_to_two_seasons_of_one_host(tmp_path: Path) -> None:
+    with httpx.Client() as browser, ExitStack() as stack:
+        spring = stack.enter_context(registered(tmp_path / "spring", "spring", browser))
+        autumn = stack.enter_context(registered(tmp_path / "autumn", "autumn", browser))
+        assert [browser.get(f"{site}/account").status_code for site in (spring, autumn)] == [200, 200]
+
+
+@contextmanager
+def registered(folder: Path, name: str, browser: httpx.Client) -> Iterator[str]:
+    """Serve a season in which a browser gets an account."""
+    made = make_season(folder, current=True)
+    open_to_all = {"name": name, "registration": "open"}
+    season = type(made)(folder, made.settings.model_copy(update=open_to_all))
+    database = season.database()
+    database.upgrade()
+    with served(create_app(season, database)) as address:
+        form = {"name": "ada", "password": "correct horse battery", "again": "correct horse battery"}
+        assert browser.post(f"{address}/register", data=form).status_code == 303
+        yield address
+    database.close()

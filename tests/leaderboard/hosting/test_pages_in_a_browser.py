@@ -8,11 +8,10 @@ import pytest
 from fastapi import FastAPI
 from tests.leaderboard.agents import write_agent
 from tests.leaderboard.browsers import DESK, PHONE, chromium
-from tests.leaderboard.filled_season import PASSWORD, FilledSeason, fill_season
+from tests.leaderboard.filled_season import COOKIE, PASSWORD, FilledSeason, fill_season
 from tests.leaderboard.hosting.clients import copied_database
 from tests.leaderboard.spectating.served import served
 
-from wildscav_leaderboard.access.requests import COOKIE
 from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.submissions.packing import pack
 

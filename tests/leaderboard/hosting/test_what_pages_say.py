@@ -6,11 +6,10 @@ from html import unescape
 
 import httpx
 import pytest
-from tests.leaderboard.filled_season import HOSTILE, FilledSeason
+from tests.leaderboard.filled_season import COOKIE, HOSTILE, FilledSeason
 from tests.leaderboard.hosting.clients import ask
 from tests.leaderboard.spectating.served import served
 
-from wildscav_leaderboard.access.requests import COOKIE
 from wildscav_leaderboard.hosting.app import create_app
 
 FIRST = 1  # the first submission of the owls, who have a better one

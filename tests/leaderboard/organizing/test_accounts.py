@@ -1,5 +1,6 @@
 """What organizers do with accounts: disable and enable them, give them new passwords. All acts are logged."""
 
+from datetime import datetime, timedelta
 from pathlib import Path
 
 import pytest
@@ -16,6 +17,7 @@ from wildscav_leaderboard.accounts.service import (
     caller_of_token,
     new_token,
     open_web_session,
+    register,
 )
 from wildscav_leaderboard.cli.season.app import app
 from wildscav_leaderboard.database.connection import Database
@@ -117,3 +119,25 @@ def test_a_command_does_the_act_that_its_argument_chooses_and_its_user_is_in_the
             ("command line (ada)", "invite", "organizer", "Ben: any number of registrations"),
         ]
     database.close()
+
+
+def test_an_invitation_expires_unless_its_organizer_wants_none_to(database: Database, season: Season) -> None:
+    with database.writing() as session:
+        keys = [
+            acts.invite(Doing(session, season, "anna", NOON), uses=0, **given).key
+            for given in ({}, {"days": 2}, {"days": 0})
+        ]
+        for days, valid in ((1, [True, True, True]), (3, [True, False, True]), (31, [False, False, True])):
+            now = NOON + timedelta(days=days)
+            assert [
+                registers(session, season, key, f"ada-{days}-{number}", now)
+                for number, key in enumerate(keys)
+            ] == valid
+
+
+def registers(session: Session, season: Season, key: str, name: str, now: datetime) -> bool:
+    try:
+        register(session, season.settings, name, "hash", key, now)
+    except ForbiddenError:
+        return False
+    return True

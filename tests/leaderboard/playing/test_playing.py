@@ -9,7 +9,7 @@ from typing import Any
 import httpx
 import pytest
 from sqlalchemy import delete
-from tests.leaderboard.filled_season import FilledSeason
+from tests.leaderboard.filled_season import COOKIE, FilledSeason
 from tests.leaderboard.hosting.clients import ask
 from tests.leaderboard.spectating.served import served
 
@@ -122,7 +122,7 @@ def test_a_form_of_another_site_or_session_opens_no_table(hostile_season: Filled
     with site(hostile_season, who="anybody") as client:
         foreign = client.post(path, data={"track": "battle"}, headers={"Origin": "https://elsewhere.example"})
         assert (foreign.status_code, "from another site" in foreign.text) == (403, True)
-        cookie = {"Cookie": f"wildscav={hostile_season.people['other'].cookie}"}
+        cookie = {"Cookie": f"{COOKIE}={hostile_season.people['other'].cookie}"}
         forged = client.post(path, data={"track": "battle", "csrf": "guessed"}, headers=cookie)
         assert (forged.status_code, "from another session" in forged.text) == (403, True)
 

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import pytest
 from fastapi import FastAPI
 from tests.leaderboard.browsers import DESK, chromium
-from tests.leaderboard.filled_season import FilledSeason
+from tests.leaderboard.filled_season import COOKIE, FilledSeason
 from tests.leaderboard.spectating.served import served
 from tests.platform.play.browsers import PATIENCE, wait_for_match
 from tests.platform.play.pages import page as page_of
@@ -20,7 +20,6 @@ from websockets.exceptions import ConnectionClosed
 
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES
 from wildscav_evaluator.sandbox.choose import missing_promises
-from wildscav_leaderboard.access.requests import COOKIE
 from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.hosting.web_counts import WebCounts
 from wildscav_leaderboard.playing.table_counts import TableCounts
