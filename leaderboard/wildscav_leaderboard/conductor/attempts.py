@@ -10,7 +10,9 @@ from wildscav_leaderboard.conductor.lease import Holding
 from wildscav_leaderboard.conductor.models import PLAY, Attempt
 
 DONE, AGENT, PLATFORM, LOST = "done", "agent", "platform", "lost"  # outcomes
-RETURNED = "returned"  # never begun: it waited for its turn when its conductor ended
+RETURNED = (
+    "returned"  # it waited for its turn when its conductor ended, or its conductor was stopped in order
+)
 FORGIVEN = "forgiven"  # lost, before organizers had the work tried again
 MOST_LOST = 10  # attempts at one piece of work; whatever takes the conductor with it every time is given up
 
@@ -72,6 +74,12 @@ def overdue(session: Session, holding: Holding, now: datetime) -> list[Attempt]:
 def running(session: Session) -> list[Attempt]:
     """Return the attempts that have not ended."""
     return list(session.scalars(select(Attempt).where(Attempt.ended.is_(None)).order_by(Attempt.id)))
+
+
+def matches_begun(session: Session) -> int:
+    """Return how many matches are being played."""
+    playing = select(func.count()).where(Attempt.ended.is_(None), Attempt.begun.is_not(None))
+    return session.scalar(playing.where(Attempt.kind == PLAY)) or 0
 
 
 def losses(session: Session, attempt: Attempt) -> int:

@@ -1,5 +1,7 @@
 """The conductor's loop: hold the lease, decide, have the work done, and go on."""
 
+import os
+import socket
 import threading
 import time
 import traceback
@@ -11,10 +13,12 @@ from sqlalchemy.orm import Session
 from wildscav.errors import WildscavError, describe
 from wildscav.monitoring.logs import Log, open_log
 from wildscav_evaluator.executors import EXECUTORS, Executor
+from wildscav_evaluator.executors.base import Node
 from wildscav_evaluator.matches.jobs import Heartbeat, Job, JobEvent, JobResult
 from wildscav_leaderboard.boards.service import read_ahead, refresh
 from wildscav_leaderboard.boards.suite_scores import SuiteScores
 from wildscav_leaderboard.conductor import lease, steps, work
+from wildscav_leaderboard.conductor.attempts import matches_begun
 from wildscav_leaderboard.conductor.editions import begin_editions
 from wildscav_leaderboard.conductor.keeper import LeaseKeeper
 from wildscav_leaderboard.conductor.lease import Holding, LeaseLostError
@@ -123,7 +127,7 @@ class Conductor:
         settings = self.season.settings.execution
         with ExitStack() as stack:
             stack.enter_context(LeaseKeeper(self.database, self._holding, log=self._log))
-            stack.callback(self._release)  # another conductor may be able to play
+            stack.push(self._release)  # another conductor may be able to play
             stack.enter_context(Deliverer(self.database, self.season.settings.webhooks, self._log))
             kind = EXECUTORS[settings.executor]
             executor = stack.enter_context(kind(settings.matches, settings.address))
@@ -156,8 +160,10 @@ class Conductor:
                 session, season_state.FAILED, {"reason": reason} if reason else None, now()
             )
 
-    def _release(self) -> None:
+    def _release(self, error: type[BaseException] | None = None, *_: object) -> None:
         with suppress(LeaseLostError, DatabaseError), self.database.writing() as session:
+            if error is None or error is KeyboardInterrupt:  # it was told to end
+                steps.hand_back(session, self.season, self._holding, now())
             lease.release(session, self._holding, clock(session))
 
     def round(self, executor: Executor) -> bool:
@@ -166,18 +172,18 @@ class Conductor:
         with self.database.writing() as session:
             self.season = in_force(session, self.season)
             lost = steps.expire(session, self.season, self._holding, now())
-            self._publish_nodes(session, executor)
         if lost:
             self._log.warning("attempts_lost", count=lost)
         busy = self._play_batch(executor)
-        self._refresh_boards(at_once=True)
+        self._refresh(executor, at_once=True)
         return busy
 
     def _publish_nodes(self, session: Session, executor: Executor) -> None:
         """Store for the pages where matches are played."""
+        here = Node(socket.gethostname(), os.cpu_count() or 1, matches_begun(session))
         nodes = [
             {"name": one.name, "cores": one.cores, "running": one.running, "problem": one.problem}
-            for one in executor.nodes
+            for one in executor.nodes or (here,)
         ]
         value = {
             "holder": self._holding.holder,
@@ -212,19 +218,18 @@ class Conductor:
             with self.database.writing() as session:
                 return steps.begun(session, self._holding, attempts[job.evaluation].id, now())
 
+        def note(job: Job, event: JobEvent) -> None:
+            self._broadcast.note(job, event)
+            self._refresh(executor)  # however long matches last
+
         with executor.players([job for _, job in jobs]) as players:
-            for result in players.run([job for _, job in jobs], begin, self._note):
+            for result in players.run([job for _, job in jobs], begin, note):
                 self._deliver(attempts[result.job.evaluation], result)
                 self._broadcast.end(result.job)
-                self._refresh_boards()
+                self._refresh(executor)
                 if self._stopping.is_set():
                     break
         return True
-
-    def _note(self, job: Job, event: JobEvent) -> None:
-        """Show what a match reports, and keep the boards up to date however long matches last."""
-        self._broadcast.note(job, event)
-        self._refresh_boards()
 
     def _jobs(self, taken: list[tuple[Attempt, Match]]) -> list[tuple[Attempt, Job]]:
         """Return the jobs of matches; one that cannot be prepared is the platform's fault."""
@@ -261,8 +266,8 @@ class Conductor:
         (result.job.out / str(result.row.record)).unlink(missing_ok=True)  # it is kept under its other name
         self._log.info("match_played", match=attempt.match_id, status=result.row.status)
 
-    def _refresh_boards(self, *, at_once: bool = False) -> None:
-        """Bring the boards up to date, unless that was done a moment ago."""
+    def _refresh(self, executor: Executor, *, at_once: bool = False) -> None:
+        """Bring boards and machines that are shown up to date, unless that was done a moment ago."""
         if not at_once and time.monotonic() - self._refreshed < REFRESH_EVERY:
             return
         with self.database.writing() as session:
@@ -270,4 +275,5 @@ class Conductor:
             if steps.freeze_when_due(session, self.season, now()):
                 self._log.info("boards_frozen")
             refresh(session, self.season, now(), self._scores)
+            self._publish_nodes(session, executor)
         self._refreshed = time.monotonic()

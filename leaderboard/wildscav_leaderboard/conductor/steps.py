@@ -225,6 +225,14 @@ def expire(session: Session, season: Season, holding: Holding, now: datetime) ->
     return len(lost)
 
 
+def hand_back(session: Session, season: Season, holding: Holding, now: datetime) -> None:
+    """Let everything wait again that has not ended, since the conductor is being stopped: no fault."""
+    check(session, holding)
+    for attempt in attempts.running(session):
+        attempts.end(attempt, attempts.RETURNED, now, "its conductor was stopped")
+        _again(session, season, attempt, now, "the conductor was stopped", is_fault=False)
+
+
 def _again(
     session: Session, season: Season, attempt: Attempt, now: datetime, why: str, *, is_fault: bool
 ) -> None:

@@ -1,6 +1,6 @@
 """What organizers can do. Pages, API and command line are made of this list, and each act is logged."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from inspect import signature
 from typing import Annotated, Any, Literal, NamedTuple
@@ -15,7 +15,7 @@ from wildscav_leaderboard.accounts.service import add_account, known_account, se
 from wildscav_leaderboard.accounts.service import invite as new_invitation
 from wildscav_leaderboard.conductor import attempts
 from wildscav_leaderboard.matches import service as matches
-from wildscav_leaderboard.matches.models import FINAL, FINISHED, VOID, WAITING, Match, MatchSeat
+from wildscav_leaderboard.matches.models import FINAL, FINISHED, LADDER, VOID, WAITING, Match, MatchSeat
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.acts import Act, Doing
 from wildscav_leaderboard.seasons.in_force import edition_numbers
@@ -292,14 +292,22 @@ def rejudge(
         )
 
 
+def given_up(session: Session, submissions: Sequence[Submission]) -> dict[int, list[int]]:
+    """Return the matches of some submissions that were given up and can be played again, by submission."""
+    # Those of earlier editions would wait for ever.
+    in_force = Match.edition_id.is_(None) | Match.edition_id.in_(edition_numbers(session).values())
+    active = [one.id for one in submissions if one.state == states.ACTIVE]
+    of_suites = (Match.kind != LADDER, Match.group_id.in_(active), Match.state == VOID)
+    wanted = select(Match.group_id, Match.id).where(*of_suites, in_force)
+    found: dict[int, list[int]] = {}
+    for submission, match in session.execute(wanted):
+        found.setdefault(submission, []).append(match)
+    return found
+
+
 def _play_again(doing: Doing, submission: Submission) -> int:
     """Let the matches of a submission wait again that were given up; return how many there are."""
-    if submission.state != states.ACTIVE:
-        return 0
-    # Those of earlier editions would wait for ever.
-    in_force = Match.edition_id.is_(None) | Match.edition_id.in_(edition_numbers(doing.session).values())
-    given_up = select(Match.id).where(Match.group_id == submission.id, Match.state == VOID, in_force)
-    numbers = doing.session.scalars(given_up).all()
+    numbers = given_up(doing.session, [submission]).get(submission.id, [])
     attempts.forgive_matches(doing.session, numbers)
     doing.session.execute(
         update(Match)

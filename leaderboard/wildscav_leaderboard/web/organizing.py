@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 from wildscav_leaderboard.access.requests import CurrentDatabase, Now, Number, OrganizingBrowser, check_form
 from wildscav_leaderboard.accounts.service import Caller, invitations
 from wildscav_leaderboard.database.connection import Database
-from wildscav_leaderboard.organizing.acts import ACTS
+from wildscav_leaderboard.organizing.acts import ACTS, given_up
 from wildscav_leaderboard.organizing.status import audit_entries, nodes, status
 from wildscav_leaderboard.presentation.organizing import account_rows
 from wildscav_leaderboard.presentation.people import team_rows
@@ -91,7 +91,9 @@ def _content(
         case "submissions":
             chosen = (state,) if state in states.STATES else ()
             found = list_submissions(session, states=chosen, before=before, limit=ENTRIES)
-            return {"found": submission_views(session, found, caller, now), "most": ENTRIES}
+            again = {*given_up(session, found), *(one.id for one in found if one.state == states.FAILED)}
+            views = submission_views(session, found, caller, now)
+            return {"found": views, "again": again, "most": ENTRIES}
         case "teams":
             return {"teams": team_rows(session)}
         case "people":

@@ -176,10 +176,16 @@ def test_a_slow_submission_holds_up_neither_others_nor_matches(
     slow = hand_in(sqlite, season, write_agent(tmp_path, "waiting", SLOW_START))
     hand_in(sqlite, season, write_agent(tmp_path, "walker"))
 
-    conduct(sqlite, season, lambda session: bool(finished(session)))
+    seen: list[str] = []
 
+    def is_played(session: Session) -> bool:
+        seen.append(submission_of(session, slow).state)
+        return bool(finished(session))
+
+    conduct(sqlite, season, is_played)
+    assert seen[-1] == "validating"
     with sqlite.reading() as session:
-        assert submission_of(session, slow).state == "validating"
+        assert submission_of(session, slow).state == "queued"  # the conductor was stopped
 
 
 def test_an_agent_that_crashes_fails_with_its_last_lines_and_a_command(

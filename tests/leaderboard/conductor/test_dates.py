@@ -1,5 +1,6 @@
 """What the conductor does by itself when a date of the season comes."""
 
+import socket
 from datetime import timedelta
 from pathlib import Path
 
@@ -8,11 +9,13 @@ from sqlalchemy import select
 from tests.leaderboard.agents import write_agent
 from tests.leaderboard.seasons_made import NOON, make_season, submitted, team_with_member
 
+from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_leaderboard.boards.service import Final, decide
 from wildscav_leaderboard.conductor.conductor import Conductor
 from wildscav_leaderboard.conductor.steps import freeze_when_due
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.organizing.acts import freeze, unfreeze
+from wildscav_leaderboard.organizing.status import nodes
 from wildscav_leaderboard.seasons.acts import Doing
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.models import AuditEntry
@@ -103,8 +106,12 @@ def test_the_conductor_does_it(tmp_path: Path) -> None:
     conductor = Conductor(season, database)
     conductor._acquire()
     conductor._sandbox = "process"
-    conductor._refresh_boards(at_once=True)
+    with LocalExecutor(1) as executor:
+        conductor.round(executor)
     assert acts(database) == [("the conductor", "freeze")]
+    with database.reading() as session:
+        (node,) = nodes(session)  # this machine, which no cluster reports
+    assert (node["name"], node["running"], node["problem"]) == (socket.gethostname(), 0, "")
     database.close()
 
 

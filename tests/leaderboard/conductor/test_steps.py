@@ -18,6 +18,7 @@ from wildscav_leaderboard.conductor.models import Attempt
 from wildscav_leaderboard.conductor.plans import plan_ladders, plan_suites
 from wildscav_leaderboard.matches.models import LADDER, Match, MatchResult, MatchSeat
 from wildscav_leaderboard.organizing import acts
+from wildscav_leaderboard.organizing.status import status
 from wildscav_leaderboard.organizing.team_acts import do_team_act
 from wildscav_leaderboard.seasons.acts import Act, Doing
 from wildscav_leaderboard.seasons.refusals import NotFoundError, RefusalError
@@ -119,6 +120,22 @@ def test_what_a_conductor_took_with_it_is_tried_again_and_counts_for_nobody(seas
     assert season.expire() == 1
     one = season.submission(number)
     assert (one.state, one.platform_faults) == ("queued", 0)
+
+
+def test_what_a_planned_stop_interrupts_waits_again_at_no_cost(season: Conducted) -> None:
+    season.active()
+    number = season.hand_in(team="owls")
+    for _ in range(attempts.MOST_LOST):
+        assert season.take() is not None
+        assert len(season.take_matches(2)) == 2
+        season.write(lambda session: steps.hand_back(session, season.season, season.holding, season.now))
+        season.take_over()
+        assert season.expire() == 0
+    one = season.submission(number)
+    assert (one.state, one.platform_faults) == ("queued", 0)
+    assert [season.match(match).state for match in (1, 2)] == ["waiting"] * 2
+    with season.database.reading() as session:
+        assert status(session, season.season, season.now).faults == []
 
 
 def test_what_takes_every_conductor_with_it_is_given_up(season: Conducted) -> None:

@@ -138,3 +138,13 @@ def test_what_people_copy_from_a_page_names_the_address_of_the_settings(
     assert page.status_code == 200
     assert "evil.example" not in page.text
     assert "http://127.0.0.1:8000" in page.text
+
+
+def test_organizers_are_offered_to_run_again_only_what_can_be(
+    client: httpx.Client, hostile_season: FilledSeason
+) -> None:
+    failed = text_of(client, hostile_season, "/organizer/submissions?state=failed", "organizer")
+    assert "Run again submission" in failed
+    active = text_of(client, hostile_season, "/organizer/submissions?state=active", "organizer")
+    assert "Disqualify submission" in active
+    assert "Run again" not in active  # none of their matches was given up
