@@ -115,12 +115,22 @@ class Season:
     @cached_property
     def seed(self) -> SuiteSeed:
         """The seed of all matches. Only its commitment is public until the season is opened."""
-        return read_secret(self.folder / SECRET_FILE)
+        return self._secret(SECRET_FILE)
 
     @cached_property
     def final_seed(self) -> SuiteSeed:
         """The seed of the matches that decide the season, which nobody has played before."""
-        return read_secret(self.folder / FINAL_SECRET_FILE)
+        return self._secret(FINAL_SECRET_FILE)
+
+    def _secret(self, name: str) -> SuiteSeed:
+        path = self.folder / name
+        if not path.is_file():
+            raise UserError(
+                f"{path} is missing: put it back from a backup, since a new secret would not have the "
+                "commitment that was published",
+                exit_code=2,
+            )
+        return read_secret(path)
 
     @property
     def database_url(self) -> str:

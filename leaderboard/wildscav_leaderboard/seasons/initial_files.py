@@ -70,7 +70,7 @@ def commitments_text(secret: bytes, final: bytes) -> str:
 
 def settings_text(name: str, title: str, now: datetime, days: int) -> str:
     """Return commented settings."""
-    opens = now.replace(hour=0, minute=0, second=0, microsecond=0)
+    opens = now.replace(hour=0, minute=0, second=0, microsecond=0) + timedelta(days=1)
     closes = opens + timedelta(days=days)
     freezes = closes - timedelta(days=max(1, days // 10))
     quoted = title.replace("\\", "\\\\").replace('"', '\\"')

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from wildscav.errors import UserError, describe
+from wildscav.terminal.console import command
 from wildscav.terminal.suggestions import did_you_mean
 
 SETTINGS_FILE = "season.toml"
@@ -141,6 +142,13 @@ class TrackSettings(_Part):
     waiting: Annotated[int, Field(ge=1, le=10_000)] = 8  # matches that are made in advance, at most
 
 
+# The settings that only one mode has.
+OF_MODE: dict[Mode, tuple[str, ...]] = {
+    "suite": ("rounds",),
+    "ladder": ("seats", "robots", "interval", "matches", "waiting"),
+}
+
+
 class SeasonSettings(_Part):
     """Everything in ``season.toml``."""
 
@@ -180,7 +188,7 @@ def read_settings(folder: Path) -> SeasonSettings:
         content = path.read_bytes()
     except FileNotFoundError:
         raise SettingsError(
-            f"there is no {path}: `wildscav season init {folder}` makes a season's folder"
+            f"there is no {path}: `{command('wildscav', 'season', 'init', folder)}` makes a season's folder"
         ) from None
     except OSError as error:
         raise SettingsError(describe(error)) from error
@@ -241,12 +249,17 @@ def _problems(settings: SeasonSettings) -> Iterator[str]:
     yield from _unknown("execution.executor", settings.execution.executor, EXECUTORS)
     if settings.execution.sandbox is not None:
         yield from _unknown("execution.sandbox", settings.execution.sandbox, SANDBOXES)
+    if settings.execution.address is not None and settings.execution.executor != "ray":
+        yield 'execution.address: it is of a Ray cluster, so it needs executor = "ray"'
     for name in settings.play.tracks:
         yield from _unknown("play.tracks", name, settings.tracks)
     for name, track in settings.tracks.items():
         yield from _unknown("tracks", name, TRACKS)
         for robot in track.robots:
             yield from _unknown(f"tracks.{name}.robots", robot, ROBOTS)
+        for field in OF_MODE["ladder" if track.mode == "suite" else "suite"]:
+            if getattr(track, field) != TrackSettings.model_fields[field].default:
+                yield f"tracks.{name}.{field}: it means nothing in mode {track.mode}: leave it out"
         if track.mode == "ladder" and name in TRACKS and has_teams(name):
             yield f"tracks.{name}.mode: {name} is played by one team, so it has no ladder; allowed is suite"
 

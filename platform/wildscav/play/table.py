@@ -228,7 +228,7 @@ class Table:
                 "metrics": metric_titles(match),
                 "rows": scores_of(match, hosted.names),
                 "record": str(path.absolute()),
-                "commands": [f"{command('wildscav')} {verb} {path}" for verb in ("replay", "verify")],
+                "commands": [command("wildscav", verb, path) for verb in ("replay", "verify")],
             }
         )
 

@@ -7,6 +7,7 @@ themselves, and ``wildscav.monitoring.logs`` applies it to log lines. ``ascii_js
 
 import json
 import re
+import shlex
 import shutil
 import sys
 from collections.abc import Iterable
@@ -85,8 +86,12 @@ def counted(count: int, noun: str) -> str:
     return f"{count:,} {noun}{'' if count == 1 else plural}"
 
 
-def command(name: str) -> str:
-    """Return what to type in a shell to run a program that is installed beside this one."""
+def command(name: str, *arguments: object) -> str:
+    """Return what to type in a shell to run a program that is installed beside this one, with arguments."""
+    return " ".join([_found(name), *(shlex.quote(str(one)) for one in arguments)])
+
+
+def _found(name: str) -> str:
     beside = Path(sys.executable).parent / name
     found = shutil.which(name)
     if found is not None and Path(found).absolute() == beside.absolute():

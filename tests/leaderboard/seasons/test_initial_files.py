@@ -1,11 +1,14 @@
 """A new season's folder: complete, private where it must be, and never half made."""
 
 import subprocess
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 from wildscav.errors import UserError
+from wildscav_leaderboard.cli.season.app import app
 from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE, Season
 from wildscav_leaderboard.seasons.initial_files import COMMITMENTS_FILE, make_season_folder
 
@@ -29,6 +32,26 @@ def test_the_final_matches_are_others_than_those_of_the_season(tmp_path: Path) -
         seeds = {match.seed for match in matches}
         assert len(season.final_matches[track]) == len(matches)
         assert seeds.isdisjoint(match.seed for match in season.final_matches[track])
+
+
+def test_there_is_time_to_read_the_settings_before_the_season_opens(tmp_path: Path) -> None:
+    make_season_folder(tmp_path / "spring", None, None, 30)
+    settings, now = Season.open(tmp_path / "spring").settings, datetime.now(UTC)
+    assert now < settings.opens <= now + timedelta(days=1)
+    assert settings.closes - settings.opens == timedelta(days=30)
+
+
+def test_nobody_is_told_to_replace_a_secret_whose_commitment_is_published(tmp_path: Path) -> None:
+    make_season_folder(tmp_path / "spring", None, None, 30)
+    (tmp_path / "spring" / FINAL_SECRET_FILE).unlink()
+    with pytest.raises(UserError, match=r"final-secret\.txt is missing: put it back from a backup, since"):
+        Season.open(tmp_path / "spring")
+
+
+def test_what_is_to_be_typed_is_quoted_for_the_shell(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    said = CliRunner().invoke(app, ["init", "Spring Cup"]).output
+    assert said.splitlines()[-1].endswith("wildscav season serve 'Spring Cup'")
 
 
 @pytest.mark.parametrize("name", ["A", "two words", "-x"])

@@ -43,6 +43,21 @@ from wildscav_leaderboard.seasons.settings import SETTINGS_FILE, SettingsError
             'mode = "ladder"\nwall_clock = 2',
             "tracks.battle.wall_clock: a match cannot end within 2 s: the budgets of its 40 steps",
         ),
+        (
+            'mode = "suite"',
+            'mode = "suite"\nseats = 3',
+            "tracks.navigation.seats: it means nothing in mode suite: leave it out",
+        ),
+        (
+            'mode = "ladder"',
+            'mode = "ladder"\nrounds = 2',
+            "tracks.battle.rounds: it means nothing in mode ladder: leave it out",
+        ),
+        (
+            "[execution]",
+            '[execution]\naddress = "head:6379"',
+            "execution.address: it is of a Ray cluster, so it needs executor",
+        ),
         ('robots = ["fighter"]', 'robots = ["figter"]', "tracks.battle.robots: 'figter' is none of "),
     ],
 )

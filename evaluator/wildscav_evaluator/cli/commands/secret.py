@@ -69,7 +69,7 @@ def open_(file: Secret, out: Out) -> None:
         raise UserError(f"{out} was evaluated on {played}, not on {file} ({seed.commitment})", exit_code=2)
     write_whole(out / OPENED_FILE, file.read_bytes())
     _print(f"opened: {out / OPENED_FILE}")
-    _print(f"check it: {command('wildscav')} secret check {out} {seed.commitment}")
+    _print(f"check it: {command('wildscav', 'secret', 'check', out, seed.commitment)}")
 
 
 @app.command()

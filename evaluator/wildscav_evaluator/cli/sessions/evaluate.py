@@ -108,11 +108,11 @@ def _keep(
     rows = [row for one in results.evaluations for row in one.matches]
     recorded = sum(row.record is not None for row in rows)
     say("records", f"{plan.out / RECORDS} ({counted(recorded, 'match')})")
-    say("", f"check them: {command('wildscav')} verify {plan.out / RECORDS}/*{SUFFIX}")
+    say("", f"check them: {command('wildscav', 'verify', plan.out / RECORDS)}/*{SUFFIX}")
     for sink in kept_by:
         try:
             say("database", sink.store(results))
-            say("", f"standings: {command('wildscav')} leaderboard --db {database}")
+            say("", f"standings: {command('wildscav', 'leaderboard', '--db', database)}")
         except UserError as error:
             yield str(error)
     if any(row.logs for row in rows):

@@ -33,7 +33,7 @@ def init(
     _say(f"commitment {commitment}")
     _say(f"final      {final}")
     _say("           the commitments are to be published, and the secrets kept")
-    _say(f"start it   {command('wildscav')} season serve {folder}")
+    _say(f"start it   {command('wildscav', 'season', 'serve', folder)}")
 
 
 def export(
@@ -52,7 +52,7 @@ def export(
     found = ((made.boards, "board"), (made.matches, "match"), (made.records, "record"))
     _say(f"{', '.join(counted(*one) for one in found)}{hidden}")
     _say(f"exported to {made.folder}")
-    _say(f"check it    {command('wildscav')} audit {out}")
+    _say(f"check it    {command('wildscav', 'audit', out)}")
 
 
 def backup(folder: SeasonFolder, out: Backup) -> None:
@@ -82,7 +82,7 @@ def restore(backup: Backup, folder: SeasonFolder) -> None:
     done = restored(backup, folder)
     _say(f"season   {done.season}, as it was at {done.at:%Y-%m-%d %H:%M:%S} UTC")
     _say(f"database {done.database}: {counted(done.rows, 'row')}")
-    _say(f"start it {command('wildscav')} season serve {folder}")
+    _say(f"start it {command('wildscav', 'season', 'serve', folder)}")
 
 
 def check(folder: SeasonFolder, as_json: AsJson = False) -> None:
@@ -99,9 +99,8 @@ def check(folder: SeasonFolder, as_json: AsJson = False) -> None:
     if not found.passed:
         raise typer.Exit(1)
     if found.changes and not as_json:
-        _say(
-            "\n".join([*found.changes, f"{command('wildscav')} season apply {folder} brings this into force"])
-        )
+        apply = command("wildscav", "season", "apply", folder)
+        _say("\n".join([*found.changes, f"{apply} brings this into force"]))
     if not as_json:
         for track, seconds in found.longest.items():
             _say(f"{track}: a match lasts at most {duration(seconds)} by its agents' time limits")

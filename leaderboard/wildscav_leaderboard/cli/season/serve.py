@@ -23,7 +23,7 @@ def serve(
     """Run a season: the web site with its API, and the conductor that has matches played."""
     from wildscav.errors import UserError
     from wildscav.terminal.console import console
-    from wildscav_leaderboard.hosting.ports import check_port
+    from wildscav_leaderboard.hosting.ports import check_certificate, check_port
     from wildscav_leaderboard.hosting.serve import CONDUCTOR, WEB
     from wildscav_leaderboard.hosting.serve import serve as run
     from wildscav_leaderboard.organizing.checking import check_rules
@@ -38,7 +38,12 @@ def serve(
     )
     parts = tuple(name for name, wanted in ((WEB, web), (CONDUCTOR, conductor)) if wanted)
     parts = parts or (WEB, CONDUCTOR)
+    if WEB not in parts and any(value is not None for value in chosen.values()):
+        raise UserError(
+            "--host, --port and --metrics-port belong to the web site, not --conductor", exit_code=2
+        )
     if WEB in parts:
+        check_certificate(season)
         changed = changed.model_copy(update={"port": check_port(changed.host, changed.port)})
     season = Season(season.folder, season.settings.model_copy(update={"web": changed}))
     for line in check_rules(season):
