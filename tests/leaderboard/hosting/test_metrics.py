@@ -44,13 +44,27 @@ def database(season: Season) -> Iterator[Database]:
     opened.close()
 
 
-def scraped(season: Season, database: Database, counts: WebCounts) -> dict[tuple[str, ...], float]:
-    """What Prometheus reads: each value by its name and its labels."""
+PAGE = (Path(__file__).parents[3] / "docs" / "organizing.md").read_text("utf-8")
+
+
+def exposition(season: Season, database: Database, counts: WebCounts) -> str:
     with serving_metrics(SeasonMetrics(season, database, counts), 0) as address:
         assert address is not None
-        text = httpx.get(address, timeout=60.0).text
-    families = text_string_to_metric_families(text)
+        return httpx.get(address, timeout=60.0).text
+
+
+def scraped(season: Season, database: Database, counts: WebCounts) -> dict[tuple[str, ...], float]:
+    """What Prometheus reads: each value by its name and its labels."""
+    families = text_string_to_metric_families(exposition(season, database, counts))
     return {(one.name, *one.labels.values()): one.value for family in families for one in family.samples}
+
+
+def test_the_metrics_have_the_names_that_the_page_tells(season: Season, database: Database) -> None:
+    told = set(re.findall(r"`(wildscav_season_\w+)`", PAGE))
+    named = set(
+        re.findall(r"^# TYPE (wildscav_season_\w+) ", exposition(season, database, WebCounts()), re.M)
+    )
+    assert told == named
 
 
 def test_submissions_and_the_missing_conductor_are_seen(
@@ -82,8 +96,7 @@ def test_messages_that_nobody_sends_and_threads_that_broke_are_seen(
 
 def alerts(seen: dict[tuple[str, ...], float]) -> set[str]:
     """Return which of the alerts that the documentation suggests would fire."""
-    page = (Path(__file__).parents[3] / "docs" / "organizing.md").read_text("utf-8")
-    found = re.findall(r"alert: (\w+), expr: (\w+) (==|>|<) ([\de]+)", page)
+    found = re.findall(r"alert: (\w+), expr: (\w+) (==|>|<) ([\de]+)", PAGE)
     assert len(found) == 4
     compare = {"==": operator.eq, ">": operator.gt, "<": operator.lt}
     values = [(key[0], value) for key, value in seen.items()]
