@@ -1,15 +1,13 @@
 """What the page of the command line says of --json is true: which commands have it, and which fields."""
 
 import json
-import os
 import re
-import subprocess
-import sys
 from dataclasses import fields
 from pathlib import Path
 
 import pytest
 import typer
+from tests.commands import run_command
 from tests.evaluator.results_by_hand import RESULTS
 
 from wildscav.cli import main
@@ -43,8 +41,7 @@ def test_the_commands_told_are_those_that_take_json() -> None:
 
 def document(*arguments: object) -> dict[str, object]:
     """What a command prints with --json, and nothing else on stdout."""
-    command = [str(Path(sys.executable).parent / "wildscav"), *map(str, arguments), "--json"]
-    done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, "COLUMNS": "80"})
+    done = run_command(*arguments, "--json")
     assert done.stdout, done.stderr
     return json.loads(done.stdout)  # type: ignore[no-any-return]
 

@@ -1,13 +1,11 @@
 """Submissions written for a test, and the command line as its user runs it."""
 
 import contextlib
-import os
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from tests.commands import run_command
 from tests.evaluator.docker_daemon import docker_daemon
 from tests.evaluator.sample_agents import CRASHER, WALKER, Command, Submit
 
@@ -75,13 +73,5 @@ def pair(submit: Submit) -> tuple[Path, Path]:
 
 @pytest.fixture
 def wildscav() -> Command:
-    """Run the `wildscav` command in a process of its own."""
-
-    def run(*arguments: object, **options: object) -> "subprocess.CompletedProcess[str]":
-        command = [str(Path(sys.executable).parent / "wildscav"), *map(str, arguments)]
-        environment = {**os.environ, "COLUMNS": "80"}
-        return subprocess.run(  # type: ignore[call-overload, no-any-return]
-            command, capture_output=True, text=True, env=environment, timeout=300, **options
-        )
-
-    return run
+    """Run the `wildscav` command."""
+    return run_command

@@ -206,7 +206,7 @@ def options(
 def main() -> None:
     """Run the command line. Errors that users can cause are printed as one line on stderr."""
     try:
-        app()
+        app(prog_name="wildscav")
     except UserError as error:
         _fail(str(error), error.exit_code)
     except WildscavError as error:

@@ -2,11 +2,12 @@
 
 import json
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.platform.helpers.command import Done, command_here
+from tests.commands import Run, run_command
 
 from wildscav_evaluator.cli.sessions.compare import comparison_table, verdict_line, with_distinct_names
 from wildscav_evaluator.output.results import (
@@ -135,16 +136,12 @@ def test_two_versions_of_one_submission_are_with_distinct_names(submit: Callable
 
 
 @pytest.fixture
-def command(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> Callable[..., Done]:
+def command(tmp_path: Path) -> Run:
     """Run `wildscav compare`."""
-    return command_here("compare", tmp_path, monkeypatch, capsys)
+    return partial(run_command, "compare", cwd=tmp_path, columns=200)
 
 
-def test_tracks_that_not_both_play_are_refused(
-    command: Callable[..., Done], submit: Callable[..., Submission]
-) -> None:
+def test_tracks_that_not_both_play_are_refused(command: Run, submit: Callable[..., Submission]) -> None:
     walker, gatherer = submit("walker", "pass"), submit("gatherer", "pass", tracks='["gathering"]')
 
     refused = command(walker.folder, gatherer.folder)
@@ -154,7 +151,7 @@ def test_tracks_that_not_both_play_are_refused(
 
 
 @pytest.mark.slow
-def test_the_better_agent_is_named_and_all_is_kept(command: Callable[..., Done], tmp_path: Path) -> None:
+def test_the_better_agent_is_named_and_all_is_kept(command: Run, tmp_path: Path) -> None:
     folders = (SUBMISSIONS / "homing", SUBMISSIONS / "random")
 
     done = command(*folders, "--track=navigation", "--out=out")

@@ -3,11 +3,11 @@
 import hashlib
 import json
 import stat
-from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
-from tests.platform.helpers.command import Done, command_here
+from tests.commands import Run, run_command
 
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.evaluate import run_session
@@ -23,11 +23,9 @@ HOMING = Path(__file__).parents[3] / "submissions" / "homing"
 
 
 @pytest.fixture
-def secret(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> Callable[..., Done]:
+def secret(tmp_path: Path) -> Run:
     """Run `wildscav secret`."""
-    return command_here("secret", tmp_path, monkeypatch, capsys)
+    return partial(run_command, "secret", cwd=tmp_path, columns=200)
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +50,7 @@ def evaluated(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
 
 
 def test_a_new_secret_is_private_and_its_commitment_is_the_sha256_of_its_file(
-    secret: Callable[..., Done], tmp_path: Path
+    secret: Run, tmp_path: Path
 ) -> None:
     made = secret("new", "season.secret")
 
@@ -108,7 +106,7 @@ def test_results_tell_the_commitment_and_not_the_seed(evaluated: tuple[Path, Pat
 
 
 def test_an_opened_secret_shows_that_its_matches_were_played(
-    evaluated: tuple[Path, Path], secret: Callable[..., Done]
+    evaluated: tuple[Path, Path], secret: Run
 ) -> None:
     file, out = evaluated
     commitment = read_secret(file).commitment
@@ -128,7 +126,7 @@ def test_an_opened_secret_shows_that_its_matches_were_played(
 
 
 def test_another_secret_than_that_committed_to_is_found_out(
-    evaluated: tuple[Path, Path], secret: Callable[..., Done], tmp_path: Path
+    evaluated: tuple[Path, Path], secret: Run, tmp_path: Path
 ) -> None:
     file, out = evaluated
     other = tmp_path / "other"
@@ -165,7 +163,7 @@ def test_results_that_name_the_commitment_and_other_matches_are_found_out(
 
 
 def test_an_evaluation_on_a_public_seed_has_nothing_to_open(
-    secret: Callable[..., Done], evaluated: tuple[Path, Path], tmp_path: Path
+    secret: Run, evaluated: tuple[Path, Path], tmp_path: Path
 ) -> None:
     file, out = evaluated
     told = json.loads((out / "results.json").read_text())

@@ -1,14 +1,13 @@
 """`wildscav leaderboard` as its user runs it."""
 
 import json
-import os
 import sqlite3
 import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from tests.commands import run_command
 
 from wildscav_evaluator.output.results import Results
 from wildscav_leaderboard.results.sink import DatabaseSink
@@ -17,9 +16,7 @@ Make = Callable[..., Results]
 
 
 def leaderboard(*arguments: object) -> "subprocess.CompletedProcess[str]":
-    command = [str(Path(sys.executable).parent / "wildscav"), "leaderboard", *map(str, arguments)]
-    environment = {**os.environ, "COLUMNS": "80"}
-    return subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment)
+    return run_command("leaderboard", *arguments)
 
 
 def test_it_prints_a_table_for_every_track(make_results: Make, tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from pathlib import Path
 import grpc
 import pytest
 from rich.console import Console
+from tests.commands import run_command
 from tests.platform.helpers.seats import ended, host, serving, small_spec, start_agent
 
 from wildscav.cli import main
@@ -31,13 +32,7 @@ COMMAND = [sys.executable, "-m", "wildscav.cli.main"]
 
 
 def wildscav(*arguments: object, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [*COMMAND, *map(str, arguments)],
-        cwd=cwd,
-        env={**os.environ, "COLUMNS": "200"},
-        capture_output=True,
-        text=True,
-    )
+    return run_command(*arguments, cwd=cwd, columns=200)
 
 
 def test_help_names_every_command_and_imports_nothing_heavy() -> None:
@@ -271,12 +266,12 @@ def served(*arguments: str) -> Iterator[tuple[str, subprocess.Popen[str]]]:
             process.kill()
 
 
-def test_serve_stops_when_told_to() -> None:
-    for number in (signal.SIGTERM, signal.SIGINT):
-        with served("--listen", "127.0.0.1:0") as (address, process):
-            assert address.startswith("127.0.0.1:")
-            process.send_signal(number)
-            assert process.wait(120) == 0
+@pytest.mark.parametrize("number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
+def test_serve_stops_when_told_to(number: signal.Signals) -> None:
+    with served("--listen", "127.0.0.1:0") as (address, process):
+        assert address.startswith("127.0.0.1:")
+        process.send_signal(number)
+        assert process.wait(120) == 0
 
 
 def test_serve_says_that_a_port_is_in_use() -> None:

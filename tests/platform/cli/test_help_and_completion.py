@@ -1,14 +1,13 @@
 """The command line as people know it from other programs: help, completion, suggestions, tables that fit."""
 
 import io
-import os
-import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 import typer
+from tests.commands import run_command
 from typer.testing import CliRunner
 
 from wildscav.cli import main
@@ -31,12 +30,6 @@ def everything(command: object, path: tuple[str, ...] = ()) -> Iterator[tuple[st
 
 ROOT = typer.main.get_command(main.app)
 EVERYTHING = sorted(set(everything(ROOT)))
-
-
-def run(*arguments: object, **options: object) -> "subprocess.CompletedProcess[str]":
-    return subprocess.run(  # type: ignore[call-overload, no-any-return]
-        [WILDSCAV, *map(str, arguments)], capture_output=True, text=True, timeout=300, **options
-    )
 
 
 def test_every_command_is_in_a_group_of_the_help_and_has_a_line_there() -> None:
@@ -87,7 +80,7 @@ def test_a_command_whose_extra_is_missing_says_which_one() -> None:
 def complete(line: str) -> set[str]:
     words = line.split(" ")
     asked = {"_WILDSCAV_COMPLETE": "complete_bash", "COMP_WORDS": line, "COMP_CWORD": str(len(words) - 1)}
-    return set(run(env={**os.environ, **asked}).stdout.split())
+    return set(run_command(**asked).stdout.split())
 
 
 def test_a_shell_completes_commands_options_and_values() -> None:
@@ -103,16 +96,16 @@ def test_a_shell_completes_commands_options_and_values() -> None:
 )
 def test_zsh_completes_too(line: str, offers: str) -> None:
     asked = {"_WILDSCAV_COMPLETE": "complete_zsh", "_TYPER_COMPLETE_ARGS": line}
-    said = run(env={**os.environ, **asked}).stdout
+    said = run_command(**asked).stdout
     assert said.startswith("_arguments ")
     assert said.count('":"') == 1
     assert f'"{offers}":' in said
 
 
 def test_completion_is_installed_by_the_main_command(tmp_path: Path) -> None:
-    done = run("--show-completion", env={**os.environ, "HOME": str(tmp_path), "SHELL": "/bin/bash"})
+    done = run_command("--show-completion", HOME=str(tmp_path), SHELL="/bin/bash")
     if done.returncode:  # the shell is found out from the process that called
-        done = run(env={**os.environ, "_WILDSCAV_COMPLETE": "source_bash"})
+        done = run_command(_WILDSCAV_COMPLETE="source_bash")
     assert "_WILDSCAV_COMPLETE=complete_" in done.stdout
 
 
@@ -133,7 +126,7 @@ def test_completion_is_installed_by_the_main_command(tmp_path: Path) -> None:
     ],
 )
 def test_what_is_mistyped_gets_a_suggestion(tmp_path: Path, arguments: list[str], says: str) -> None:
-    done = run(*arguments, cwd=tmp_path, env={**os.environ, "COLUMNS": "200"})
+    done = run_command(*arguments, cwd=tmp_path, columns=200)
     assert done.returncode == 2
     assert says in " ".join(done.stderr.split())
     assert list(tmp_path.iterdir()) == []
@@ -374,7 +367,7 @@ def test_only_what_is_near_is_suggested(word: str, question: str) -> None:
 
 
 def test_init_quotes_what_it_suggests_and_copies_a_baseline(tmp_path: Path) -> None:
-    done = run("init", "My Agent", "--from", "homing", cwd=tmp_path)
+    done = run_command("init", "My Agent", "--from", "homing", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     for command in ("play", "check", "evaluate"):
         assert f"  wildscav {command} 'My Agent'  # " in done.stdout

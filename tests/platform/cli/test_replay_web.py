@@ -4,14 +4,15 @@ import re
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import closing, contextmanager
+from functools import partial
 from http.client import HTTPConnection
 from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
-from tests.platform.helpers.command import Done, command_here
+from tests.commands import Run, run_command
 
 from wildscav_engine.record import write_record
 from wildscav_engine.simulation.match import Match
@@ -35,10 +36,8 @@ def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def replay(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> Callable[..., Done]:
-    return command_here("replay", tmp_path, monkeypatch, capsys)
+def replay(tmp_path: Path) -> Run:
+    return partial(run_command, "replay", cwd=tmp_path, columns=200)
 
 
 @contextmanager
@@ -72,9 +71,7 @@ def test_a_record_is_rendered_and_served_until_ctrl_c(record: Path) -> None:
     assert [path.name for path in record.parent.iterdir()] == [record.name]
 
 
-def test_a_rendered_replay_is_served_as_it_is(
-    record: Path, tmp_path: Path, replay: Callable[..., Done]
-) -> None:
+def test_a_rendered_replay_is_served_as_it_is(record: Path, tmp_path: Path, replay: Run) -> None:
     path = tmp_path / "match.rrd"
     assert replay(record, "-o", path, "--no-images").returncode == 0
 
@@ -90,7 +87,7 @@ def test_a_rendered_replay_is_served_as_it_is(
     ],
 )
 def test_what_cannot_be_served_is_one_clear_error(
-    record: Path, replay: Callable[..., Done], options: list[str], said: str
+    record: Path, replay: Run, options: list[str], said: str
 ) -> None:
     done = replay(record, *options)
 
@@ -99,7 +96,7 @@ def test_what_cannot_be_served_is_one_clear_error(
     assert "Traceback" not in done.stderr
 
 
-def test_options_of_rendering_are_refused_for_a_replay(tmp_path: Path, replay: Callable[..., Done]) -> None:
+def test_options_of_rendering_are_refused_for_a_replay(tmp_path: Path, replay: Run) -> None:
     (tmp_path / "match.rrd").write_bytes(b"RRF2")
 
     done = replay(tmp_path / "match.rrd", "--web", "--follow", "0")

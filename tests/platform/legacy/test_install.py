@@ -1,10 +1,11 @@
 """``wildscav legacy install``: what it writes, what it leaves alone, what it refuses."""
 
 import subprocess
+from functools import partial
 from pathlib import Path
 
 import pytest
-from tests.platform.helpers.command import command_here
+from tests.commands import run_command
 
 from wildscav.cli.legacy import DEFAULT_MAPS, read_ids
 from wildscav.errors import UserError
@@ -64,7 +65,7 @@ def test_only_what_is_missing_is_made(
     maps.mkdir(parents=True)
     write_map(103, maps)
     written = paths_of(103, maps)[0].stat().st_mtime_ns
-    wildscav = command_here("legacy", tmp_path, monkeypatch, capsys)
+    wildscav = partial(run_command, "legacy", cwd=tmp_path, columns=200)
     done = wildscav("install", "w", "--maps", "103")
     assert done.returncode == 0, done.stderr
     assert "0 maps made, 1 there already" in done.stdout
@@ -74,11 +75,9 @@ def test_only_what_is_missing_is_made(
     assert missing_maps([103, 104], maps) == [104]
 
 
-def test_a_folder_that_cannot_be_is_one_line(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_folder_that_cannot_be_is_one_line(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    wildscav = command_here("legacy", tmp_path, monkeypatch, capsys)
+    wildscav = partial(run_command, "legacy", cwd=tmp_path, columns=200)
     done = wildscav("install", "file", "--maps", "103")
     assert done.returncode == 1
     assert done.stderr.startswith("wildscav: file")

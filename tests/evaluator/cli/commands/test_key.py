@@ -75,7 +75,7 @@ def test_without_a_terminal_the_passphrase_must_be_in_the_environment(
 ) -> None:
     new_key(tmp_path / "season.key", "correct horse")
 
-    done = wildscav("key", "public", tmp_path / "season.key", stdin=subprocess.DEVNULL)
+    done = wildscav("key", "public", tmp_path / "season.key")
 
     assert done.returncode == 2
     assert "set WILDSCAV_KEY_PASSPHRASE" in done.stderr

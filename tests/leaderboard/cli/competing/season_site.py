@@ -1,24 +1,21 @@
 """A season's real web server without a conductor, and competitors who use it by command."""
 
-import io
-import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.commands import Run, run_command
 from tests.leaderboard.agents import write_agent
 from tests.leaderboard.seasons_made import make_season
 from tests.leaderboard.spectating.served import served
-from tests.platform.helpers.command import Done
 
-from wildscav.cli.main import main
-from wildscav.terminal import console as consoles
 from wildscav_engine.record import write_record
 from wildscav_engine.simulation.match import Match as PlayedMatch
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
@@ -37,7 +34,6 @@ from wildscav_leaderboard.teams.service import make_team
 
 PASSWORD = "a long password"  # noqa: S105
 WIDE = 200  # characters of the terminal
-Run = Callable[..., Done]
 
 
 @dataclass(frozen=True)
@@ -172,22 +168,10 @@ class Competitor:
 
 
 @pytest.fixture
-def competitor(site: Site, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> Competitor:
+def competitor(site: Site, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Competitor:
     """A competitor in an empty folder, who is logged in nowhere."""
-    monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("WILDSCAV_CONFIG_DIR", str(tmp_path / "config"))
     monkeypatch.setenv("WILDSCAV_CACHE_DIR", str(tmp_path / "cache"))
     for name in ("WILDSCAV_SEASON", "WILDSCAV_ACCOUNT_TOKEN", "WILDSCAV_PASSWORD"):
         monkeypatch.delenv(name, raising=False)
-    for console in (consoles.console, consoles.error_console):
-        monkeypatch.setattr(console, "width", WIDE)
-
-    def run(*arguments: object, stdin: str = "") -> Done:
-        monkeypatch.setattr(sys, "argv", ["wildscav", *map(str, arguments)])
-        monkeypatch.setattr(sys, "stdin", io.StringIO(stdin))
-        capsys.readouterr()
-        with pytest.raises(SystemExit) as ended:
-            main()
-        return Done(int(ended.value.code or 0), *capsys.readouterr())
-
-    return Competitor(run, tmp_path, site)
+    return Competitor(partial(run_command, cwd=tmp_path, columns=WIDE), tmp_path, site)

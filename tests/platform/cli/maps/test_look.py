@@ -1,16 +1,14 @@
 """``wildscav look`` as its user meets it."""
 
 import re
-import subprocess
-import sys
-from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from PIL import Image
-from tests.platform.helpers.command import Done, command_here
+from tests.commands import Run, run_command
 
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.maps import generate_map
@@ -30,11 +28,9 @@ IMAGES = [name for name, kind in SENSORS.items() if issubclass(kind, OpticalSens
 
 
 @pytest.fixture
-def look(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> Callable[..., Done]:
+def look(tmp_path: Path) -> Run:
     """Runs the command in this process, which has the engine loaded, with the temporary folder as its own."""
-    return command_here("look", tmp_path, monkeypatch, capsys)
+    return partial(run_command, "look", cwd=tmp_path, columns=200)
 
 
 def pixels(path: Path) -> NDArray[np.uint8]:
@@ -43,24 +39,15 @@ def pixels(path: Path) -> NDArray[np.uint8]:
         return np.array(picture)
 
 
-def test_the_command_looks_in_a_process_of_its_own(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "wildscav.cli.main", "look", *map(str, (*HOUSES, *TINY))]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert [path.name for path in tmp_path.iterdir()] == ["seed-3-size-60-houses-2-camera.png"]
-    assert "seed-3-size-60-houses-2-camera.png: 32 × 18 pixels" in done.stdout
-
-
 @pytest.mark.parametrize("name", IMAGES)
-def test_every_sensor_that_makes_an_image_gives_a_picture(
-    look: Callable[..., Done], tmp_path: Path, name: str
-) -> None:
+def test_every_sensor_that_makes_an_image_gives_a_picture(look: Run, tmp_path: Path, name: str) -> None:
     sensor = SENSORS[name]()
     assert isinstance(sensor, OpticalSensor)
     size = TINY if name != "lidar" else ()
     height, width = (18, 32) if size else sensor.shape[:2]
 
-    assert look(*HOUSES, "--sensor", name, *size, "--no-legend", "-o", "a.png")[::2] == (0, "")
+    done = look(*HOUSES, "--sensor", name, *size, "--no-legend", "-o", "a.png")
+    assert (done.returncode, done.stderr) == (0, "")
     assert look(*HOUSES, "--sensor", name, *size, "-o", "b.png")[::2] == (0, "")
 
     plain, explained = pixels(tmp_path / "a.png"), pixels(tmp_path / "b.png")
@@ -74,7 +61,7 @@ def test_every_sensor_that_makes_an_image_gives_a_picture(
         assert (explained[0, ::times] == plain[0]).all()
 
 
-def test_a_picture_shows_what_the_sensor_reads_from_there(look: Callable[..., Done], tmp_path: Path) -> None:
+def test_a_picture_shows_what_the_sensor_reads_from_there(look: Run, tmp_path: Path) -> None:
     options = ("--sensor", "depth", "--option", "far=50", "--field-of-view", 90, *TINY, "--no-legend")
     done = look(*HOUSES, "--position", "-8,20,7", "--yaw", 30, "--pitch", 50, *options, "-o", "a.png")
     assert (done.returncode, done.stderr) == (0, "")
@@ -83,14 +70,14 @@ def test_a_picture_shows_what_the_sensor_reads_from_there(look: Callable[..., Do
     assert (pixels(tmp_path / "a.png") == distance_colors(depth, 50.0)).all()
 
 
-def test_without_a_height_the_eyes_are_above_the_ground(look: Callable[..., Done]) -> None:
+def test_without_a_height_the_eyes_are_above_the_ground(look: Run) -> None:
     done = look(*BARE, *TINY, "--position", "5.5,-3.25", "-o", "a.png")
     height = ground_at(BARE_MAP.world, 5.5, -3.25).height + EYE_HEIGHT
     assert f"--position 5.50,{height:.2f},-3.25 --yaw 0.0 --pitch 0.0" in done.stdout
 
 
 def test_without_a_place_a_house_is_looked_at_and_angles_may_still_be_said(
-    look: Callable[..., Done],
+    look: Run,
 ) -> None:
     view = viewpoint_of(generate_map(MapConfig(size=60, houses=2), 3))
     x, y, z = view.eye
@@ -100,7 +87,7 @@ def test_without_a_place_a_house_is_looked_at_and_angles_may_still_be_said(
     assert f"--position {x:.2f},{y:.2f},{z:.2f} --yaw 12.0 --pitch {view.pitch:.1f}" in turned.stdout
 
 
-def test_what_is_said_is_what_to_say_to_see_the_same_again(look: Callable[..., Done], tmp_path: Path) -> None:
+def test_what_is_said_is_what_to_say_to_see_the_same_again(look: Run, tmp_path: Path) -> None:
     view = ("--position", "2.5,12.25,-4", "--yaw", 77.5, "--pitch", 12.5)
     done = look(*HOUSES, *TINY, *view, "-o", "a.png")
     said = re.search(r"--position .*", done.stdout)
@@ -109,9 +96,7 @@ def test_what_is_said_is_what_to_say_to_see_the_same_again(look: Callable[..., D
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
 
 
-def test_agents_and_boxes_that_are_put_somewhere_are_in_the_picture(
-    look: Callable[..., Done], tmp_path: Path
-) -> None:
+def test_agents_and_boxes_that_are_put_somewhere_are_in_the_picture(look: Run, tmp_path: Path) -> None:
     seen = ("--position", "0,0", "--yaw", 0, *TINY, "-o", "a.png")
     look(*BARE, *seen)
     alone = pixels(tmp_path / "a.png")
@@ -129,7 +114,7 @@ def test_agents_and_boxes_that_are_put_somewhere_are_in_the_picture(
 
 @pytest.mark.parametrize(("options", "seen"), [((), True), (("--option", "moving=false"), False)])
 def test_a_sensor_that_may_leave_them_out_does_so_only_if_told_to(
-    look: Callable[..., Done], tmp_path: Path, options: tuple[str, ...], seen: bool
+    look: Run, tmp_path: Path, options: tuple[str, ...], seen: bool
 ) -> None:
     view = ("--sensor", "depth", "--position", "0,0", *TINY, "-o", "a.png")
     look(*BARE, *view)
@@ -181,7 +166,7 @@ def test_a_sensor_that_may_leave_them_out_does_so_only_if_told_to(
     ],
 )
 def test_what_cannot_be_is_one_line_and_writes_nothing(
-    look: Callable[..., Done], tmp_path: Path, arguments: list[object], message: str
+    look: Run, tmp_path: Path, arguments: list[object], message: str
 ) -> None:
     done = look(*arguments)
     assert (done.returncode, done.stderr.count("\n")) == (2, 1), done
@@ -191,7 +176,7 @@ def test_what_cannot_be_is_one_line_and_writes_nothing(
 
 
 def test_a_folder_that_is_missing_is_named_and_an_older_picture_is_kept_whole(
-    look: Callable[..., Done], tmp_path: Path
+    look: Run, tmp_path: Path
 ) -> None:
     done = look(*BARE, *TINY, "-o", tmp_path / "none" / "a.png")
     assert (done.returncode, done.stderr.count("\n")) == (1, 1)

@@ -3,23 +3,21 @@
 import json
 import subprocess
 import sys
-from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
 from PIL import Image
-from tests.platform.helpers.command import Done, command_here
+from tests.commands import Run, run_command
 
 SMALL = ("--seed", 3, "--size", 60, "--houses", 2)
 NAME = "seed-3-size-60-houses-2"  # what it is called
 
 
 @pytest.fixture
-def wildscav_map(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> Callable[..., Done]:
+def wildscav_map(tmp_path: Path) -> Run:
     """Runs the command in this process, which has the engine loaded, with the temporary folder as its own."""
-    return command_here("map", tmp_path, monkeypatch, capsys)
+    return partial(run_command, "map", cwd=tmp_path, columns=200)
 
 
 def test_the_command_draws_in_a_process_of_its_own(tmp_path: Path) -> None:
@@ -29,7 +27,7 @@ def test_the_command_draws_in_a_process_of_its_own(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == [f"{NAME}.png"]
 
 
-def test_show_writes_a_picture(wildscav_map: Callable[..., Done], tmp_path: Path) -> None:
+def test_show_writes_a_picture(wildscav_map: Run, tmp_path: Path) -> None:
     done = wildscav_map("show", *SMALL, "--width", 400, "-o", tmp_path / "a.png")
     assert (done.returncode, done.stderr) == (0, "")
     with Image.open(tmp_path / "a.png") as picture:
@@ -38,7 +36,7 @@ def test_show_writes_a_picture(wildscav_map: Callable[..., Done], tmp_path: Path
 
 
 def test_show_names_its_picture_for_what_it_shows_and_says_what_it_replaces(
-    wildscav_map: Callable[..., Done], tmp_path: Path
+    wildscav_map: Run, tmp_path: Path
 ) -> None:
     views = ((), ("--storey", 1, "--locations"), ("--center", 3, -4, "--span", 20))
     for options in views:
@@ -54,9 +52,7 @@ def test_show_names_its_picture_for_what_it_shows_and_says_what_it_replaces(
     assert tmp_path.joinpath(f"{NAME}.png").read_bytes() != b"older"
 
 
-def test_export_writes_meshes_locations_and_the_spec(
-    wildscav_map: Callable[..., Done], tmp_path: Path
-) -> None:
+def test_export_writes_meshes_locations_and_the_spec(wildscav_map: Run, tmp_path: Path) -> None:
     done = wildscav_map("export", *SMALL, "--storeys", "2-3", "-o", tmp_path / "deep" / "folder")
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.count("\n") == len(list((tmp_path / "deep" / "folder").iterdir())) == 5
@@ -65,7 +61,7 @@ def test_export_writes_meshes_locations_and_the_spec(
     assert described["spec"]["config"]["storeys"] == [2, 3]
 
 
-def test_info_prints_the_figures(wildscav_map: Callable[..., Done], tmp_path: Path) -> None:
+def test_info_prints_the_figures(wildscav_map: Run, tmp_path: Path) -> None:
     config = {"size": 60, "houses": 0, "vegetation": 0, "water": 0}
     (tmp_path / "bare.json").write_text(json.dumps({"config": config, "seed": 7}))
     done = wildscav_map("info", "--config", tmp_path / "bare.json")
@@ -79,9 +75,7 @@ def test_info_prints_the_figures(wildscav_map: Callable[..., Done], tmp_path: Pa
     assert len(figures["digest"].strip()) == 16
 
 
-def test_options_stand_over_the_file_and_a_file_may_be_toml(
-    wildscav_map: Callable[..., Done], tmp_path: Path
-) -> None:
+def test_options_stand_over_the_file_and_a_file_may_be_toml(wildscav_map: Run, tmp_path: Path) -> None:
     (tmp_path / "own.toml").write_text(
         'size = 80\nwater = 0\nhouses = 1\n[[placements]]\nkind = "rock"\nlocation = [10, 10]\n'
     )
@@ -117,7 +111,7 @@ def test_options_stand_over_the_file_and_a_file_may_be_toml(
     ],
 )
 def test_what_cannot_be_is_one_line_with_the_field_and_its_range(
-    wildscav_map: Callable[..., Done], tmp_path: Path, arguments: list[str], message: str
+    wildscav_map: Run, tmp_path: Path, arguments: list[str], message: str
 ) -> None:
     (tmp_path / "broken.toml").write_text("size = = 3")
     (tmp_path / "list.json").write_text("[1]")
@@ -128,7 +122,7 @@ def test_what_cannot_be_is_one_line_with_the_field_and_its_range(
     assert message in done.stderr
 
 
-def test_a_folder_that_is_missing_is_named(wildscav_map: Callable[..., Done], tmp_path: Path) -> None:
+def test_a_folder_that_is_missing_is_named(wildscav_map: Run, tmp_path: Path) -> None:
     for arguments in (
         ("show", "-o", tmp_path / "none" / "a.png"),
         ("info", "--config", tmp_path / "none.json"),
@@ -140,9 +134,7 @@ def test_a_folder_that_is_missing_is_named(wildscav_map: Callable[..., Done], tm
 
 
 @pytest.mark.parametrize("command", ["info", "show", "export"])
-def test_a_negative_id_is_out_of_range_and_no_option(
-    command: str, wildscav_map: Callable[..., Done], tmp_path: Path
-) -> None:
+def test_a_negative_id_is_out_of_range_and_no_option(command: str, wildscav_map: Run, tmp_path: Path) -> None:
     done = wildscav_map(command, "-54")
     assert (done.returncode, done.stderr) == (2, "wildscav: ID is -54, must be 1 to 999\n")
     assert not list(tmp_path.iterdir())
