@@ -48,7 +48,8 @@ def test_every_sensor_that_makes_an_image_gives_a_picture(look: Run, tmp_path: P
 
     done = look(*HOUSES, "--sensor", name, *size, "--no-legend", "-o", "a.png")
     assert (done.returncode, done.stderr) == (0, "")
-    assert look(*HOUSES, "--sensor", name, *size, "-o", "b.png")[::2] == (0, "")
+    done = look(*HOUSES, "--sensor", name, *size, "-o", "b.png")
+    assert (done.returncode, done.stderr) == (0, "")
 
     plain, explained = pixels(tmp_path / "a.png"), pixels(tmp_path / "b.png")
     assert plain.shape == (height, width, 3)
