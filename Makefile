@@ -41,10 +41,10 @@ demo: .venv/.run ## Evaluate the three baselines on three of the five tracks (un
 test: .venv/.dev ## Run the tests (under 10 minutes); with COVERAGE=1, print which lines and branches they reach.
 ifdef COVERAGE
 	rm -rf out/coverage && mkdir -p out/coverage
-	$(BIN)/python -m coverage run $(PYTEST) -n 2 --dist worksteal
+	$(BIN)/python -m coverage run $(PYTEST) -n 2 --dist worksteal --durations=40
 	$(BIN)/python .ci/coverage
 else
-	$(BIN)/python $(PYTEST) -n 2 --dist worksteal
+	$(BIN)/python $(PYTEST) -n 2 --dist worksteal --durations=40
 endif
 
 test-slow: .venv/.training ## Run the slow tests, three at a time: they wait more than they compute.
