@@ -77,6 +77,7 @@ def test_they_import_the_sdk_and_the_standard_library_alone_or_numpy(name: str) 
                 assert root in own | allowed, f"{path}: {module}"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("track", TRACKS)
 def test_the_same_match_is_played_the_same_way(workers: Workers, tmp_path: Path, track: str) -> None:
     first = [jobs(name, track, 0, tmp_path / "first")[0] for name in NAMES]
@@ -115,6 +116,7 @@ def test_homing_reaches_most_targets_and_random_few(workers: Workers, tmp_path: 
     assert mean(results, "homing", "time") < mean(results, "random", "time") / 2
 
 
+@pytest.mark.slow
 def test_homing_gathers_more_than_random(workers: Workers, tmp_path: Path) -> None:
     results = play(
         workers, [job for name in ("random", "homing") for job in jobs(name, "gathering", 0, tmp_path)]
@@ -123,6 +125,7 @@ def test_homing_gathers_more_than_random(workers: Workers, tmp_path: Path) -> No
     assert mean(results, "homing", "supplies") > 2 * mean(results, "random", "supplies")
 
 
+@pytest.mark.slow
 def test_hunter_gathers_and_kills(workers: Workers, tmp_path: Path) -> None:
     results = play(workers, [job for name in NAMES for job in jobs(name, "battle", 1, tmp_path)])
 

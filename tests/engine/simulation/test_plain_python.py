@@ -13,6 +13,7 @@ from tests.engine.simulation.plain_match import report
 from wildscav_engine.compilation.kernel import _argument_type, _only_for
 
 
+@pytest.mark.slow
 def test_matches_maps_and_environments_are_the_same_with_kernels_as_plain_python() -> None:
     script = Path(__file__).parent / "plain_match.py"
     done = subprocess.run(

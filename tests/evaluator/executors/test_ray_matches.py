@@ -43,15 +43,18 @@ def out(tmp_path: Path) -> Path:
     return tmp_path / "out"
 
 
+@pytest.mark.slow
 def test_values_of_calls_come_in_the_order_of_the_items(executor: RayExecutor) -> None:
     assert list(executor.map(json.loads, map(str, range(10)))) == list(range(10))
 
 
+@pytest.mark.slow
 def test_a_call_that_fails_is_told_in_one_line_with_its_node(executor: RayExecutor) -> None:
     with pytest.raises(ExecutorError, match=r"^a call failed on head: .*Expecting value: line 1 column 1"):
         list(executor.map(json.loads, ["9", "ten"]))
 
 
+@pytest.mark.slow
 def test_matches_are_those_of_this_machine_although_a_worker_is_killed(
     executor: RayExecutor, submit: Submit, tmp_path: Path, out: Path
 ) -> None:
@@ -81,6 +84,7 @@ def test_matches_are_those_of_this_machine_although_a_worker_is_killed(
     }
 
 
+@pytest.mark.slow
 def test_a_submission_that_needs_a_container_is_refused_without_one(
     executor: RayExecutor, submit: Submit
 ) -> None:

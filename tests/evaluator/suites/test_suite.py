@@ -29,6 +29,7 @@ def test_the_maps_are_from_the_seeds_that_are_kept_for_evaluation(name: str, tra
     assert all(spec.map.seed >= EVALUATION_MAPS for spec in suite(track, name, 0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "track"), BOTH)
 def test_every_map_of_a_suite_can_be_made(name: str, track: str) -> None:
     for spec in {match.map for match in suite(track, name, 3)}:

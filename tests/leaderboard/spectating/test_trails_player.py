@@ -17,6 +17,7 @@ from wildscav_leaderboard.spectating.overview import overview_of_file
 from wildscav_leaderboard.spectating.trails import trails_of_file
 
 playwright = pytest.importorskip("playwright.sync_api", reason="needs Playwright: pip install playwright")
+pytestmark = pytest.mark.slow
 
 Records = Callable[[str], Path]
 CHROMIUM = ("--no-sandbox", "--disable-gpu")
