@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wildscav_engine.envs.arena import Arena, ArenaOutput
 from wildscav_engine.envs.saving import load, save
 from wildscav_engine.envs.settings.config import EnvConfig, read_config
-from wildscav_engine.envs.settings.episodes import Episodes
+from wildscav_engine.envs.settings.episodes import Episodes, read_mask, read_seeds
 from wildscav_engine.envs.settings.options import EnvOptions, EpisodeOptions
 from wildscav_engine.envs.spaces.actions import ActionError
 from wildscav_engine.envs.spaces.observation import Observation, observation_space
@@ -47,7 +47,7 @@ class Resetter:
         self,
         seeds: Sequence[int | None],
         first_seed: int,
-        rows: Sequence[int] | None = None,
+        mask: Flags | None = None,
         options: Mapping[str, Any] | None = None,
     ) -> ArenaOutput:
         """Start the next episode in some rows, or in all.
@@ -55,22 +55,20 @@ class Resetter:
         Args:
             seeds: (B,) the seeds of the rows; None to continue the present sequence of episodes.
             first_seed: The seed of the first row if there are no episodes yet; the others count on from it.
-            rows: The rows; None for all.
-            options: The options of ``Episodes.next``.
+            mask: (B,) the rows; None for all.
+            options: Those of ``Arena.start``, which lists the errors.
         """
-        arena = self.arena
-        if not self._episodes:
-            self._episodes = [arena.episodes(first_seed + row) for row in range(arena.matches)]
-        chosen = range(arena.matches) if rows is None or arena.batch is None else rows
-        for row in chosen:
-            seed = seeds[row]
-            if seed is not None:
-                self._episodes[row] = arena.episodes(seed)
-        self._restart(chosen, options)
-        return arena.read()
+        every = range(self.arena.matches)
+        rows = every if mask is None or self.arena.batch is None else np.flatnonzero(mask).tolist()
+        begun = self._episodes or [Episodes(first_seed + row) for row in every]
+        new = {row: Episodes(seed) for row in rows if (seed := seeds[row]) is not None}
+        self.arena.start({row: new.get(row, begun[row]) for row in rows}, options)
+        self._episodes = [new.get(row, begun[row]) for row in every]
+        self.ended[list(rows)] = False
+        return self.arena.read()
 
-    def _restart(self, rows: Sequence[int], options: Mapping[str, Any] | None = None) -> None:
-        self.arena.restart(list(rows), [self._episodes[row].next(options) for row in rows])
+    def _restart(self, rows: Sequence[int]) -> None:
+        self.arena.start({row: self._episodes[row] for row in rows})
         self.ended[list(rows)] = False
 
     def get_state(self, row: int) -> bytes:
@@ -82,7 +80,7 @@ class Resetter:
     def set_state(self, row: int, data: bytes) -> ArenaOutput:
         """Restore a row from what ``get_state`` returned; ``saving.load`` lists the errors."""
         if not self._episodes:
-            self._episodes = [self.arena.episodes(other) for other in range(self.arena.matches)]
+            self._episodes = [Episodes(other) for other in range(self.arena.matches)]
         self._episodes[row] = load(self.arena, row, data)
         output = self.arena.read()
         self.ended[row] = self.arena.done[row].all()
@@ -175,21 +173,31 @@ class BatchedArena:
         self.action_space = batch_space(batch_space(self.arena.mode.space, self.num_agents), matches)
         self._resetter = Resetter(self.arena, self.autoreset_mode)
 
-    def reset(self, *, seed: int | None = None, mask: Flags | None = None) -> Observation:
+    def reset(
+        self,
+        *,
+        seed: int | Sequence[int | None] | None = None,
+        mask: Flags | None = None,
+        options: Mapping[str, Any] | None = None,
+    ) -> Observation:
         """Start new episodes.
 
         Args:
-            seed: The seed of the first match; row i gets seed + i. None continues the present sequences.
-            mask: (B,) which matches to reset; None for all.
+            seed: The seed of the first match, from which the others count on; or a list of all seeds. None
+                continues the present sequences.
+            mask: (B,) bool, which matches to reset; None for all.
+            options: ``start``, ``start_range``, ``target`` and ``map`` of these episodes only.
 
         Returns:
             The observation, by name (B, L, …).
+
+        Raises:
+            ValueError: A seed, the mask or an option is invalid; nothing has changed.
         """
-        count = self.num_matches
-        seeds = [None if seed is None else seed + row for row in range(count)]
+        seeds = read_seeds(seed, self.num_matches)
+        chosen = None if mask is None else read_mask(mask, self.num_matches, "mask")
         first_seed = gymnasium.utils.seeding.np_random(None)[1]
-        rows = None if mask is None else np.flatnonzero(mask).tolist()
-        return self._resetter.reset(seeds, first_seed, rows).observation
+        return self._resetter.reset(seeds, first_seed, chosen, options).observation
 
     def set_options(self, **changes: Unpack[EpisodeOptions]) -> None:
         """Change options from the next episode on of each match, for instance as a learner gets better.

