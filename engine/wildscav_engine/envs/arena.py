@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from wildscav_engine.envs.opponents.cast import Cast
 from wildscav_engine.envs.settings.config import EnvConfig, change_config
 from wildscav_engine.envs.settings.episodes import Episodes, Plan
+from wildscav_engine.envs.spaces.action_mode import Axes
 from wildscav_engine.envs.spaces.actions import action_mode
 from wildscav_engine.envs.spaces.columns import EVENTS, OUTCOME, Part
 from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
@@ -152,15 +153,19 @@ class Arena:
         self.cast.take(match, found)
         self._update_after_restart([match])
 
-    def set_actions(self, actions: Any) -> None:
-        """Set the actions of all learners, given as Gymnasium batches the actions of B × L environments.
+    def set_actions(self, actions: Any, axes: Axes) -> None:
+        """Set the actions of all learners.
+
+        Args:
+            actions: Those of B × L environments, as Gymnasium batches them.
+            axes: Their leading axes, (B, L) or (B × L,).
 
         Raises:
             ActionError: The actions are not in the action space.
         """
         agents = self._batch.state.agents
         count = self.config.agents
-        self.mode.decode(actions, agents.yaw[:, :count].reshape(-1), self._chosen)
+        self.mode.decode(actions, agents.yaw[:, :count].reshape(-1), self._chosen, axes)
         self.actions[:, :count] = self._chosen.reshape(self.matches, count, FIELDS)
 
     def step(self) -> ArenaOutput:

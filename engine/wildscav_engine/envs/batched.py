@@ -14,7 +14,7 @@ from wildscav_engine.envs.saving import load, save
 from wildscav_engine.envs.settings.config import EnvConfig, read_config
 from wildscav_engine.envs.settings.episodes import Episodes, read_mask, read_seeds
 from wildscav_engine.envs.settings.options import EnvOptions, EpisodeOptions
-from wildscav_engine.envs.spaces.actions import ActionError
+from wildscav_engine.envs.spaces.action_mode import Axes
 from wildscav_engine.envs.spaces.observation import Observation, observation_space
 from wildscav_engine.tracks import TRACKS
 
@@ -37,9 +37,15 @@ class Outcome(NamedTuple):
 class Resetter:
     """The autoreset of environments with many matches: it restarts matches that have ended."""
 
-    def __init__(self, arena: Arena, mode: AutoresetMode) -> None:
-        """Wrap an arena without matches, with one of Gymnasium's autoreset modes."""
-        self.arena, self.mode = arena, mode
+    def __init__(self, arena: Arena, mode: AutoresetMode, axes: Axes) -> None:
+        """Wrap an arena without matches.
+
+        Args:
+            arena: The arena.
+            mode: One of Gymnasium's autoreset modes.
+            axes: The leading axes of actions, (B, L) or (B × L,).
+        """
+        self.arena, self.mode, self._axes = arena, mode, axes
         self.ended: Flags = np.zeros(arena.matches, np.bool_)  # (B,) which matches ended with the last step
         self._episodes: list[Episodes] = []
 
@@ -96,7 +102,7 @@ class Resetter:
             RuntimeError: There is no match yet, or one has ended and nothing resets it.
         """
         arena = self.arena
-        arena.set_actions(actions)
+        arena.set_actions(actions, self._axes)
         restarting: Sequence[int] = ()
         if self.ended.any():
             if self.mode == AutoresetMode.DISABLED:
@@ -171,7 +177,7 @@ class BatchedArena:
         self.single_observation_space = observation_space(self.config)
         self.single_action_space = self.arena.mode.space
         self.action_space = batch_space(batch_space(self.arena.mode.space, self.num_agents), matches)
-        self._resetter = Resetter(self.arena, self.autoreset_mode)
+        self._resetter = Resetter(self.arena, self.autoreset_mode, (matches, self.num_agents))
 
     def reset(
         self,
@@ -220,20 +226,9 @@ class BatchedArena:
         Raises:
             ActionError: The actions are not in the action space.
         """
-        outcome = self._resetter.step(self._flattened(actions))
+        outcome = self._resetter.step(actions)
         self.arena.finish_reading()
         return outcome
-
-    def _flattened(self, actions: Any) -> Any:
-        """Return the actions of all learners along one leading axis, match by match.
-
-        Raises:
-            ActionError: They have another shape.
-        """
-        leading = (self.num_matches, self.num_agents)
-        if isinstance(actions, Mapping):
-            return {name: _joined(values, leading, f"action: {name}") for name, values in actions.items()}
-        return _joined(actions, (*leading, *(self.single_action_space.shape or ())), "actions")
 
     def get_state(self, row: int) -> bytes:
         """Return the state of one match and of its sequence of episodes as bytes.
@@ -251,25 +246,6 @@ class BatchedArena:
             MatchSetupError: The match has another track, other rules or other seats.
         """
         return self._resetter.set_state(row, data).observation
-
-
-def _joined(values: Any, shape: tuple[int, ...], what: str) -> NDArray[Any]:
-    """Return values of (B, L, …) as (B × L, …).
-
-    Raises:
-        ActionError: They have another shape.
-    """
-    try:
-        array = np.asarray(values)
-    except ValueError:  # rows of different lengths
-        raise ActionError(
-            f"{what}: not an array, must be one of shape {shape}: matches, learners, …"
-        ) from None
-    if array.shape != shape:
-        raise ActionError(
-            f"{what}: an array of shape {array.shape}, must have the shape {shape}: matches, learners, …"
-        )
-    return array.reshape(-1, *shape[2:])
 
 
 def multi_agent_config(track: str, options: Mapping[str, Any]) -> EnvConfig:

@@ -17,6 +17,7 @@ from wildscav_engine.envs.rendering.render import Renderer
 from wildscav_engine.envs.settings.episodes import read_seed
 from wildscav_engine.envs.settings.options import EnvOptions
 from wildscav_engine.envs.single import RENDER_MODES, STEPS_PER_SECOND, OneMatch
+from wildscav_engine.envs.spaces.action_mode import check_names
 from wildscav_engine.envs.spaces.columns import Part
 from wildscav_engine.envs.spaces.global_state import global_state, global_state_space
 from wildscav_engine.envs.spaces.observation import Observation, observation_space, part_of
@@ -114,8 +115,8 @@ class ParallelArena(OneMatch, ParallelEnv[str, Observation, Any]):
             actions: One action for each of ``agents``.
 
         Raises:
-            ActionError: An action is not in the action space.
-            ValueError: An action is missing, or is for an agent that is not in the match.
+            ActionError: An action is not in the action space, is missing, or is for an agent that is not in
+                the match.
         """
         if not self.agents:
             return {}, {}, {}, {}, {}
@@ -132,11 +133,7 @@ class ParallelArena(OneMatch, ParallelEnv[str, Observation, Any]):
         return observations, rewards, terminated, truncated, infos
 
     def _set_actions(self, actions: dict[str, Any]) -> None:
-        if actions.keys() != set(self.agents):
-            raise ValueError(
-                f"actions are given for {', '.join(sorted(actions)) or 'no agent'}; "
-                f"the agents are {', '.join(self.agents)}"
-            )
+        check_names(actions, self.agents)
         arena = self.arena
         arena.actions[:] = 0.0
         batch = arena.batch
@@ -145,7 +142,7 @@ class ParallelArena(OneMatch, ParallelEnv[str, Observation, Any]):
         yaws = batch.state.agents.yaw[0]
         for agent, action in actions.items():
             seat = self._seats[agent]
-            arena.mode.decode_one(action, yaws[seat : seat + 1], self._rows[seat])
+            arena.mode.decode(action, yaws[seat : seat + 1], self._rows[seat], ())
 
     def _observations(self, output: ArenaOutput) -> dict[str, Observation]:
         return {agent: part_of(output.observation, (0, self._seats[agent])) for agent in self.agents}

@@ -147,7 +147,7 @@ class SingleEnv(OneMatch, gymnasium.Env[Observation, Any]):
         arena = self.arena
         if arena.batch is None or arena.done[0, 0]:
             raise RuntimeError("there is no episode, or it has ended: reset the environment first")
-        arena.mode.decode_one(action, arena.batch.state.agents.yaw[0, :1], self._own)
+        arena.mode.decode(action, arena.batch.state.agents.yaw[0, :1], self._own, ())
         output = arena.step()
         row: NDArray[np.float32] = output.rows[0, 0]
         terminated, truncated, reward = arena.outcome(row)

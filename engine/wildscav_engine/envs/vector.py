@@ -61,7 +61,7 @@ class VectorArena(VectorEnv[Observation, Any, NDArray[Any]]):
         self.single_action_space = self.arena.mode.space
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
-        self._resetter = Resetter(self.arena, self.autoreset_mode)
+        self._resetter = Resetter(self.arena, self.autoreset_mode, (num_envs,))
         self._renderer = Renderer(self.config)
         self._all_rows = np.ones(num_envs, np.bool_)
         self._all_rows.flags.writeable = False

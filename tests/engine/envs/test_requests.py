@@ -1,6 +1,7 @@
-"""What resets take and refuse: the same in every kind of environment, and what is refused changes nothing."""
+"""What is asked of environments is taken or refused alike in every kind; what is refused changes nothing."""
 
 import functools
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -11,22 +12,27 @@ from hypothesis import strategies as st
 from tests.engine.envs.common import OPEN, digest
 
 from wildscav_engine.envs import BatchedArena, SingleEnv, VectorArena, parallel_env
+from wildscav_engine.envs.spaces.actions import MODES, ActionError
 from wildscav_engine.specs.map_spec import MapConfig
 
-SHORT: dict[str, Any] = {"map": OPEN, "sensors": {}, "action_mode": "box", "time_limit": 1.0}
 KINDS: dict[str, Callable[..., Any]] = {
-    "single": lambda **options: SingleEnv("navigation", **SHORT | options),
-    "vector": lambda **options: VectorArena("navigation", 2, **SHORT | options),
-    "parallel": lambda **options: parallel_env("navigation", **SHORT | options),
-    "batched": lambda **options: BatchedArena("navigation", 2, **SHORT | options),
+    "single": SingleEnv,
+    "vector": lambda track, **options: VectorArena(track, 2, **options),
+    "parallel": parallel_env,
+    "batched": lambda track, **options: BatchedArena(track, 2, **options),
 }
 MANY = ("vector", "batched")
 OTHER = MapConfig(size=40, houses=0, relief=0, water=0, vegetation=0.1)
 
 
+def new(kind: str, track: str = "navigation", mode: str = "box", **more: Any) -> Any:
+    options = {"map": OPEN, "sensors": {}, "action_mode": mode, "time_limit": 86_400, **more}
+    return KINDS[kind](track, **options)
+
+
 @functools.cache
-def made(kind: str) -> Any:
-    env = KINDS[kind]()
+def made(kind: str, track: str = "navigation", mode: str = "box") -> Any:
+    env = new(kind, track, mode)
     env.reset(seed=1)
     return env
 
@@ -83,7 +89,7 @@ def test_what_is_refused_is_told_in_one_line_and_changes_nothing(
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_refused_reset_leaves_the_next_one_as_it_was(kind: str) -> None:
-    failed, fresh = KINDS[kind](), KINDS[kind]()
+    failed, fresh = new(kind), new(kind)
     for seed in (4, None):
         with pytest.raises(ValueError, match=f"^start is {OUTSIDE}"):
             failed.reset(seed=9, options={"start": (0, 0, 99)})
@@ -121,9 +127,9 @@ def test_seeds_of_rows_may_be_listed_in_any_kind_of_integer(kind: str) -> None:
 def test_a_reset_takes_the_maps_that_an_environment_is_made_with(kind: str) -> None:
     env = made(kind)
     for choice in (OTHER, {"size": 40, "houses": 0}, 104, (104,)):
-        begun = KINDS[kind](map=choice).reset(seed=2)
+        begun = new(kind, map=choice).reset(seed=2)
         assert digest(env.reset(seed=2, options={"map": choice})) == digest(begun)
-    assert digest(env.reset(seed=2)) == digest(KINDS[kind]().reset(seed=2))
+    assert digest(env.reset(seed=2)) == digest(new(kind).reset(seed=2))
 
 
 ANY = st.one_of(
@@ -146,4 +152,45 @@ def test_every_kind_takes_the_same_seeds(seed: Any) -> None:
             told.add("taken")
         except ValueError as error:
             told.add(str(error).split(",")[0])
+    assert len(told) == 1
+
+
+NUMBERS = st.one_of(
+    st.integers(-1, 11), st.floats(-1.5, 1.5), st.sampled_from([np.nan, np.inf, 1e300, True, "1.0", None, {}])
+)
+BATCHES: dict[str, Callable[[Any], Any]] = {
+    "single": lambda value: value,
+    "vector": lambda value: [value] * 2,
+    "parallel": lambda value: value,
+    "batched": lambda value: [[value] * 4] * 2,
+}
+
+
+def refusal(kind: str, mode: str, action: Any) -> str:
+    """Return with which words an environment refuses what all its learners do; none if it plays."""
+    env, batch = made(kind, "gathering", mode), BATCHES[kind]
+    named = isinstance(action, dict)
+    given = {name: batch(value) for name, value in action.items()} if named else batch(action)
+    before = states(env)
+    try:
+        env.step(dict.fromkeys(env.agents, given) if kind == "parallel" else given)
+    except ActionError as error:
+        told = str(error)
+    else:
+        return ""
+    assert states(env) == before
+    assert "\n" not in told
+    return re.sub(r": .* must be numbers of shape .*", ": numbers", told)
+
+
+@settings(max_examples=60, deadline=None)
+@given(mode=st.sampled_from(list(MODES)), data=st.data())
+def test_every_kind_takes_the_same_actions(mode: str, data: st.DataObject) -> None:
+    space = made("single", "gathering", mode).action_space
+    action: Any = data.draw(st.lists(NUMBERS, min_size=5, max_size=7))
+    if mode == "baseline":
+        action = action[0]
+    elif mode == "dict":
+        action = dict(zip(space.spaces, action, strict=False))
+    told = {refusal(kind, mode, action) for kind in KINDS}
     assert len(told) == 1
