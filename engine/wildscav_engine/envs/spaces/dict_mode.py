@@ -28,7 +28,7 @@ from wildscav_engine.sensors.base import Column
 from wildscav_engine.specs.actions import MAX_WALK_SPEED, Field
 
 TURN_LIMIT, LOOK_LIMIT = 180.0, 90.0  # degrees per frame, in the mode dict
-SPEEDS = int(MAX_WALK_SPEED) + 1  # whole numbers of m/s, in the mode dict
+SPEEDS = int(MAX_WALK_SPEED) + 1  # whole numbers of m/s, in the mode dict; records play fractions, too
 VALID = -1
 
 
@@ -114,7 +114,7 @@ def _allowed(field: Field) -> str:
     if field > Field.LOOK:
         return "0 or 1"
     if field == Field.WALK_SPEED:
-        return f"a whole number from 0 to {MAX_WALK_SPEED:g}"
+        return f"from 0 to {MAX_WALK_SPEED:g}"
     return "in [{:g}, {:g}]".format(*_range(field))
 
 
@@ -132,10 +132,9 @@ def _write_rows(values: NDArray[np.float64], columns: NDArray[np.int64], rows: R
             low, high = -TURN_LIMIT, TURN_LIMIT
         elif field == LOOK:
             low, high = -LOOK_LIMIT, LOOK_LIMIT
-        is_choice = field == SPEED or field > LOOK
         for row in range(values.shape[1]):
             value = values[place, row]
-            if not low <= value <= high or (is_choice and value != np.floor(value)):
+            if not low <= value <= high or (field > LOOK and 0.0 < value < 1.0):
                 return int(place * values.shape[1] + row)
             rows[row, field] = value
     return VALID
