@@ -16,7 +16,7 @@ from wildscav_engine.envs.registry import register_several
 from wildscav_engine.envs.rendering.render import Renderer
 from wildscav_engine.envs.settings.episodes import read_seed
 from wildscav_engine.envs.settings.options import EnvOptions
-from wildscav_engine.envs.single import RENDER_MODES, STEPS_PER_SECOND, OneMatch
+from wildscav_engine.envs.single import OneMatch, pictures_of
 from wildscav_engine.envs.spaces.action_mode import check_names
 from wildscav_engine.envs.spaces.columns import Part
 from wildscav_engine.envs.spaces.global_state import global_state, global_state_space
@@ -52,8 +52,7 @@ class ParallelArena(OneMatch, ParallelEnv[str, Observation, Any]):
         self._options = {**options}
         self.metadata = {
             "name": f"wildscav_{track}_v{self.config.version}",
-            "render_modes": RENDER_MODES,
-            "render_fps": STEPS_PER_SECOND,
+            **pictures_of(self.config),
             "is_parallelizable": True,
         }
         self.render_mode = self.config.render_mode

@@ -16,9 +16,9 @@ from wildscav_engine.envs.settings.config import EnvConfig, read_config
 from wildscav_engine.envs.settings.episodes import Episodes, read_seed
 from wildscav_engine.envs.settings.options import EnvOptions, EpisodeOptions
 from wildscav_engine.envs.spaces.observation import Observation, observation_space, part_of
+from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 
 RENDER_MODES = ["rgb_array", "depth_array", "human", "rerun"]
-STEPS_PER_SECOND = 10  # with the default of five frames per action
 
 
 class OneMatch:
@@ -98,7 +98,7 @@ class OneMatch:
 class SingleEnv(OneMatch, gymnasium.Env[Observation, Any]):
     """A match with one learner, in seat 0; robots fill the other seats."""
 
-    metadata: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": STEPS_PER_SECOND}  # noqa: RUF012
+    metadata: dict[str, Any] = {"render_modes": RENDER_MODES}  # noqa: RUF012
 
     def __init__(self, track: str, **options: Unpack[EnvOptions]) -> None:
         """Create an environment.
@@ -112,6 +112,7 @@ class SingleEnv(OneMatch, gymnasium.Env[Observation, Any]):
         """
         self.config = single_agent_config(track, options)
         self._options = {**options}
+        self.metadata = pictures_of(self.config)
         self.render_mode = self.config.render_mode
         self.observation_space: Space[Any] = observation_space(self.config)
         self.arena = Arena(self.config)
@@ -164,6 +165,11 @@ class SingleEnv(OneMatch, gymnasium.Env[Observation, Any]):
 
     def _begun(self, output: ArenaOutput) -> tuple[Observation, dict[str, Any]]:
         return _of_first(output), {**info_of(self.arena, 0, 0, output.rows[0, 0], ended=False)}
+
+
+def pictures_of(config: EnvConfig) -> dict[str, Any]:
+    """Return what the metadata of an environment say about its pictures, one a step."""
+    return {"render_modes": RENDER_MODES, "render_fps": FRAMES_PER_SECOND / config.frames_per_action}
 
 
 def single_agent_config(track: str, options: Mapping[str, Any]) -> EnvConfig:

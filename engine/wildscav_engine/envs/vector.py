@@ -14,7 +14,7 @@ from wildscav_engine.envs.infos import info_of
 from wildscav_engine.envs.rendering.render import Renderer
 from wildscav_engine.envs.settings.episodes import read_mask, read_seeds
 from wildscav_engine.envs.settings.options import EnvOptions, EpisodeOptions
-from wildscav_engine.envs.single import RENDER_MODES, STEPS_PER_SECOND, single_agent_config
+from wildscav_engine.envs.single import pictures_of, single_agent_config
 from wildscav_engine.envs.spaces.columns import EVENTS
 from wildscav_engine.envs.spaces.observation import Observation, observation_space, part_of
 
@@ -51,11 +51,7 @@ class VectorArena(VectorEnv[Observation, Any, NDArray[Any]]):
             raise ValueError(f"num_envs is {num_envs}, must be at least 1")
         self.num_envs, self.autoreset_mode = num_envs, AutoresetMode(autoreset_mode)
         self.render_mode = self.config.render_mode
-        self.metadata = {
-            "render_modes": RENDER_MODES,
-            "render_fps": STEPS_PER_SECOND,
-            "autoreset_mode": self.autoreset_mode,
-        }
+        self.metadata = {**pictures_of(self.config), "autoreset_mode": self.autoreset_mode}
         self.arena = Arena(self.config, num_envs)
         self.single_observation_space = observation_space(self.config)
         self.single_action_space = self.arena.mode.space
