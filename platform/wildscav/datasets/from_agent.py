@@ -57,7 +57,7 @@ class PlayedEpisodes:
         self._controller = _controller(agent)
         try:
             self._controller.check(track)
-            self.config = read_config(track, {"version": 1, **options})
+            self.config = read_config(track, options)
             self._plan = Plan(self.config)
         except (TypeError, ValueError) as error:
             raise UserError(f"the options of the environment: {error}", exit_code=2) from None

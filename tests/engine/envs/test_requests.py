@@ -5,6 +5,7 @@ import re
 from collections.abc import Callable
 from typing import Any
 
+import gymnasium
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,6 +13,7 @@ from hypothesis import strategies as st
 from tests.engine.envs.common import OPEN, digest
 
 from wildscav_engine.envs import BatchedArena, SingleEnv, VectorArena, parallel_env
+from wildscav_engine.envs.registry import VERSION, VERSIONS, env_id
 from wildscav_engine.envs.spaces.actions import MODES, ActionError
 from wildscav_engine.specs.map_spec import MapConfig
 
@@ -41,6 +43,13 @@ def states(env: Any) -> list[bytes]:
     """The states of all matches and of their sequences of episodes."""
     rows = env.arena.matches
     return [env.get_state(row) for row in range(rows)] if rows > 1 else [env.get_state()]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_kind_has_the_newest_observations_and_ids_those_of_their_number(kind: str) -> None:
+    assert made(kind).config.version == VERSION
+    for version in VERSIONS:
+        assert gymnasium.spec(env_id("navigation", version)).kwargs["version"] == version
 
 
 SEED = "must be a whole number, 0 or more$"

@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Field, ValidationError, field_validator, model_validator
 
+from wildscav_engine.envs.registry import VERSION, Version
 from wildscav_engine.envs.settings.players import ActionMode, Player, Sampler, read_entry, seat_entry
 from wildscav_engine.maps.pools import Level, Split
 from wildscav_engine.sensors import Sensor, parse_sensors
@@ -55,7 +56,7 @@ class EnvConfig(Spec):
     supply_goal: Annotated[int, Field(ge=1, le=1_000_000)] | None = None
     zone: ZoneConfig | None = None  # None: the track's default
     # Observations, actions and rewards.
-    version: Literal[0, 1] = 0  # of the observations: the number after v in ids
+    version: Version = VERSION  # of the observations: the number after v in ids
     sensors: dict[str, dict[str, Any]] | None = None  # by name, with options; None: the track's default
     rewards: dict[str, float] | None = None  # weights by the names of terms; None: the track's default
     action_mode: ActionMode = "dict"
