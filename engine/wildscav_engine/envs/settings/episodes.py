@@ -46,7 +46,7 @@ def pool_of(config: EnvConfig) -> MapPool:
     if config.unseen:
         raise ValueError("unseen is True, but map names fixed maps; only random maps have unseen pieces")
     if isinstance(choice, MapSpec):
-        return MapPool([[choice]])
+        return MapPool(1, [[choice]].__getitem__)
     try:
         return numbered_maps((choice,) if isinstance(choice, int) else choice)
     except MapError as error:
