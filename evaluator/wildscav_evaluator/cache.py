@@ -6,6 +6,8 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
+from wildscav_engine.compilation.cache_folders import cache_root
+
 LARGEST = 20 << 30  # bytes of one kind of file
 OLDEST = 30 * 86_400.0  # s for which something is kept that nobody uses
 IN_USE = 86_400.0  # s for which it may still be in use after somebody asked for it
@@ -13,8 +15,7 @@ IN_USE = 86_400.0  # s for which it may still be in use after somebody asked for
 
 def cache_folder(name: str) -> Path:
     """Return the folder for one kind of file, in WILDSCAV_CACHE_DIR or in the user's cache folder."""
-    home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(os.environ.get("WILDSCAV_CACHE_DIR") or Path(home) / "wildscav") / name
+    return cache_root().parent / name
 
 
 def is_kept(entry: Path) -> bool:

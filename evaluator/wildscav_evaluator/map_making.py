@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from wildscav.errors import UserError
-from wildscav_engine.maps.cache import LIMIT, load_cached, packed, size_limit, store_packed
+from wildscav_engine.maps.cache import LIMIT, SIZE_LIMIT, load_cached, packed, size_limit, store_packed
 from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.generate import generate_map
 from wildscav_engine.maps.pools import Level, MapPool, Split, random_maps
@@ -60,7 +60,7 @@ def make_maps(choices: Iterable[Choices], executor: Executor) -> Iterator[MadeMa
     Raises:
         UserError: One cannot be generated, or they do not all fit into the cache.
     """
-    limit, taken = size_limit(), 0
+    limit, taken = size_limit(LIMIT, SIZE_LIMIT), 0
     for made in executor.map(make_map, choices):
         if made.error:
             raise UserError(f"map with seed {made.spec.seed}: {made.error}", exit_code=2)

@@ -9,7 +9,7 @@ from gymnasium.spaces import Box, Dict, Discrete, MultiDiscrete, Space
 
 from wildscav_engine.envs import PRESETS
 from wildscav_engine.envs.batched import multi_agent_config
-from wildscav_engine.envs.registry import VERSION, env_id, zoo_id
+from wildscav_engine.envs.registry import env_id, zoo_id
 from wildscav_engine.envs.settings.config import EnvConfig
 from wildscav_engine.envs.single import single_agent_config
 from wildscav_engine.envs.spaces.actions import ActionMode, action_mode
@@ -66,12 +66,12 @@ class Environment(NamedTuple):
     @property
     def single(self) -> EnvConfig:
         """The config for one learner."""
-        return single_agent_config(self.track.name, {**self.options, "version": VERSION})
+        return single_agent_config(self.track.name, self.options)
 
     @property
     def several(self) -> EnvConfig:
         """The config for several learners."""
-        return multi_agent_config(self.track.name, {**self.options, "version": VERSION})
+        return multi_agent_config(self.track.name, self.options)
 
 
 def environments() -> list[Environment]:
@@ -111,7 +111,7 @@ def title_of(one: Environment) -> str:
 def _opening(one: Environment) -> str:
     track, single, several = one.track.name, one.single, one.several
     more = "".join(f", {name}={value!r}" for name, value in one.options.items())
-    parallel = f"parallel_env({track!r}, version={VERSION}{more})"
+    parallel = f"parallel_env({track!r}{more})"
     mode = action_mode(single)
     observed = observation_rows(single)
     rows = [

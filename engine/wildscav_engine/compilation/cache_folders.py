@@ -14,9 +14,16 @@ KEPT_FOLDERS = 1000
 
 
 def cache_root() -> Path:
-    """Return the folder of all compiled code, in WILDSCAV_CACHE_DIR or in the user's cache folder."""
-    home = os.environ.get("XDG_CACHE_HOME") or str(Path("~/.cache").expanduser())
-    return Path(os.environ.get("WILDSCAV_CACHE_DIR") or Path(home) / "wildscav") / "kernels"
+    """Return the folder of all compiled code: in WILDSCAV_CACHE_DIR, or in the user's cache folder.
+
+    For a user without a home directory, such as one of a container, it is in a temporary folder.
+    """
+    if named := os.environ.get("WILDSCAV_CACHE_DIR"):
+        return Path(named) / "kernels"
+    try:
+        return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "wildscav" / "kernels"
+    except RuntimeError:
+        return _temporary_folder() / "kernels"
 
 
 @functools.cache

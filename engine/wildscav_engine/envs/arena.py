@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from wildscav_engine.envs.opponents.cast import Cast
 from wildscav_engine.envs.settings.config import EnvConfig, change_config
-from wildscav_engine.envs.settings.episodes import Episode, Episodes, Plan, pool_of
+from wildscav_engine.envs.settings.episodes import Episodes, Plan
+from wildscav_engine.envs.spaces.action_mode import Axes
 from wildscav_engine.envs.spaces.actions import action_mode
 from wildscav_engine.envs.spaces.columns import EVENTS, OUTCOME, Part
 from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
@@ -35,7 +36,7 @@ class Arena:
     """B matches with L learners each; the cast fills the other seats."""
 
     def __init__(self, config: EnvConfig, matches: int = 1) -> None:
-        """Create an arena without matches; ``restart`` adds them.
+        """Create an arena without matches; ``start`` adds them.
 
         Args:
             config: The options of the environment.
@@ -45,7 +46,7 @@ class Arena:
             ValueError: The settings of the maps or of an opponent are invalid.
         """
         self.config, self.matches, self.track = config, matches, TRACKS[config.track]
-        self._plan = Plan(config.match_spec(), _pool(config), config.split)
+        self._plan = Plan(config)
         self.mode = action_mode(config)
         self.learners = range(config.agents)
         slow = self.track.slow_metrics if config.all_metrics else ()
@@ -76,10 +77,6 @@ class Arena:
         """The maps on which new matches are played."""
         return self._plan.pool
 
-    def episodes(self, seed: int) -> Episodes:
-        """Return the sequence of episodes of a seed."""
-        return Episodes(self._plan, seed)
-
     def set_options(self, changes: Mapping[str, Any]) -> EnvConfig:
         """Change options of the matches that start from now on, and return all options.
 
@@ -87,18 +84,25 @@ class Arena:
             ValueError: An option cannot change, or its value is invalid.
         """
         config = change_config(self.config, changes)
-        pool = _pool(config) if changes.keys() & OF_POOL else self.pool
-        self._plan.template, self._plan.pool, self._plan.split = config.match_spec(), pool, config.split
+        self._plan = Plan(config, None if changes.keys() & OF_POOL else self.pool)
         self._reader.set_rewards(config.reward_weights)
         self.config = config
         return config
 
-    def restart(self, rows: Sequence[int], episodes: Sequence[Episode]) -> None:
-        """Start new matches in some rows; the first call must be for all rows.
+    def start(self, sequences: Mapping[int, Episodes], options: Mapping[str, Any] | None = None) -> None:
+        """Start the next episode of each row's sequence; the first call must be for all rows.
+
+        If it fails, nothing has changed: neither the matches nor which episode is the next one.
+
+        Args:
+            sequences: The sequence of episodes of each row.
+            options: The options of a reset, for these episodes only; see ``config_of_episode``.
 
         Raises:
-            MatchSetupError: A match cannot be set up.
+            ValueError: An option is invalid, or a match cannot be set up.
         """
+        plan, rows = self._plan.once(options), list(sequences)
+        episodes = [each.next(plan) for each in sequences.values()]
         specs = self.cast.choose(rows, [episode.spec for episode in episodes])
         maps = [episode.game_map for episode in episodes]
         if self.batch is None:
@@ -106,6 +110,8 @@ class Arena:
         else:
             self.batch.restart(rows, specs, maps)
         self._update_after_restart(rows)
+        for each in sequences.values():
+            each.number += 1
 
     def _update_after_restart(self, rows: Sequence[int]) -> None:
         """Update everything that depends on the matches in some rows, which are new."""
@@ -141,22 +147,25 @@ class Arena:
             MatchSetupError: The match has another track, other rules or other seats.
         """
         if self.batch is None:
-            episodes = self.episodes(0)
-            self.restart(range(self.matches), [episodes.next() for _ in range(self.matches)])
+            self.start({row: Episodes(row) for row in range(self.matches)})
         found = self.cast.find(players)
         self._batch.set_state(match, data)
         self.cast.take(match, found)
         self._update_after_restart([match])
 
-    def set_actions(self, actions: Any) -> None:
-        """Set the actions of all learners, given as Gymnasium batches the actions of B × L environments.
+    def set_actions(self, actions: Any, axes: Axes) -> None:
+        """Set the actions of all learners.
+
+        Args:
+            actions: Those of B × L environments, as Gymnasium batches them.
+            axes: Their leading axes, (B, L) or (B × L,).
 
         Raises:
             ActionError: The actions are not in the action space.
         """
         agents = self._batch.state.agents
         count = self.config.agents
-        self.mode.decode(actions, agents.yaw[:, :count].reshape(-1), self._chosen)
+        self.mode.decode(actions, agents.yaw[:, :count].reshape(-1), self._chosen, axes)
         self.actions[:, :count] = self._chosen.reshape(self.matches, count, FIELDS)
 
     def step(self) -> ArenaOutput:
@@ -226,7 +235,3 @@ class Arena:
         view = self.view(match)
         values = self.track.measure(view, learner)
         return {**values, **self.track.measure_slow(view, learner)} if self.config.all_metrics else values
-
-
-def _pool(config: EnvConfig) -> MapPool:
-    return pool_of(config.map, config.level, config.split, config.random_maps, unseen=config.unseen)

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from wildscav_engine.envs.arena import Arena, ArenaOutput
 from wildscav_engine.envs.saving import load, save
 from wildscav_engine.envs.settings.config import EnvConfig, read_config
-from wildscav_engine.envs.settings.episodes import Episodes
+from wildscav_engine.envs.settings.episodes import Episodes, read_mask, read_seeds
 from wildscav_engine.envs.settings.options import EnvOptions, EpisodeOptions
-from wildscav_engine.envs.spaces.actions import ActionError
+from wildscav_engine.envs.spaces.action_mode import Axes
 from wildscav_engine.envs.spaces.observation import Observation, observation_space
 from wildscav_engine.tracks import TRACKS
 
@@ -37,9 +37,15 @@ class Outcome(NamedTuple):
 class Resetter:
     """The autoreset of environments with many matches: it restarts matches that have ended."""
 
-    def __init__(self, arena: Arena, mode: AutoresetMode) -> None:
-        """Wrap an arena without matches, with one of Gymnasium's autoreset modes."""
-        self.arena, self.mode = arena, mode
+    def __init__(self, arena: Arena, mode: AutoresetMode, axes: Axes) -> None:
+        """Wrap an arena without matches.
+
+        Args:
+            arena: The arena.
+            mode: One of Gymnasium's autoreset modes.
+            axes: The leading axes of actions, (B, L) or (B × L,).
+        """
+        self.arena, self.mode, self._axes = arena, mode, axes
         self.ended: Flags = np.zeros(arena.matches, np.bool_)  # (B,) which matches ended with the last step
         self._episodes: list[Episodes] = []
 
@@ -47,7 +53,7 @@ class Resetter:
         self,
         seeds: Sequence[int | None],
         first_seed: int,
-        rows: Sequence[int] | None = None,
+        mask: Flags | None = None,
         options: Mapping[str, Any] | None = None,
     ) -> ArenaOutput:
         """Start the next episode in some rows, or in all.
@@ -55,22 +61,20 @@ class Resetter:
         Args:
             seeds: (B,) the seeds of the rows; None to continue the present sequence of episodes.
             first_seed: The seed of the first row if there are no episodes yet; the others count on from it.
-            rows: The rows; None for all.
-            options: The options of ``Episodes.next``.
+            mask: (B,) the rows; None for all.
+            options: Those of ``Arena.start``, which lists the errors.
         """
-        arena = self.arena
-        if not self._episodes:
-            self._episodes = [arena.episodes(first_seed + row) for row in range(arena.matches)]
-        chosen = range(arena.matches) if rows is None or arena.batch is None else rows
-        for row in chosen:
-            seed = seeds[row]
-            if seed is not None:
-                self._episodes[row] = arena.episodes(seed)
-        self._restart(chosen, options)
-        return arena.read()
+        every = range(self.arena.matches)
+        rows = every if mask is None or self.arena.batch is None else np.flatnonzero(mask).tolist()
+        begun = self._episodes or [Episodes(first_seed + row) for row in every]
+        new = {row: Episodes(seed) for row in rows if (seed := seeds[row]) is not None}
+        self.arena.start({row: new.get(row, begun[row]) for row in rows}, options)
+        self._episodes = [new.get(row, begun[row]) for row in every]
+        self.ended[list(rows)] = False
+        return self.arena.read()
 
-    def _restart(self, rows: Sequence[int], options: Mapping[str, Any] | None = None) -> None:
-        self.arena.restart(list(rows), [self._episodes[row].next(options) for row in rows])
+    def _restart(self, rows: Sequence[int]) -> None:
+        self.arena.start({row: self._episodes[row] for row in rows})
         self.ended[list(rows)] = False
 
     def get_state(self, row: int) -> bytes:
@@ -82,7 +86,7 @@ class Resetter:
     def set_state(self, row: int, data: bytes) -> ArenaOutput:
         """Restore a row from what ``get_state`` returned; ``saving.load`` lists the errors."""
         if not self._episodes:
-            self._episodes = [self.arena.episodes(other) for other in range(self.arena.matches)]
+            self._episodes = [Episodes(other) for other in range(self.arena.matches)]
         self._episodes[row] = load(self.arena, row, data)
         output = self.arena.read()
         self.ended[row] = self.arena.done[row].all()
@@ -98,7 +102,7 @@ class Resetter:
             RuntimeError: There is no match yet, or one has ended and nothing resets it.
         """
         arena = self.arena
-        arena.set_actions(actions)
+        arena.set_actions(actions, self._axes)
         restarting: Sequence[int] = ()
         if self.ended.any():
             if self.mode == AutoresetMode.DISABLED:
@@ -173,23 +177,33 @@ class BatchedArena:
         self.single_observation_space = observation_space(self.config)
         self.single_action_space = self.arena.mode.space
         self.action_space = batch_space(batch_space(self.arena.mode.space, self.num_agents), matches)
-        self._resetter = Resetter(self.arena, self.autoreset_mode)
+        self._resetter = Resetter(self.arena, self.autoreset_mode, (matches, self.num_agents))
 
-    def reset(self, *, seed: int | None = None, mask: Flags | None = None) -> Observation:
+    def reset(
+        self,
+        *,
+        seed: int | Sequence[int | None] | None = None,
+        mask: Flags | None = None,
+        options: Mapping[str, Any] | None = None,
+    ) -> Observation:
         """Start new episodes.
 
         Args:
-            seed: The seed of the first match; row i gets seed + i. None continues the present sequences.
-            mask: (B,) which matches to reset; None for all.
+            seed: The seed of the first match, from which the others count on; or a list of all seeds. None
+                continues the present sequences.
+            mask: (B,) bool, which matches to reset; None for all.
+            options: ``start``, ``start_range``, ``target`` and ``map`` of these episodes only.
 
         Returns:
             The observation, by name (B, L, …).
+
+        Raises:
+            ValueError: A seed, the mask or an option is invalid; nothing has changed.
         """
-        count = self.num_matches
-        seeds = [None if seed is None else seed + row for row in range(count)]
+        seeds = read_seeds(seed, self.num_matches)
+        chosen = None if mask is None else read_mask(mask, self.num_matches, "mask")
         first_seed = gymnasium.utils.seeding.np_random(None)[1]
-        rows = None if mask is None else np.flatnonzero(mask).tolist()
-        return self._resetter.reset(seeds, first_seed, rows).observation
+        return self._resetter.reset(seeds, first_seed, chosen, options).observation
 
     def set_options(self, **changes: Unpack[EpisodeOptions]) -> None:
         """Change options from the next episode on of each match, for instance as a learner gets better.
@@ -212,20 +226,9 @@ class BatchedArena:
         Raises:
             ActionError: The actions are not in the action space.
         """
-        outcome = self._resetter.step(self._flattened(actions))
+        outcome = self._resetter.step(actions)
         self.arena.finish_reading()
         return outcome
-
-    def _flattened(self, actions: Any) -> Any:
-        """Return the actions of all learners along one leading axis, match by match.
-
-        Raises:
-            ActionError: They have another shape.
-        """
-        leading = (self.num_matches, self.num_agents)
-        if isinstance(actions, Mapping):
-            return {name: _joined(values, leading, f"action: {name}") for name, values in actions.items()}
-        return _joined(actions, (*leading, *(self.single_action_space.shape or ())), "actions")
 
     def get_state(self, row: int) -> bytes:
         """Return the state of one match and of its sequence of episodes as bytes.
@@ -243,25 +246,6 @@ class BatchedArena:
             MatchSetupError: The match has another track, other rules or other seats.
         """
         return self._resetter.set_state(row, data).observation
-
-
-def _joined(values: Any, shape: tuple[int, ...], what: str) -> NDArray[Any]:
-    """Return values of (B, L, …) as (B × L, …).
-
-    Raises:
-        ActionError: They have another shape.
-    """
-    try:
-        array = np.asarray(values)
-    except ValueError:  # rows of different lengths
-        raise ActionError(
-            f"{what}: not an array, must be one of shape {shape}: matches, learners, …"
-        ) from None
-    if array.shape != shape:
-        raise ActionError(
-            f"{what}: an array of shape {array.shape}, must have the shape {shape}: matches, learners, …"
-        )
-    return array.reshape(-1, *shape[2:])
 
 
 def multi_agent_config(track: str, options: Mapping[str, Any]) -> EnvConfig:

@@ -14,8 +14,10 @@ from wildscav_engine.envs.batched import multi_agent_config
 from wildscav_engine.envs.infos import info_of
 from wildscav_engine.envs.registry import register_several
 from wildscav_engine.envs.rendering.render import Renderer
+from wildscav_engine.envs.settings.episodes import read_seed
 from wildscav_engine.envs.settings.options import EnvOptions
-from wildscav_engine.envs.single import RENDER_MODES, STEPS_PER_SECOND, OneMatch
+from wildscav_engine.envs.single import OneMatch, pictures_of
+from wildscav_engine.envs.spaces.action_mode import check_names
 from wildscav_engine.envs.spaces.columns import Part
 from wildscav_engine.envs.spaces.global_state import global_state, global_state_space
 from wildscav_engine.envs.spaces.observation import Observation, observation_space, part_of
@@ -24,6 +26,8 @@ if TYPE_CHECKING:
     from pettingzoo import AECEnv
 
 register_several()
+
+PROBE = {"options": 1}  # what PettingZoo's own tests reset every environment with
 
 
 class ParallelArena(OneMatch, ParallelEnv[str, Observation, Any]):
@@ -48,8 +52,7 @@ class ParallelArena(OneMatch, ParallelEnv[str, Observation, Any]):
         self._options = {**options}
         self.metadata = {
             "name": f"wildscav_{track}_v{self.config.version}",
-            "render_modes": RENDER_MODES,
-            "render_fps": STEPS_PER_SECOND,
+            **pictures_of(self.config),
             "is_parallelizable": True,
         }
         self.render_mode = self.config.render_mode
@@ -83,15 +86,15 @@ class ParallelArena(OneMatch, ParallelEnv[str, Observation, Any]):
 
         Args:
             seed: 0 or more; determines all following episodes.
-            options: ``start``, ``start_range``, ``target`` and ``map`` of this episode only; others are
-                ignored.
+            options: ``start``, ``start_range``, ``target`` and ``map`` of this episode only.
 
         Raises:
-            ValueError: An option is invalid.
+            ValueError: The seed or an option is invalid; nothing has changed.
         """
-        if seed is not None or self._episodes is None:
-            self._episodes = self.arena.episodes(seeding.np_random(seed)[1] if seed is None else seed)
-        self.arena.restart([0], [self._episodes.next(options)])
+        if options == PROBE:
+            options = None
+        number = None if seed is None else read_seed(seed)
+        self._restart(number, seeding.np_random(None)[1], options)
         return self._begin()
 
     def _begun(self, output: ArenaOutput) -> tuple[dict[str, Observation], dict[str, dict[str, Any]]]:
@@ -111,8 +114,8 @@ class ParallelArena(OneMatch, ParallelEnv[str, Observation, Any]):
             actions: One action for each of ``agents``.
 
         Raises:
-            ActionError: An action is not in the action space.
-            ValueError: An action is missing, or is for an agent that is not in the match.
+            ActionError: An action is not in the action space, is missing, or is for an agent that is not in
+                the match.
         """
         if not self.agents:
             return {}, {}, {}, {}, {}
@@ -129,11 +132,7 @@ class ParallelArena(OneMatch, ParallelEnv[str, Observation, Any]):
         return observations, rewards, terminated, truncated, infos
 
     def _set_actions(self, actions: dict[str, Any]) -> None:
-        if actions.keys() != set(self.agents):
-            raise ValueError(
-                f"actions are given for {', '.join(sorted(actions)) or 'no agent'}; "
-                f"the agents are {', '.join(self.agents)}"
-            )
+        check_names(actions, self.agents)
         arena = self.arena
         arena.actions[:] = 0.0
         batch = arena.batch
@@ -142,7 +141,7 @@ class ParallelArena(OneMatch, ParallelEnv[str, Observation, Any]):
         yaws = batch.state.agents.yaw[0]
         for agent, action in actions.items():
             seat = self._seats[agent]
-            arena.mode.decode_one(action, yaws[seat : seat + 1], self._rows[seat])
+            arena.mode.decode(action, yaws[seat : seat + 1], self._rows[seat], ())
 
     def _observations(self, output: ArenaOutput) -> dict[str, Observation]:
         return {agent: part_of(output.observation, (0, self._seats[agent])) for agent in self.agents}

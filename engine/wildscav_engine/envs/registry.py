@@ -5,13 +5,15 @@ before an environment is made. The number after ``-v`` rises whenever learning c
 """
 
 from itertools import product
+from typing import Literal, get_args
 
 import gymnasium
 
 from wildscav_engine.extensions import names
 
-VERSIONS = (0, 1)
-VERSION = VERSIONS[-1]
+Version = Literal[0, 1]
+VERSIONS: tuple[Version, ...] = get_args(Version)
+VERSION = VERSIONS[-1]  # the default of environments without an id, too
 TRACKS = "wildscav.tracks"
 
 

@@ -41,6 +41,4 @@ def load(arena: Arena, match: int, data: bytes) -> Episodes:
     except BinaryFormatError as error:
         raise StateError(str(error)) from error
     arena.set_state(match, bytes(payload), header.get("players"))
-    episodes = arena.episodes(int(header["seed"]))
-    episodes.number = int(header["number"])
-    return episodes
+    return Episodes(int(header["seed"]), int(header["number"]))

@@ -13,12 +13,12 @@ from wildscav_engine.envs.infos import info_of
 from wildscav_engine.envs.rendering.render import Renderer
 from wildscav_engine.envs.saving import load, save
 from wildscav_engine.envs.settings.config import EnvConfig, read_config
-from wildscav_engine.envs.settings.episodes import Episodes
+from wildscav_engine.envs.settings.episodes import Episodes, read_seed
 from wildscav_engine.envs.settings.options import EnvOptions, EpisodeOptions
 from wildscav_engine.envs.spaces.observation import Observation, observation_space, part_of
+from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 
 RENDER_MODES = ["rgb_array", "depth_array", "human", "rerun"]
-STEPS_PER_SECOND = 10  # with the default of five frames per action
 
 
 class OneMatch:
@@ -63,6 +63,14 @@ class OneMatch:
         self._episodes = load(self.arena, 0, data)
         return self._begin()
 
+    def _restart(self, seed: int | None, first_seed: int, options: Mapping[str, Any] | None) -> None:
+        """Start the next episode, or the first one of a seed; of ``first_seed`` if there was none before."""
+        episodes = self._episodes
+        if seed is not None or episodes is None:
+            episodes = Episodes(first_seed if seed is None else seed)
+        self.arena.start({0: episodes}, options)
+        self._episodes = episodes
+
     def _begin(self) -> tuple[Any, dict[str, Any]]:
         """Show a match that was begun or restored, and return what it looks like."""
         output = self.arena.read()
@@ -90,7 +98,7 @@ class OneMatch:
 class SingleEnv(OneMatch, gymnasium.Env[Observation, Any]):
     """A match with one learner, in seat 0; robots fill the other seats."""
 
-    metadata: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": STEPS_PER_SECOND}  # noqa: RUF012
+    metadata: dict[str, Any] = {"render_modes": RENDER_MODES}  # noqa: RUF012
 
     def __init__(self, track: str, **options: Unpack[EnvOptions]) -> None:
         """Create an environment.
@@ -104,6 +112,7 @@ class SingleEnv(OneMatch, gymnasium.Env[Observation, Any]):
         """
         self.config = single_agent_config(track, options)
         self._options = {**options}
+        self.metadata = pictures_of(self.config)
         self.render_mode = self.config.render_mode
         self.observation_space: Space[Any] = observation_space(self.config)
         self.arena = Arena(self.config)
@@ -122,12 +131,11 @@ class SingleEnv(OneMatch, gymnasium.Env[Observation, Any]):
             options: ``start``, ``start_range``, ``target`` and ``map`` of this episode only.
 
         Raises:
-            ValueError: An option is invalid.
+            ValueError: The seed or an option is invalid; nothing has changed.
         """
-        super().reset(seed=seed)
-        if self._episodes is None or seed is not None:
-            self._episodes = self.arena.episodes(self.np_random_seed if seed is None else seed)
-        self.arena.restart([0], [self._episodes.next(options)])
+        number = None if seed is None else read_seed(seed)
+        self._restart(number, self.np_random_seed, options)
+        super().reset(seed=number)
         return self._begin()
 
     def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
@@ -140,7 +148,7 @@ class SingleEnv(OneMatch, gymnasium.Env[Observation, Any]):
         arena = self.arena
         if arena.batch is None or arena.done[0, 0]:
             raise RuntimeError("there is no episode, or it has ended: reset the environment first")
-        arena.mode.decode_one(action, arena.batch.state.agents.yaw[0, :1], self._own)
+        arena.mode.decode(action, arena.batch.state.agents.yaw[0, :1], self._own, ())
         output = arena.step()
         row: NDArray[np.float32] = output.rows[0, 0]
         terminated, truncated, reward = arena.outcome(row)
@@ -157,6 +165,11 @@ class SingleEnv(OneMatch, gymnasium.Env[Observation, Any]):
 
     def _begun(self, output: ArenaOutput) -> tuple[Observation, dict[str, Any]]:
         return _of_first(output), {**info_of(self.arena, 0, 0, output.rows[0, 0], ended=False)}
+
+
+def pictures_of(config: EnvConfig) -> dict[str, Any]:
+    """Return what the metadata of an environment say about its pictures, one a step."""
+    return {"render_modes": RENDER_MODES, "render_fps": FRAMES_PER_SECOND / config.frames_per_action}
 
 
 def single_agent_config(track: str, options: Mapping[str, Any]) -> EnvConfig:

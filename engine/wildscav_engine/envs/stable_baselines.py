@@ -54,6 +54,7 @@ class StableVector(MatchesVecEnv):
         """
         self.vector = VectorArena(track, num_envs, autoreset_mode="SameStep", **options)
         super().__init__(num_envs, self.vector.single_observation_space, self.vector.single_action_space)
+        self.metadata["render_fps"] = self.vector.metadata["render_fps"]  # for videos
 
     def reset(self) -> Any:
         """Start new episodes, with the seeds given to ``seed`` if there are any."""

@@ -1,6 +1,6 @@
 """Many single environments as one Gymnasium vector environment, played as one batch."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Unpack
 
 import numpy as np
@@ -12,8 +12,9 @@ from wildscav_engine.envs.arena import Arena, ArenaOutput
 from wildscav_engine.envs.batched import Outcome, Resetter
 from wildscav_engine.envs.infos import info_of
 from wildscav_engine.envs.rendering.render import Renderer
+from wildscav_engine.envs.settings.episodes import read_mask, read_seeds
 from wildscav_engine.envs.settings.options import EnvOptions, EpisodeOptions
-from wildscav_engine.envs.single import RENDER_MODES, STEPS_PER_SECOND, single_agent_config
+from wildscav_engine.envs.single import pictures_of, single_agent_config
 from wildscav_engine.envs.spaces.columns import EVENTS
 from wildscav_engine.envs.spaces.observation import Observation, observation_space, part_of
 
@@ -50,17 +51,13 @@ class VectorArena(VectorEnv[Observation, Any, NDArray[Any]]):
             raise ValueError(f"num_envs is {num_envs}, must be at least 1")
         self.num_envs, self.autoreset_mode = num_envs, AutoresetMode(autoreset_mode)
         self.render_mode = self.config.render_mode
-        self.metadata = {
-            "render_modes": RENDER_MODES,
-            "render_fps": STEPS_PER_SECOND,
-            "autoreset_mode": self.autoreset_mode,
-        }
+        self.metadata = {**pictures_of(self.config), "autoreset_mode": self.autoreset_mode}
         self.arena = Arena(self.config, num_envs)
         self.single_observation_space = observation_space(self.config)
         self.single_action_space = self.arena.mode.space
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
-        self._resetter = Resetter(self.arena, self.autoreset_mode)
+        self._resetter = Resetter(self.arena, self.autoreset_mode, (num_envs,))
         self._renderer = Renderer(self.config)
         self._all_rows = np.ones(num_envs, np.bool_)
         self._all_rows.flags.writeable = False
@@ -70,7 +67,7 @@ class VectorArena(VectorEnv[Observation, Any, NDArray[Any]]):
         self._no_rows.flags.writeable = False
 
     def reset(
-        self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, Infos]:
         """Start new episodes.
 
@@ -79,19 +76,17 @@ class VectorArena(VectorEnv[Observation, Any, NDArray[Any]]):
             options: ``reset_mask``, (N,) bool, the environments to reset; and the options of a single one.
 
         Raises:
-            ValueError: The number of seeds or the mask is wrong.
+            ValueError: A seed, the mask or an option is invalid; nothing has changed.
         """
-        seeds: Sequence[int | None] = [None] * self.num_envs
-        if seed is not None:
-            seeds = [seed + row for row in range(self.num_envs)] if isinstance(seed, int) else seed
-        if len(seeds) != self.num_envs:
-            raise ValueError(f"{len(seeds)} seeds are given for {self.num_envs} environments")
+        seeds = read_seeds(seed, self.num_envs)
+        given, mask = options, None
+        if isinstance(options, Mapping):
+            given, mask = {**options}, options.get("reset_mask")
+            given.pop("reset_mask", None)
+        chosen = self._all_rows if mask is None else read_mask(mask, self.num_envs, "reset_mask")
+        first_seed = (self.np_random_seed or 0) if seeds[0] is None else seeds[0]
+        output = self._resetter.reset(seeds, first_seed, chosen, given)
         super().reset(seed=seeds[0])
-        given = dict(options or {})
-        mask = given.pop("reset_mask", None)
-        rows = None if mask is None else np.flatnonzero(self._checked(mask)).tolist()
-        output = self._resetter.reset(seeds, self.np_random_seed or 0, rows, given)
-        chosen = self._all_rows if rows is None else np.asarray(mask).copy()
         self._show()
         return _squeezed(output.observation), self._infos(output.rows, (), np.zeros((0, 1, 0)), chosen)
 
@@ -106,20 +101,6 @@ class VectorArena(VectorEnv[Observation, Any, NDArray[Any]]):
             ValueError: An option cannot change, or its value is invalid.
         """
         self.config = self.arena.set_options(changes)
-
-    def _checked(self, mask: Any) -> NDArray[np.bool_]:
-        """Return a validated mask of environments to reset.
-
-        Raises:
-            ValueError: The mask has another shape or dtype, or selects no environment.
-        """
-        array = np.asarray(mask)
-        if array.shape != (self.num_envs,) or array.dtype != np.bool_ or not array.any():
-            raise ValueError(
-                f"reset_mask is {array.dtype} of shape {array.shape}, must be bool of shape "
-                f"({self.num_envs},) and True somewhere"
-            )
-        return array
 
     def step(
         self, actions: Any

@@ -8,7 +8,9 @@ from wildscav_engine.compilation.array_tables import ArrayTable, reader
 from wildscav_engine.geometry.world import empty_world
 from wildscav_engine.maps.game_map import GameMap
 
-LIMIT = 128  # maps in a bank before those that no match is played on are dropped
+# What a bank has before those maps are dropped that no match is played on.
+LIMIT = 128  # maps
+MEMORY = 500_000_000  # bytes
 
 # A kernel that reads a world from its table without copying.
 world_at = reader(empty_world())
@@ -40,8 +42,12 @@ class MapBank:
         self._maps.update(new)
         self._worlds.update((key, ArrayTable(game_map.world)) for key, game_map in new.items())
         used = {id(game_map) for game_map in in_use}
-        for key in [key for key in self._maps if key not in used][: max(0, len(self._maps) - self._limit)]:
-            del self._maps[key], self._worlds[key]
+        taken = sum(game_map.memory for game_map in self._maps.values())
+        for key in [key for key in self._maps if key not in used]:
+            if len(self._maps) <= self._limit and taken <= MEMORY:
+                break
+            taken -= self._maps.pop(key).memory
+            del self._worlds[key]
         self._number()
         return True
 

@@ -60,10 +60,17 @@ class Base(NamedTuple):
 
 
 def folders() -> list[Path]:
-    """Return the folders that hold bases: those in WILDSCAV_MAPS, else one in the user's data folder."""
-    named = [Path(folder) for folder in os.environ.get("WILDSCAV_MAPS", "").split(os.pathsep) if folder]
-    home = os.environ.get("XDG_DATA_HOME") or str(Path("~/.local/share").expanduser())
-    return named or [Path(home) / "wildscav" / "maps"]
+    """Return the folders that hold bases: those in WILDSCAV_MAPS, else one in the user's data folder.
+
+    Raises:
+        MapError: None is named, and the user has no home directory.
+    """
+    if named := [Path(folder) for folder in os.environ.get("WILDSCAV_MAPS", "").split(os.pathsep) if folder]:
+        return named
+    try:
+        return [Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local/share") / "wildscav" / "maps"]
+    except RuntimeError:
+        raise MapError("this user has no home directory: name a folder for maps in WILDSCAV_MAPS") from None
 
 
 def load_base(digest: str) -> Base:

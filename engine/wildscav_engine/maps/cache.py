@@ -79,17 +79,21 @@ def load_cached(spec: MapSpec) -> GameMap | None:
     return game_map
 
 
-def size_limit() -> int:
-    """Return how many bytes all cached maps may take.
+def size_limit(variable: str, default: int) -> int:
+    """Return how many bytes maps may take.
+
+    Args:
+        variable: The environment variable with the limit in megabytes.
+        default: Bytes, without it.
 
     Raises:
         MapError: The environment variable is not a number of megabytes.
     """
-    text = os.environ.get(LIMIT)
+    text = os.environ.get(variable)
     if text is None:
-        return SIZE_LIMIT
+        return default
     if not text.isdecimal() or int(text) < 1:
-        raise MapError(f"{LIMIT} is {text!r}, must be a whole number of megabytes, at least 1")
+        raise MapError(f"{variable} is {text!r}, must be a whole number of megabytes, at least 1")
     return int(text) * 1_000_000
 
 
@@ -146,7 +150,7 @@ def _sources() -> str:
 
 def _evict(kept: Path) -> None:
     """Remove the least recently used files until the others fit; other processes may do so concurrently."""
-    limit, files = size_limit(), []
+    limit, files = size_limit(LIMIT, SIZE_LIMIT), []
     for path in kept.iterdir():
         with contextlib.suppress(OSError):
             status = path.stat()

@@ -1,9 +1,10 @@
 """The map that matches are played on."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
 from hashlib import blake2b
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -119,6 +120,21 @@ class GameMap:
         return Appearance(self.world, self.materials)
 
     @cached_property
+    def _weighed(self) -> list[int]:
+        """How much of the map had been computed when its memory was counted, and the bytes."""
+        return [0, 0]
+
+    @property
+    def memory(self) -> int:
+        """The bytes of its arrays, with those of what was computed from it so far."""
+        weighed, computed = self._weighed, len(vars(self))
+        if weighed[0] != computed:
+            arrays: dict[int, NDArray[Any]] = {}
+            _collect_arrays(vars(self).values(), arrays)
+            weighed[:] = computed, sum(array.nbytes for array in arrays.values())
+        return weighed[1]
+
+    @cached_property
     def digest(self) -> str:
         """A digest of everything in the map, 16 hexadecimal digits."""
         digest = blake2b(digest_size=8)
@@ -130,3 +146,14 @@ class GameMap:
         if len(self.targets):
             digest.update(self.targets.tobytes() + self.detours.tobytes())
         return digest.hexdigest()
+
+
+def _collect_arrays(values: Iterable[Any], arrays: dict[int, NDArray[Any]]) -> None:
+    """Add each array in values, tuples and objects among them, once."""
+    for value in values:
+        if isinstance(value, np.ndarray):
+            arrays[id(value)] = value
+        elif isinstance(value, tuple | list):
+            _collect_arrays(value, arrays)
+        elif hasattr(value, "__dict__"):
+            _collect_arrays(vars(value).values(), arrays)

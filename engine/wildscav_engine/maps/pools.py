@@ -6,13 +6,14 @@ Numbered maps are the same in both splits.
 """
 
 import functools
-from collections.abc import Sequence
+from collections.abc import Callable, Hashable, Sequence
 from typing import Literal
+from weakref import WeakValueDictionary
 
 import numpy as np
 
 from wildscav_engine.arithmetic.random_numbers import Stream, philox
-from wildscav_engine.maps.cache import map_of
+from wildscav_engine.maps.cache import map_of, size_limit
 from wildscav_engine.maps.catalogue import map_spec
 from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.game_map import GameMap
@@ -23,6 +24,8 @@ Split = Literal["train", "test"]
 
 SIZE = 64  # maps in a pool by default
 TRIES = 16  # seeds to try for each map of a pool, until its config fits
+MEMORY = 2_000_000_000  # bytes of the maps of a pool by default
+MEMORY_LIMIT = "WILDSCAV_MAP_MEMORY_MB"  # the environment variable with another limit
 PARITY: dict[Split, int] = {"train": 0, "test": 1}  # of the seeds of random maps
 
 LEVELS: dict[Level, MapConfig] = {
@@ -55,21 +58,30 @@ LEVELS: dict[Level, MapConfig] = {
 }
 
 
-class MapPool:
-    """Maps numbered from 0; each is generated on first use and then kept."""
+_POOLS: WeakValueDictionary[Hashable, "MapPool"] = WeakValueDictionary()  # those that somebody has
 
-    def __init__(self, choices: Sequence[Sequence[MapSpec]]) -> None:
+
+class MapPool:
+    """Maps numbered from 0; each is generated on first use.
+
+    It is then kept until the maps of the pool take too much memory: those that were not drawn for the longest
+    time go first, and are the same, bit for bit, when they are drawn again.
+    """
+
+    def __init__(self, size: int, specs: Callable[[int], Sequence[MapSpec]]) -> None:
         """Create a pool.
 
         Args:
-            choices: For each map the specs to try in turn.
+            size: The number of maps.
+            specs: Returns the specs to try in turn for a map by its number.
         """
-        self._choices = tuple(tuple(specs) for specs in choices)
-        self._made: dict[int, GameMap] = {}
+        self._size, self._specs, self._limit = size, specs, size_limit(MEMORY_LIMIT, MEMORY)
+        self._made: dict[int, GameMap] = {}  # in the order in which they were last drawn
+        self._weights: dict[int, int] = {}  # bytes of each
 
     def __len__(self) -> int:
         """Return the number of maps."""
-        return len(self._choices)
+        return self._size
 
     def __getitem__(self, number: int) -> GameMap:
         """Return a map.
@@ -80,13 +92,25 @@ class MapPool:
         """
         if not 0 <= number < len(self):
             raise IndexError(f"there is no map {number} in the pool; the maps are 0 to {len(self) - 1}")
-        if number not in self._made:
-            self._made[number] = _first_made(self._choices[number])
-        return self._made[number]
+        known = self._made.pop(number, None)
+        game_map = _first_made(self.specs(number)) if known is None else known
+        self._made[number] = game_map
+        self._make_room(list(self._made) if known is None else [number])
+        return game_map
+
+    def _make_room(self, changed: Sequence[int]) -> None:
+        """Drop maps until the others fit. The maps that may have grown since the last time are given."""
+        self._weights |= {number: self._made[number].memory for number in changed}
+        taken = sum(self._weights.values())
+        for number in list(self._made)[:-1]:
+            if taken <= self._limit:
+                return
+            del self._made[number]
+            taken -= self._weights.pop(number)
 
     def specs(self, number: int) -> tuple[MapSpec, ...]:
         """Return the specs to try in turn for a map; the first that can be generated is the map."""
-        return self._choices[number]
+        return tuple(self._specs(number))
 
     def draw(self, word: int) -> GameMap:
         """Return the map selected by a random integer."""
@@ -107,7 +131,6 @@ def _first_made(specs: Sequence[MapSpec]) -> GameMap:
     return map_of(specs[-1])
 
 
-@functools.lru_cache(maxsize=16)
 def random_maps(
     kind: Level | MapConfig = "normal",
     split: Split = "train",
@@ -116,7 +139,7 @@ def random_maps(
     *,
     unseen: bool = False,
 ) -> MapPool:
-    """Return a pool of random maps; equal arguments give the same pool, so environments share its maps.
+    """Return a pool of random maps. While somebody has it, equal arguments give the same one.
 
     Args:
         kind: A level of difficulty, or a config.
@@ -133,13 +156,21 @@ def random_maps(
     if unseen:
         check_unseen(config)
         config = config.model_copy(update={"pieces": "seen" if split == "train" else "unseen"})
-    numbers = range(size)
-    return MapPool(
-        [
-            [MapSpec(config=config, seed=_map_seed(seed, split, number, attempt)) for attempt in range(TRIES)]
-            for number in numbers
-        ]
-    )
+    specs = functools.partial(_random_specs, config, split, seed)
+    return _shared((config, split, seed, size), lambda: MapPool(size, specs))
+
+
+def _random_specs(config: MapConfig, split: Split, seed: int, number: int) -> list[MapSpec]:
+    """Return the specs to try in turn for a map of a random pool."""
+    return [MapSpec(config=config, seed=_map_seed(seed, split, number, attempt)) for attempt in range(TRIES)]
+
+
+def _shared(key: Hashable, make: Callable[[], MapPool]) -> MapPool:
+    """Return the pool with a key that is in use, or else a new one."""
+    pool = _POOLS.get(key)
+    if pool is None:
+        pool = _POOLS[key] = make()
+    return pool
 
 
 def check_unseen(config: MapConfig) -> None:
@@ -159,11 +190,11 @@ def _map_seed(seed: int, split: Split, number: int, attempt: int) -> int:
     return word // 4 * 2 + PARITY[split]
 
 
-@functools.lru_cache(maxsize=16)
 def numbered_maps(ids: tuple[int, ...]) -> MapPool:
     """Return a pool of numbered maps.
 
     Raises:
         MapError: One of the ids does not exist.
     """
-    return MapPool([[map_spec(map_id)] for map_id in ids])
+    specs = [[map_spec(map_id)] for map_id in ids]
+    return _shared(ids, lambda: MapPool(len(ids), specs.__getitem__))

@@ -111,5 +111,6 @@ def _helper(number: int) -> ThreadPoolExecutor:
     return ThreadPoolExecutor(1, thread_name_prefix=f"wildscav-{number}")
 
 
-# A forked process has only its main thread, so it must start its own helpers.
-os.register_at_fork(after_in_child=_helper.cache_clear)
+# A forked process has only its main thread, so it must start its own helpers. Windows does not fork.
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_helper.cache_clear)

@@ -19,7 +19,8 @@ def read_limited(path: Path, limit: int) -> bytes:
     Raises:
         OSError: The file cannot be read, is not a regular file, or is larger; the error names the path.
     """
-    opened = io.FileIO(path, opener=lambda name, flags: os.open(name, flags | os.O_NONBLOCK))
+    nonblocking = getattr(os, "O_NONBLOCK", 0)  # which Windows lacks
+    opened = io.FileIO(path, opener=lambda name, flags: os.open(name, flags | nonblocking))
     with io.BufferedReader(opened) as file:
         if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
             raise OSError(errno.EINVAL, "it is not a plain file", str(path))

@@ -11,7 +11,7 @@ from wildscav.errors import UserError
 from wildscav.opponents import Oracle, SubmissionOpponent, submission
 from wildscav_engine.envs import SeatController
 from wildscav_engine.envs.settings.config import read_config
-from wildscav_engine.envs.settings.episodes import Episodes, Plan, pool_of
+from wildscav_engine.envs.settings.episodes import Episodes, Plan
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.specs.actions import no_actions
 
@@ -57,13 +57,11 @@ class PlayedEpisodes:
         self._controller = _controller(agent)
         try:
             self._controller.check(track)
-            self.config = read_config(track, {"version": 1, **options})
+            self.config = read_config(track, options)
+            self._plan = Plan(self.config)
         except (TypeError, ValueError) as error:
             raise UserError(f"the options of the environment: {error}", exit_code=2) from None
         self.spaces = spaces_of(self.config, together=together)
-        config = self.config
-        pool = pool_of(config.map, config.level, config.split, config.random_maps, unseen=config.unseen)
-        self._plan = Plan(config.match_spec(), pool, config.split)
 
     def __iter__(self) -> Iterator[list[Episode]]:
         """Yield the episodes of each match in turn.
@@ -79,7 +77,7 @@ class PlayedEpisodes:
 
     def _watched(self, seed: int) -> Watcher:
         """Play a match, and return who has watched it."""
-        episode = Episodes(self._plan, seed).next()
+        episode = Episodes(seed).next(self._plan)
         batch = Batch([episode.spec], [episode.game_map])
         seats = np.arange(self.config.agents)
         match = np.zeros(len(seats), np.int64)

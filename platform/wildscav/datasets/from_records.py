@@ -92,7 +92,7 @@ class RecordedEpisodes:
             "teams": tuple(spec.team_of_seats[seat] for seat in order),
         }
         try:
-            return read_config(spec.track, {"version": 1, **self._options, **given})
+            return read_config(spec.track, {**self._options, **given})
         except (TypeError, ValueError) as error:
             raise UserError(f"the options of the environment: {error}", exit_code=2) from None
 

@@ -51,7 +51,7 @@ def _of_fitting_version(trained: TrainedModel, track: str, options: dict[str, An
     if "version" in options:
         return _describe(track, options)
     versions = [_describe(track, {**options, "version": version}) for version in VERSIONS]
-    return next((one for one in versions if None not in _stacks(trained, one)), versions[0])
+    return next((one for one in versions if None not in _stacks(trained, one)), versions[-1])
 
 
 def _describe(track: str, options: dict[str, Any]) -> dict[str, Any]:

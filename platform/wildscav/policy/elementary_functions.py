@@ -61,7 +61,7 @@ def logarithm(x: float) -> float:
     if x <= 0.0:
         return -math.inf
     mantissa, doublings = math.frexp(x)  # from 0.5 to 1
-    if mantissa < SQRT_HALF:
+    if mantissa < SQRT_HALF or (mantissa == SQRT_HALF and x > 1.0):  # as the engine, which halves and doubles
         mantissa, doublings = mantissa * 2.0, doublings - 1
     share = (mantissa - 1.0) / (mantissa + 1.0)
     square = share * share

@@ -82,7 +82,7 @@ def preset_settings(
     if preset == "tuned":
         base |= {"version": 1, "action_mode": "multidiscrete", **SHAPED.get(track, {})}
     elif f"paper-{track}" in ENVIRONMENTS:
-        base |= {"preset": f"paper-{track}"}
+        base |= {"preset": f"paper-{track}", "version": 0}
     else:
         tracks = [name.removeprefix("paper-") for name in ENVIRONMENTS if name.startswith("paper-")]
         raise UserError(

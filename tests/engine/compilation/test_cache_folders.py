@@ -26,6 +26,22 @@ def test_without_a_writable_cache_a_temporary_one_serves(monkeypatch: pytest.Mon
     assert folders.cache_folder.__wrapped__(PACKAGE / "simulation/digest.py").exists()
 
 
+@pytest.mark.parametrize("variable", ["WILDSCAV_CACHE_DIR", "XDG_CACHE_HOME", None])
+def test_a_user_without_a_home_needs_none(
+    variable: str | None, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    def nobody(_: int) -> None:
+        raise KeyError
+
+    monkeypatch.setattr("pwd.getpwuid", nobody)
+    for name in ("HOME", "WILDSCAV_CACHE_DIR", "XDG_CACHE_HOME"):
+        monkeypatch.delenv(name, raising=False)
+    if variable is not None:
+        monkeypatch.setenv(variable, str(tmp_path))
+        assert folders.cache_root().is_relative_to(tmp_path)
+    assert folders.cache_folder.__wrapped__(PACKAGE / "simulation/digest.py").is_dir()
+
+
 def test_the_temporary_one_is_gone_with_its_process(tmp_path: Path) -> None:
     code = (
         "from wildscav_engine.compilation.cache_folders import cache_folder\n"

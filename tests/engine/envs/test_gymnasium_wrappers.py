@@ -10,6 +10,8 @@ from gymnasium.wrappers import RecordEpisodeStatistics, RecordVideo
 from gymnasium.wrappers import vector as of_vectors
 from tests.engine.envs.common import env_id, options
 
+from wildscav_engine.envs import aec_env, parallel_env
+
 STEPS = 5  # of an episode
 CHOSEN: dict[str, Any] = options("navigation", sensors={}, action_mode="multidiscrete", time_limit=STEPS / 10)
 
@@ -39,6 +41,15 @@ def test_statistics_of_a_vector(mode: str, ends: list[int]) -> None:
             told.append(step)
             assert infos["episode"]["r"].tolist() == infos["episode"]["l"].tolist() == [STEPS, STEPS]
     assert told == ends
+
+
+@pytest.mark.parametrize(("frames", "rate"), [(1, 50.0), (5, 10.0), (15, 50.0 / 15.0)])
+def test_a_video_takes_as_long_as_its_match(frames: int, rate: float) -> None:
+    chosen: dict[str, Any] = {**CHOSEN, "frames_per_action": frames}
+    single = gymnasium.make(env_id("navigation"), **chosen)
+    several = parallel_env("navigation", **chosen), aec_env("navigation", **chosen)
+    for env in (single, vector("NextStep", frames_per_action=frames), *several):
+        assert env.metadata["render_fps"] == rate
 
 
 @pytest.mark.slow

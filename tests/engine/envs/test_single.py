@@ -9,6 +9,7 @@ from gymnasium.utils.env_checker import check_env
 from tests.engine.envs.common import OPEN, SMALL, TRACK_NAMES, digest, env_id, options
 
 from wildscav_engine.envs.settings.config import EnvConfig
+from wildscav_engine.envs.settings.episodes import Episodes, Plan
 from wildscav_engine.envs.settings.options import EnvOptions
 from wildscav_engine.envs.single import SingleEnv
 from wildscav_engine.envs.spaces.actions import MODES
@@ -111,8 +112,8 @@ def test_what_was_returned_never_changes() -> None:
 @pytest.mark.parametrize(("split", "odd"), [("train", 0), ("test", 1)])
 def test_train_and_test_episodes_share_neither_seeds_nor_maps(split: str, odd: int) -> None:
     env = SingleEnv("navigation", map=SMALL.config, split=split, random_maps=2, sensors={})
-    episodes = env.arena.episodes(3)
-    specs = [episodes.next().spec for _ in range(8)]
+    plan = Plan(env.config)
+    specs = [Episodes(3, number).next(plan).spec for number in range(8)]
     assert {spec.seed % 2 for spec in specs} == {spec.map.seed % 2 for spec in specs} == {odd}
     assert (len({spec.seed for spec in specs}), len({spec.map.seed for spec in specs})) == (8, 2)
 

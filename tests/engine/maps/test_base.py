@@ -57,6 +57,19 @@ def test_anything_that_differs_is_another_base() -> None:
     assert len({digest_of(other) for other in others}) == len(others)
 
 
+def test_a_user_without_a_home_needs_a_folder_for_bases(maps: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def nobody(_: int) -> None:
+        raise KeyError
+
+    monkeypatch.setattr("pwd.getpwuid", nobody)
+    monkeypatch.delenv("HOME")
+    monkeypatch.delenv("XDG_DATA_HOME", raising=False)
+    assert base.folders() == [maps]
+    monkeypatch.delenv("WILDSCAV_MAPS")
+    with pytest.raises(MapError, match=r"^this user has no home directory: name a folder for maps in W"):
+        save_base(COUNTRY)
+
+
 def test_a_base_is_found_in_any_of_the_folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     digest, _ = save_base(COUNTRY)
     monkeypatch.setenv("WILDSCAV_MAPS", f"{tmp_path / 'nothing'}::{tmp_path / 'maps'}")

@@ -1,5 +1,7 @@
 """Work is shared by threads: every part is done once, by whoever did it the last time if he is not late."""
 
+import subprocess
+import sys
 import threading
 
 from hypothesis import given
@@ -71,3 +73,9 @@ def test_no_thread_is_woken_for_less_than_it_should_get() -> None:
 def test_a_failure_is_told() -> None:
     assert not share(lambda part: not part.start <= 3 < part.stop, 8, 1)
     assert not share(lambda part: not part.start <= 3 < part.stop, 8, 3)
+
+
+def test_processes_need_not_be_able_to_fork() -> None:
+    code = "import os; del os.fork, os.register_at_fork; import wildscav_engine.parallel.threads"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr

@@ -111,9 +111,14 @@ def test_a_match_that_cannot_be_set_up_leaves_all_as_it_is() -> None:
     assert [row_of(batch, row) for row in range(2)] == before
 
 
-def test_a_bank_drops_maps_that_nobody_plays_on_when_it_has_too_many() -> None:
+@pytest.mark.parametrize("kept", ["maps", "bytes"])
+def test_a_bank_drops_maps_that_nobody_plays_on_when_it_has_too_many(
+    kept: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     first, second, third, fourth = maps = [map_from(flat_world()) for _ in range(4)]
-    bank = MapBank([first, second], limit=3)
+    if kept == "bytes":
+        monkeypatch.setattr("wildscav_engine.maps.bank.MEMORY", 3 * first.memory)
+    bank = MapBank([first, second], limit=3 if kept == "maps" else 100)
     bank.add([second, third, fourth], in_use=[second, third, fourth])
     assert sorted(bank.index_of(game_map) for game_map in maps[1:]) == [0, 1, 2]
     with pytest.raises(KeyError):

@@ -116,6 +116,18 @@ def test_outside_the_zone_health_is_lost_once_a_second() -> None:
     assert match.state.agents.health[0].tolist() == [86, 86]
 
 
+@pytest.mark.parametrize(("earlier", "kills"), [(0, 1), (1, 0)])
+def test_a_death_in_the_zone_counts_for_who_hit_in_the_same_step(earlier: int, kills: int) -> None:
+    phase = ZonePhase(wait=0, shrink=1, share=0, damage=90)
+    match = royale(2, zone=ZoneConfig(phases=(phase,)))
+    place(match, 0, (-20, 0, 0), yaw=90)
+    act(match, 9 - earlier)
+    act(match, 1, seat_0={"shoot": 1})
+    act(match, earlier)
+    assert match.state.agents.health[0].tolist() == [10, 0]  # 20 by the shot, and then 90 by the zone
+    assert match.state.agents.kills[0].tolist() == [kills, 0]
+
+
 def test_the_default_zone_leaves_no_room_before_the_time_is_up() -> None:
     match = make_match("royale", seats=2, time_limit=100)
     zone = zone_at(match.state.matches, 0, 90 * 50)

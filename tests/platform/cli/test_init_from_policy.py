@@ -20,7 +20,7 @@ from wildscav_engine.envs import SingleEnv, describe
 
 SENSORS: dict[str, Any] = {"depth": {"width": 3, "height": 2}}
 SHORT: dict[str, Any] = {"map": OPEN, "time_limit": 1.0, "sensors": SENSORS, "flat": True}
-WIDTH = 3 + 3 + 6 + 3 + 2 + 8 + 3 * 2
+WIDTH = 3 + 3 + 6 + 3 + 2 + 8 + 9 + 3 * 2
 DEPTH = 'sensors={"depth": {"width": 3, "height": 2}}'
 OUTPUTS = {"multidiscrete": 9 + 2 + 7 + 5 + 2, "baseline": 8, "box": 5}
 
@@ -92,7 +92,7 @@ def test_what_the_submission_does_is_what_the_policy_does_in_the_environment(
         assert_same(ours, theirs)
 
 
-@pytest.mark.parametrize(("inputs", "version"), [(WIDTH, 0), (WIDTH + 9, 1)])
+@pytest.mark.parametrize(("inputs", "version"), [(WIDTH - 9, 0), (WIDTH, 1)])
 def test_the_version_of_the_observations_is_told_by_the_shape(
     inputs: int, version: Literal[0, 1], tmp_path: Path
 ) -> None:
@@ -134,7 +134,7 @@ def test_several_observations_at_once_are_told_by_the_shape(tmp_path: Path) -> N
         (["--track", "chess"], "track is 'chess'; the tracks are navigation"),
         (
             ["--track", "navigation"],
-            "takes 31 numbers; the environment with these options returns body [3], depth",
+            "takes 40 numbers; the environment with these options returns body [3], depth",
         ),
         (
             ["--track", "battle"],
@@ -155,7 +155,7 @@ def test_several_observations_at_once_are_told_by_the_shape(tmp_path: Path) -> N
         ),
         (
             ["--option", "preset=paper-navigation"],
-            "takes 31 numbers; the environment with these options returns body [3], depth",
+            "takes 40 numbers; the environment with these options returns body [3], depth",
         ),
     ],
 )

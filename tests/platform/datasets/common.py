@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.envs.arena import Arena
 from wildscav_engine.envs.settings.config import EnvConfig
+from wildscav_engine.envs.settings.episodes import Episodes, Plan
 from wildscav_engine.record import write_record
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.actions import FIELDS, Field
@@ -26,7 +26,7 @@ def random_rows(seats: int, seed: int) -> NDArray[np.float32]:
 
 def write_match(path: Path, config: EnvConfig, seed: int, names: tuple[str, ...] | None = None) -> Match:
     """Play the first match of an environment at random and write its record."""
-    episode = Arena(config).episodes(seed).next()
+    episode = Episodes(seed).next(Plan(config))
     match = Match(episode.spec, episode.game_map)
     while not match.over:
         match.step(random_rows(match.seats, match.step_number))

@@ -8,6 +8,7 @@ from hypothesis import strategies as some
 from wildscav.policy import elementary_functions as own
 from wildscav_engine.arithmetic import elementary_functions as exact
 
+SQRT_HALF = exact.SQRT_HALF
 ANGLES = some.floats(-1e6, 1e6) | some.integers(-24, 24).map(lambda part: 15.0 * part)
 NUMBERS = some.floats(-1.0, 1.0)
 
@@ -32,6 +33,8 @@ def test_exponential(x: float) -> None:
     assert bits(own.exponential(x)) == bits(exact.exponential(x))
 
 
-@given(some.floats(0.0, 1e9, allow_subnormal=False))
+@given(
+    some.floats(0.0, 1e9, allow_subnormal=False) | some.integers(-30, 30).map(lambda k: SQRT_HALF * 2.0**k)
+)
 def test_logarithm(x: float) -> None:
     assert bits(own.logarithm(x)) == bits(exact.logarithm(x))

@@ -155,7 +155,9 @@ class League(Sampler):
             raise LeagueError("the league is empty: add a policy, or give it robots")
         latest = self.settings.latest_share if self._members else 0.0
         robots = (self.settings.robot_share if self._members else 1.0) if self._robots else 0.0
-        found = self._shared(self._members, 1.0 - latest - robots) | self._shared(self._robots, robots)
+        found = self._shared(self._members, max(0.0, 1.0 - latest - robots)) | self._shared(
+            self._robots, robots
+        )
         if self._members:
             found[next(reversed(self._members))] += latest
         return found

@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field, ValidationError
+from pydantic import Field, ValidationError, model_validator
 
 from wildscav_engine.specs.base import Spec
 from wildscav_engine.specs.validation import one_line
@@ -42,6 +42,12 @@ class Results(Spec):
     recent: Annotated[float, Field(ge=0)] = 0.0  # of games
     recent_score: Annotated[float, Field(ge=0)] = 0.0  # of results, 1 for a win and 0.5 for a draw
 
+    @model_validator(mode="after")
+    def _score_is_of_the_games(self) -> Self:
+        if self.recent_score > self.recent:
+            raise ValueError("recent_score is above recent, but a game gives at most 1")
+        return self
+
     @property
     def games(self) -> int:
         """The number of games."""
@@ -54,6 +60,11 @@ class Results(Spec):
         It is estimated as if one more game had been won and one more lost, so it is never 0 or 1.
         """
         return (self.recent_score + 1.0) / (self.recent + 2.0)
+
+    @property
+    def loss_rate(self) -> float:
+        """What is left of the win rate; it is above 0 even where rounding makes the win rate 1."""
+        return (self.recent - self.recent_score + 1.0) / (self.recent + 2.0)
 
     def with_result(self, result: float, memory: float) -> "Results":
         """Return the results after one more game.
@@ -90,15 +101,19 @@ def priorities(results: Sequence[Results], settings: LeagueSettings) -> list[flo
     p (1 - p) for "variance". Vinyals et al., "Grandmaster level in StarCraft II using multi-agent
     reinforcement learning", Nature 575, 2019, Methods.
     """
-    weights = [_weight(each.win_rate, settings) for each in results]
-    total = sum(weights)
-    return [weight / total for weight in weights]
+    weights = [_weight(each, settings) for each in results]
+    # Relative to the greatest, which is then 1: a high power of small numbers would make all of them 0.
+    greatest, power = max(weights), settings.power if settings.weighting == "hard" else 1.0
+    powers = [(weight / greatest) ** power for weight in weights]
+    total = sum(powers)
+    return [value / total for value in powers]
 
 
-def _weight(win_rate: float, settings: LeagueSettings) -> float:
-    if settings.weighting == "hard":
-        return float((1.0 - win_rate) ** settings.power)
-    return win_rate * (1.0 - win_rate) if settings.weighting == "variance" else 1.0
+def _weight(results: Results, settings: LeagueSettings) -> float:
+    """Return the weight of an opponent before it is raised to a power; it is above 0."""
+    if settings.weighting == "uniform":
+        return 1.0
+    return results.loss_rate * (results.win_rate if settings.weighting == "variance" else 1.0)
 
 
 def write_table(path: Path, table: LeagueTable) -> None:

@@ -53,7 +53,7 @@ class PolicyActor:
         rows = np.zeros((len(seated.matches), FIELDS), np.float32)
         yaws = batch.state.agents.yaw[seated.matches, seated.seats]
         try:
-            self.settings.mode.decode(chosen, yaws, rows)
+            self.settings.mode.decode(chosen, yaws, rows, (len(rows),))
         except (TypeError, ValueError) as error:
             raise ActionError(f"the opponent {self.name!r}: {error}") from error
         return rows

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from wildscav_engine.envs.settings.config import EnvConfig, read_config
+from wildscav_engine.envs.settings.config import EnvConfig, with_changes
 from wildscav_engine.envs.settings.players import Indices, PolicyOpponent
 from wildscav_engine.envs.spaces.actions import ActionMode, action_mode
 from wildscav_engine.envs.spaces.observation import Observation, part_of
@@ -38,9 +38,8 @@ def settings_of(config: EnvConfig, opponent: PolicyOpponent) -> Settings:
         if (value := getattr(opponent, name)) is not None
     }
     # Its rewards are of no interest.
-    fields = {name: getattr(config, name) for name in EnvConfig.model_fields if name != "track"}
     try:
-        changed = read_config(config.track, {**fields, "rewards": {}, **own})
+        changed = with_changes(config, {"rewards": {}, **own})
     except ValueError as error:
         raise ValueError(f"the opponent {opponent.name!r}: {error}") from None
     return Settings(changed, action_mode(changed), f"{changed.flat} {changed.read_sensors()}")

@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Field, ValidationError, field_validator, model_validator
 
+from wildscav_engine.envs.registry import VERSION, Version
 from wildscav_engine.envs.settings.players import ActionMode, Player, Sampler, read_entry, seat_entry
 from wildscav_engine.maps.pools import Level, Split
 from wildscav_engine.sensors import Sensor, parse_sensors
@@ -55,7 +56,7 @@ class EnvConfig(Spec):
     supply_goal: Annotated[int, Field(ge=1, le=1_000_000)] | None = None
     zone: ZoneConfig | None = None  # None: the track's default
     # Observations, actions and rewards.
-    version: Literal[0, 1] = 0  # of the observations: the number after v in ids
+    version: Version = VERSION  # of the observations: the number after v in ids
     sensors: dict[str, dict[str, Any]] | None = None  # by name, with options; None: the track's default
     rewards: dict[str, float] | None = None  # weights by the names of terms; None: the track's default
     action_mode: ActionMode = "dict"
@@ -73,6 +74,13 @@ class EnvConfig(Spec):
         if value is None or isinstance(value, list | tuple):
             return value
         raise ValueError(f"{value!r} is not a list with an entry for each seat, such as ('fighter',) * 3")
+
+    @field_validator("map", mode="before")
+    @classmethod
+    def _is_map(cls, value: object) -> object:
+        if value is None or isinstance(value, int | list | tuple | dict | MapSpec | MapConfig):
+            return value
+        raise ValueError(f"{value!r} is no map; allowed are a number, several, a MapSpec and a MapConfig")
 
     @model_validator(mode="after")
     def _is_consistent(self) -> Self:
@@ -175,6 +183,7 @@ CHANGEABLE = (
     *("map", "level", "split", "random_maps", "unseen", "start", "starts", "start_range", "target"),
     *("time_limit", "supplies", "supply_goal", "zone", "rewards"),
 )
+ONCE = ("start", "start_range", "target", "map")  # what the options of a reset set for one episode
 
 
 def change_config(config: EnvConfig, changes: Mapping[str, Any]) -> EnvConfig:
@@ -192,8 +201,7 @@ def change_config(config: EnvConfig, changes: Mapping[str, Any]) -> EnvConfig:
         raise ValueError(
             f"{fixed[0]} cannot change between episodes; these options can: {', '.join(CHANGEABLE)}"
         )
-    fields = {name: getattr(config, name) for name in EnvConfig.model_fields if name != "track"}
-    changed = read_config(config.track, {**fields, **changes})
+    changed = with_changes(config, changes)
     if changed.read_sensors() != config.read_sensors():
         raise ValueError(
             "a hot spot that comes or goes would change what is observed by default: name the sensors where "
@@ -206,6 +214,31 @@ def change_config(config: EnvConfig, changes: Mapping[str, Any]) -> EnvConfig:
             f"({', '.join(terms)}): name it there, with the weight 0"
         )
     return changed.model_copy(update={"rewards": {term: weights.get(term, 0.0) for term in terms}})
+
+
+def config_of_episode(config: EnvConfig, options: Mapping[str, Any]) -> EnvConfig:
+    """Return the options of one episode: those of an environment, apart from what a reset sets.
+
+    Args:
+        config: The options of the environment.
+        options: Values by the names in ``ONCE``.
+
+    Raises:
+        ValueError: There is no such option of a reset, or its value is invalid; the message is one line.
+    """
+    if not isinstance(options, Mapping):
+        raise ValueError(f"options is {options!r}, must be a dictionary with some of {', '.join(ONCE)}")
+    if unknown := sorted(map(str, options.keys() - set(ONCE))):
+        raise ValueError(f"a reset has no option {unknown[0]!r}; its options are {', '.join(ONCE)}")
+    changed = with_changes(config, {**options, **({"starts": None} if "start" in options else {})})
+    is_random = changed.map is None or isinstance(changed.map, MapConfig)
+    return changed.model_copy(update={"unseen": config.unseen and is_random})
+
+
+def with_changes(config: EnvConfig, changes: Mapping[str, Any]) -> EnvConfig:
+    """Return validated options with changes of any of them; the errors are those of ``read_config``."""
+    fields = {name: getattr(config, name) for name in EnvConfig.model_fields if name != "track"}
+    return read_config(config.track, {**fields, **changes})
 
 
 def read_config(track: str, options: Mapping[str, Any], **defaults: Any) -> EnvConfig:

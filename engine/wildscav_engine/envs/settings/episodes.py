@@ -5,25 +5,25 @@ equals a single environment with the seed s + i. Train and test episodes never s
 training have even seeds and those for testing odd ones, as random maps do (``maps/pools.py``).
 """
 
-from collections.abc import Mapping
+import operator
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.random_numbers import philox
-from wildscav_engine.maps import MapError, map_of, map_spec
+from wildscav_engine.envs.settings.config import EnvConfig, config_of_episode
+from wildscav_engine.maps import MapError
 from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.maps.pools import PARITY, Level, MapPool, Split, numbered_maps, random_maps
+from wildscav_engine.maps.pools import PARITY, MapPool, numbered_maps, random_maps
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
-
-MapChoice = int | MapSpec | MapConfig | tuple[int, ...] | None
 
 # A random stream in addition to those of ``Stream``: episodes draw from the seeds of environments.
 EPISODES = 64
 WORDS = 2**64
-ONCE = {"start", "start_range", "target", "map"}  # what the options of a reset set for one episode
 
 
 class Episode(NamedTuple):
@@ -33,84 +33,123 @@ class Episode(NamedTuple):
     game_map: GameMap
 
 
-def pool_of(choice: MapChoice, level: Level, split: Split, maps: int, *, unseen: bool = False) -> MapPool:
-    """Return the maps that episodes are drawn from.
-
-    Args:
-        choice: A numbered map, several, one map by its spec, or the config of random maps; None: the level's.
-        level: The difficulty of random maps.
-        split: Whether random maps are for training or for testing.
-        maps: The number of random maps.
-        unseen: Whether random maps for testing hold only pieces that those for training lack.
+def pool_of(config: EnvConfig) -> MapPool:
+    """Return the maps that the episodes of an environment are drawn from.
 
     Raises:
         ValueError: There is no map with a given number, or such maps have no unseen pieces.
     """
-    if unseen and isinstance(choice, MapSpec | int | tuple):
+    choice = config.map
+    if choice is None or isinstance(choice, MapConfig):
+        kind = config.level if choice is None else choice
+        return random_maps(kind, config.split, size=config.random_maps, unseen=config.unseen)
+    if config.unseen:
         raise ValueError("unseen is True, but map names fixed maps; only random maps have unseen pieces")
     if isinstance(choice, MapSpec):
-        return MapPool([[choice]])
-    if isinstance(choice, int | tuple):
-        try:
-            return numbered_maps((choice,) if isinstance(choice, int) else choice)
-        except MapError as error:
-            raise ValueError(f"map: {error}") from error
-    return random_maps(level if choice is None else choice, split, size=maps, unseen=unseen)
+        return MapPool(1, [[choice]].__getitem__)
+    try:
+        return numbered_maps((choice,) if isinstance(choice, int) else choice)
+    except MapError as error:
+        raise ValueError(f"map: {error}") from error
+
+
+class Plan:
+    """What the episodes of an environment have in common."""
+
+    def __init__(self, config: EnvConfig, pool: MapPool | None = None) -> None:
+        """Plan the episodes of an environment with these options.
+
+        Args:
+            config: The options.
+            pool: The maps from which to draw; None: those of the options.
+
+        Raises:
+            ValueError: As ``pool_of``.
+        """
+        self.config = config
+        self.template = config.match_spec()  # apart from seed and map
+        self.pool = pool_of(config) if pool is None else pool
+
+    def once(self, options: Mapping[str, Any] | None) -> "Plan":
+        """Return the plan of one episode with the options of a reset; errors as ``config_of_episode``."""
+        if not options:
+            return self
+        config = config_of_episode(self.config, options)
+        return Plan(config, None if "map" in options else self.pool)
 
 
 @dataclass
-class Plan:
-    """What the episodes of an environment have in common. Changes of it apply to the episodes that follow."""
-
-    template: MatchSpec  # apart from seed and map
-    pool: MapPool  # the maps from which to draw
-    split: Split  # whether seeds are for training or for testing
-
-
 class Episodes:
     """The sequence of episodes of one environment."""
 
-    def __init__(self, plan: Plan, seed: int) -> None:
-        """Create the sequence of episodes of a seed.
+    seed: int  # taken modulo 2 to the 64th
+    number: int = 0  # of the next episode
 
-        Args:
-            plan: What they have in common.
-            seed: 0 or more, taken modulo 2 to the 64th.
-        """
-        self.seed, self.number = seed % WORDS, 0
-        self._plan = plan
-
-    def next(self, options: Mapping[str, Any] | None = None) -> Episode:
-        """Return the next episode.
-
-        Args:
-            options: ``start``, ``start_range``, ``target`` and ``map`` of this episode alone; others are
-                ignored.
+    def next(self, plan: Plan) -> Episode:
+        """Return the next episode. It stays the next one until ``number`` is raised.
 
         Raises:
-            ValueError: An option is wrong.
             MapError: The map cannot be made.
         """
-        first, second = philox(np.uint64(self.seed), EPISODES, 0, 0, self.number)
-        self.number += 1
-        plan = self._plan
-        seed = int(first) // 2 * 2 + PARITY[plan.split]
+        first, second = philox(np.uint64(self.seed % WORDS), EPISODES, 0, 0, self.number)
+        seed = int(first) // 2 * 2 + PARITY[plan.config.split]
         game_map = plan.pool.draw(int(second))
         spec = plan.template.model_copy(update={"seed": seed, "map": game_map.spec})
-        if options and not options.keys().isdisjoint(ONCE):
-            spec = _changed(spec, options)
-            game_map = map_of(spec.map) if "map" in options else game_map
         return Episode(spec, game_map)
 
 
-def _changed(spec: MatchSpec, options: Mapping[str, Any]) -> MatchSpec:
-    """Return a spec with the changes that the options of a reset demand."""
-    fields = {name: getattr(spec, name) for name in MatchSpec.model_fields}
-    for name in ("start", "start_range", "target"):
-        if name in options:
-            fields[name] = options[name]
-            fields["starts"] = None if name == "start" else fields["starts"]
-    if "map" in options:
-        chosen = options["map"]
-        fields["map"] = map_spec(chosen) if isinstance(chosen, int) else chosen
-    return MatchSpec(**fields)
+def read_seed(seed: Any) -> int:
+    """Return the seed of an environment.
+
+    Raises:
+        ValueError: It is not a whole number, or is negative.
+    """
+    try:
+        number = operator.index(seed)
+    except TypeError:
+        number = -1
+    if number < 0:
+        raise ValueError(f"seed is {seed!r}, must be a whole number, 0 or more")
+    return number
+
+
+def read_seeds(seed: Any, rows: int) -> list[int | None]:
+    """Return the seeds of the rows of an environment, None to continue their sequences of episodes.
+
+    Args:
+        seed: That of the first row, from which the others count on; or those of all rows.
+        rows: The number of rows.
+
+    Raises:
+        ValueError: A seed is invalid, or there is another number of them.
+    """
+    has_length = seed.ndim > 0 if isinstance(seed, np.ndarray) else isinstance(seed, Sequence)
+    if not has_length or isinstance(seed, str | bytes):
+        return [None if seed is None else read_seed(seed) + row for row in range(rows)]
+    seeds = [None if one is None else read_seed(one) for one in seed]
+    if len(seeds) != rows:
+        raise ValueError(f"{len(seeds)} seeds are given for {rows} environments")
+    return seeds
+
+
+def read_mask(mask: Any, rows: int, name: str) -> NDArray[np.bool_]:
+    """Return a copy of a mask of rows to reset.
+
+    Args:
+        mask: (rows,) bool.
+        rows: The number of rows.
+        name: Of the mask, for errors.
+
+    Raises:
+        ValueError: The mask has another shape or dtype, or selects no row.
+    """
+    try:
+        array = np.array(mask)
+    except ValueError:  # rows of different lengths
+        array = np.empty(0, object)
+    if array.shape != (rows,) or array.dtype != np.bool_ or not array.any():
+        raise ValueError(
+            f"{name} is {array.dtype} of shape {array.shape}, must be bool of shape ({rows},) and True "
+            "somewhere"
+        )
+    return array

@@ -5,8 +5,9 @@ the names are equal.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal, TypedDict
+from typing import Any, TypedDict
 
+from wildscav_engine.envs.registry import Version
 from wildscav_engine.envs.settings.config import RenderMode, RenderView
 from wildscav_engine.envs.settings.players import ActionMode, Player, Policy, Sampler, StatefulPolicy
 from wildscav_engine.maps.pools import Level, Split
@@ -52,7 +53,7 @@ class EnvOptions(EpisodeOptions, total=False):
     frames_per_action: int
     rules: Rules | Table
     # Observations and actions
-    version: Literal[0, 1]
+    version: Version
     sensors: Mapping[str, Table] | None
     action_mode: ActionMode
     flat: bool

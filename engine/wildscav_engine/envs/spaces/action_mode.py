@@ -1,7 +1,8 @@
 """What all action modes share: their base class, and checks of what learners chose."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
+from reprlib import repr as shortened
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,9 @@ from wildscav_engine.sensors.base import Column
 from wildscav_engine.specs.actions import Field
 
 Rows = NDArray[np.float32]  # (N, FIELDS), written
+Yaws = NDArray[np.float64]  # (N,) degrees
+Axes = tuple[int, ...]  # such as (N,), or () for one action; of N elements together
+NUMBERS = "biuf"  # the kinds of dtypes that are numbers
 
 # The columns of rows, as kernels take them.
 DIRECTION, SPEED = int(Field.WALK_DIRECTION), int(Field.WALK_SPEED)
@@ -58,21 +62,18 @@ class ActionMode(ABC):
         """Return what decoding actions without the engine needs, ready for JSON; ``mode`` is the name."""
 
     @abstractmethod
-    def decode(self, actions: Any, yaws: NDArray[np.float64], rows: Rows) -> None:
+    def decode(self, actions: Any, yaws: Yaws, rows: Rows, axes: Axes) -> None:
         """Write the rows of N learners' actions.
 
         Args:
             actions: The actions of N learners, as Gymnasium batches them.
-            yaws: (N,) degrees, of the learners.
-            rows: (N, FIELDS), written.
+            yaws: Of the learners.
+            rows: What to write.
+            axes: The leading axes of the actions.
 
         Raises:
             ActionError: The actions are not in the action space.
         """
-
-    def decode_one(self, action: Any, yaws: NDArray[np.float64], rows: Rows) -> None:
-        """Write the row of one learner's action; see ``decode``."""
-        self.decode(np.asarray(action)[np.newaxis], yaws, rows)
 
     def _flag_names(self) -> list[str]:
         return [field.name.lower() for field in self.fields if field > Field.LOOK]
@@ -100,16 +101,47 @@ def choice_mask(choices: int, alive: bool) -> NDArray[np.int8]:
     return mask
 
 
-def as_array(values: ArrayLike, shape: tuple[int, ...], kinds: str, dtype: type) -> NDArray[Any]:
-    """Return actions as an array.
+def as_array(values: ArrayLike, axes: Axes, own: Axes, dtype: type, name: str = "actions") -> NDArray[Any]:
+    """Return the actions of N learners as (N, *own) numbers.
+
+    Args:
+        values: (*axes, *own) numbers; one number may also be an array of one element.
+        axes: The leading axes.
+        own: The shape of one action.
+        dtype: float64, or int64 for numbers that have to be whole.
+        name: Of the values, for errors.
 
     Raises:
-        ActionError: They have another shape, or are not numbers of the right kind.
+        ActionError: They have another shape, or are not such numbers.
     """
-    array = np.asarray(values)
-    if array.shape != shape or array.dtype.kind not in kinds:
-        wanted = "numbers" if "f" in kinds else "whole numbers"
-        raise ActionError(
-            f"actions are {array.dtype} of shape {array.shape}, must be {wanted} of shape {shape}"
-        )
-    return array if array.dtype == dtype and array.flags.c_contiguous else np.ascontiguousarray(array, dtype)
+    try:
+        array = np.asarray(values)
+    except ValueError:  # rows of different lengths
+        array = np.asarray(repr(values))
+    shape = axes + own
+    if array.dtype.kind not in NUMBERS or (array.shape != shape and (shape or array.size != 1)):
+        given = f"{array.dtype} of shape {array.shape}" if array.ndim else shortened(array.item())
+        raise ActionError(f"{name}: {given}, must be numbers of shape {shape}")
+    if dtype == np.int64 and array.dtype.kind == "f" and not is_whole(array).all():
+        raise ActionError(f"{name}: {array[~is_whole(array)].flat[0]:g}, must be whole numbers")
+    if array.dtype != dtype or not array.flags.c_contiguous:
+        array = np.ascontiguousarray(array, dtype)
+    return array if len(axes) == 1 else array.reshape(-1, *own)
+
+
+def check_names(actions: Any, names: Collection[str]) -> None:
+    """Check that actions are a dictionary with exactly these names.
+
+    Raises:
+        ActionError: They are not.
+    """
+    if not isinstance(actions, Mapping) or actions.keys() != set(names):
+        given = f"a {type(actions).__name__}"
+        if isinstance(actions, Mapping):
+            given += f" of {', '.join(map(str, actions)) or 'nothing'}"
+        raise ActionError(f"actions: {given}, must be a dictionary of {', '.join(names)}")
+
+
+def is_whole(array: NDArray[Any]) -> NDArray[np.bool_]:
+    """Return whether each number is whole, and small enough for an integer."""
+    return np.asarray((array == np.floor(array)) & (np.abs(array) < 2.0**53))

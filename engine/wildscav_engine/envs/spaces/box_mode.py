@@ -15,7 +15,9 @@ from wildscav_engine.envs.spaces.action_mode import (
     TURN,
     ActionError,
     ActionMode,
+    Axes,
     Rows,
+    Yaws,
     as_array,
 )
 from wildscav_engine.sensors.base import Column
@@ -53,12 +55,12 @@ class BoxMode(ActionMode):
             "flags": self._flag_names(),
         }
 
-    def decode(self, actions: ArrayLike, yaws: NDArray[np.float64], rows: Rows) -> None:  # noqa: ARG002
-        """Write (N, k) numbers."""
-        values = as_array(actions, (len(rows), len(self.fields)), "fiu", np.float64)
+    def decode(self, actions: ArrayLike, yaws: Yaws, rows: Rows, axes: Axes) -> None:  # noqa: ARG002
+        """Write (*axes, k) numbers."""
+        values = as_array(actions, axes, (len(self.fields),), np.float64)
         if not _decode_box(values, self.flags, TURN_STEP / self.frames, LOOK_STEP / self.frames, rows):
             bad = values[~(np.abs(values) <= 1.0)][0]
-            raise ActionError(f"action holds {bad}, must be in [-1, 1]")
+            raise ActionError(f"actions: {bad:g}, must be in [-1, 1]")
 
 
 @kernel

@@ -15,7 +15,9 @@ from wildscav_engine.envs.spaces.action_mode import (
     TURN,
     ActionError,
     ActionMode,
+    Axes,
     Rows,
+    Yaws,
     as_array,
     choice_mask,
 )
@@ -69,12 +71,12 @@ class BaselineMode(ActionMode):
         """Return the table of action rows."""
         return {"mode": "baseline", "table": self.table.tolist()}
 
-    def decode(self, actions: ArrayLike, yaws: NDArray[np.float64], rows: Rows) -> None:  # noqa: ARG002
-        """Write the rows of (N,) choices."""
-        choices = as_array(actions, (len(rows),), "iu", np.int64)
+    def decode(self, actions: ArrayLike, yaws: Yaws, rows: Rows, axes: Axes) -> None:  # noqa: ARG002
+        """Write the rows of (*axes,) choices."""
+        choices = as_array(actions, axes, (), np.int64)
         if not _look_up(choices, self.table, rows):
             wrong = choices[(choices < 0) | (choices >= len(self.table))][0]
-            raise ActionError(f"action is {wrong}, must be from 0 to {len(self.table) - 1}")
+            raise ActionError(f"actions: {wrong}, must be from 0 to {len(self.table) - 1}")
 
     def mask(self, alive: bool) -> NDArray[np.int8]:
         """Return (choices,) 1 for choices that may be sampled."""
@@ -138,14 +140,14 @@ class MultiDiscreteMode(ActionMode):
             "flags": self._flag_names(),
         }
 
-    def decode(self, actions: ArrayLike, yaws: NDArray[np.float64], rows: Rows) -> None:
-        """Write the rows of (N, k) choices."""
-        choices = as_array(actions, (len(rows), len(self.sizes)), "iu", np.int64)
+    def decode(self, actions: ArrayLike, yaws: Yaws, rows: Rows, axes: Axes) -> None:
+        """Write the rows of (*axes, k) choices."""
+        choices = as_array(actions, axes, (len(self.sizes),), np.int64)
         if not _decode_choices(
             choices, self.sizes, self.flags, self._speeds, self._turns, self._looks, yaws, rows
         ):
             wrong = choices[((choices < 0) | (choices >= self.sizes)).any(axis=1)][0]
-            raise ActionError(f"action is {wrong.tolist()}, must be below {self.sizes.tolist()}")
+            raise ActionError(f"actions: {wrong.tolist()}, must be from 0 to {(self.sizes - 1).tolist()}")
 
     def mask(self, alive: bool) -> tuple[NDArray[np.int8], ...]:
         """Return a mask for each field."""

@@ -1,6 +1,6 @@
 """The action mode ``dict``: the paper's action space, by the names of the fields."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -12,18 +12,23 @@ from wildscav_engine.envs.spaces.action_mode import (
     DIRECTION,
     LOOK,
     MEANINGS,
+    NUMBERS,
     SPEED,
     TURN,
     ActionError,
     ActionMode,
+    Axes,
     Rows,
+    Yaws,
+    as_array,
+    check_names,
     choice_mask,
 )
 from wildscav_engine.sensors.base import Column
 from wildscav_engine.specs.actions import MAX_WALK_SPEED, Field
 
 TURN_LIMIT, LOOK_LIMIT = 180.0, 90.0  # degrees per frame, in the mode dict
-SPEEDS = int(MAX_WALK_SPEED) + 1  # whole numbers of m/s, in the mode dict
+SPEEDS = int(MAX_WALK_SPEED) + 1  # whole numbers of m/s, in the mode dict; records play fractions, too
 VALID = -1
 
 
@@ -33,6 +38,7 @@ class DictMode(ActionMode):
     def __init__(self, fields: Sequence[Field], frames_per_action: int) -> None:
         super().__init__(fields, frames_per_action)
         self._names = {field.name.lower(): int(field) for field in self.fields}
+        self._columns = np.array(self.fields, np.int64)
 
     @property
     def space(self) -> Dict:
@@ -52,34 +58,22 @@ class DictMode(ActionMode):
         """Return the names of the fields."""
         return {"mode": "dict", "fields": list(self._names)}
 
-    def decode(self, actions: Any, yaws: NDArray[np.float64], rows: Rows) -> None:  # noqa: ARG002
-        """Write (N,) numbers of each field into its column."""
-        rows[:] = 0.0
-        self._fill(actions, rows)
-
-    def decode_one(self, action: Any, yaws: NDArray[np.float64], rows: Rows) -> None:  # noqa: ARG002
-        """Write one number of each field, which may be an array with one element."""
-        self._fill(action, rows)
-
-    def _fill(self, actions: Any, rows: Rows) -> None:
+    def decode(self, actions: Any, yaws: Yaws, rows: Rows, axes: Axes) -> None:  # noqa: ARG002
+        """Write (*axes,) numbers of each field into its column."""
         names = self._names
-        if not isinstance(actions, Mapping) or len(actions) != len(names):
-            raise ActionError(f"action is {actions!r}, must be a mapping of {', '.join(names)}")
-        columns = rows.T
+        check_names(actions, names)
         try:
-            for name, column in names.items():
-                columns[column] = actions[name]
-        except KeyError as error:
-            raise ActionError(f"action has no {error}; its fields are {', '.join(names)}") from None
-        except (TypeError, ValueError):
-            raise ActionError(
-                f"action: {name} is {actions[name]!r}, must be one number per learner"
-            ) from None
-        wrong = _check_rows(rows)
+            values = np.array([actions[name] for name in names])
+        except ValueError:  # of different shapes
+            values = np.empty(0)
+        if values.shape != (len(names), *axes) or values.dtype.kind not in NUMBERS:
+            values = np.array([as_array(actions[name], axes, (), np.float64, name) for name in names])
+        rows[:] = 0.0
+        values = np.ascontiguousarray(values, np.float64).reshape(len(names), -1)
+        wrong = _write_rows(values, self._columns, rows)
         if wrong != VALID:
-            field = Field(wrong)
-            value = actions[field.name.lower()]
-            raise ActionError(f"action: {field.name.lower()} is {value}, must be {_allowed(field)}")
+            field = self.fields[wrong // values.shape[1]]
+            raise ActionError(f"{field.name.lower()}: {values.flat[wrong]:g}, must be {_allowed(field)}")
 
     def mask(self, alive: bool) -> dict[str, Any]:
         """Return the masks of the fields that are choices, None for the others."""
@@ -125,20 +119,22 @@ def _allowed(field: Field) -> str:
 
 
 @kernel
-def _check_rows(rows: Rows) -> int:
-    """Return the first field of (N, FIELDS) that is outside its range, or VALID."""
-    for row in range(rows.shape[0]):
-        for field in range(rows.shape[1]):
-            value = rows[row, field]
-            low, high = 0.0, 1.0
-            if field == DIRECTION:
-                low, high = 0.0, 360.0
-            elif field == SPEED:
-                low, high = 0.0, MAX_WALK_SPEED
-            elif field == TURN:
-                low, high = -TURN_LIMIT, TURN_LIMIT
-            elif field == LOOK:
-                low, high = -LOOK_LIMIT, LOOK_LIMIT
-            if not low <= value <= high:
-                return field
+def _write_rows(values: NDArray[np.float64], columns: NDArray[np.int64], rows: Rows) -> int:
+    """Write (F, N) numbers into the columns of their fields; return the first one not allowed, or VALID."""
+    for place in range(values.shape[0]):
+        field = columns[place]
+        low, high = 0.0, 1.0
+        if field == DIRECTION:
+            low, high = 0.0, 360.0
+        elif field == SPEED:
+            low, high = 0.0, MAX_WALK_SPEED
+        elif field == TURN:
+            low, high = -TURN_LIMIT, TURN_LIMIT
+        elif field == LOOK:
+            low, high = -LOOK_LIMIT, LOOK_LIMIT
+        for row in range(values.shape[1]):
+            value = values[place, row]
+            if not low <= value <= high or (field > LOOK and 0.0 < value < 1.0):
+                return int(place * values.shape[1] + row)
+            rows[row, field] = value
     return VALID

@@ -52,6 +52,30 @@ def test_the_win_rate_decides_how_often_an_opponent_is_chosen(weighting: Any, wa
     assert list(chances.values()) == pytest.approx([weight / sum(wanted) for weight in wanted])
 
 
+@pytest.mark.parametrize(
+    ("games", "extreme"),
+    [
+        (2500.0, {"power": 100.0, "memory": 1.0}),
+        (1e300, {"power": 100.0, "memory": 1.0}),
+        (1e300, {"weighting": "variance", "memory": 1.0}),
+        (10.0, {"power": 100.0, "memory": 1e-300}),
+        (3.0, {"latest_share": 0.9, "robot_share": 0.1}),
+        (3.0, {"latest_share": 1.0, "robot_share": 0.0, "capacity": 1}),
+    ],
+)
+def test_a_league_chooses_under_the_most_extreme_settings(games: float, extreme: dict[str, Any]) -> None:
+    league = league_of("a", "b", robots=("walker", "fighter"), **{**ALONE, **extreme})
+    won = {"recent": games, "recent_score": games}
+    table = league.table.model_copy(
+        update={"members": tuple(one.model_copy(update=won) for one in league.table.members)}
+    )
+    chances = League.of(table, league.sources).probabilities()
+    assert min(chances.values()) >= 0.0
+    assert sum(chances.values()) == pytest.approx(1.0)
+    if "latest_share" not in extreme:  # all were beaten as often
+        assert chances["a"] == chances["b"] == pytest.approx(0.5)
+
+
 def test_the_newest_and_the_robots_have_shares_of_their_own() -> None:
     league = league_of("a", "b", robots=("walker", "fighter"), latest_share=0.3, robot_share=0.2)
     chances = league.probabilities()
@@ -245,7 +269,13 @@ def test_a_league_is_saved_and_loaded_with_its_results(tmp_path: Path) -> None:
         League.load(tmp_path / "league.json", {"self-2": 2}, factory=factory)
 
 
-@pytest.mark.parametrize("content", ["", "[]", '{"format": 2}', '{"members": [{"name": "a", "wins": -1}]}'])
+@pytest.mark.parametrize(
+    "content",
+    [
+        *("", "[]", '{"format": 2}', '{"members": [{"name": "a", "wins": -1}]}'),
+        '{"members": [{"name": "a", "recent": 1, "recent_score": 2}]}',
+    ],
+)
 def test_what_is_not_a_table_is_refused(tmp_path: Path, content: str) -> None:
     path = tmp_path / "league.json"
     path.write_text(content)

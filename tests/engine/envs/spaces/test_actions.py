@@ -14,7 +14,7 @@ from wildscav_engine.specs.actions import FIELDS, Field
 def decoded(track: str, mode: str, action: Any, yaw: float = 0.0) -> dict[str, float]:
     """Return the fields that are not 0 of what an action becomes."""
     rows = np.zeros((1, FIELDS), np.float32)
-    action_mode(EnvConfig(track=track, action_mode=mode)).decode_one(action, np.array([yaw]), rows)
+    action_mode(EnvConfig(track=track, action_mode=mode)).decode(action, np.array([yaw]), rows, ())
     return {field.name.lower(): round(float(rows[0, field]), 3) for field in Field if rows[0, field]}
 
 
@@ -55,42 +55,54 @@ def test_an_action_becomes(track: str, mode: str, action: Any, becomes: dict[str
 
 
 def test_the_dict_is_the_papers() -> None:
-    action = {"walk_direction": 10.0, "walk_speed": 7, "turn": -3.0, "look": 1.0, "jump": 1}
+    """Speeds are whole in the space, but any is played, so that what agents did in a record can be, too."""
+    action = {"walk_direction": 10.0, "walk_speed": 7.5, "turn": -3.0, "look": 1.0, "jump": 1}
     assert decoded("navigation", "dict", action) == {name: value for name, value in action.items() if value}
+
+
+STILL = {"walk_direction": 0, "walk_speed": 0, "turn": 0, "look": 0, "jump": 0}
+FIELDS_OF = "must be a dictionary of walk_direction, walk_speed, turn, look, jump$"
 
 
 @pytest.mark.parametrize(
     ("mode", "action", "message"),
     [
-        ("dict", {"walk_speed": 1}, "must be a mapping of walk_direction, walk_speed, turn, look, jump"),
+        ("dict", {"walk_speed": 1}, f"^actions: a dict of walk_speed, {FIELDS_OF}"),
+        ("dict", [0, 0, 0, 0, 0], f"^actions: a list, {FIELDS_OF}"),
+        ("dict", STILL | {"walk_speed": 11}, "^walk_speed: 11, must be from 0 to 10$"),
+        ("dict", STILL | {"walk_speed": "fast"}, "^walk_speed: 'fast', must be numbers of shape"),
+        ("dict", STILL | {"walk_direction": np.nan}, r"^walk_direction: nan, must be in \[0, 360\]$"),
+        ("dict", STILL | {"jump": 0.5}, "^jump: 0.5, must be 0 or 1$"),
+        ("dict", STILL | {"turn": "1.0"}, "^turn: '1.0', must be numbers of shape"),
+        ("dict", STILL | {"turn": [1, 2]}, r"^turn: int64 of shape \(2,\), must be numbers of shape \(\)$"),
+        ("box", [0, 0, 0, 0], r"must be numbers of shape \(5,\)"),
+        ("box", STILL, r"^actions: \{.*\}, must be numbers of shape \(5,\)"),
+        ("box", [0, [0, 0], 0, 0, 0], r"^actions: .*, must be numbers of shape \(5,\)"),
+        ("box", [0, 0, 0, 0, 1.5], r"^actions: 1.5, must be in \[-1, 1\]$"),
+        ("box", [0, 0, np.nan, 0, 0.0], r"^actions: nan, must be in \[-1, 1\]$"),
+        ("baseline", 8, "^actions: 8, must be from 0 to 7$"),
+        ("baseline", -1, "^actions: -1, must be from 0 to 7$"),
+        ("baseline", 0.5, "^actions: 0.5, must be whole numbers$"),
+        ("baseline", np.inf, "^actions: inf, must be whole numbers$"),
         (
-            "dict",
-            {"walk_direction": 0, "walk_speed": 11, "turn": 0, "look": 0, "jump": 0},
-            "walk_speed is 11, must be from 0 to 10",
+            "multidiscrete",
+            [9, 0, 0, 0, 0],
+            r"^actions: \[9, 0, 0, 0, 0\], must be from 0 to \[8, 1, 6, 4, 1\]$",
         ),
-        (
-            "dict",
-            {"walk_direction": np.nan, "walk_speed": 1, "turn": 0, "look": 0, "jump": 0},
-            "walk_direction is nan",
-        ),
-        ("dict", {"walk_direction": 0, "walk_speed": 1, "turn": 0, "look": 0, "shoot": 0}, "has no 'jump'"),
-        (
-            "dict",
-            {"walk_direction": 0, "walk_speed": "fast", "turn": 0, "look": 0, "jump": 0},
-            "walk_speed is 'fast'",
-        ),
-        ("box", [0, 0, 0, 0], r"must be numbers of shape \(1, 5\)"),
-        ("box", [0, 0, 0, 0, 1.5], r"action holds 1.5, must be in \[-1, 1\]"),
-        ("box", [0, 0, np.nan, 0, 0.0], "action holds nan"),
-        ("baseline", 8, "action is 8, must be from 0 to 7"),
-        ("baseline", -1, "action is -1"),
-        ("baseline", 0.5, "must be whole numbers"),
-        ("multidiscrete", [9, 0, 0, 0, 0], "must be below"),
+        ("multidiscrete", [0, 0, 0, 0, 0.5], "^actions: 0.5, must be whole numbers$"),
     ],
 )
 def test_bad_actions_are_refused(mode: str, action: Any, message: str) -> None:
     with pytest.raises(ActionError, match=message):
         decoded("navigation", mode, action)
+
+
+@pytest.mark.parametrize(
+    ("mode", "action"), [("baseline", 7.0), ("multidiscrete", [3.0, 0.0, 6.0, 2.0, 1.0])]
+)
+def test_whole_numbers_may_be_floats(mode: str, action: Any) -> None:
+    whole = np.asarray(action).astype(int)
+    assert decoded("navigation", mode, np.float32(action)) == decoded("navigation", mode, whole)
 
 
 @pytest.mark.parametrize("mode", MODES)
@@ -103,9 +115,9 @@ def test_many_actions_are_decoded_as_each_is_alone(mode: str) -> None:
     actions, yaws = space.sample(), np.linspace(-170, 170, 6)
     rows, alone = np.ones((6, FIELDS), np.float32), np.zeros((6, FIELDS), np.float32)
     rows[:] = 0.0
-    chosen.decode(actions, yaws, rows)
+    chosen.decode(actions, yaws, rows, (6,))
     for row, action in enumerate(iterate(space, actions)):
-        chosen.decode_one(action, yaws[row : row + 1], alone[row : row + 1])
+        chosen.decode(action, yaws[row : row + 1], alone[row : row + 1], ())
     assert rows.tobytes() == alone.tobytes()
 
 

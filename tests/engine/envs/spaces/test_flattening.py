@@ -21,7 +21,7 @@ def test_a_row_holds_what_the_wrapper_makes_of_the_dict() -> None:
         FlatObservations(SingleEnv("navigation", **SHORT)),
     )
     assert flat.observation_space == wrapped.observation_space
-    assert flat.observation_space.shape == (3 + 3 + 6 + 3 + 2 + 8 + 3 * 2,)
+    assert flat.observation_space.shape == (3 + 3 + 6 + 3 + 2 + 8 + 9 + 3 * 2,)
     np.testing.assert_array_equal(flat.reset(seed=3)[0], wrapped.reset(seed=3)[0])
     action = np.array([1.0, 0.5, 0.1, 0.0, 1.0], np.float32)
     for _ in range(STEPS):

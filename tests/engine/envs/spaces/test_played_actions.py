@@ -112,12 +112,12 @@ def test_actions_of_a_mode_come_back_from_what_they_played(mode: str, track: str
     yaws = np.array([-130.0])
     for _ in range(50):
         action, rows = space.sample(), np.zeros((1, FIELDS), np.float32)
-        decoder.decode_one(action, yaws, rows)
+        decoder.decode(action, yaws, rows, ())
         again = np.zeros((1, FIELDS), np.float32)
         back = encoder(rows, yaws)
         one = {name: np.asarray(value[0]) for name, value in back.items()} if mode == "dict" else back[0]
         assert played_space(config(mode, track)).contains(one)
-        decoder.decode_one(one, yaws, again)
+        decoder.decode(one, yaws, again, ())
         if mode == "box":  # decoded anew, a length over 1 is one of 1
             assert again == pytest.approx(rows, abs=1e-3)
         else:
