@@ -143,11 +143,8 @@ def _run_all(
         played = runner.run(play_match(seating, sandbox=sandbox, clock=clock, make=make))
         seat, fitted = seating.seats[0], clock.fitted(trial.spec)
         found = list(findings.judge_match(played.seats[seat], fitted, trial.limits, f"match: {track}"))
-        if number == 0:
-            yield from found
-            yield findings.output(seating.logs[0].stat().st_size, trial.limits)
-        else:
-            yield from (one for one in found if one.check != "start-up")
+        found.append(findings.output(seating.logs[0].stat().st_size, trial.limits))
+        yield from (one for one in found if number == 0 or one.check != "start-up")
         if played.seats[seat].status != "finished":
             return  # an agent that cannot play a match fails the rest for the same reason
         if number == 0:
