@@ -162,6 +162,7 @@ class SubmissionView(View):
     deadline: datetime | None
     queue_position: int | None = None
     expected_wait: float | None = None  # s
+    validation: str = ""  # how far it is, in one line; not in lists
     charged: bool
     platform_faults: int
     fault: str | None

@@ -109,7 +109,7 @@ def submission(
     views = match_views(session, matches, caller)
     seats = [seat for view in views for seat in view.seats if seat.submission == number]
     unseen = [view for view in views if view.state == FINISHED and _own_status(view, number) is None]
-    shown = submission_view(session, None, found, caller, now)
+    shown = submission_view(session, season, found, caller, now, with_progress=False)
     places = track_places(session, season, found, shown, caller, now)
     return page(
         request,

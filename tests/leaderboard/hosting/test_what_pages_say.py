@@ -85,6 +85,23 @@ def test_a_track_without_a_rank_says_why(client: httpx.Client, hostile_season: F
     assert "Not ranked" not in waiting
 
 
+def test_a_submission_without_matches_says_whether_it_gets_some(
+    client: httpx.Client, hostile_season: FilledSeason
+) -> None:
+    waiting = text_of(client, hostile_season, "/submissions/{queued}")
+    assert waiting.endswith("Matches None yet. They are planned once the submission is active.")
+    for name in ("failed", "cancelled"):
+        assert text_of(client, hostile_season, f"/submissions/{{{name}}}").endswith("Matches None.")
+
+
+def test_its_team_sees_what_a_submission_will_replace(
+    client: httpx.Client, hostile_season: FilledSeason
+) -> None:
+    replaces = "When it takes part, it replaces submission"
+    assert replaces in text_of(client, hostile_season, "/submissions/{queued}", "organizer")
+    assert replaces not in text_of(client, hostile_season, "/submissions/{queued}")
+
+
 def test_counts_have_the_right_number(client: httpx.Client, hostile_season: FilledSeason) -> None:
     assert " 1 teams" not in text_of(client, hostile_season, "/")
 

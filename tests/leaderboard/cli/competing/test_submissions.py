@@ -94,6 +94,20 @@ def test_waiting_shows_every_state_and_ends_when_the_submission_takes_part(compe
     assert states == ["submitted", "queued", "building", "validating", "active"]
 
 
+def test_its_team_sees_how_far_a_validation_is(competitor: Competitor) -> None:
+    competitor.logged_in("zoe", "zebras")
+    number = competitor.submitted("walker")
+    competitor.site.move(number, "queued", "building", "validating")
+    assert "validating" in competitor.run("submissions", number).stdout  # though no line was written yet
+    file = competitor.site.season.validation_file(number)
+    file.parent.mkdir(parents=True)
+    file.write_text("match: battle: 120 of 600 steps played")
+
+    assert "match: battle: 120 of 600 steps played, about" in competitor.run("submissions", number).stdout
+    competitor.logged_in("yan", "yaks")
+    assert "steps played" not in competitor.run("submissions", number).stdout
+
+
 def test_a_submission_that_fails_tells_whose_fault_it_was_and_what_shows_it_again(
     competitor: Competitor,
 ) -> None:
