@@ -133,7 +133,8 @@ def logs(submission: int, caller: KnownProgram, session: Reading, season: Curren
 
 def _sections(season: Season, submission: int) -> list[str]:
     folder = season.submission_folder(submission) / "logs"
-    return [f"── {path.stem} ──\n{shown_log(path)}\n" for path in sorted(folder.glob("*.log"))]
+    logs = [path for path in sorted(folder.glob("*.log")) if path.stat().st_size]
+    return [f"── {path.stem} ──\n{shown_log(path)}\n" for path in logs]
 
 
 def shown_log(path: Path) -> str:

@@ -40,6 +40,7 @@ class QuotaView(View):
     resets: datetime
     active_per_track: int
     active: dict[str, int]  # by track
+    archive: int  # MiB of an archive, at most
 
 
 class TeamView(View):

@@ -193,7 +193,7 @@ def test_a_team_decides_what_takes_part_and_is_told_what_a_submission_replaces(
     assert "only cancel, disable, restore, keep, release" in unknown.stderr
 
 
-def test_an_archive_that_is_too_large_is_refused_before_it_was_sent_to_its_end(
+def test_what_is_too_large_is_not_sent(
     competitor: Competitor, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     small = Quotas(archive=1)
@@ -202,9 +202,18 @@ def test_an_archive_that_is_too_large_is_refused_before_it_was_sent_to_its_end(
         agent = write_agent(competitor.folder, "walker")
         (agent / "model.bin").write_bytes(os.urandom(20 << 20))
 
-        done = competitor.run("submit", "walker")
+        folder = competitor.run("submit", "walker")
+        archive = competitor.run("submit", shutil.make_archive("walker", "zip", agent))
 
-    assert (done.returncode, done.stderr) == (1, "wildscav: the archive is larger than 1 MiB\n")
+    assert archive.returncode == 1
+    assert archive.stderr.endswith(
+        "walker.zip has more than 1 MiB, which is the most that the season takes\n"
+    )
+    assert (folder.returncode, folder.stderr.count("\n")) == (1, 1)
+    assert folder.stderr.endswith(
+        "walker packs to more than 1 MiB, which is the most that the season takes; its largest file is "
+        "model.bin (20 MiB)\n"
+    )
 
 
 def test_tracks_that_the_season_lacks_are_named(competitor: Competitor) -> None:
