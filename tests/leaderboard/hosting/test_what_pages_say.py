@@ -102,6 +102,15 @@ def test_its_team_sees_what_a_submission_will_replace(
     assert replaces not in text_of(client, hostile_season, "/submissions/{queued}")
 
 
+def test_a_teams_failures_are_on_its_page_for_itself_alone(
+    client: httpx.Client, hostile_season: FilledSeason
+) -> None:
+    for asker, shown in {"visitor": False, "opponent": False, "owner": True, "organizer": True}.items():
+        page = text_of(client, hostile_season, "/teams/owls", asker)
+        assert "night-owl 1.1" in page
+        assert ("2.0-rc1" in page) == shown, asker
+
+
 def test_counts_have_the_right_number(client: httpx.Client, hostile_season: FilledSeason) -> None:
     assert " 1 teams" not in text_of(client, hostile_season, "/")
 
