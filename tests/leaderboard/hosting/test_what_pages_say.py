@@ -115,6 +115,12 @@ def test_counts_have_the_right_number(client: httpx.Client, hostile_season: Fill
     assert " 1 teams" not in text_of(client, hostile_season, "/")
 
 
+def test_an_own_suite_is_not_called_by_its_file(client: httpx.Client, hostile_season: FilledSeason) -> None:
+    home = text_of(client, hostile_season, "/")
+    assert "the same matches of the organizers' own suite, on hidden seeds" in home
+    assert ".toml" not in home
+
+
 @pytest.mark.parametrize("path", ["/register", "/boards/battle"])
 def test_the_header_marks_where_one_is(client: httpx.Client, path: str) -> None:
     assert f'href="{path}" aria-current="page"' in client.get(path).text

@@ -82,7 +82,7 @@ def waiting(one: "SubmissionView") -> str:
     """Return where a submission is in the queue, how far its validation is, and about how long it takes."""
     parts = [] if one.queue_position is None else [f"number {one.queue_position} in the queue"]
     parts += [one.validation] if one.validation else []
-    if one.expected_wait is not None:
+    if one.expected_wait:  # not one that takes longer than expected
         parts.append(f"about {duration(one.expected_wait)}")
     return ", ".join(parts)
 

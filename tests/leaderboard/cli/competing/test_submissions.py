@@ -10,6 +10,8 @@ import pytest
 from tests.leaderboard.agents import write_agent
 from tests.leaderboard.cli.competing.season_site import Competitor, season_site
 
+from wildscav_leaderboard.cli.competing import texts
+from wildscav_leaderboard.presentation.documents import SubmissionView
 from wildscav_leaderboard.seasons.settings import Quotas
 from wildscav_leaderboard.submissions.models import Submission
 
@@ -103,7 +105,10 @@ def test_its_team_sees_how_far_a_validation_is(competitor: Competitor) -> None:
     file.parent.mkdir(parents=True)
     file.write_text("match: battle: 120 of 600 steps played")
 
-    assert "match: battle: 120 of 600 steps played, about" in competitor.run("submissions", number).stdout
+    assert "match: battle: 120 of 600 steps played" in competitor.run("submissions", number).stdout
+    shown = SubmissionView.model_validate(document(competitor, "submissions", number)["submissions"][0])
+    longer = shown.model_copy(update={"expected_wait": 0.0})  # it takes longer than others took
+    assert texts.waiting(longer) == "match: battle: 120 of 600 steps played"
     competitor.logged_in("yan", "yaks")
     assert "steps played" not in competitor.run("submissions", number).stdout
 
