@@ -6,7 +6,7 @@ looks along +z and grows clockwise seen from above; positive pitch looks down.
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple, Self, TypeAlias
 
 import numpy as np
@@ -261,10 +261,9 @@ def check_action(agent: object, answer: object) -> Action:
     """
     if isinstance(answer, Action):
         return answer
-    allowed = ", ".join(item.name for item in fields(Action))
     raise AgentError(
-        f"{type(agent).__name__}.act() returned {_shown(answer)}; it must return an Action, "
-        f"wildscav.Action({allowed}), where every field is optional"
+        f"{type(agent).__name__}.act() must return an Action, such as Action(walk_speed=5.0), and returned "
+        f"{_shown(answer)}"
     )
 
 

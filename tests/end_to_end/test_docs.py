@@ -18,6 +18,10 @@ from wildscav_engine.specs.map_spec import MapConfig
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
+FILES = subprocess.check_output(("git", "ls-files", "-co", "--exclude-standard"), cwd=ROOT, text=True).split()
+CODE = "\n".join(
+    path.read_text("utf-8") for name in FILES if (path := ROOT / name).suffix == ".py" and path.exists()
+)
 HOMES = (
     "engine/wildscav_engine",
     "platform/wildscav",
@@ -78,6 +82,21 @@ def test_the_files_that_the_architecture_names_exist() -> None:
     homes = [ROOT, *(ROOT / home for home in HOMES)]
     for name in named - {f"{home}/" for home in HOMES}:
         assert any((home / name).exists() for home in homes), name
+
+
+TO_WRITE = {"hills", "orbit", "fort.toml", "spring", "altimeter.py", "eval.py"}  # that pages let readers make
+
+
+@pytest.mark.parametrize(
+    "page", [page for page in PAGES if page.name != "CHANGELOG.md"], ids=lambda page: page.name
+)
+def test_files_functions_and_tests_that_pages_name_exist(page: Path) -> None:
+    text = re.sub(r"^```.*?^```", "", page.read_text("utf-8"), flags=re.MULTILINE | re.DOTALL)
+    named = re.findall(r"`([^`\s]+)`", text)
+    for name in (one for one in named if re.fullmatch(r"[a-z][\w/.-]+\.(py|js|proto|toml)", one)):
+        assert any(f"/{file}".endswith(f"/{name}") for file in FILES) or TO_WRITE & set(name.split("/")), name
+    for name in (one for one in named if re.fullmatch(r"_[a-z]\w+|test_\w+", one)):
+        assert re.search(rf"(def|class) {name}\b", CODE), name
 
 
 def test_the_architecture_says_where_every_system_is() -> None:

@@ -131,7 +131,7 @@ class _Reporter:
         self._is_silent = not self._lock.take()  # another process of this command reports it
         if not self._is_silent:
             self._printed_at = progress.seconds
-            _print("compiling the engine for this machine; this takes up to a minute, once")
+            _print("compiling parts of the engine that this machine has not used yet, for up to a minute")
 
 
 def _print(text: str) -> None:

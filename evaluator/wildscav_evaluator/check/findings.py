@@ -183,8 +183,8 @@ def advice_on(status: str, clock: Clock, limits: Limits) -> str:
             f"{clock.time_bank:g} s beyond that: compute less per step, and watch observation.time_bank"
         ),
         "crashed": (
-            "read its last lines; the agent's folder is read-only, only /tmp is writable, there is no "
-            "network, and no package but those of its sandbox"
+            "its process must run until the match is over; the agent's folder is read-only, only /tmp is "
+            "writable, there is no network, and no package but those of its sandbox"
         ),
         "out_of_memory": (
             f"it may use {limits.memory / 2**20:.0f} MiB, including what it writes to /tmp: load smaller "

@@ -6,12 +6,13 @@ before its first step distinguishes them from the matches that are scored.
 
 import asyncio
 import secrets
-from collections.abc import AsyncIterator, Iterator, Mapping
+from collections.abc import AsyncIterator, Callable, Iterator, Mapping
 from contextlib import AsyncExitStack, asynccontextmanager
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
+from wildscav.server import HostedMatch
 from wildscav.time_limits import Clock, TimeBank
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.match_spec import MatchSpec
@@ -33,6 +34,8 @@ LEAVING_TIME = 5.0  # s for the agents' processes to end after that
 DELAY = 0.4  # s, four times the budget of a step
 DELAYED_EVERY = 5  # chunks: every fifth is delayed
 CHUNK = 65_536  # bytes at most
+TELLING = 1.0  # s between two lines about a match that is being played
+Tell = Callable[[str], object]  # is told in one line how far a check is
 
 
 class Trial(NamedTuple):
@@ -110,6 +113,7 @@ def run_checks(
     trials: Mapping[str, Trial],
     *,
     clock: Clock | None = None,
+    tell: Tell = lambda _: None,
 ) -> Iterator[Finding]:
     """Yield the findings of a check, each as soon as it is known.
 
@@ -119,6 +123,7 @@ def run_checks(
         logs: The folder for the agent's output.
         trials: What to play, by track; the first also with late answers, and to be cancelled.
         clock: The clock of the judge; the server's default if None.
+        tell: Is told every second how many steps of which match have been played.
 
     Raises:
         WildscavError: The platform failed.
@@ -126,7 +131,7 @@ def run_checks(
     if lacks_packages(submission):
         yield findings.packages(missing_packages(submission))
     with asyncio.Runner() as runner:
-        yield from _run_all(submission, sandbox, logs, trials, clock, runner)
+        yield from _run_all(submission, sandbox, logs, trials, clock, runner, tell)
 
 
 def _run_all(
@@ -136,37 +141,51 @@ def _run_all(
     trials: Mapping[str, Trial],
     given: Clock | None,
     runner: asyncio.Runner,
+    tell: Tell,
 ) -> Iterator[Finding]:
     for number, (track, trial) in enumerate(trials.items()):
         clock = given or Clock(longest=trial.limits.wall_clock)
         seating, make = trial.seating(submission, logs / f"{track}.log"), partial(ShortMatch, STEPS)
-        played = runner.run(play_match(seating, sandbox=sandbox, clock=clock, make=make))
+        begun = _telling(tell, f"match: {track}", STEPS)
+        played = runner.run(play_match(seating, sandbox=sandbox, clock=clock, make=make, on_start=begun))
         seat, fitted = seating.seats[0], clock.fitted(trial.spec)
         found = list(findings.judge_match(played.seats[seat], fitted, trial.limits, f"match: {track}"))
-        if number == 0:
-            yield from found
-            yield findings.output(seating.logs[0].stat().st_size, trial.limits)
-        else:
-            yield from (one for one in found if one.check != "start-up")
+        found.append(findings.output(seating.logs[0].stat().st_size, trial.limits))
+        yield from (one for one in found if number == 0 or one.check != "start-up")
         if played.seats[seat].status != "finished":
             return  # an agent that cannot play a match fails the rest for the same reason
         if number == 0:
             yield findings.process_exit(played.endings.get(seat))
     trial = next(iter(trials.values()))
     clock = given or Clock(longest=trial.limits.wall_clock)
-    late = runner.run(_delay_replies(trial.seating(submission, logs / "late.log"), sandbox))
+    late = runner.run(_delay_replies(trial.seating(submission, logs / "late.log"), sandbox, tell))
     yield findings.lateness(next(iter(late.seats.values())), trial.limits, clock)
     cancelled = runner.run(_cancel_match(trial.seating(submission, logs / "cancelled.log"), sandbox))
     yield findings.cancelled_match(cancelled, LEAVING_TIME)
 
 
-async def _delay_replies(seating: Seating, sandbox: Sandbox) -> PlayedMatch:
+def _telling(tell: Tell, what: str, steps: int) -> Callable[[HostedMatch], None]:
+    """Return what follows a match from its start, and tells how many of its steps have been played."""
+
+    async def follow(hosted: HostedMatch) -> None:
+        while True:
+            most = min(steps, hosted.match.spec.step_limit)
+            tell(f"{what}: {hosted.match.step_number} of {most} steps played")
+            await asyncio.sleep(TELLING)
+
+    def begin(hosted: HostedMatch) -> None:
+        following = asyncio.create_task(follow(hosted))
+        hosted.task.add_done_callback(lambda _: following.cancel())
+
+    return begin
+
+
+async def _delay_replies(seating: Seating, sandbox: Sandbox, tell: Tell) -> PlayedMatch:
     """Play a match in which steps are played without the agent's answers."""
     async with delayed_replies(sandbox) as late:
-        make = partial(ShortMatch, LATE_STEPS)
-        return await play_match(
-            seating, sandbox=late, clock=_IdleClock(longest=seating.limits.wall_clock), make=make
-        )
+        clock, make = _IdleClock(longest=seating.limits.wall_clock), partial(ShortMatch, LATE_STEPS)
+        begun = _telling(tell, "late answers", LATE_STEPS)
+        return await play_match(seating, sandbox=late, clock=clock, make=make, on_start=begun)
 
 
 async def _cancel_match(seating: Seating, sandbox: Sandbox) -> Ending | None:

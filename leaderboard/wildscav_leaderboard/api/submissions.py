@@ -32,7 +32,7 @@ from wildscav_leaderboard.presentation.submissions import submission_view, submi
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import NotFoundError
 from wildscav_leaderboard.submissions import service
-from wildscav_leaderboard.submissions.listing import MOST, is_own, list_submissions
+from wildscav_leaderboard.submissions.listing import MOST, is_own, list_submissions, listed_for
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.teams.service import find_team, own_team
 
@@ -82,9 +82,12 @@ def submissions(
     before: Number | None = None,
     limit: Limit = MOST,
 ) -> SubmissionList:
-    """List submissions, the newest first."""
+    """List submissions, the newest first; of other teams, none that failed or were cancelled."""
     number = None if team is None else find_team(session, team).id
-    found = list_submissions(session, team=number, states=state or (), before=before, limit=limit)
+    listed = listed_for(session, caller)
+    found = list_submissions(
+        session, team=number, states=state or (), before=before, limit=limit, where=listed
+    )
     more = None
     if len(found) == limit:
         more = f"/api/v1/submissions?before={found[-1].id}&limit={limit}" + (f"&team={team}" if team else "")
@@ -133,7 +136,8 @@ def logs(submission: Number, caller: KnownProgram, session: Reading, season: Cur
 
 def _sections(season: Season, submission: int) -> list[str]:
     folder = season.submission_folder(submission) / "logs"
-    return [f"── {path.stem} ──\n{shown_log(path)}\n" for path in sorted(folder.glob("*.log"))]
+    logs = [path for path in sorted(folder.glob("*.log")) if path.stat().st_size]
+    return [f"── {path.stem} ──\n{shown_log(path)}\n" for path in logs]
 
 
 def shown_log(path: Path) -> str:

@@ -88,13 +88,15 @@ def built(
     return attempt
 
 
-def validated(session: Session, season: Season, holding: Holding, attempt_id: int, now: datetime) -> bool:
+def validated(
+    session: Session, season: Season, holding: Holding, attempt_id: int, now: datetime, warnings: str = ""
+) -> bool:
     """Let a submission that passed its validation take part; return False if it is no longer wanted."""
     check(session, holding)
     submission = _ended(session, attempt_id, attempts.DONE, now, states.VALIDATING)
     if submission is None:
         return False
-    for track, replaced in activate(session, season, submission, now):
+    for track, replaced in activate(session, season, submission, now, warnings):
         matches.withdraw(session, replaced, now, track)
     if submission.state == states.ACTIVE:  # else newer ones came before it, and it is replaced already
         plan_suites(session, season, submission, now)

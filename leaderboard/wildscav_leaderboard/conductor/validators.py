@@ -78,16 +78,20 @@ class Validators:
             submission = session.get_one(Submission, attempt.submission_id)
         self._log.info("submission_begun", submission=submission.id)
         arguments = (season, submission.archive, submission.entrant, self._sandbox)
-        deadlines, logs = season.settings.deadlines, season.submission_folder(submission.id) / "logs"
-        if self._tried(child, season, attempt, work.build, arguments, deadlines.building):
+        deadlines = season.settings.deadlines
+        if self._tried(child, season, attempt, work.build, arguments, deadlines.building) is None:
+            return True
+        with self._database.writing() as session:
+            following = steps.built(session, season, self._holding, attempt.id, now())
+        if following is None:
+            return True
+        of_validation = work.validate, (*arguments, submission.id), deadlines.validating
+        warnings = self._tried(child, season, following, *of_validation)
+        if warnings is not None:
             with self._database.writing() as session:
-                following = steps.built(session, season, self._holding, attempt.id, now())
-            if following is not None and self._tried(
-                child, season, following, work.validate, (*arguments, logs), deadlines.validating
-            ):
-                with self._database.writing() as session:
-                    steps.validated(session, in_force(session, season), self._holding, following.id, now())
-                self._log.info("submission_active", submission=submission.id)
+                season, held = in_force(session, season), self._holding
+                steps.validated(session, season, held, following.id, now(), warnings)
+            self._log.info("submission_active", submission=submission.id)
         return True
 
     def _tried(
@@ -95,11 +99,11 @@ class Validators:
         child: Child,
         season: Season,
         attempt: Attempt,
-        function: Callable[..., work.Rejection | None],
+        function: Callable[..., work.Rejection | str],
         arguments: tuple[object, ...],
         lasts: float,
-    ) -> bool:
-        """Do a part of the work on a submission; return whether it passed."""
+    ) -> str | None:
+        """Do a part of the work on a submission; return of what to warn its team, None if it failed."""
         try:
             rejection = child.call(function, *arguments, timeout=lasts)
         except LeaseLostError:
@@ -110,9 +114,9 @@ class Validators:
                 self._log.warning("attempt_broke", attempt=attempt.id, fault="platform", reason=why)
                 with self._database.writing() as session:
                     steps.broke(session, season, self._holding, attempt.id, now(), why)
-            return False
-        if rejection is None:
-            return True
+            return None
+        if isinstance(rejection, str):
+            return rejection
         with self._database.writing() as session:
             steps.rejected(
                 session,
@@ -124,4 +128,4 @@ class Validators:
                 command=rejection.command,
             )
         self._log.info("submission_rejected", submission=attempt.submission_id, reason=rejection.reason)
-        return False
+        return None

@@ -8,13 +8,16 @@ that a match that was completed before a crash is not played again.
 import os
 import shutil
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from wildscav.errors import UserError
 from wildscav.monitoring.logs import Log
 from wildscav.server.hosting.precompile import precompile_for
 from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_engine.storage.files import write_whole
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.check.findings import Finding, Verdict
 from wildscav_evaluator.check.trials import Trial, run_checks
@@ -71,7 +74,7 @@ class Rejection:
     command: str = ""  # that shows it again on the competitor's machine
 
 
-def build(season: Season, archive: str, entrant: str, sandbox: str) -> Rejection | None:
+def build(season: Season, archive: str, entrant: str, sandbox: str) -> Rejection | str:
     """Unpack a submission, and build its image if the sandbox runs images and it names packages.
 
     Raises:
@@ -82,32 +85,42 @@ def build(season: Season, archive: str, entrant: str, sandbox: str) -> Rejection
         submission = load_archive(season, archive, entrant)
     except SubmissionError as error:
         return Rejection(str(error))
-    if not SANDBOXES[sandbox].runs_images or not lacks_packages(submission):
-        return None
     try:
-        build_image(submission)
+        if SANDBOXES[sandbox].runs_images and lacks_packages(submission):
+            build_image(submission)
     except BuildError as error:
         return Rejection(str(error), error.last_lines, "wildscav build DIR")
-    return None
+    return ""
 
 
-def validate(season: Season, archive: str, entrant: str, sandbox: str, logs: Path) -> Rejection | None:
-    """Try a submission on each track that it enters; return why it fails, or None if it does not.
+def validate(season: Season, archive: str, entrant: str, sandbox: str, number: int) -> Rejection | str:
+    """Try a submission on each track that it enters; return why it fails, or else of what to warn its team.
 
     Raises:
         WildscavError: The platform failed.
         OSError: A file cannot be written.
     """
     (submission,) = with_images([load_archive(season, archive, entrant)], sandbox)
-    precompile_for([submission.manifest.sensors])
+    logs, file = season.submission_folder(number) / "logs", season.validation_file(number)
     logs.mkdir(parents=True, exist_ok=True)
+    write_whole(file, b"getting ready")
+    precompile_for([submission.manifest.sensors])
     tracks = [track for track in submission.manifest.tracks if track in season.settings.tracks]
     trials = {track: trial_of(season, track, submission.name) for track in tracks}
-    for finding in run_checks(submission, SANDBOXES[sandbox], logs, trials):
+    tell, warnings = partial(_tell, file), []
+    for finding in run_checks(submission, SANDBOXES[sandbox], logs, trials, tell=tell):
         if finding.verdict == Verdict.BROKEN:
             command = f"wildscav check DIR --season {season.settings.web.address}"
             return _rejection(finding, command, submission.folder)
-    return None
+        if finding.verdict == Verdict.DOUBTFUL:
+            warnings.append(f"{finding.check}: {finding.seen}")
+    return "; ".join(warnings)
+
+
+def _tell(file: Path, line: str) -> None:
+    """Write how far a validation is; if that fails, only a page lacks a line."""
+    with suppress(OSError):
+        write_whole(file, line.encode())
 
 
 def trial_of(season: Season, track: str, entrant: str) -> Trial:

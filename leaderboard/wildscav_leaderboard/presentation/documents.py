@@ -40,6 +40,7 @@ class QuotaView(View):
     resets: datetime
     active_per_track: int
     active: dict[str, int]  # by track
+    archive: int  # MiB of an archive, at most
 
 
 class TeamView(View):
@@ -162,6 +163,7 @@ class SubmissionView(View):
     deadline: datetime | None
     queue_position: int | None = None
     expected_wait: float | None = None  # s
+    validation: str = ""  # how far it is, in one line; not in lists
     charged: bool
     platform_faults: int
     fault: str | None

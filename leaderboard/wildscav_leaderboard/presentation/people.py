@@ -55,6 +55,7 @@ def quota_view(session: Session, season: Season, team: Team, now: datetime) -> Q
         resets=day_after(now),
         active_per_track=quotas.active,
         active=Counter(track for one in active_of(session, team.id) for track in one.playing),
+        archive=quotas.archive,
     )
 
 

@@ -36,23 +36,37 @@ def submission_views(
 
 
 def submission_view(
-    session: Session, season: Season | None, submission: Submission, caller: Caller | None, now: datetime
+    session: Session,
+    season: Season,
+    submission: Submission,
+    caller: Caller | None,
+    now: datetime,
+    *,
+    with_progress: bool = True,
 ) -> SubmissionView:
-    """Return a submission with its history, and unless ``season`` is None, how far it is on its tracks."""
+    """Return a submission with its history, and unless somebody else shows it, its progress on its tracks."""
     (view,) = submission_views(session, [submission], caller, now)
     history = [TransitionView.model_validate(one) for one in history_of(session, submission)]
     own = is_own(session, caller, submission)
     if not own:
         history = [one.model_copy(update={"detail": ""}) for one in history]
     replaces = {}
-    if season is not None and own and submission.state in states.ON_THE_WAY:
+    if own and submission.state in states.ON_THE_WAY:
         with suppress(TooMuchError):
             pairs = replaced_by(session, season.settings.quotas, submission)
             replaces = {track: one.id for track, one in reversed(pairs)}
-    progress = [] if season is None else progress_of(session, season, submission)
-    totals = totals_of(session, submission) if own else []
+    validation = ""
+    if own and submission.state == states.VALIDATING:
+        with suppress(OSError):
+            validation = season.validation_file(submission.id).read_text("utf-8")
     return view.model_copy(
-        update={"history": history, "replaces": replaces, "progress": progress, "totals": totals}
+        update={
+            "history": history,
+            "replaces": replaces,
+            "validation": validation,
+            "progress": progress_of(session, season, submission) if with_progress else [],
+            "totals": totals_of(session, submission) if own else [],
+        }
     )
 
 

@@ -170,6 +170,10 @@ class Season:
         """Return the folder of what was found out about a submission: the logs of its validation."""
         return self.files / "submissions" / str(submission)
 
+    def validation_file(self, submission: int) -> Path:
+        """Return the file in which a validation that runs tells in one line how far it is."""
+        return self.submission_folder(submission) / "validation.txt"
+
     def track(self, name: str) -> TrackSettings:
         """Return the settings of a track.
 

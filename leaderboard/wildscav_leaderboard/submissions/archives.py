@@ -70,7 +70,8 @@ def check_archive(path: Path, season: Season) -> CheckedArchive:
 
 def _without_folders(text: str, path: Path) -> str:
     """Return an error without the paths of our machine, which are nothing to a competitor."""
-    for folder in (*(path.parent / "unpacked").glob("*"), path.parent):
+    text = text.replace(str(path), "the archive")
+    for folder in (path.parent / "unpacked").glob("*"):
         text = text.replace(f"{folder}{os.sep}", "")
     return text
 

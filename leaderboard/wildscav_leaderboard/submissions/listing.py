@@ -2,13 +2,13 @@
 
 from collections.abc import Sequence
 
-from sqlalchemy import select
+from sqlalchemy import ColumnElement, or_, select, true
 from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.accounts.service import Caller
 from wildscav_leaderboard.database.connection import once
 from wildscav_leaderboard.submissions.models import Submission
-from wildscav_leaderboard.submissions.states import ACTIVE
+from wildscav_leaderboard.submissions.states import ACTIVE, CANCELLED, FAILED
 from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.teams.service import team_of
 
@@ -22,9 +22,12 @@ def list_submissions(
     states: Sequence[str] = (),
     before: int | None = None,
     limit: int = MOST,
+    where: ColumnElement[bool] | None = None,
 ) -> list[Submission]:
     """Return submissions, the newest first."""
     wanted = select(Submission).order_by(Submission.id.desc()).limit(limit)
+    if where is not None:
+        wanted = wanted.where(where)
     if team is not None:
         wanted = wanted.where(Submission.team_id == team)
     if states:
@@ -32,6 +35,15 @@ def list_submissions(
     if before is not None:
         wanted = wanted.where(Submission.id < before)
     return list(session.scalars(wanted))
+
+
+def listed_for(session: Session, caller: Caller | None) -> ColumnElement[bool]:
+    """Return which submissions are in lists: of other teams, none that failed or were cancelled."""
+    if caller is not None and caller.is_organizer:
+        return true()
+    team = None if caller is None else team_of(session, caller.account)
+    shown = Submission.state.not_in((FAILED, CANCELLED))
+    return shown if team is None else or_(shown, Submission.team_id == team.id)
 
 
 def taking_part(session: Session, track: str) -> list[tuple[Submission, Team]]:

@@ -211,14 +211,14 @@ def _report(session: Session, submission: Submission, now: datetime) -> None:
 
 
 def activate(
-    session: Session, season: Season, submission: Submission, now: datetime
+    session: Session, season: Season, submission: Submission, now: datetime, warnings: str = ""
 ) -> list[tuple[str, Submission]]:
     """Let a submission take part; where that is too many of its team, one leaves the track.
 
     Returns:
         Which track is left by which one.
     """
-    move(session, submission, states.ACTIVE, now)
+    move(session, submission, states.ACTIVE, now, detail=warnings)
     try:
         replaced = quotas.replaced_by(session, season.settings.quotas, submission)
     except TooMuchError:  # they were kept meanwhile, so there is no place for it

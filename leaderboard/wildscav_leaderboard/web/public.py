@@ -22,7 +22,7 @@ from wildscav_leaderboard.presentation.matches import match_views
 from wildscav_leaderboard.presentation.people import team_view
 from wildscav_leaderboard.presentation.season import counts_view, season_view
 from wildscav_leaderboard.presentation.submissions import submission_view, submission_views
-from wildscav_leaderboard.submissions.listing import is_own, list_submissions
+from wildscav_leaderboard.submissions.listing import is_own, list_submissions, listed_for
 from wildscav_leaderboard.submissions.service import find_submission
 from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.teams.service import find_team, team_of
@@ -65,7 +65,7 @@ def team(
     found = find_team(session, name)
     own = None if caller is None else team_of(session, caller.account)
     boards = {track: read_board(session, track) for track in season.settings.tracks}
-    submissions = list_submissions(session, team=found.id)
+    submissions = list_submissions(session, team=found.id, where=listed_for(session, caller))
     return page(
         request,
         "team.html",
@@ -109,7 +109,7 @@ def submission(
     views = match_views(session, matches, caller)
     seats = [seat for view in views for seat in view.seats if seat.submission == number]
     unseen = [view for view in views if view.state == FINISHED and _own_status(view, number) is None]
-    shown = submission_view(session, None, found, caller, now)
+    shown = submission_view(session, season, found, caller, now, with_progress=False)
     places = track_places(session, season, found, shown, caller, now)
     return page(
         request,

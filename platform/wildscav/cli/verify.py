@@ -50,7 +50,8 @@ def verify(
 
     A record that holds is a true account of its match: the actions of every seat, and their result. The names
     of the seats are not verified. A record in an evaluation's folder must also be the one that the folder's
-    ledger names; with --key, the organizer must have signed that ledger.
+    ledger names; with --key, the organizer must have signed that ledger. Whether any is missing, `wildscav
+    rescore` tells.
     """
     from wildscav.terminal.console import console, counted, error_console, print_json
 

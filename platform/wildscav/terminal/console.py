@@ -10,7 +10,9 @@ import re
 import shlex
 import shutil
 import sys
-from collections.abc import Iterable
+import time
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +20,7 @@ from rich.console import Console, ConsoleOptions, RenderableType
 from rich.segment import Segment
 from rich.text import Text
 
+TELLING = 10.0  # s between lines that tell how far something is, where there is no terminal
 LAYOUT = "\n\t"  # control characters that consoles keep, because they lay out text
 
 
@@ -63,6 +66,22 @@ class PlainConsole(Console):
 
 console = PlainConsole()
 error_console = PlainConsole(stderr=True)
+
+
+@contextmanager
+def telling(first: str = "") -> Iterator[Callable[[str], None]]:
+    """Yield what shows on stderr how far something is: in place in a terminal, else a line now and then."""
+    shown = time.monotonic()
+    with error_console.status(first) as status:
+
+        def tell(text: str) -> None:
+            nonlocal shown
+            status.update(printable(text))
+            if not error_console.is_terminal and time.monotonic() - shown > TELLING:
+                error_console.print(text, soft_wrap=True)
+                shown = time.monotonic()
+
+        yield tell
 
 
 def print_json(content: object) -> None:

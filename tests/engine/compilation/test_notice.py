@@ -31,7 +31,7 @@ env = gymnasium.make("wildscav_engine:WildScav/Navigation-v1", level="easy")
 env.reset(seed=1)
 env.step(env.action_space.sample())
 """
-BEGINS = "wildscav: compiling the engine for this machine; this takes up to a minute, once"
+BEGINS = "wildscav: compiling parts of the engine that this machine has not used yet, for up to a minute"
 
 
 def start(code: str, cache: Path, stderr: int = subprocess.PIPE, **settings: str) -> "subprocess.Popen[str]":

@@ -14,7 +14,7 @@ from wildscav.server.hosting.observations import match_info
 from wildscav_engine.maps import map_spec
 from wildscav_engine.simulation.match import Match
 from wildscav_evaluator.check.findings import Finding, Verdict, advice_on
-from wildscav_evaluator.check.trials import Trial, run_checks
+from wildscav_evaluator.check.trials import Tell, Trial, run_checks
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES, Limits
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_evaluator.suites.suite import EVALUATION_MAPS, SUITES
@@ -29,16 +29,22 @@ MATCH = "match: navigation"
 CHECKS = ["start-up", MATCH, "actions", "timing", "output", "end", "late answers", "cancelled match"]
 
 
-def findings(submission: Submission, logs: Path, clock: Clock = PATIENT) -> dict[str, Finding]:
+def findings(
+    submission: Submission, logs: Path, clock: Clock = PATIENT, tell: Tell = print
+) -> dict[str, Finding]:
     trials = {"navigation": Trial.of(SUITES["quick"], "navigation", DEFAULT_LIMITS, seed=0)}
-    found = list(run_checks(submission, SANDBOXES["process"], logs, trials, clock=clock))
+    found = list(run_checks(submission, SANDBOXES["process"], logs, trials, clock=clock, tell=tell))
     return {finding.check: finding for finding in found}
 
 
 def test_an_agent_that_keeps_the_rules_passes_every_check(submit: Submit, tmp_path: Path) -> None:
-    found = findings(submit("walker", WALKER), tmp_path / "logs")
+    told: list[str] = []
+    found = findings(submit("walker", WALKER), tmp_path / "logs", tell=told.append)
 
     assert list(found) == CHECKS
+    lines = [re.fullmatch(r"(.+): \d+ of (\d+) steps played", line) for line in told]
+    assert {(line[1], line[2]) for line in lines if line} == {(MATCH, "600"), ("late answers", "50")}
+    assert len(told) >= 5, "a line every second"
     assert {finding.verdict for finding in found.values()} == {Verdict.KEPT}, found
     went_on = re.fullmatch(r"it continued after (\d+) steps without its answer", found["late answers"].seen)
     assert went_on is not None
@@ -229,7 +235,9 @@ def test_every_outcome_has_a_way_to_mend_it() -> None:
 
     for status in SeatStatus:
         if status != "finished":
-            assert advice_on(status.value, Clock(), DEFAULT_LIMITS), status
+            advice = advice_on(status.value, Clock(), DEFAULT_LIMITS)
+            assert advice, status
+            assert "last lines" not in advice  # an agent that just exits has none
 
 
 def test_the_command_tells_all_and_its_exit_code_says_the_same(

@@ -98,7 +98,11 @@ def test_an_agent_killed_in_mid_match_leaves_the_others_whole(submit: Submit, tm
         ("unborn", "    def __init__(self): raise ValueError('no reason')", "ValueError: no reason"),
         ("resetless", "    def reset(self, match): raise ValueError('no reason')", "ValueError: no reason"),
         ("crasher", "    def act(self, observation): return 1 / 0", "ZeroDivisionError"),
-        ("speechless", "    def act(self, observation): pass", "it must return an Action"),
+        (
+            "speechless",
+            "    def act(self, observation): pass",
+            "Player.act() must return an Action, such as Action(",
+        ),
         (
             "locating",
             "    def act(self, observation): raise ValueError('no reason')",

@@ -1,5 +1,6 @@
 """What the conductor keeps of a match that was played."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,7 +18,7 @@ from wildscav_evaluator.sandbox import SandboxError
 from wildscav_evaluator.sandbox.containers.container_engine import call, find_engine
 from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS
 from wildscav_evaluator.submissions import images
-from wildscav_leaderboard.conductor.work import build, job_of, keep_record, trial_of, validate
+from wildscav_leaderboard.conductor.work import Rejection, build, job_of, keep_record, trial_of, validate
 from wildscav_leaderboard.matches.models import (
     FINAL,
     FINAL_ROUND,
@@ -71,6 +72,19 @@ def test_a_record_is_kept_once_however_often_it_comes(result: JobResult) -> None
     assert len(list((result.job.out / result.job.record).parent.iterdir())) == 2
 
 
+@pytest.mark.slow
+def test_a_team_is_told_what_is_doubtful_about_a_submission_that_takes_part(tmp_path: Path) -> None:
+    season = make_season(tmp_path / "season")
+    loud = "    def act(self, observation): print('x' * 100_000); return Action()\n"
+    archive = archive_name(checked(season, write_agent(tmp_path, "loud", loud)))
+
+    warnings = validate(season, archive, "loud-1", "process", 1)
+
+    assert isinstance(warnings, str)
+    assert re.fullmatch(r"output: [\d,]+ of 1,000,000 bytes printed", warnings)
+    assert re.fullmatch(r"late answers: \d+ of 40 steps played", season.validation_file(1).read_text())
+
+
 @pytest.mark.parametrize(
     ("kind", "group", "final"),
     [(SUITE, 5, False), (FINAL, 5, True), (LADDER, SEASON_ROUND, False), (LADDER, FINAL_ROUND, True)],
@@ -106,9 +120,9 @@ def test_packages_that_no_sandbox_of_the_season_installs_are_the_competitors_fau
     (folder / "requirements.txt").write_text("no-such-package\n")
     archive = archive_name(checked(season, folder))
 
-    rejection = validate(season, archive, "walker-1", "process", tmp_path / "logs")
+    rejection = validate(season, archive, "walker-1", "process", 1)
 
-    assert rejection is not None
+    assert isinstance(rejection, Rejection)
     assert rejection.reason.startswith(
         "packages: requirements.txt names 'no-such-package', which this machine"
     )
@@ -137,7 +151,7 @@ def test_only_a_build_of_the_submission_itself_is_the_competitors_fault(
                 build(season, archive, "walker-1", "oci")
         else:
             rejection = build(season, archive, "walker-1", "oci")
-            assert rejection is not None
+            assert isinstance(rejection, Rejection)
             assert "no-such-file" in rejection.last_lines[-1]
     finally:
         call(find_engine(), "rmi", "-f", images.base_name(base))

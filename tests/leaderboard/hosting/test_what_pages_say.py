@@ -84,8 +84,40 @@ def test_a_track_without_a_rank_says_why(client: httpx.Client, hostile_season: F
     assert "Not ranked" not in waiting
 
 
+def test_a_submission_without_matches_says_whether_it_gets_some(
+    client: httpx.Client, hostile_season: FilledSeason
+) -> None:
+    waiting = text_of(client, hostile_season, "/submissions/{queued}")
+    assert waiting.endswith("Matches None yet. They are planned once the submission is active.")
+    for name in ("failed", "cancelled"):
+        assert text_of(client, hostile_season, f"/submissions/{{{name}}}").endswith("Matches None.")
+
+
+def test_its_team_sees_what_a_submission_will_replace(
+    client: httpx.Client, hostile_season: FilledSeason
+) -> None:
+    replaces = "When it takes part, it replaces submission"
+    assert replaces in text_of(client, hostile_season, "/submissions/{queued}", "organizer")
+    assert replaces not in text_of(client, hostile_season, "/submissions/{queued}")
+
+
+def test_a_teams_failures_are_on_its_page_for_itself_alone(
+    client: httpx.Client, hostile_season: FilledSeason
+) -> None:
+    for asker, shown in {"visitor": False, "opponent": False, "owner": True, "organizer": True}.items():
+        page = text_of(client, hostile_season, "/teams/owls", asker)
+        assert "night-owl 1.1" in page
+        assert ("2.0-rc1" in page) == shown, asker
+
+
 def test_counts_have_the_right_number(client: httpx.Client, hostile_season: FilledSeason) -> None:
     assert " 1 teams" not in text_of(client, hostile_season, "/")
+
+
+def test_an_own_suite_is_not_called_by_its_file(client: httpx.Client, hostile_season: FilledSeason) -> None:
+    home = text_of(client, hostile_season, "/")
+    assert "the same matches of the organizers' own suite, on hidden seeds" in home
+    assert ".toml" not in home
 
 
 @pytest.mark.parametrize("path", ["/register", "/boards/battle"])

@@ -6,8 +6,11 @@ from pathlib import Path
 
 import pytest
 from tests.leaderboard.agents import write_agent
+from tests.leaderboard.seasons_made import make_season
 
 from wildscav.errors import UserError
+from wildscav_leaderboard.seasons.refusals import InvalidError
+from wildscav_leaderboard.submissions.archives import check_archive
 from wildscav_leaderboard.submissions.packing import pack
 
 
@@ -47,3 +50,21 @@ def test_a_link_to_a_folder_is_refused_and_nothing_is_left(tmp_path: Path) -> No
     with pytest.raises(UserError, match="is a link to a folder, which no submission may have"):
         packed(folder)
     assert [path.name for path in tmp_path.iterdir()] == ["walker"]
+
+
+def test_packing_ends_where_the_archive_becomes_too_large(tmp_path: Path) -> None:
+    folder = write_agent(tmp_path, "walker")
+    (folder / "zeros.bin").write_bytes(bytes(8 << 20))
+    pack(folder, tmp_path / "small.tar.gz", largest=1)  # what counts is the archive
+    (folder / "noise.bin").write_bytes(os.urandom(9 << 20))
+    with pytest.raises(UserError, match=r"more than 1 MiB.* largest file is noise\.bin \(9 MiB\)"):
+        pack(folder, tmp_path / "large.tar.gz", largest=1)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["small.tar.gz", "walker"]
+
+
+def test_what_is_no_archive_is_not_named_by_the_seasons_own_name_for_it(tmp_path: Path) -> None:
+    season = make_season(tmp_path / "season")
+    path = tmp_path / "submission.zip"
+    path.write_bytes(b"no archive")
+    with pytest.raises(InvalidError, match=r"^the archive cannot be unpacked: File is not a zip file$"):
+        check_archive(path, season)

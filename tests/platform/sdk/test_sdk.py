@@ -107,7 +107,9 @@ def test_an_answer_that_is_no_action_is_named() -> None:
     class Mine(Agent):
         pass
 
-    with pytest.raises(AgentError, match=r"Mine\.act\(\) returned None .*return missing.*walk_speed"):
+    with pytest.raises(
+        AgentError, match=r"Mine\.act\(\) must return an Action.*walk_speed.*returned None .*return missing"
+    ):
         check_action(Mine(), None)
 
 
@@ -126,7 +128,11 @@ def test_run_needs_an_address(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize(
     ("agent", "code", "errors"),
     [
-        ("ReturnsThree", 3, "ReturnsThree.act() returned 3 of type int; it must return an Action"),
+        (
+            "ReturnsThree",
+            3,
+            "act() must return an Action, such as Action(walk_speed=5.0), and returned 3 of type int",
+        ),
         ("Raises", 3, "RuntimeError: my own fault"),
         ("Exits", 3, "SystemExit: 0"),
         ("NoAgent", 3, "NoAgent has no method reset()"),

@@ -9,7 +9,7 @@ from rich.text import Text
 
 from wildscav.errors import UserError
 from wildscav.server.hosting.precompile import precompile_for
-from wildscav.terminal.console import console, counted, print_json
+from wildscav.terminal.console import console, counted, print_json, telling
 from wildscav.terminal.engine_progress import preparing
 from wildscav_evaluator.check.findings import Finding, Verdict
 from wildscav_evaluator.check.trials import Trial, run_checks
@@ -36,11 +36,8 @@ def run_check(
     """
     with preparing(console):
         precompile_for([submission.manifest.sensors])
-    findings = []
-    with console.status("playing") as status:
-        for finding in run_checks(submission, sandbox, logs, trials):
-            findings.append(finding)
-            status.update(f"played: {finding.check}")
+    with telling("playing") as tell:
+        findings = list(run_checks(submission, sandbox, logs, trials, tell=tell))
     console.print(_table(submission, findings))
     if as_json:
         print_json(_document(submission, findings, logs))

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import wildscav
+from wildscav.system import leftovers
 
 SDK = Path("/wildscav-sdk")  # the SDK's package for agents; no machine has its Python there
 CODE = Path("/submission")
@@ -46,7 +47,12 @@ def host_runtime() -> Runtime:
     for path in map(Path, (*LOADER, sys.base_prefix, sys.prefix)):
         if path.exists() and not any(path.is_relative_to(parent) for parent in folders):
             folders[path] = path
-    folders[SDK / "wildscav"] = Path(wildscav.__file__).parent
+    package = Path(wildscav.__file__).parent
+    if any(package.is_relative_to(parent) for parent in folders):  # we are installed beside what agents see
+        nothing = leftovers.own_folder() / "nothing"
+        nothing.mkdir(exist_ok=True)
+        folders |= dict.fromkeys(package.parent.glob("wildscav_*/"), nothing)
+    folders[SDK / "wildscav"] = package
     return Runtime(folders, links)
 
 

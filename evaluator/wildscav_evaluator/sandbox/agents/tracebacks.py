@@ -1,7 +1,8 @@
 """Finding the cause of a failure in an agent's output, from Python's tracebacks.
 
-Two kinds occur. An exception's traceback names the innermost frame last, and then the exception. The stacks
-that the SDK prints when an agent's time is up (``wildscav.sdk.run``) name the innermost frame first.
+Two kinds occur. An exception's traceback names the innermost frame last, and then the exception. (If Python
+cannot read the agent's module, it has only that line and the SyntaxError.) The stacks that the SDK prints
+when an agent's time is up (``wildscav.sdk.run``) name the innermost frame first.
 """
 
 import re
@@ -12,7 +13,7 @@ from typing import NamedTuple
 EXCEPTION = "Traceback (most recent call last):"
 TIME_IS_UP = re.compile(r"Timeout \(\d+:\d\d:\d\d(\.\d+)?\)!")
 THREAD = re.compile(r"(Current t|T)hread 0x[0-9a-f]+.* \(most recent call first\):")
-FRAME = re.compile(r'  File "(?P<file>[^"]+)", line (?P<line>\d+),? in (?P<function>.+)')
+FRAME = re.compile(r'  File "(?P<file>[^"]+)", line (?P<line>\d+)(?:,? in (?P<function>.+))?')
 SDK = re.compile(r"wildscav/sdk/\w+\.py$")
 CALLERS = 3  # frames of a stack that are reported
 
@@ -22,7 +23,7 @@ class Frame(NamedTuple):
 
     file: str  # as Python names it
     line: int
-    function: str
+    function: str  # empty for a line that Python could not read
 
 
 def last_words(lines: Sequence[str], folders: Sequence[Path]) -> str:
@@ -32,7 +33,7 @@ def last_words(lines: Sequence[str], folders: Sequence[Path]) -> str:
         lines: The lines of the output.
         folders: The folders of the agent's code; a place outside them is named only if no frame is inside.
     """
-    starts = [number for number, line in enumerate(lines) if line.startswith(EXCEPTION)]
+    starts = [number for number, line in enumerate(lines) if line.startswith(EXCEPTION) or _unread(line)]
     if starts:
         # The frames are indented; the exception's message may have several lines.
         for number in range(starts[-1] + 1, len(lines)):
@@ -92,7 +93,12 @@ def _above_sdk(frames: Sequence[Frame]) -> list[Frame]:
 def read_frames(lines: Sequence[str]) -> list[Frame]:
     """Return the frames that some lines of a traceback name, in their order."""
     found = (FRAME.fullmatch(line) for line in lines)
-    return [Frame(one["file"], int(one["line"]), one["function"]) for one in found if one]
+    return [Frame(one["file"], int(one["line"]), one["function"] or "") for one in found if one]
+
+
+def _unread(line: str) -> bool:
+    """Return whether a line names code that Python could not read."""
+    return any(not frame.function for frame in read_frames([line]))
 
 
 def _within(file: str, folders: Sequence[Path]) -> bool:
@@ -106,4 +112,4 @@ def _place(frame: Frame, folders: Sequence[Path]) -> str:
         if path.is_relative_to(folder):
             path = path.relative_to(folder)
             break
-    return f"{path}:{frame.line}, in {frame.function}"
+    return f"{path}:{frame.line}" + (f", in {frame.function}" if frame.function else "")

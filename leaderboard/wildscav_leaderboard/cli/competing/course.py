@@ -6,7 +6,7 @@ from rich.console import Group
 from rich.text import Text
 
 from wildscav.errors import UserError
-from wildscav.terminal.console import console, error_console, printable
+from wildscav.terminal.console import console, error_console, printable, telling
 from wildscav_leaderboard.cli.competing import texts
 
 if TYPE_CHECKING:
@@ -22,16 +22,16 @@ def waited(client: "SeasonClient", one: "SubmissionView") -> "SubmissionView":
 
     shown = 0
     try:
-        with error_console.status(Text("")) as status:
+        with telling() as tell:
             for seen in follow(client, one):
                 if isinstance(seen, UserError):
-                    status.update(Text(printable(f"{seen}; asking again")))
+                    tell(f"{seen}; asking again")
                     continue
                 one = seen
                 for entry in one.history[shown:]:
                     console.print(step(entry), soft_wrap=True)
                 shown = max(shown, len(one.history))
-                status.update(Text(printable(f"{one.state} {texts.waiting(one)}")))
+                tell(f"{one.state} {texts.waiting(one)}")
     except KeyboardInterrupt:
         error_console.print(f"It goes on without you: wildscav submissions {one.id} --wait")
         raise

@@ -149,14 +149,16 @@ def _registered(
 ) -> str:
     """Make a new account, and return its token."""
     if invitation is None and season.registration != "open":
-        invitation = _asked("Key of your invitation")
+        invitation = _asked("Key of your invitation", "--invitation")
     name = name or _asked("Name (a-z, 0-9 and -)")
     password = password or _secret("Password", twice=True)
     return visitor.register(name, password, invitation).token
 
 
-def _asked(what: str) -> str:
-    """Ask for one line."""
+def _asked(what: str, option: str = "--name") -> str:
+    """Ask for one line at a terminal; standard input that is none has the password alone."""
+    if not sys.stdin.isatty():
+        raise UserError(f"{option} is missing: standard input is read for the password alone", exit_code=2)
     answer: str = typer.prompt(what, err=True)
     return answer.strip()
 

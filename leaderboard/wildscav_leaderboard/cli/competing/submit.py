@@ -16,7 +16,7 @@ from wildscav_leaderboard.cli.competing.course import check_end, waited
 
 if TYPE_CHECKING:
     from wildscav_leaderboard.client.season import Progress, SeasonClient
-    from wildscav_leaderboard.presentation.documents import HandedIn, SubmissionView
+    from wildscav_leaderboard.presentation.documents import HandedIn, QuotaView, SubmissionView
 
 
 def submit(
@@ -52,8 +52,8 @@ def submit(
 
     loaded = load_named(submission)
     with season_client(season) as client:
-        _check_team(client)
-        with _progress() as begun, archive_of(submission, loaded) as (archive, suffix):
+        quota = _quota(client)
+        with _progress() as begun, archive_of(submission, loaded, quota.archive) as (archive, suffix):
             handed_in = client.submit(archive, suffix, message, begun(archive), replaces)
         missing = [track for track in loaded.manifest.tracks if track not in handed_in.submission.tracks]
         _show(client, handed_in, missing, wait=wait)
@@ -68,8 +68,8 @@ def submit(
         console.print(f"its matches: wildscav matches {last.id}", soft_wrap=True)
 
 
-def _check_team(client: "SeasonClient") -> None:
-    """Check, before anything is packed and sent, that it can be handed in."""
+def _quota(client: "SeasonClient") -> "QuotaView":
+    """Return the team's quota, of which something is left."""
     account = client.me()
     if account.team is None or account.quota is None:
         raise UserError(
@@ -81,6 +81,7 @@ def _check_team(client: "SeasonClient") -> None:
             f"your team has used today's {counted(account.quota.per_day, 'submission')}; the next day begins "
             f"at {account.quota.resets:%Y-%m-%d %H:%M} UTC"
         )
+    return account.quota
 
 
 @contextmanager

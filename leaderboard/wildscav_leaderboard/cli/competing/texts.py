@@ -79,9 +79,10 @@ def state(text: str) -> Text:
 
 
 def waiting(one: "SubmissionView") -> str:
-    """Return where a submission is in the queue, and about how long it takes; nothing if it has ended."""
+    """Return where a submission is in the queue, how far its validation is, and about how long it takes."""
     parts = [] if one.queue_position is None else [f"number {one.queue_position} in the queue"]
-    if one.expected_wait is not None:
+    parts += [one.validation] if one.validation else []
+    if one.expected_wait:  # not one that takes longer than expected
         parts.append(f"about {duration(one.expected_wait)}")
     return ", ".join(parts)
 

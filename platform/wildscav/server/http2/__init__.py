@@ -1,8 +1,7 @@
 """The server's side of HTTP/2, as far as gRPC needs it, with limits on everything that a client can consume.
 
-gRPC's own server reads the connections of a process in threads that they all share. It does not limit or
-report frames without messages, or short-lived connections. So a single client could take the time of all
-others. Here all connections are read in the event loop, and each has an allowance of frames. Clients that
-have not identified themselves share a small part of the time, and a client that exceeds its limits is
-reported.
+gRPC's own server limits some of this, such as pings. But it reads all connections of a process in threads
+that they share, so nobody can tell which client took how much of their time, and charge its seat. Here all
+connections are read in the event loop, and each has an allowance of frames. Clients that have not identified
+themselves share a small part of the time, and a client that exceeds its limits is reported.
 """

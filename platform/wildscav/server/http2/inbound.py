@@ -31,6 +31,7 @@ from wildscav.server.http2.frames import (
 from wildscav.server.http2.stream import Stream
 
 HEADER_LIMIT = 16_384  # bytes of the headers of a call, compressed and decompressed
+OF_CONNECTION = (Kind.SETTINGS, Kind.PING, Kind.GOAWAY)  # frames that no stream may have
 UNKNOWN_LIMIT = 32_768  # bytes of messages that an unknown client may send before it gets an answer
 
 
@@ -101,6 +102,8 @@ class Inbound:
             raise FrameError(Code.PROTOCOL_ERROR, "sent another frame in the middle of headers")
         if not self.has_settings and kind != Kind.SETTINGS:
             raise FrameError(Code.PROTOCOL_ERROR, "did not begin with SETTINGS")
+        if frame.stream and kind in OF_CONNECTION:
+            raise FrameError(Code.PROTOCOL_ERROR, f"sent {_name(kind)} on a stream")
         if kind == Kind.DATA:
             self._data(frame)
             return
@@ -125,6 +128,8 @@ class Inbound:
         complete = False
         if stream is None:
             connection.flow.reopen(size, 0)
+        elif stream.ended_by_client:
+            raise FrameError(Code.STREAM_CLOSED, "sent data on a stream that it had ended")
         else:
             complete = stream.feed(content, size)
             if stream.unread > 2 * WINDOW:

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import pytest
+
 from wildscav_evaluator.sandbox.agents.tracebacks import last_words, overdue_stack
 
 CODE = (Path("/submission"), Path("/home/ann/agent"))
@@ -18,6 +20,12 @@ Traceback (most recent call last):
     raise ValueError(message)
 ValueError: negative dimensions
 are not allowed
+"""
+
+UNREADABLE = """  File "/submission/agent.py", line 3
+    def act(self, observation:
+           ^
+SyntaxError: '(' was never closed
 """
 
 STACKS = """
@@ -49,6 +57,13 @@ def test_an_exception_of_foreign_code_alone_comes_with_that_line() -> None:
     lines = EXCEPTION.replace("/submission/", "/elsewhere/").splitlines()
 
     assert last_words(lines, CODE).endswith("(/usr/lib/python3/numpy/core.py:5, in zeros)")
+
+
+@pytest.mark.parametrize("begin", ["", EXCEPTION.partition("    return")[0].lstrip()])
+def test_code_that_python_cannot_read_is_named_by_its_line(begin: str) -> None:
+    words = last_words(f"playing\n{begin}{UNREADABLE}".splitlines(), CODE)
+
+    assert words == "SyntaxError: '(' was never closed (agent.py:3)"
 
 
 def test_output_without_an_exception_is_told_by_its_last_line() -> None:

@@ -43,7 +43,7 @@ def test_a_name_and_a_password_get_a_token_and_a_wrong_password_changes_nothing(
     assert (wrong.returncode, wrong.stderr) == (1, "wildscav: the name or the password is wrong\n")
     assert not kept().path.exists()
 
-    done = competitor.run("login", competitor.site.url, stdin=f"bob\n{PASSWORD}\n")
+    done = competitor.run("login", competitor.site.url, "--name", "bob", stdin=f"{PASSWORD}\n")
     assert done.returncode == 0, done.stderr
     assert kept().seasons[competitor.site.url].name == "bob"
 
@@ -82,9 +82,24 @@ def test_an_invitation_is_needed_where_registration_is_not_open(
     assert wrong.returncode == 1
     assert "this invitation is unknown, used up or expired" in wrong.stderr
 
-    asked = competitor.run(*register, stdin=f"{invited.invitation()}\n{PASSWORD}\n")
-    assert asked.returncode == 0, asked.stderr
-    assert "Key of your invitation" in asked.stderr
+    done = competitor.run(*register, "--invitation", invited.invitation(), stdin=f"{PASSWORD}\n")
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("missing", ["--name", "--invitation"])
+def test_standard_input_is_read_for_the_password_alone(
+    competitor: Competitor, invited: Site, missing: str
+) -> None:
+    given = {"--name": "fred", "--invitation": "invite_key"}
+    del given[missing]
+    options = [word for option in given.items() for word in option]
+
+    refused = competitor.run("login", invited.url, "--register", *options, stdin=f"{PASSWORD}\n")
+
+    assert refused.returncode == 2
+    assert refused.stderr == (
+        f"wildscav: {missing} is missing: standard input is read for the password alone\n"
+    )
 
 
 def test_commands_are_about_the_season_logged_in_to_last_unless_one_is_named(

@@ -35,9 +35,14 @@ def test_logs_are_for_the_own_team_and_control_no_terminal(competitor: Competito
     done = competitor.run("logs", "--match", match)
     assert done.stdout == "one     two\n\\x1b[2J[red]\\u202e\n"
     assert competitor.run("logs", "--match", match, "--seat", 0).stdout == done.stdout
+    logs = competitor.site.season.submission_folder(number) / "logs"
+    logs.mkdir(parents=True)
+    (logs / "late.log").touch()
     assert json.loads(competitor.run("logs", number, "--json").stdout) == {
         "logs": [{"submission": number, "log": "It printed nothing.\n"}]
     }
+    (logs / "battle.log").write_text("ready\n")
+    assert competitor.run("logs", number).stdout == "── battle ──\nready\n\n"
 
     competitor.logged_in("carol", "crows")
     for arguments in (("--match", match, "--seat", 0), ("--match", match), (number,)):

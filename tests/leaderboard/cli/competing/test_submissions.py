@@ -10,6 +10,8 @@ import pytest
 from tests.leaderboard.agents import write_agent
 from tests.leaderboard.cli.competing.season_site import Competitor, season_site
 
+from wildscav_leaderboard.cli.competing import texts
+from wildscav_leaderboard.presentation.documents import SubmissionView
 from wildscav_leaderboard.seasons.settings import Quotas
 from wildscav_leaderboard.submissions.models import Submission
 
@@ -94,6 +96,23 @@ def test_waiting_shows_every_state_and_ends_when_the_submission_takes_part(compe
     assert states == ["submitted", "queued", "building", "validating", "active"]
 
 
+def test_its_team_sees_how_far_a_validation_is(competitor: Competitor) -> None:
+    competitor.logged_in("zoe", "zebras")
+    number = competitor.submitted("walker")
+    competitor.site.move(number, "queued", "building", "validating")
+    assert "validating" in competitor.run("submissions", number).stdout  # though no line was written yet
+    file = competitor.site.season.validation_file(number)
+    file.parent.mkdir(parents=True)
+    file.write_text("match: battle: 120 of 600 steps played")
+
+    assert "match: battle: 120 of 600 steps played" in competitor.run("submissions", number).stdout
+    shown = SubmissionView.model_validate(document(competitor, "submissions", number)["submissions"][0])
+    longer = shown.model_copy(update={"expected_wait": 0.0})  # it takes longer than others took
+    assert texts.waiting(longer) == "match: battle: 120 of 600 steps played"
+    competitor.logged_in("yan", "yaks")
+    assert "steps played" not in competitor.run("submissions", number).stdout
+
+
 def test_a_submission_that_fails_tells_whose_fault_it_was_and_what_shows_it_again(
     competitor: Competitor,
 ) -> None:
@@ -128,6 +147,7 @@ def test_lists_are_of_the_own_team_unless_others_are_asked_for(competitor: Compe
     competitor.logged_in("grace", "geese")
     numbers = [competitor.submitted(name, "-m", f"of {name}") for name in ("one", "two")]
     competitor.site.move(numbers[0], "queued", "failed", fault="platform", reason="no disk")
+    key = competitor.run("team", "key").stdout.split()[-1]
     competitor.logged_in("heidi", "hens")
     other = competitor.submitted("three")
 
@@ -135,12 +155,14 @@ def test_lists_are_of_the_own_team_unless_others_are_asked_for(competitor: Compe
         return [one["id"] for one in document(competitor, "submissions", *options)["submissions"]]
 
     assert ids() == [other]
-    assert ids("--team", "geese") == numbers[::-1]
-    assert ids("--team", "geese", "--state", "failed") == numbers[:1]
+    assert ids("--team", "geese") == numbers[1:], "failures are for the own team"
+    assert ids("--team", "geese", "--state", "failed") == []
     assert ids("--all", "--limit", "2") == [other, numbers[1]]
-    table = competitor.run("submissions", "--all").stdout
-    assert "failed (platform)" in table
-    assert "of one" not in table, "messages are for the own team"
+    assert "of two" not in competitor.run("submissions", "--all").stdout, "messages are for the own team"
+    competitor.logged_in("gus")
+    competitor.run("team", "join", key)
+    assert ids("--state", "failed") == numbers[:1]
+    assert "failed (platform)" in competitor.run("submissions").stdout
 
 
 def test_a_submission_that_waits_can_be_cancelled(competitor: Competitor) -> None:
@@ -179,7 +201,7 @@ def test_a_team_decides_what_takes_part_and_is_told_what_a_submission_replaces(
     assert "only cancel, disable, restore, keep, release" in unknown.stderr
 
 
-def test_an_archive_that_is_too_large_is_refused_before_it_was_sent_to_its_end(
+def test_what_is_too_large_is_not_sent(
     competitor: Competitor, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     small = Quotas(archive=1)
@@ -188,9 +210,18 @@ def test_an_archive_that_is_too_large_is_refused_before_it_was_sent_to_its_end(
         agent = write_agent(competitor.folder, "walker")
         (agent / "model.bin").write_bytes(os.urandom(20 << 20))
 
-        done = competitor.run("submit", "walker")
+        folder = competitor.run("submit", "walker")
+        archive = competitor.run("submit", shutil.make_archive("walker", "zip", agent))
 
-    assert (done.returncode, done.stderr) == (1, "wildscav: the archive is larger than 1 MiB\n")
+    assert archive.returncode == 1
+    assert archive.stderr.endswith(
+        "walker.zip has more than 1 MiB, which is the most that the season takes\n"
+    )
+    assert (folder.returncode, folder.stderr.count("\n")) == (1, 1)
+    assert folder.stderr.endswith(
+        "walker packs to more than 1 MiB, which is the most that the season takes; its largest file is "
+        "model.bin (20 MiB)\n"
+    )
 
 
 def test_tracks_that_the_season_lacks_are_named(competitor: Competitor) -> None:
