@@ -53,6 +53,7 @@ def match(
         infos={info.name: info for info in metric_infos(view.track)},
         names=list(dict.fromkeys(name for seat in view.seats for name in seat.metrics or ())),
         seat_names=json.dumps({seat.seat: seat.team_title or seat.name for seat in view.seats}),
+        placed=any(seat.place for seat in view.seats),
         told=any(seat.status is not None for seat in view.seats),
         timed=any(seat.latency_p50 is not None for seat in view.seats),
         unseen=_unseen(view),
