@@ -7,6 +7,7 @@ import { Course, clock } from "./trails_course.js";
 import { MAX_ZOOM, MapView, colorNumbers, colorOf, shapeOf, textColorOf } from "./trails_map.js";
 
 const POLL = 400; // ms between two questions about a running match
+const PICTURE_POLL = 1000; // ms between two questions about the picture of the map
 const RETRY = 2000; // ms after a question that was not answered
 const SPEEDS = [0.5, 1, 2, 4, 8, 16, 32];
 const TRAILS = [["none", 0], ["10 s", 10], ["30 s", 30], ["2 min", 120], ["all", Infinity]];
@@ -45,7 +46,7 @@ function picker(label, options, chosen, onchange) {
 }
 
 class Player {
-  constructor(root, course, picture) {
+  constructor(root, course) {
     this.root = root;
     this.course = course;
     this.frame = 0;
@@ -57,7 +58,7 @@ class Player {
     this.shownKinds = new Set(Object.keys(KINDS));
     this.calm = window.matchMedia("(prefers-reduced-motion: reduce)");
     this.build();
-    this.view = new MapView(this.canvas, course, picture);
+    this.view = new MapView(this.canvas, course);
     new ResizeObserver(() => this.fit()).observe(this.canvas);
     this.fit();
   }
@@ -71,6 +72,7 @@ class Player {
     this.seatList.append(...this.seatRows.map((row) => row.item));
     this.eventList = make("ol", { className: "trails-events", tabIndex: 0 });
     this.eventList.setAttribute("aria-label", "Events");
+    this.eventList.onkeydown = (press) => this.moveAmongEvents(press);
     this.filters = make("div", { className: "trails-filters", role: "group" });
     this.filters.setAttribute("aria-label", "Kinds of events");
     this.status = make("p", { className: "trails-status", role: "status" });
@@ -199,8 +201,19 @@ class Player {
   eventItem(event) {
     const at = make("span", { className: "trails-at", textContent: clock(this.course.seconds(event.frame)) });
     const text = make("span", { textContent: this.course.describe(event) });
-    const jump = make("button", { type: "button", onclick: () => this.seek(event.frame) }, at, text);
+    const jump = make("button", { type: "button", tabIndex: -1, onclick: () => this.seek(event.frame) }, at, text);
     return make("li", {}, jump);
+  }
+
+  // The list is one stop of the tab key; the arrows lead through its events, from the present one on.
+  moveAmongEvents(press) {
+    const step = { ArrowDown: 1, ArrowUp: -1 }[press.key];
+    if (!step) return;
+    press.preventDefault();
+    const items = [...this.eventList.children];
+    const at = items.findIndex((item) => item.contains(document.activeElement));
+    const next = at < 0 ? items.indexOf(this.current) : at + step;
+    items[Math.min(Math.max(0, next), items.length - 1)]?.firstElementChild.focus();
   }
 
   drawMarks() {
@@ -369,16 +382,20 @@ async function fetchTrails(url, say) {
   }
 }
 
-async function fetchPicture(url) {
-  if (!url) return null;
+// Draw the map under a match once there is a picture of it; while one is being made (202), ask again.
+async function showMap(player, url) {
+  for (;;) {
+    const answer = await fetch(url).catch(() => null);
+    if (answer?.ok && answer.status !== 202) break;
+    if (answer && answer.status !== 202) return; // the trails are drawn on plain ground
+    await new Promise((resolve) => setTimeout(resolve, answer ? PICTURE_POLL : RETRY));
+    if (!player.root.isConnected) return;
+  }
   const picture = new Image();
   picture.src = url;
-  try {
-    await picture.decode();
-    return picture;
-  } catch {
-    return null; // the trails are drawn on plain ground
-  }
+  await picture.decode().catch(() => null);
+  if (picture.naturalWidth) player.view.picture = picture;
+  player.draw();
 }
 
 function after(url, cursor) {
@@ -413,11 +430,9 @@ async function start(root) {
   root.replaceChildren(message);
   const url = root.dataset.trails;
   try {
-    const [trails, picture] = await Promise.all([
-      fetchTrails(url, (text) => (message.textContent = text)),
-      fetchPicture(root.dataset.overview),
-    ]);
-    const player = new Player(root, new Course(trails, JSON.parse(root.dataset.names ?? "{}")), picture);
+    const trails = await fetchTrails(url, (text) => (message.textContent = text));
+    const player = new Player(root, new Course(trails, JSON.parse(root.dataset.names ?? "{}")));
+    if (root.dataset.overview) showMap(player, root.dataset.overview);
     if ("live" in root.dataset) await watch(player, url);
   } catch (error) {
     message.textContent = `The match cannot be shown: ${error.message}.`;

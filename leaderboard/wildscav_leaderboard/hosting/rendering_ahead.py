@@ -1,0 +1,91 @@
+"""Maps, trails and posters of matches, made when matches begin and end, so that nobody who comes has to wait.
+
+The web server looks for what is new, since it renders and keeps such files anyway, and the conductor has
+matches to play. It begins one file after the other, those of the newest matches first: where matches end
+faster than they are rendered, older ones are left to whoever asks for them.
+"""
+
+import threading
+from collections import deque
+from collections.abc import Iterator
+from contextlib import suppress
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Self
+
+from sqlalchemy.orm import Session
+
+from wildscav.monitoring.logs import Log
+from wildscav_engine.specs.map_spec import MapSpec
+from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_leaderboard.database.connection import Database, DatabaseError
+from wildscav_leaderboard.matches.models import PLAYING, Match
+from wildscav_leaderboard.matches.service import list_matches
+from wildscav_leaderboard.matches.visibility import path_of_record, perhaps_shown, seen_by
+from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.refusals import NotFoundError
+from wildscav_leaderboard.seasons.watchdog import watched_thread
+from wildscav_leaderboard.spectating.render_cache import RenderCache
+
+EVERY = 2.0  # s between two looks
+NEWEST = 20  # finished matches that are looked at
+REMEMBERED = 500  # files that are not begun again, even if the cache is too small to keep them
+
+
+class RenderingAhead:
+    """Has rendered what people will ask for, until it exits. It is a context manager.
+
+    Args:
+        season: The season.
+        database: Its database.
+        renders: The cache, which renders.
+        log: Where to report that it broke and goes on.
+    """
+
+    def __init__(
+        self, season: Season, database: Database, renders: RenderCache, log: Log | None = None
+    ) -> None:
+        self._season, self._database, self._renders = season, database, renders
+        self._done = deque[tuple[str, int]](maxlen=REMEMBERED)
+        self._ended = threading.Event()
+        self._thread = watched_thread("rendering ahead", self._look, self._ended, database, log)
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._ended.set()
+        self._thread.join()
+
+    def _look(self) -> None:
+        while not self._ended.wait(EVERY):
+            with suppress(DatabaseError), self._database.reading() as session:
+                self.begin_next(session)
+
+    def begin_next(self, session: Session) -> None:
+        """Begin to render the next file, unless one is being rendered that comes before it."""
+        for product, match in _wanted(session):
+            if (product, match.id) in self._done:
+                continue
+            with suppress(NotFoundError):  # the record is gone
+                source = self._source(session, match)
+                progress = self._renders.progress(product, str(match.id), source, datetime.now(UTC))
+                if progress.state not in ("ready", "failed"):
+                    return
+            self._done.append((product, match.id))
+
+    def _source(self, session: Session, match: Match) -> Path | MapSpec:
+        if match.state == PLAYING:
+            return MatchSpec.model_validate(match.spec).map
+        return path_of_record(session, self._season, match.id)
+
+
+def _wanted(session: Session) -> Iterator[tuple[str, Match]]:
+    """Yield what everyone may see, what is most likely asked for first: files of matches, by product."""
+    live, over = list_matches(session, state=PLAYING), perhaps_shown(session, NEWEST)
+    seen = seen_by(session, [*live, *over], None)
+    yield from (("overview", match) for match in live if not seen[match.id].live)
+    for match in over:
+        if not seen[match.id].record:
+            yield from (("trails", match), ("poster", match))  # the map comes with the trails

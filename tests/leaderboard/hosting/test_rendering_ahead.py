@@ -1,0 +1,97 @@
+"""What is rendered before anybody asks: of whatever everyone may watch, and the newest first."""
+
+from collections.abc import Iterator
+from datetime import datetime, timedelta
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+from sqlalchemy import select
+from tests.leaderboard.filled_season import FilledSeason
+from tests.leaderboard.hosting.clients import copied_database
+
+from wildscav_engine.specs.map_spec import MapSpec
+from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.hosting.app import create_app
+from wildscav_leaderboard.hosting.rendering_ahead import RenderingAhead
+from wildscav_leaderboard.matches.models import FINISHED, LADDER, PLAYING, SUITE, VOID, Match, MatchResult
+from wildscav_leaderboard.seasons import state as season_state
+from wildscav_leaderboard.spectating.render_cache import Progress, RenderCache
+
+NOW = datetime.fromisoformat("2030-01-01T00:00:00+00:00")
+
+
+class Orders(RenderCache):
+    """Renders nothing, and notes what is ordered: the first file is not ready when it is asked for again."""
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__(folder)
+        self.ordered: list[tuple[str, int, bool]] = []  # product, match, and whether of its map alone
+
+    def progress(self, product: str, key: str, source: Path | MapSpec, now: datetime) -> Progress:
+        order = product, int(key), isinstance(source, MapSpec)
+        self.ordered.append(order)
+        return Progress("rendering" if self.ordered.count(order) == 1 else "ready")
+
+
+class Season(NamedTuple):
+    """A season to change, and the last two matches of its ladder: one game."""
+
+    ahead: RenderingAhead
+    orders: Orders
+    database: Database
+    first: int
+    second: int
+
+    def files(self, looks: int) -> list[tuple[str, int, bool]]:
+        """Return what has been ordered after some looks, without what was asked for again."""
+        for _ in range(looks):
+            with self.database.reading() as session:
+                self.ahead.begin_next(session)
+        return list(dict.fromkeys(self.orders.ordered))
+
+
+@pytest.fixture
+def season(hostile_season: FilledSeason, tmp_path: Path) -> Iterator[Season]:
+    app = create_app(hostile_season.season, hostile_season.database)
+    app.state.renders.close()
+    with copied_database(app, hostile_season, tmp_path) as copy:
+        database = Database(f"sqlite:///{copy}")
+        last = select(Match.id).where(Match.kind == LADDER, Match.state == FINISHED).order_by(Match.id.desc())
+        with database.reading() as session:
+            second, first = session.scalars(last.limit(2)).all()
+        orders = Orders(tmp_path / "rendered")
+        yield Season(RenderingAhead(hostile_season.season, database, orders), orders, database, first, second)
+        database.close()
+
+
+def test_one_after_the_other_the_newest_first_and_each_once(season: Season) -> None:
+    assert season.files(1) == [("trails", season.second, False)]
+    two = [
+        (product, match, False) for match in (season.second, season.first) for product in ("trails", "poster")
+    ]
+    assert season.files(4)[:4] == two
+    asked = len(season.orders.ordered)
+    everything = season.files(60)
+    assert len(season.orders.ordered) == 2 * len(everything) > asked  # what was ready is not asked for again
+
+
+def test_the_map_of_a_live_match_is_made_when_it_begins(season: Season) -> None:
+    with season.database.writing() as session:
+        session.get_one(Match, season.second).state = PLAYING
+        session.get_one(Match, season.first).state = VOID  # else with the record of the first, too
+    assert season.files(1) == [("overview", season.second, True)]
+
+
+def test_nothing_hidden_is_rendered(season: Season) -> None:
+    with season.database.writing() as session:
+        session.get_one(Match, season.second).state = PLAYING
+        late = select(MatchResult).join(Match, Match.id == MatchResult.match_id).where(Match.kind == LADDER)
+        before = session.scalars(late.order_by(MatchResult.at.desc()).offset(5)).first()
+        assert before is not None
+        season_state.freeze(session, before.at - timedelta(microseconds=1))
+        hidden = set(session.scalars(select(Match.id).where(Match.kind == SUITE)))
+        hidden |= set(session.scalars(select(MatchResult.match_id).where(MatchResult.at >= before.at)))
+    ordered = {match for _, match, _ in season.files(60)}
+    assert ordered
+    assert not ordered & (hidden | {season.first, season.second})
