@@ -206,6 +206,11 @@ class SeatView(View):
     latency_max: float | None = None
     late_steps: int | None = None
 
+    @property
+    def who(self) -> str:
+        """Who plays in it, as people read it."""
+        return self.team_title or self.name
+
 
 class MatchView(View):
     """A match, with what whoever asks may see of it."""

@@ -113,7 +113,7 @@ def judged(match: Match, seats: list[SeatView]) -> tuple[list[SeatView], str | N
         return seats, FOR_SCORE
     places = places_of(match.track, metrics)
     placed = [seat.model_copy(update={"place": place}) for seat, place in zip(seats, places, strict=True)]
-    first = [seat.team_title or seat.name for seat in placed if seat.place == 1]
+    first = [seat.who for seat in placed if seat.place == 1]
     if len(first) == len(seats):
         return placed, TIE
     return placed, first[0] if len(first) == 1 else f"{' and '.join(first)}, tied"

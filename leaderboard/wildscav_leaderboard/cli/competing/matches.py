@@ -53,7 +53,7 @@ def _table(found: "list[MatchView]", submission: int | None) -> Table:
     for one in found:
         own = [seat for seat in one.seats if submission is not None and seat.submission == submission]
         outcomes = dict.fromkeys(texts.outcome(one, seat) for seat in own or one.seats[:1])
-        entrants = ", ".join(dict.fromkeys(texts.who(seat) for seat in one.seats))
+        entrants = ", ".join(dict.fromkeys(seat.who for seat in one.seats))
         since = texts.minute(one.since) if one.since else ""
         cells = (one.id, one.track, texts.state(one.state), since, entrants, one.winner or "")
         table.add_row(*texts.row(*cells, ", ".join(filter(None, outcomes))))
