@@ -7,7 +7,6 @@ faster than they are rendered, older ones are left to whoever asks for them.
 
 import threading
 from collections import deque
-from collections.abc import Iterator
 from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
@@ -30,6 +29,7 @@ from wildscav_leaderboard.spectating.render_cache import RenderCache
 EVERY = 2.0  # s between two looks
 NEWEST = 20  # finished matches that are looked at
 REMEMBERED = 500  # files that are not begun again, even if the cache is too small to keep them
+LIVE, OVER = "overview", ("trails", "poster")  # products; the map comes with the trails
 
 
 class RenderingAhead:
@@ -47,6 +47,7 @@ class RenderingAhead:
     ) -> None:
         self._season, self._database, self._renders = season, database, renders
         self._done = deque[tuple[str, int]](maxlen=REMEMBERED)
+        self._last: tuple[str, str] | None = None  # that was begun: product and key
         self._ended = threading.Event()
         self._thread = watched_thread("rendering ahead", self._look, self._ended, database, log)
 
@@ -64,16 +65,19 @@ class RenderingAhead:
                 self.begin_next(session)
 
     def begin_next(self, session: Session) -> None:
-        """Begin to render the next file, unless one is being rendered that comes before it."""
-        for product, match in _wanted(session):
-            if (product, match.id) in self._done:
+        """Begin to render the next file, unless the last one is still being rendered."""
+        if self._last is not None and self._renders.is_rendering(*self._last):
+            return
+        live, over = _wanted(session)
+        # In turn, so that neither waits for ever where matches begin and end faster than they are drawn.
+        for product, match in over + live if self._last and self._last[0] == LIVE else live + over:
+            if (product, match.id) in self._done or self._renders.is_kept(product, str(match.id)):
                 continue
-            with suppress(NotFoundError):  # the record is gone
-                source = self._source(session, match)
-                progress = self._renders.progress(product, str(match.id), source, datetime.now(UTC))
-                if progress.state not in ("ready", "failed"):
-                    return
             self._done.append((product, match.id))
+            with suppress(NotFoundError):  # the record is gone
+                self._last, source = (product, str(match.id)), self._source(session, match)
+                self._renders.progress(*self._last, source, datetime.now(UTC))
+                return
 
     def _source(self, session: Session, match: Match) -> Path | MapSpec:
         if match.state == PLAYING:
@@ -81,11 +85,10 @@ class RenderingAhead:
         return path_of_record(session, self._season, match.id)
 
 
-def _wanted(session: Session) -> Iterator[tuple[str, Match]]:
-    """Yield what everyone may see, what is most likely asked for first: files of matches, by product."""
+def _wanted(session: Session) -> tuple[list[tuple[str, Match]], list[tuple[str, Match]]]:
+    """Return what everyone may see, as products of matches: of live ones, and of those that are over."""
     live, over = list_matches(session, state=PLAYING), perhaps_shown(session, NEWEST)
     seen = seen_by(session, [*live, *over], None)
-    yield from (("overview", match) for match in live if not seen[match.id].live)
-    for match in over:
-        if not seen[match.id].record:
-            yield from (("trails", match), ("poster", match))  # the map comes with the trails
+    maps = [(LIVE, match) for match in live if not seen[match.id].live]
+    shown = [match for match in over if not seen[match.id].record]
+    return maps, [(product, match) for match in shown for product in OVER]

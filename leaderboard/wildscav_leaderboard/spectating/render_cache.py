@@ -136,6 +136,12 @@ class RenderCache:
                 task = self._begin(work, key, source, now)
             return Progress(task.state, task.detail or self._what_goes_on(task, name))
 
+    def is_rendering(self, product: str, key: str) -> bool:
+        """Return whether a file waits to be rendered here, or is being rendered."""
+        with self._lock:
+            task = self._tasks.get(f"{key}.{PRODUCTS[product].work}")
+            return task is not None and task.state != "failed"
+
     def is_kept(self, product: str, key: str) -> bool:
         """Return whether a file is ready, without having it rendered or noting that it is used.
 
