@@ -10,7 +10,7 @@ from collections import deque
 from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Self
+from typing import NamedTuple, Self
 
 from sqlalchemy.orm import Session
 
@@ -18,9 +18,9 @@ from wildscav.monitoring.logs import Log
 from wildscav_engine.specs.map_spec import MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_leaderboard.database.connection import Database, DatabaseError
-from wildscav_leaderboard.matches.models import PLAYING, Match
+from wildscav_leaderboard.matches.models import PLAYING, WAITING, Match
 from wildscav_leaderboard.matches.service import list_matches
-from wildscav_leaderboard.matches.visibility import path_of_record, perhaps_shown, seen_by
+from wildscav_leaderboard.matches.visibility import FROZEN, path_of_record, perhaps_shown, seen_by, twins_of
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import NotFoundError
 from wildscav_leaderboard.seasons.watchdog import watched_thread
@@ -30,6 +30,14 @@ EVERY = 2.0  # s between two looks
 NEWEST = 20  # finished matches that are looked at
 REMEMBERED = 500  # files that are not begun again, even if the cache is too small to keep them
 LIVE, OVER = "overview", ("trails", "poster")  # products; the map comes with the trails
+
+
+class Order(NamedTuple):
+    """A file to be made."""
+
+    product: str
+    number: int  # of the match that it is for
+    match: Match  # from which it is made
 
 
 class RenderingAhead:
@@ -70,12 +78,12 @@ class RenderingAhead:
             return
         live, over = _wanted(session)
         # In turn, so that neither waits for ever where matches begin and end faster than they are drawn.
-        for product, match in over + live if self._last and self._last[0] == LIVE else live + over:
-            if (product, match.id) in self._done or self._renders.is_kept(product, str(match.id)):
+        for product, number, match in over + live if self._last and self._last[0] == LIVE else live + over:
+            if (product, number) in self._done or self._renders.is_kept(product, str(number)):
                 continue
-            self._done.append((product, match.id))
+            self._done.append((product, number))
             with suppress(NotFoundError):  # the record is gone
-                self._last, source = (product, str(match.id)), self._source(session, match)
+                self._last, source = (product, str(number)), self._source(session, match)
                 self._renders.progress(*self._last, source, datetime.now(UTC))
                 return
 
@@ -85,10 +93,15 @@ class RenderingAhead:
         return path_of_record(session, self._season, match.id)
 
 
-def _wanted(session: Session) -> tuple[list[tuple[str, Match]], list[tuple[str, Match]]]:
-    """Return what everyone may see, as products of matches: of live ones, and of those that are over."""
+def _wanted(session: Session) -> tuple[list[Order], list[Order]]:
+    """Return what people will ask for: of live matches, and of those that are over and may be watched.
+
+    The first playing of a game of a ladder is hidden, and has the map of the second one.
+    """
     live, over = list_matches(session, state=PLAYING), perhaps_shown(session, NEWEST)
-    seen = seen_by(session, [*live, *over], None)
-    maps = [(LIVE, match) for match in live if not seen[match.id].live]
+    seen, twins = seen_by(session, [*live, *over], None), twins_of(session, live)
+    maps = [Order(LIVE, match.id, match) for match in live if not seen[match.id].live]
+    hidden = ((match, twins.get(match.id)) for match in live if seen[match.id].live not in ("", FROZEN))
+    maps += [Order(LIVE, twin.id, match) for match, twin in hidden if twin and twin.state == WAITING]
     shown = [match for match in over if not seen[match.id].record]
-    return maps, [(product, match) for match in shown for product in OVER]
+    return maps, [Order(product, match.id, match) for match in shown for product in OVER]

@@ -14,7 +14,16 @@ from wildscav_engine.specs.map_spec import MapSpec
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.hosting.rendering_ahead import RenderingAhead
-from wildscav_leaderboard.matches.models import FINISHED, LADDER, PLAYING, SUITE, VOID, Match, MatchResult
+from wildscav_leaderboard.matches.models import (
+    FINISHED,
+    LADDER,
+    PLAYING,
+    SUITE,
+    VOID,
+    WAITING,
+    Match,
+    MatchResult,
+)
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.spectating.render_cache import Progress, RenderCache
 
@@ -91,6 +100,16 @@ def test_the_map_of_a_live_match_is_made_when_it_begins_but_holds_up_no_others(s
     with season.database.writing() as session:
         session.get_one(Match, season.second).state = PLAYING
     assert season.files(60).count(("overview", season.second, True)) == 1
+
+
+def test_the_map_of_a_game_is_made_while_its_first_match_is_played_which_nobody_may_watch(
+    season: Season,
+) -> None:
+    with season.database.writing() as session:
+        session.get_one(Match, season.first).state = PLAYING
+        session.get_one(Match, season.second).state = WAITING
+    assert season.files(1) == [("overview", season.second, True)]
+    assert season.first not in {match for _, match, _ in season.files(60)}
 
 
 def test_nothing_hidden_is_rendered(season: Season) -> None:

@@ -8,6 +8,7 @@ import { MAX_ZOOM, MapView, colorNumbers, colorOf, shapeOf, textColorOf } from "
 
 const POLL = 400; // ms between two questions about a running match
 const PICTURE_POLL = 1000; // ms between two questions about the picture of the map
+const PICTURE_PATIENCE = 10000; // ms for which a match waits for it
 const RETRY = 2000; // ms after a question that was not answered
 const SPEEDS = [0.5, 1, 2, 4, 8, 16, 32];
 const TRAILS = [["none", 0], ["10 s", 10], ["30 s", 30], ["2 min", 120], ["all", Infinity]];
@@ -327,6 +328,11 @@ class Player {
     this.canvas.onpointerup = this.canvas.onpointercancel = () => (from = null);
   }
 
+  showMap(picture) {
+    this.view.picture = picture;
+    this.draw();
+  }
+
   fit() {
     this.view.resize();
     this.drawMarks();
@@ -373,7 +379,7 @@ async function fetchTrails(url, say) {
     if (answer.status === 202) {
       const progress = await answer.json();
       say(progress.detail ?? "The match is being prepared …");
-      await new Promise((resolve) => setTimeout(resolve, 1000));
+      await pause(1000);
       continue;
     }
     if (answer.status === 503) throw new Error((await answer.json()).detail);
@@ -382,20 +388,19 @@ async function fetchTrails(url, say) {
   }
 }
 
-// Draw the map under a match once there is a picture of it; while one is being made (202), ask again.
-async function showMap(player, url) {
-  for (;;) {
-    const answer = await fetch(url).catch(() => null);
-    if (answer?.ok && answer.status !== 202) break;
-    if (answer && answer.status !== 202) return; // the trails are drawn on plain ground
-    await new Promise((resolve) => setTimeout(resolve, answer ? PICTURE_POLL : RETRY));
-    if (!player.root.isConnected) return;
+const pause = (time) => new Promise((resolve) => setTimeout(resolve, time));
+
+// Fetch the picture of a map; while it is being made (202), ask again. Without one, trails are drawn on plain ground.
+async function fetchPicture(url) {
+  let answer = null;
+  while (!answer || answer.status === 202) {
+    if (answer) await pause(PICTURE_POLL);
+    answer = await fetch(url).catch(() => pause(RETRY));
   }
+  if (!answer.ok) return null;
   const picture = new Image();
   picture.src = url;
-  await picture.decode().catch(() => null);
-  if (picture.naturalWidth) player.view.picture = picture;
-  player.draw();
+  return picture.decode().then(() => picture, () => null);
 }
 
 function after(url, cursor) {
@@ -430,9 +435,12 @@ async function start(root) {
   root.replaceChildren(message);
   const url = root.dataset.trails;
   try {
+    const picture = root.dataset.overview ? fetchPicture(root.dataset.overview) : Promise.resolve(null);
     const trails = await fetchTrails(url, (text) => (message.textContent = text));
+    message.textContent = "The map is being drawn …";
+    await Promise.race([picture, pause(PICTURE_PATIENCE)]);
     const player = new Player(root, new Course(trails, JSON.parse(root.dataset.names ?? "{}")));
-    if (root.dataset.overview) showMap(player, root.dataset.overview);
+    picture.then((drawn) => player.showMap(drawn));
     if ("live" in root.dataset) await watch(player, url);
   } catch (error) {
     message.textContent = `The match cannot be shown: ${error.message}.`;
