@@ -5,10 +5,13 @@ from datetime import datetime, timedelta
 from pathlib import Path
 from typing import NamedTuple
 
+import httpx
 import pytest
+from fastapi import FastAPI
 from sqlalchemy import select
 from tests.leaderboard.filled_season import FilledSeason
 from tests.leaderboard.hosting.clients import copied_database
+from tests.leaderboard.spectating.served import served
 
 from wildscav_engine.specs.map_spec import MapSpec
 from wildscav_leaderboard.database.connection import Database
@@ -49,6 +52,7 @@ class Orders(RenderCache):
 class Season(NamedTuple):
     """A season to change, and the last two matches of its ladder: one game."""
 
+    app: FastAPI
     ahead: RenderingAhead
     orders: Orders
     database: Database
@@ -73,7 +77,9 @@ def season(hostile_season: FilledSeason, tmp_path: Path) -> Iterator[Season]:
         with database.reading() as session:
             second, first = session.scalars(last.limit(2)).all()
         orders = Orders(tmp_path / "rendered")
-        yield Season(RenderingAhead(hostile_season.season, database, orders), orders, database, first, second)
+        yield Season(
+            app, RenderingAhead(hostile_season.season, database, orders), orders, database, first, second
+        )
         database.close()
 
 
@@ -110,6 +116,23 @@ def test_the_map_of_a_game_is_made_while_its_first_match_is_played_which_nobody_
         session.get_one(Match, season.second).state = WAITING
     assert season.files(1) == [("overview", season.second, True)]
     assert season.first not in {match for _, match, _ in season.files(60)}
+
+
+@pytest.mark.parametrize(
+    ("first", "status"),
+    [
+        (VOID, 503),  # it may be watched, but nothing is rendered in this test
+        (FINISHED, 503),
+        (WAITING, 403),  # others play on the same map later
+    ],
+)
+def test_a_live_match_has_a_map_whenever_it_may_be_watched(season: Season, first: str, status: int) -> None:
+    with season.database.writing() as session:
+        session.get_one(Match, season.first).state = first
+        session.get_one(Match, season.second).state = PLAYING
+    with served(season.app) as address:
+        answer = httpx.get(f"{address}/api/v1/matches/{season.second}/overview.webp", timeout=60.0)
+    assert answer.status_code == status, answer.text
 
 
 def test_nothing_hidden_is_rendered(season: Season) -> None:
