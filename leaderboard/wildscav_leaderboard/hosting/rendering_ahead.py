@@ -10,7 +10,7 @@ from collections import deque
 from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import NamedTuple, Self
+from typing import Self
 
 from sqlalchemy.orm import Session
 
@@ -27,17 +27,9 @@ from wildscav_leaderboard.seasons.watchdog import watched_thread
 from wildscav_leaderboard.spectating.render_cache import RenderCache
 
 EVERY = 2.0  # s between two looks
-NEWEST = 20  # finished matches that are looked at
 REMEMBERED = 500  # files that are not begun again, even if the cache is too small to keep them
+Order = tuple[str, int, Match]  # product, number of the match that it is for, and match to make it from
 LIVE, OVER = "overview", ("trails", "poster")  # products; the map comes with the trails
-
-
-class Order(NamedTuple):
-    """A file to be made."""
-
-    product: str
-    number: int  # of the match that it is for
-    match: Match  # from which it is made
 
 
 class RenderingAhead:
@@ -57,7 +49,7 @@ class RenderingAhead:
         self._done = deque[tuple[str, int]](maxlen=REMEMBERED)
         self._last: tuple[str, str] | None = None  # that was begun: product and key
         self._ended = threading.Event()
-        self._thread = watched_thread("rendering ahead", self._look, self._ended, database, log)
+        self._thread = watched_thread("rendering", self._look, self._ended, database, log)
 
     def __enter__(self) -> Self:
         self._thread.start()
@@ -98,10 +90,10 @@ def _wanted(session: Session) -> tuple[list[Order], list[Order]]:
 
     The first playing of a game of a ladder is hidden, and has the map of the second one.
     """
-    live, over = list_matches(session, state=PLAYING), perhaps_shown(session, NEWEST)
+    live, over = list_matches(session, state=PLAYING), perhaps_shown(session)
     seen, twins = seen_by(session, [*live, *over], None), twins_of(session, live)
-    maps = [Order(LIVE, match.id, match) for match in live if not seen[match.id].live]
+    maps = [(LIVE, match.id, match) for match in live if not seen[match.id].live]
     hidden = ((match, twins.get(match.id)) for match in live if seen[match.id].live not in ("", FROZEN))
-    maps += [Order(LIVE, twin.id, match) for match, twin in hidden if twin and twin.state == WAITING]
+    maps += [(LIVE, twin.id, match) for match, twin in hidden if twin and twin.state == WAITING]
     shown = [match for match in over if not seen[match.id].record]
-    return maps, [Order(product, match.id, match) for match in shown for product in OVER]
+    return maps, [(product, match.id, match) for match in shown for product in OVER]

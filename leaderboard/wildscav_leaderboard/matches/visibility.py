@@ -30,6 +30,7 @@ OF_SUITE = (
     "everyone plays this match of the suite, its own team again too, so it is hidden until the season's "
     "secret is opened at its end"
 )
+NEWEST = 20  # finished matches of which something is shown, and made, before anybody asks
 FROZEN = "the public boards are frozen, so it is hidden until the season is finalized"
 
 
@@ -95,12 +96,12 @@ def seen_by(
     return {match.id: visible(match) for match in matches}
 
 
-def perhaps_shown(session: Session, limit: int) -> list[Match]:
+def perhaps_shown(session: Session) -> list[Match]:
     """Return the newest finished matches that everyone may watch as far as their kind and their time say.
 
     Whether a match can be watched, ``seen_by`` decides, as for any other.
     """
-    wanted = select(Match).order_by(Match.id.desc()).limit(limit).options(defer(Match.spec))
+    wanted = select(Match).order_by(Match.id.desc()).limit(NEWEST).options(defer(Match.spec))
     # Most matches are finished, and many of a ladder: from the end, some are found without an index.
     wanted = wanted.where(func.coalesce(Match.state, "") == FINISHED)
     if read_state(session, OPENED) is None:

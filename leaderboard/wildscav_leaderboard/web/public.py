@@ -34,7 +34,6 @@ from wildscav_leaderboard.web.rendering import page
 router = APIRouter()
 LEADERS = 3  # of each track on the season's page
 MATCHES = 25  # of a submission on its page
-NEWEST = 20  # matches of which one is shown on the season's page
 PICTURES = {"poster": "poster.jpg", "overview": "overview.webp"}  # of a match, the better one first
 
 
@@ -68,7 +67,7 @@ def home(
 
 def _latest(session: Session, renders: RenderCache) -> tuple[MatchView, str] | None:
     """Return the newest match that everyone may watch and that has a picture, and the path of the picture."""
-    newest = [match for match in perhaps_shown(session, NEWEST) if _picture(renders, match.id)]
+    newest = [match for match in perhaps_shown(session) if _picture(renders, match.id)]
     shown = (view for view in match_views(session, newest, None) if view.hidden is None)
     return next(((view, _picture(renders, view.id)) for view in shown), None)
 
