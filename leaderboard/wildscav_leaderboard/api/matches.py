@@ -6,6 +6,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Depends, Query, Request
 from fastapi.responses import FileResponse, PlainTextResponse, Response
 
+from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_leaderboard.access.requests import (
     AnyReader,
     CurrentSeason,
@@ -16,9 +17,9 @@ from wildscav_leaderboard.access.requests import (
     Renders,
 )
 from wildscav_leaderboard.api.submissions import shown_log
-from wildscav_leaderboard.matches.models import FINISHED, MatchResult, MatchSeat
+from wildscav_leaderboard.matches.models import MatchResult, MatchSeat
 from wildscav_leaderboard.matches.service import MOST, find_match, list_matches
-from wildscav_leaderboard.matches.visibility import Twin, path_of_record, record_path, seen_by, twin_of
+from wildscav_leaderboard.matches.visibility import record_path, seen_by
 from wildscav_leaderboard.presentation.documents import REFUSALS, MatchList, MatchView
 from wildscav_leaderboard.presentation.matches import match_views
 from wildscav_leaderboard.seasons.refusals import ForbiddenError, NotFoundError
@@ -27,6 +28,7 @@ from wildscav_leaderboard.spectating.render_cache import Progress
 from wildscav_leaderboard.spectating.responses import KEPT, NO_STORE, file_response, progress_response
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.teams.models import Team
+from wildscav_leaderboard.teams.service import find_team
 
 router = APIRouter(tags=["matches"])
 RENDERED: dict[int | str, dict[str, Any]] = {
@@ -40,16 +42,20 @@ def matches(
     caller: AnyReader,
     session: Reading,
     submission: Number | None = None,
+    team: str | None = None,
     track: str | None = None,
     state: str | None = None,
     before: Number | None = None,
     limit: Annotated[int, Query(ge=1, le=MOST)] = MOST,
 ) -> MatchList:
     """List matches, the newest first."""
-    found = list_matches(session, submission=submission, track=track, state=state, before=before, limit=limit)
+    own = None if team is None else find_team(session, team).id
+    found = list_matches(
+        session, submission=submission, team=own, track=track, state=state, before=before, limit=limit
+    )
     more = None
     if len(found) == limit:
-        chosen = {"submission": submission, "track": track, "state": state}
+        chosen = {"submission": submission, "team": team, "track": track, "state": state}
         others = "".join(f"&{name}={value}" for name, value in chosen.items() if value is not None)
         more = f"/api/v1/matches?before={found[-1].id}&limit={limit}{others}"
     return MatchList(matches=match_views(session, found, caller), next=more)
@@ -86,11 +92,8 @@ class Rendering:
         """Whether the match is being played, and the caller may watch it."""
         return not seen_by(self.session, [find_match(self.session, self.match)], self.caller)[self.match].live
 
-    def progress(self, product: str, twin: Twin | None = None) -> Progress:
-        """Return how far a file is, made from the record if the caller may see it, or from that of a twin."""
-        if twin is not None:
-            path = path_of_record(self.session, self.season, twin.id)
-            return self.renders.progress(product, str(twin.id), path, self.now)
+    def progress(self, product: str) -> Progress:
+        """Return how far a file is, made from the record if the caller may see it."""
         path = record_path(self.session, self.season, self.match, self.caller)
         return self.renders.progress(product, str(self.match), path, self.now)
 
@@ -116,10 +119,12 @@ def trails(asked: Asked, request: Request, after: Annotated[str, Query(max_lengt
 @router.get("/matches/{match}/overview.webp", responses=RENDERED)
 def overview(asked: Asked) -> Response:
     """Return the map of a match from above."""
-    twin = twin_of(asked.session, find_match(asked.session, asked.match))
-    if twin is not None and (twin.state != FINISHED or not asked.is_live):
-        twin = None  # else its record will be of the same map
-    return file_response("overview", asked.progress("overview", twin))
+    if not asked.is_live:
+        return file_response("overview", asked.progress("overview"))
+    spec = MatchSpec.model_validate(find_match(asked.session, asked.match).spec)
+    return file_response(
+        "overview", asked.renders.progress("overview", str(asked.match), spec.map, asked.now)
+    )
 
 
 @router.get("/matches/{match}/replay", responses=RENDERED)

@@ -22,6 +22,7 @@ from wildscav_leaderboard.api.routers import PREFIX, api_router
 from wildscav_leaderboard.database.connection import READERS, Database
 from wildscav_leaderboard.hosting.broken_requests import BrokenRequests
 from wildscav_leaderboard.hosting.head_requests import HeadRequests
+from wildscav_leaderboard.hosting.rendering_ahead import RenderingAhead
 from wildscav_leaderboard.hosting.request_log import RequestLog
 from wildscav_leaderboard.hosting.web_counts import WebCounts
 from wildscav_leaderboard.playing.tables import Tables
@@ -53,7 +54,7 @@ def create_app(
 
     @asynccontextmanager
     async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
-        with renders, tables:
+        with renders, tables, RenderingAhead(season, database, renders, log):
             yield
 
     app = FastAPI(

@@ -172,19 +172,23 @@ def list_matches(
     session: Session,
     *,
     submission: int | None = None,
+    team: int | None = None,
     track: str | None = None,
     state: str | None = None,
     before: int | None = None,
     limit: int = MOST,
 ) -> list[Match]:
-    """Return matches, the newest first."""
+    """Return matches, the newest first: of a submission or a team, on a track, in a state."""
     wanted = select(Match).order_by(Match.id.desc()).limit(limit).options(defer(Match.spec))  # it is large
-    if submission is not None:
-        own = select(MatchSeat.match_id).where(MatchSeat.submission_id == submission)
-        wanted = wanted.where(Match.id.in_(own))
-    for column, value in ((Match.track, track), (Match.state, state)):
+    own = select(MatchSeat.match_id).join(Submission, Submission.id == MatchSeat.submission_id)
+    for column, number in ((Submission.id, submission), (Submission.team_id, team)):
+        if number is not None:
+            wanted = wanted.where(Match.id.in_(own.where(column == number)))
+    for name, value in ((Match.track, track), (Match.state, state)):
         if value is not None:
-            wanted = wanted.where(column == value)
+            # Most matches are finished, and many on each track: the newest are found without an index.
+            most = func.coalesce(name, "")
+            wanted = wanted.where((name if value in (WAITING, PLAYING, VOID) else most) == value)
     if before is not None:
         wanted = wanted.where(Match.id < before)
     return list(session.scalars(wanted))

@@ -15,8 +15,8 @@ from datetime import datetime
 from pathlib import Path
 from typing import NamedTuple
 
-from sqlalchemy import and_, or_, select
-from sqlalchemy.orm import Session
+from sqlalchemy import and_, func, or_, select
+from sqlalchemy.orm import Session, defer
 
 from wildscav_leaderboard.accounts.service import Caller
 from wildscav_leaderboard.matches.models import FINISHED, LADDER, PLAYING, VOID, Match, MatchResult
@@ -30,6 +30,7 @@ OF_SUITE = (
     "everyone plays this match of the suite, its own team again too, so it is hidden until the season's "
     "secret is opened at its end"
 )
+NEWEST = 20  # finished matches of which something is shown, and made, before anybody asks
 FROZEN = "the public boards are frozen, so it is hidden until the season is finalized"
 
 
@@ -95,6 +96,23 @@ def seen_by(
     return {match.id: visible(match) for match in matches}
 
 
+def perhaps_shown(session: Session) -> list[Match]:
+    """Return the newest finished matches that everyone may watch as far as their kind and their time say.
+
+    Whether a match can be watched, ``seen_by`` decides, as for any other.
+    """
+    wanted = select(Match).order_by(Match.id.desc()).limit(NEWEST).options(defer(Match.spec))
+    # Most matches are finished, and many of a ladder: from the end, some are found without an index.
+    wanted = wanted.where(func.coalesce(Match.state, "") == FINISHED)
+    if read_state(session, OPENED) is None:
+        wanted = wanted.where(func.coalesce(Match.kind, "") == LADDER)
+    since = frozen_since(session)
+    if since is not None:
+        shown = select(MatchResult.match_id).where(MatchResult.match_id == Match.id, MatchResult.at <= since)
+        wanted = wanted.where(shown.exists())
+    return list(session.scalars(wanted))
+
+
 def shown_until(session: Session, caller: Caller | None) -> datetime | None:
     """Return until when the history of boards may be seen by a caller; None if all of it may."""
     return None if caller is not None and caller.is_organizer else frozen_since(session)
@@ -127,11 +145,6 @@ def _after_freeze(
     numbers = [match.id for match in matches]
     late = select(MatchResult.match_id).where(MatchResult.match_id.in_(numbers), MatchResult.at > since)
     return set(session.scalars(late))
-
-
-def twin_of(session: Session, match: Match) -> Twin | None:
-    """Return the match of a ladder in which the same game is played in other seats, if it is on one."""
-    return twins_of(session, [match]).get(match.id)
 
 
 def twins_of(session: Session, matches: Sequence[Match]) -> dict[int, Twin]:

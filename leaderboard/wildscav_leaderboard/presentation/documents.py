@@ -202,10 +202,16 @@ class SeatView(View):
     fault: str | None = None
     detail: str | None = None
     metrics: dict[str, float] | None = None
+    place: int | None = None  # on a ladder, from 1; None where not every seat's outcome can be seen
     latency_p50: float | None = None  # s
     latency_p99: float | None = None
     latency_max: float | None = None
     late_steps: int | None = None
+
+    @property
+    def who(self) -> str:
+        """Who plays in it, as people read it."""
+        return self.team_title or self.name
 
 
 class MatchView(View):
@@ -223,6 +229,7 @@ class MatchView(View):
     judging: int  # more than 1 where organizers had it played again
     superseded: datetime | None  # since when a later judging counts in its place
     seats: list[SeatView]
+    winner: str | None = None  # as people read it, or why there is none; None where it cannot be seen
     hidden: str | None  # why its record, trails and logs cannot be seen
     unseen: str | None  # why its outcomes cannot be seen by everyone
     record: str | None  # BLAKE2b digest of its record

@@ -8,7 +8,8 @@ from sqlalchemy.orm import Session
 
 from wildscav_evaluator.seats import ROBOT_ENTRANT
 from wildscav_leaderboard.accounts.service import Caller
-from wildscav_leaderboard.matches.models import Match, MatchResult, MatchSeat
+from wildscav_leaderboard.boards.ladders import places_of
+from wildscav_leaderboard.matches.models import LADDER, Match, MatchResult, MatchSeat
 from wildscav_leaderboard.matches.service import results_of
 from wildscav_leaderboard.matches.visibility import Visible, seen_by
 from wildscav_leaderboard.presentation.documents import MatchView, SeatView
@@ -17,6 +18,8 @@ from wildscav_leaderboard.teams.models import Team
 
 OUTCOME = ("status", "fault", "metrics")  # of a seat; its detail is for its own team
 ANSWERS = ("latency_p50", "latency_p99", "latency_max", "late_steps")  # how long an agent took
+TIE = "no winner: a tie"
+FOR_SCORE = "no winner: played for the score"  # in a suite, where one submission alone is judged
 
 
 class EntrantNames(NamedTuple):
@@ -85,8 +88,10 @@ def _view(
         row = None if visible.outcome_in(team) else rows.get(seat.seat)
         detailed = visible.is_own(team) and not visible.own
         views.append(_seat(seat, known, row, timings.get(seat.seat) if detailed else None, detailed=detailed))
+    views, winner = judged(match, views)
     return MatchView.about(
         match,
+        winner=winner,
         since=None if visible.own else match.since,
         detail="" if visible.own else match.detail,
         seats=views,
@@ -94,6 +99,24 @@ def _view(
         unseen=visible.outcome or None,
         record=None if result is None else result.record,
     )
+
+
+def judged(match: Match, seats: list[SeatView]) -> tuple[list[SeatView], str | None]:
+    """Return the seats of a match with their places, as its ladder counts them, and who won it.
+
+    Whoever cannot see how it ended in every seat is told neither: the winner is then None.
+    """
+    metrics = [seat.metrics for seat in seats if seat.metrics is not None]
+    if not seats or len(metrics) < len(seats):
+        return seats, None
+    if match.kind != LADDER:
+        return seats, FOR_SCORE
+    places = places_of(match.track, metrics)
+    placed = [seat.model_copy(update={"place": place}) for seat, place in zip(seats, places, strict=True)]
+    first = [seat.who for seat in placed if seat.place == 1]
+    if len(first) == len(seats):
+        return placed, TIE
+    return placed, first[0] if len(first) == 1 else f"{' and '.join(first)}, tied"
 
 
 def _rows(result: MatchResult | None) -> tuple[dict[int, dict[str, Any]], dict[int, dict[str, Any]]]:

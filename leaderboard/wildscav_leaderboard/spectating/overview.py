@@ -12,9 +12,11 @@ from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.maps.picture.raster import raster
 from wildscav_engine.maps.picture.top_view import Window
 from wildscav_engine.record import RecordError, read_record
+from wildscav_engine.specs.map_spec import MapSpec
 
 WIDTH = 1000  # pixels
 QUALITY = 82  # of WebP, 0-100
+SPEC = ".json"  # ending of a file that has a MapSpec
 
 
 class Placement(BaseModel):
@@ -72,12 +74,14 @@ def overview(game_map: GameMap, width: int = WIDTH) -> bytes:
 
 
 def overview_of_file(path: Path) -> bytes:
-    """Return the picture of the map on which a record's match was played, as WebP.
+    """Return the picture of the map of a record, or of a spec of a map (``.json``), as WebP.
 
     Raises:
         UserError: The record cannot be read, or its map not be made.
     """
     try:
-        return overview(map_of(read_record(path).spec.map))
+        is_spec = path.suffix == SPEC
+        spec = MapSpec.model_validate_json(path.read_bytes()) if is_spec else read_record(path).spec.map
+        return overview(map_of(spec))
     except (RecordError, MapError) as error:
         raise UserError(str(error)) from None

@@ -1,4 +1,4 @@
-"""Files that pages show of recorded matches, rendered on first request and kept in a folder of bounded size.
+"""Files that pages show of matches, rendered once from their records and kept in a folder of bounded size.
 
 They are rendered in processes that do nothing else, as Rerun keeps threads for every recording that a process
 has made. What a page needs at once comes from one process; a replay, a poster and a video come from others.
@@ -28,6 +28,7 @@ from typing import Literal, NamedTuple, Self
 
 from wildscav.errors import UserError
 from wildscav.terminal.console import counted
+from wildscav_engine.specs.map_spec import MapSpec
 from wildscav_leaderboard.spectating.document import TRAILS_VERSION
 
 KEY = re.compile(r"[A-Za-z0-9_-]{1,100}")
@@ -36,6 +37,7 @@ TIME_LIMIT = 900.0  # s for one process
 MOST_WAITING = 200  # matches
 RETRY_AFTER = timedelta(minutes=5)  # after a failure, a file is rendered again on request
 SLOTS = ".slots"
+MAP_FILE = "map.json"  # beside what is rendered from a map alone
 PROGRESS = "progress"  # name of a file beside what is rendered, with the share that is done, in percent
 
 State = Literal["waiting", "rendering", "ready", "failed"]
@@ -111,13 +113,13 @@ class RenderCache:
         for threads in self._threads.values():
             threads.shutdown(cancel_futures=True)
 
-    def progress(self, product: str, key: str, record: Path, now: datetime) -> Progress:
+    def progress(self, product: str, key: str, source: Path | MapSpec, now: datetime) -> Progress:
         """Return how far a file is, and have it rendered if nobody has asked for it yet.
 
         Args:
             product: A name in ``PRODUCTS``.
             key: The stable name of the match: letters, digits, - and _.
-            record: The match's record.
+            source: The match's record; or of its overview its map, while there is no record yet.
             now: The present time.
 
         Raises:
@@ -131,8 +133,14 @@ class RenderCache:
                 return Progress("ready", "", path)
             task = self._tasks.get(name)
             if task is None or _is_stale(task, now):
-                task = self._begin(work, key, record, now)
+                task = self._begin(work, key, source, now)
             return Progress(task.state, task.detail or self._what_goes_on(task, name))
+
+    def is_rendering(self, product: str, key: str) -> bool:
+        """Return whether a file waits to be rendered here, or is being rendered."""
+        with self._lock:
+            task = self._tasks.get(f"{key}.{PRODUCTS[product].work}")
+            return task is not None and task.state != "failed"
 
     def is_kept(self, product: str, key: str) -> bool:
         """Return whether a file is ready, without having it rendered or noting that it is used.
@@ -156,7 +164,7 @@ class RenderCache:
             )
         return f"{key}.{PRODUCTS[product].ending}"
 
-    def _begin(self, work: str, key: str, record: Path, now: datetime) -> Task:
+    def _begin(self, work: str, key: str, source: Path | MapSpec, now: datetime) -> Task:
         """Queue the rendering of a match. The caller holds the lock."""
         waiting = sum(task.state == "waiting" for task in self._tasks.values())
         if self._is_closed or waiting >= MOST_WAITING:
@@ -167,7 +175,7 @@ class RenderCache:
         slot = f"{work}-{zlib.crc32(name.encode()) % self.at_once}"
         if slot not in self._threads:
             self._threads[slot] = ThreadPoolExecutor(1, f"render-{slot}")
-        self._threads[slot].submit(self._carry_out, task, work, key, record, slot)
+        self._threads[slot].submit(self._carry_out, task, work, key, source, slot)
         return task
 
     def _what_goes_on(self, task: Task, name: str) -> str:
@@ -177,20 +185,22 @@ class RenderCache:
         ahead = sum(other.state in ("waiting", "rendering") for other in _before(self._tasks, name))
         return f"Waiting for {counted(ahead, 'other rendering')} …" if ahead else "Waiting …"
 
-    def _carry_out(self, task: Task, work: str, key: str, record: Path, slot: str) -> None:
+    def _carry_out(self, task: Task, work: str, key: str, source: Path | MapSpec, slot: str) -> None:
         """Render the files of a match, and note how it went. Runs in the thread of the slot."""
         try:
             with _slot(self.folder / SLOTS, slot) as (place, lock):
                 # Another server may have made some meanwhile, and others may have been removed.
-                names = {
-                    name: self.file_name(name, key) for name, each in PRODUCTS.items() if each.work == work
-                }
+                products = [name for name, each in PRODUCTS.items() if each.work == work]
+                if isinstance(source, MapSpec):
+                    products, spec, source = ["overview"], source, place / MAP_FILE
+                    source.write_text(spec.model_dump_json())
+                names = {name: self.file_name(name, key) for name in products}
                 wanted = {
                     name: place / file for name, file in names.items() if not (self.folder / file).exists()
                 }
                 if wanted:
                     task.state, task.place = "rendering", place
-                    self._render(record, wanted, lock)
+                    self._render(source, wanted, lock)
                 for rendered in wanted.values():
                     self._take_in(rendered)
         except (UserError, OSError) as error:

@@ -120,3 +120,9 @@ def members_of(session: Session, team: Team) -> list[str]:
 def count_teams(session: Session) -> int:
     """Return how many teams there are."""
     return session.scalar(select(func.count()).select_from(Team)) or 0
+
+
+def titles(session: Session) -> dict[str, str]:
+    """Return the titles of all teams by name, in their order."""
+    found = session.scalars(select(Team).order_by(Team.title, Team.name))
+    return {team.name: team.title for team in found}

@@ -8,13 +8,13 @@ from fastapi.responses import HTMLResponse
 from sqlalchemy.orm import Session
 
 from wildscav_evaluator.output.results import metric_infos
-from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Now, Number, Reading
+from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Now, Number, Reading, Renders
 from wildscav_leaderboard.boards.documents import BoardDocument
 from wildscav_leaderboard.boards.history import histories_of_team
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.matches.models import FINISHED
 from wildscav_leaderboard.matches.service import list_matches
-from wildscav_leaderboard.matches.visibility import shown_until
+from wildscav_leaderboard.matches.visibility import perhaps_shown, shown_until
 from wildscav_leaderboard.organizing.team_acts import acts_on
 from wildscav_leaderboard.playing.permission import tracks_of
 from wildscav_leaderboard.presentation.documents import MatchView
@@ -22,6 +22,7 @@ from wildscav_leaderboard.presentation.matches import match_views
 from wildscav_leaderboard.presentation.people import team_view
 from wildscav_leaderboard.presentation.season import counts_view, season_view
 from wildscav_leaderboard.presentation.submissions import submission_view, submission_views
+from wildscav_leaderboard.spectating.render_cache import RenderCache
 from wildscav_leaderboard.submissions.listing import is_own, list_submissions, listed_for
 from wildscav_leaderboard.submissions.service import find_submission
 from wildscav_leaderboard.teams.models import Team
@@ -33,13 +34,19 @@ from wildscav_leaderboard.web.rendering import page
 router = APIRouter()
 LEADERS = 3  # of each track on the season's page
 MATCHES = 25  # of a submission on its page
+PICTURES = {"poster": "poster.jpg", "overview": "overview.webp"}  # of a match, the better one first
 
 
 @router.get("/", response_class=HTMLResponse)
 def home(
-    request: Request, season: CurrentSeason, session: Reading, caller: AnyBrowser, now: Now
+    request: Request,
+    season: CurrentSeason,
+    session: Reading,
+    caller: AnyBrowser,
+    renders: Renders,
+    now: Now,
 ) -> HTMLResponse:
-    """Show the season: what it is, who leads, and how to take part."""
+    """Show the season: what it is, who leads, its latest match, and how to take part."""
     boards = {track: read_board(session, track) for track in season.settings.tracks}
     leaders = {
         track: [] if board is None else [row for row in board.rows if row.rank is not None][:LEADERS]
@@ -53,8 +60,22 @@ def home(
         counts=counts_view(session),
         boards=boards,
         leaders=leaders,
+        latest=_latest(session, renders),
         now=now,
     )
+
+
+def _latest(session: Session, renders: RenderCache) -> tuple[MatchView, str] | None:
+    """Return the newest match that everyone may watch and that has a picture, and the path of the picture."""
+    newest = [match for match in perhaps_shown(session) if _picture(renders, match.id)]
+    shown = (view for view in match_views(session, newest, None) if view.hidden is None)
+    return next(((view, _picture(renders, view.id)) for view in shown), None)
+
+
+def _picture(renders: RenderCache, match: int) -> str:
+    """Return the path of the picture of a match that is kept; an empty text if there is none."""
+    kept = (name for product, name in PICTURES.items() if renders.is_kept(product, str(match)))
+    return next((f"/api/v1/matches/{match}/{name}" for name in kept), "")
 
 
 @router.get("/teams/{name}", response_class=HTMLResponse)

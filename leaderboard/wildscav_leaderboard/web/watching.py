@@ -1,7 +1,8 @@
-"""The pages of matches: how they ended, from above, live, as a video, and in 3D."""
+"""The pages of matches: all of them, how one ended, from above, live, as a video, and in 3D."""
 
 import json
-from typing import Annotated
+from functools import partial
+from typing import Annotated, Literal
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse
@@ -9,8 +10,8 @@ from sqlalchemy.orm import Session
 
 from wildscav_evaluator.output.results import metric_infos
 from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Now, Number, Reading, Renders
-from wildscav_leaderboard.matches.models import FINISHED, PLAYING
-from wildscav_leaderboard.matches.service import find_match
+from wildscav_leaderboard.matches.models import FINISHED, PLAYING, VOID, WAITING
+from wildscav_leaderboard.matches.service import find_match, list_matches
 from wildscav_leaderboard.matches.visibility import record_path, seen_by
 from wildscav_leaderboard.playing.permission import open_tracks, refused_why
 from wildscav_leaderboard.presentation.documents import MatchView, SeatView
@@ -20,9 +21,40 @@ from wildscav_leaderboard.seasons.refusals import ForbiddenError
 from wildscav_leaderboard.spectating import rerun_viewer
 from wildscav_leaderboard.spectating.render_cache import Progress
 from wildscav_leaderboard.submissions.service import find_submission
+from wildscav_leaderboard.teams.service import find_team, titles
 from wildscav_leaderboard.web.rendering import page
 
 router = APIRouter()
+SHOWN = 25  # matches of a list
+STATES = (FINISHED, PLAYING, WAITING, VOID)
+
+
+@router.get("/matches", response_class=HTMLResponse)
+def matches(
+    request: Request,
+    session: Reading,
+    caller: AnyBrowser,
+    track: str = "",
+    team: str = "",
+    state: Literal["", "finished", "playing", "waiting", "void"] = "",
+    before: Number | None = None,
+) -> HTMLResponse:
+    """List matches: those that are being played, then those that are over, the newest first."""
+    own = find_team(session, team).id if team else None
+    listed = partial(list_matches, session, team=own, track=track or None, limit=SHOWN)
+    live = listed(state=PLAYING) if not state and before is None else []
+    found = listed(state=state or FINISHED, before=before)
+    return page(
+        request,
+        "matches.html",
+        caller,
+        matches=match_views(session, [*live, *found], caller),
+        live=bool(live),
+        more=found[-1].id if len(found) == SHOWN else None,
+        chosen={"track": track, "team": team, "state": state},
+        states=STATES,
+        teams=titles(session),
+    )
 
 
 @router.get("/matches/{number}", response_class=HTMLResponse)
@@ -52,7 +84,8 @@ def match(
         match=view,
         infos={info.name: info for info in metric_infos(view.track)},
         names=list(dict.fromkeys(name for seat in view.seats for name in seat.metrics or ())),
-        seat_names=json.dumps({seat.seat: seat.team_title or seat.name for seat in view.seats}),
+        seat_names=json.dumps({seat.seat: seat.who for seat in view.seats}),
+        placed=any(seat.place for seat in view.seats),
         told=any(seat.status is not None for seat in view.seats),
         timed=any(seat.latency_p50 is not None for seat in view.seats),
         unseen=_unseen(view),

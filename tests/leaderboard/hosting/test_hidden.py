@@ -237,6 +237,19 @@ def test_a_part_is_found_by_those_who_may_see_it_and_by_nobody_else(
 
 @pytest.mark.parametrize("state", STATES)
 @pytest.mark.parametrize("kind", MARKS)
+def test_who_won_is_told_to_those_who_may_see_how_it_ended_for_everyone(
+    walk: Walk, kind: str, state: str
+) -> None:
+    allowed = ALLOWED[f"{kind} outcome"][STATES.index(state)]
+    everyone = NOBODY if allowed == TEAM else allowed  # a team that sees its own seat is not told
+    path = f"/api/v1/matches/{walk.matches[kind]}"
+    seen = [one for one in walk.answers if one.state == state and one.path == path]
+    assert {one.asker for one in seen if one.response.json()["winner"] is not None} == everyone
+    assert len(seen) == len(ASKERS)
+
+
+@pytest.mark.parametrize("state", STATES)
+@pytest.mark.parametrize("kind", MARKS)
 def test_files_of_a_match_are_given_to_those_who_may_see_them(walk: Walk, kind: str, state: str) -> None:
     allowed = ALLOWED[f"{kind} files"][STATES.index(state)]
     asked = {f"/api/v1/matches/{walk.matches[kind]}/{file}" for file in FILES}

@@ -25,6 +25,7 @@ PAGES = {  # and who looks at them
     "/submissions/{active}": "owner",
     "/submissions/{failed}": "owner",
     "/submissions/{queued}": "owner",
+    "/matches": "visitor",
     "/matches/{suite}": "owner",
     "/matches/{ladder}": "visitor",
     "/matches/{playing}": "visitor",
@@ -41,7 +42,10 @@ PAGES = {  # and who looks at them
     "/organizer/audit-log": "organizer",
     "/nowhere": "visitor",
 }
-DAILY = {"light": ("/submissions/{failed}", "/account"), "dark": ("/boards/battle", "/organizer/submissions")}
+DAILY = {
+    "light": ("/", "/submissions/{failed}", "/account"),
+    "dark": ("/matches", "/boards/battle", "/organizer/submissions"),
+}
 
 
 class Arena(NamedTuple):

@@ -48,6 +48,8 @@ def asked() -> Iterator[list[str]]:
         "/teams/owls",
         "/submissions/{active}",
         "/submissions/{queued}",
+        "/matches",
+        "/matches?track=battle&team=owls",
         "/matches/{suite}",
         "/matches/{ladder}",
         "/matches/{playing}",

@@ -147,6 +147,69 @@ def test_a_match_says_how_to_watch_it_in_every_way(
     assert f"wildscav video match-{number}.wsr --follow" in page
 
 
+def rows_of(client: httpx.Client, filled: FilledSeason, path: str, asker: str = "visitor") -> list[str]:
+    """Return the words of each row of a page's list of matches."""
+    page = ask(client, filled, asker, "GET", path).text.partition("<tbody>")[2].partition("</tbody>")[0]
+    return [" ".join(unescape(re.sub("<[^>]*>", " ", row)).split()) for row in page.split("</tr>")[:-1]]
+
+
+def test_matches_are_listed_live_ones_first_with_their_winners(
+    client: httpx.Client, hostile_season: FilledSeason
+) -> None:
+    rows = rows_of(client, hostile_season, "/matches")
+    assert "playing" in rows[0]
+    assert rows[0].endswith(f" {hostile_season.matches['playing']}")
+    numbers = [int(row.split()[-1]) for row in rows[1:]]
+    assert numbers == sorted(numbers, reverse=True)
+    assert not any("playing" in row or "waiting" in row for row in rows[1:])
+    match = client.get(f"/api/v1/matches/{hostile_season.matches['ladder']}").json()
+    who = " vs ".join(seat["team_title"] or seat["name"] for seat in match["seats"])
+    assert any(row.startswith(f"{who} {match['winner']} battle ") for row in rows)
+    suite = [row for row in rows[1:] if " navigation " in row]
+    assert all(" hidden navigation " in row for row in suite)  # neither who won, nor when it ended
+    assert all("hidden" not in row for row in rows_of(client, hostile_season, "/matches", "organizer"))
+
+
+def test_lists_of_matches_are_chosen_and_go_on(client: httpx.Client, hostile_season: FilledSeason) -> None:
+    chosen = "track=battle&team=hares&state=finished"
+    first, listed = f"/matches?{chosen}", client.get(f"/api/v1/matches?{chosen}").json()["matches"]
+    page = unescape(client.get(first).text)
+    rows = rows_of(client, hostile_season, first)
+    assert all("Hares & Hounds" in row and " battle " in row for row in rows)
+    (more,) = re.findall(r'href="(\?[^"]*before=[^"]*)"', page)
+    rows += rows_of(client, hostile_season, f"/matches{more}")
+    assert [int(row.split()[-1]) for row in rows] == [one["id"] for one in listed][: len(rows)]
+    assert len(rows) > len(rows_of(client, hostile_season, first))
+    assert rows_of(client, hostile_season, "/matches?state=waiting&team=newts") == []
+    assert 'href="/matches"' in client.get("/").text
+
+
+def test_the_seasons_page_shows_the_latest_match_that_everyone_may_watch(
+    client: httpx.Client, hostile_season: FilledSeason
+) -> None:
+    rendered = hostile_season.season.files / "rendered"
+    assert "og:description" in client.get("/").text
+    assert "og:image" not in client.get("/", headers={"Host": "evil.example"}).text
+    numbers = [hostile_season.matches[kind] for kind in ("ladder", "suite", "own_suite")]
+    pictures = [rendered / f"{number}.poster-1.jpg" for number in numbers]
+    rendered.mkdir(exist_ok=True)
+    for picture in pictures:
+        picture.write_bytes(b"")
+    try:
+        page = ask(client, hostile_season, "organizer", "GET", "/").text
+        match = client.get(f"/matches/{numbers[0]}").text
+    finally:
+        for picture in pictures:
+            picture.unlink()
+
+    path = f"/api/v1/matches/{numbers[0]}/poster.jpg"
+    assert re.findall(r'<img src="(/api[^"]*)"', page) == [path]
+    assert re.findall(r'og:image" content="([^"]*)"', page) == [f"http://127.0.0.1:8000{path}"]
+    assert f'<a href="/matches/{numbers[0]}">' in page
+    assert f'<img src="{path}"' in match  # without scripts, too
+    assert "<noscript><img" not in match
+
+
 def test_where_the_record_is_hidden_so_are_video_and_poster(
     client: httpx.Client, hostile_season: FilledSeason
 ) -> None:

@@ -6,7 +6,7 @@ from html import escape
 from pathlib import Path
 
 from fastapi import FastAPI
-from fastapi.responses import HTMLResponse, Response
+from fastapi.responses import HTMLResponse, JSONResponse, Response
 from fastapi.staticfiles import StaticFiles
 from tests.leaderboard.spectating.served import served
 
@@ -36,6 +36,7 @@ def trails_page(
     names: str | None = None,
     *,
     is_live: bool = False,
+    drawn_after: int = 0,
 ) -> Iterator[str]:
     """Serve a page with the player, and give its address.
 
@@ -44,8 +45,9 @@ def trails_page(
         overview: The picture of the map; None if there is none.
         names: The names of seats as people read them, as JSON; None if the page does not know them.
         is_live: Whether the match is being played.
+        drawn_after: How often the picture of the map is asked for before it is drawn.
     """
-    app = FastAPI()
+    app, asked = FastAPI(), list[str]()
     app.mount("/static", StaticFiles(directory=STATIC))
     attributes = {"data-trails": "/trails.json"}
     if overview is not None:
@@ -70,6 +72,9 @@ def trails_page(
 
     @app.get("/overview.webp")
     def picture() -> Response:
+        if len(asked) < drawn_after:
+            asked.append("")
+            return JSONResponse({"state": "rendering", "detail": ""}, 202)
         return Response(overview or b"", media_type="image/webp")
 
     with served(app) as address:

@@ -15,6 +15,8 @@ import pytest
 from rerun.chunk import RrdReader
 
 from wildscav.errors import UserError
+from wildscav_engine.record import read_record
+from wildscav_engine.specs.map_spec import MapSpec
 from wildscav_leaderboard.spectating.overview import overview_of_file
 from wildscav_leaderboard.spectating.render_cache import PRODUCTS, Progress, RenderCache
 from wildscav_leaderboard.spectating.trails import trails_of_file
@@ -30,7 +32,9 @@ def cache(tmp_path: Path) -> Iterator[RenderCache]:
         yield cache
 
 
-def wait_for(cache: RenderCache, product: str, key: str, record: Path, now: datetime = NOW) -> Progress:
+def wait_for(
+    cache: RenderCache, product: str, key: str, record: Path | MapSpec, now: datetime = NOW
+) -> Progress:
     """Ask for a file again and again, as a page does, until it is ready or has failed."""
     end = time.monotonic() + PATIENCE
     while (progress := cache.progress(product, key, record, now)).state in ("waiting", "rendering"):
@@ -68,6 +72,18 @@ def test_what_a_page_needs_comes_from_one_process(cache: RenderCache, record_of_
     assert overview.path is not None
     assert gzip.decompress(trails.path.read_bytes()).decode() == trails_of_file(record).model_dump_json()
     assert overview.path.read_bytes() == overview_of_file(record)
+
+
+def test_the_map_of_a_match_without_a_record_is_made_from_its_spec(
+    cache: RenderCache, record_of_track: Records
+) -> None:
+    record = record_of_track("battle")
+
+    overview = wait_for(cache, "overview", "m1", read_record(record).spec.map)
+
+    assert overview.path is not None
+    assert overview.path.read_bytes() == overview_of_file(record)
+    assert [path for path in cache.folder.iterdir() if path.is_file()] == [overview.path]
 
 
 def test_a_replay_is_waited_for_and_then_opens(cache: RenderCache, record_of_track: Records) -> None:

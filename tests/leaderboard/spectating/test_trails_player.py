@@ -187,6 +187,37 @@ def test_a_match_that_is_still_rendered_is_waited_for(page: Any, record_of_track
     assert len(asked) == 2
 
 
+def test_a_map_that_is_still_drawn_is_asked_for_until_it_is_there(
+    page: Any, record_of_track: Records
+) -> None:
+    record = record_of_track("navigation")
+    with trails_page(answer_with(trails_of_file(record)), overview_of_file(record), drawn_after=1) as address:
+        page.goto(address)
+        page.get_by_text("The map is being drawn").wait_for()
+        players = page.locator(".trails-map").count()
+        page.get_by_role("button", name="Play").wait_for()
+        drawn = pixels(page)
+    with trails_page(answer_with(trails_of_file(record))) as address:
+        open_player(page, address)
+
+        assert players == 0
+        assert drawn != pixels(page)  # plain ground
+
+
+def test_events_are_one_stop_and_the_arrows_lead_through_them(page: Any, address: str) -> None:
+    open_player(page, address)
+    page.locator(".trails-filters input").last.focus()
+    page.keyboard.press("Tab")  # to the list
+    page.keyboard.press("ArrowDown")
+    page.keyboard.press("ArrowDown")
+    second = page.locator(".trails-events button").nth(1)
+    assert second.evaluate("one => one === document.activeElement")
+    page.keyboard.press("Enter")
+    assert page.locator(".trails-time").text_content().startswith(second.locator(".trails-at").text_content())
+    page.keyboard.press("Tab")
+    assert page.locator(".trails-events :focus").count() == 0
+
+
 def test_a_narrow_page_needs_no_sideways_scrolling(browser: Any, address: str) -> None:
     with browser.new_context(viewport={"width": 390, "height": 844}) as context:
         page = context.new_page()

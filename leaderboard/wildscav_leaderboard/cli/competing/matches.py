@@ -49,13 +49,13 @@ def matches(
 
 
 def _table(found: "list[MatchView]", submission: int | None) -> Table:
-    table = texts.table_of("", "match#", "track", "state", "since (UTC)", "entrants", "outcome")
+    table = texts.table_of("", "match#", "track", "state", "since (UTC)", "entrants", "winner", "outcome")
     for one in found:
         own = [seat for seat in one.seats if submission is not None and seat.submission == submission]
         outcomes = dict.fromkeys(texts.outcome(one, seat) for seat in own or one.seats[:1])
-        entrants = ", ".join(dict.fromkeys(texts.who(seat) for seat in one.seats))
+        entrants = ", ".join(dict.fromkeys(seat.who for seat in one.seats))
         since = texts.minute(one.since) if one.since else ""
-        cells = (one.id, one.track, texts.state(one.state), since, entrants)
+        cells = (one.id, one.track, texts.state(one.state), since, entrants, one.winner or "")
         table.add_row(*texts.row(*cells, ", ".join(filter(None, outcomes))))
     return table
 
@@ -65,6 +65,7 @@ def _show(one: "MatchView", url: str) -> None:
         "match": f"{one.id}: {one.track}, {one.kind}",
         "state": texts.state(one.state),
         "since": f"{texts.moment(one.since)} UTC" if one.since else "",
+        "winner": one.winner or "",
         "what happened": one.detail,
         "hidden": one.hidden or one.unseen or "",
         "page": f"{url}/matches/{one.id}",

@@ -122,11 +122,6 @@ def totals(one: "TotalsView") -> str:
     return ", ".join(parts) + hint
 
 
-def who(seat: "SeatView") -> str:
-    """Return who plays in a seat, as people read it."""
-    return seat.team_title or seat.name
-
-
 def figures(metrics: Mapping[str, float] | None) -> str:
     """Return the figures of a seat."""
     return ", ".join(f"{name} {value:.4g}" for name, value in (metrics or {}).items())

@@ -7,7 +7,7 @@ const button = card.querySelector("a.button[rel]");
 const status = card.querySelector("[role=status]");
 
 async function showPoster() {
-  if (!(await untilReady(card.dataset.poster, () => {})) || card.querySelector("video, img")) return;
+  if (card.querySelector("img") || !(await untilReady(card.dataset.poster, () => {})) || card.querySelector("video")) return;
   const poster = document.createElement("img");
   Object.assign(poster, { src: card.dataset.poster, alt: "A moment of the match", width: 1280, height: 720 });
   card.querySelector(".screen")?.replaceWith(poster);
@@ -15,7 +15,7 @@ async function showPoster() {
 
 function showVideo() {
   const video = document.createElement("video");
-  Object.assign(video, { controls: true, playsInline: true, preload: "metadata", poster: card.dataset.poster, src: card.dataset.file });
+  Object.assign(video, { controls: true, autoplay: true, muted: true, playsInline: true, poster: card.dataset.poster, src: card.dataset.file });
   card.querySelector(".screen, img").replaceWith(video);
   button.href = card.dataset.file;
   button.download = card.dataset.name;

@@ -3,7 +3,7 @@
 const seconds = Number(document.querySelector("main").dataset.refresh);
 if (seconds > 0) {
   setInterval(() => {
-    if (document.visibilityState === "visible" && !document.querySelector("input:focus, textarea:focus")) {
+    if (document.visibilityState === "visible" && !document.querySelector("input:focus, select:focus, textarea:focus")) {
       location.reload();
     }
   }, 1000 * seconds);

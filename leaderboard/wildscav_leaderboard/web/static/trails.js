@@ -7,6 +7,8 @@ import { Course, clock } from "./trails_course.js";
 import { MAX_ZOOM, MapView, colorNumbers, colorOf, shapeOf, textColorOf } from "./trails_map.js";
 
 const POLL = 400; // ms between two questions about a running match
+const PICTURE_POLL = 1000; // ms between two questions about the picture of the map
+const PICTURE_PATIENCE = 10000; // ms for which a match waits for it
 const RETRY = 2000; // ms after a question that was not answered
 const SPEEDS = [0.5, 1, 2, 4, 8, 16, 32];
 const TRAILS = [["none", 0], ["10 s", 10], ["30 s", 30], ["2 min", 120], ["all", Infinity]];
@@ -45,7 +47,7 @@ function picker(label, options, chosen, onchange) {
 }
 
 class Player {
-  constructor(root, course, picture) {
+  constructor(root, course) {
     this.root = root;
     this.course = course;
     this.frame = 0;
@@ -57,7 +59,7 @@ class Player {
     this.shownKinds = new Set(Object.keys(KINDS));
     this.calm = window.matchMedia("(prefers-reduced-motion: reduce)");
     this.build();
-    this.view = new MapView(this.canvas, course, picture);
+    this.view = new MapView(this.canvas, course);
     new ResizeObserver(() => this.fit()).observe(this.canvas);
     this.fit();
   }
@@ -71,6 +73,7 @@ class Player {
     this.seatList.append(...this.seatRows.map((row) => row.item));
     this.eventList = make("ol", { className: "trails-events", tabIndex: 0 });
     this.eventList.setAttribute("aria-label", "Events");
+    this.eventList.onkeydown = (press) => this.moveAmongEvents(press);
     this.filters = make("div", { className: "trails-filters", role: "group" });
     this.filters.setAttribute("aria-label", "Kinds of events");
     this.status = make("p", { className: "trails-status", role: "status" });
@@ -199,8 +202,19 @@ class Player {
   eventItem(event) {
     const at = make("span", { className: "trails-at", textContent: clock(this.course.seconds(event.frame)) });
     const text = make("span", { textContent: this.course.describe(event) });
-    const jump = make("button", { type: "button", onclick: () => this.seek(event.frame) }, at, text);
+    const jump = make("button", { type: "button", tabIndex: -1, onclick: () => this.seek(event.frame) }, at, text);
     return make("li", {}, jump);
+  }
+
+  // The list is one stop of the tab key; the arrows lead through its events, from the present one on.
+  moveAmongEvents(press) {
+    const step = { ArrowDown: 1, ArrowUp: -1 }[press.key];
+    if (!step) return;
+    press.preventDefault();
+    const items = [...this.eventList.children];
+    const at = items.findIndex((item) => item.contains(document.activeElement));
+    const next = at < 0 ? items.indexOf(this.current) : at + step;
+    items[Math.min(Math.max(0, next), items.length - 1)]?.firstElementChild.focus();
   }
 
   drawMarks() {
@@ -314,6 +328,11 @@ class Player {
     this.canvas.onpointerup = this.canvas.onpointercancel = () => (from = null);
   }
 
+  showMap(picture) {
+    this.view.picture = picture;
+    this.draw();
+  }
+
   fit() {
     this.view.resize();
     this.drawMarks();
@@ -360,7 +379,7 @@ async function fetchTrails(url, say) {
     if (answer.status === 202) {
       const progress = await answer.json();
       say(progress.detail ?? "The match is being prepared …");
-      await new Promise((resolve) => setTimeout(resolve, 1000));
+      await pause(1000);
       continue;
     }
     if (answer.status === 503) throw new Error((await answer.json()).detail);
@@ -369,16 +388,19 @@ async function fetchTrails(url, say) {
   }
 }
 
+const pause = (time) => new Promise((resolve) => setTimeout(resolve, time));
+
+// Fetch the picture of a map; while it is being made (202), ask again. Without one, trails are drawn on plain ground.
 async function fetchPicture(url) {
-  if (!url) return null;
+  let answer = null;
+  while (!answer || answer.status === 202) {
+    if (answer) await pause(PICTURE_POLL);
+    answer = await fetch(url).catch(() => pause(RETRY));
+  }
+  if (!answer.ok) return null;
   const picture = new Image();
   picture.src = url;
-  try {
-    await picture.decode();
-    return picture;
-  } catch {
-    return null; // the trails are drawn on plain ground
-  }
+  return picture.decode().then(() => picture, () => null);
 }
 
 function after(url, cursor) {
@@ -413,11 +435,12 @@ async function start(root) {
   root.replaceChildren(message);
   const url = root.dataset.trails;
   try {
-    const [trails, picture] = await Promise.all([
-      fetchTrails(url, (text) => (message.textContent = text)),
-      fetchPicture(root.dataset.overview),
-    ]);
-    const player = new Player(root, new Course(trails, JSON.parse(root.dataset.names ?? "{}")), picture);
+    const picture = root.dataset.overview ? fetchPicture(root.dataset.overview) : Promise.resolve(null);
+    const trails = await fetchTrails(url, (text) => (message.textContent = text));
+    message.textContent = "The map is being drawn …";
+    await Promise.race([picture, pause(PICTURE_PATIENCE)]);
+    const player = new Player(root, new Course(trails, JSON.parse(root.dataset.names ?? "{}")));
+    picture.then((drawn) => player.showMap(drawn));
     if ("live" in root.dataset) await watch(player, url);
   } catch (error) {
     message.textContent = `The match cannot be shown: ${error.message}.`;

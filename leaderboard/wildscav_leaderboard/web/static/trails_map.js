@@ -35,11 +35,11 @@ export function colorNumbers(seats) {
 }
 
 export class MapView {
-  constructor(canvas, course, picture) {
+  constructor(canvas, course) {
     this.canvas = canvas;
     this.context = canvas.getContext("2d");
     this.course = course;
-    this.picture = picture; // null while there is none
+    this.picture = null; // of the map, once it is there
     this.numbers = colorNumbers(course.document.seats);
     this.zoom = 1;
     const map = course.document.map;

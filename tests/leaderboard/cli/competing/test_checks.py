@@ -36,7 +36,7 @@ def test_a_season_without_the_submissions_tracks_is_refused(competitor: Competit
     [
         ("season.example.org", "must be an address such as https://season.example.org"),
         ("http://127.0.0.1:9", "cannot ask the season http://127.0.0.1:9: .*refused"),
-        ("{site}/matches", "HTTP Error 404"),
+        ("{site}/nowhere", "HTTP Error 404"),
         ("http://[", "cannot ask the season"),
     ],
 )

@@ -22,7 +22,9 @@ def test_the_matches_of_a_submission_are_listed_with_their_outcomes(competitor: 
     table = competitor.run("matches", number).stdout
     assert "Ants, fighter" in table
     assert "supplies 0, kills 0, deaths 0" in table
+    assert "no winner: a tie" in table
     shown = competitor.run("matches", "--match", first).stdout
+    assert "no winner: a tie" in shown
     assert "12.5 ms" in shown
     assert f"wildscav replay {first}" in shown
 
