@@ -26,8 +26,12 @@ def one_line(error: ValidationError) -> str:
 
 def _description(detail: "ErrorDetails") -> str:
     """Describe one error: the field, the message and the given value."""
-    field = ".".join(_shortened(str(part)) for part in detail["loc"])
-    message = detail["msg"].removeprefix("Value error, ")
+    place, message = detail["loc"], detail["msg"].removeprefix("Value error, ")
+    last = place[-1] if place else ""
+    if detail["type"] == "missing" and isinstance(last, int):  # of an array that is too short
+        place = place[:-1]
+        message = f"must have at least {last + 1} values, not {_shortened_repr(detail['input'])}"
+    field = ".".join(_shortened(str(part)) for part in place)
     if detail["type"] not in {"missing", "extra_forbidden", "value_error"}:
         message += f", not {_shortened_repr(detail['input'])}"
     return f"{field}: {message}" if field else message

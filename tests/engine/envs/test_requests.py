@@ -79,7 +79,7 @@ OUTSIDE = "at x = 0.0, z = 99.0: outside the map"
         ),
         ({"options": {"map": 1.5}}, "^map: 1.5 is no map; allowed are a number"),
         ({"options": {"map": 1000}}, "^map: id is 1000; maps have the ids 1 to 999$"),
-        ({"options": {"start": (1, 2)}}, "^start.2: Field required$"),
+        ({"options": {"start": (1, 2)}}, r"^start: must have at least 3 values, not \(1, 2\)$"),
         ({"options": {"start_range": -1}}, "^start_range: Input should be greater than or equal to 0"),
         ({"options": {"start": (0, 0, 99)}}, f"^start is {OUTSIDE}"),
         ({"seed": 5, "options": {"target": (0, 0, 99)}}, f"^target is {OUTSIDE}"),
