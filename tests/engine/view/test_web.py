@@ -1,7 +1,6 @@
 """A replay in a browser: what the server answers, and what a real browser shows."""
 
 import re
-import shutil
 import socket
 import threading
 import time
@@ -16,17 +15,13 @@ from urllib.parse import parse_qs, urlsplit
 
 import pytest
 from PIL import Image
+from tests.browsers import IN_3D, chromium
 
 from wildscav_engine.view import ViewError
 from wildscav_engine.view.web import ReplayServer
 
 PATIENCE = 300.0  # s, on a busy machine without a graphics card
 FEWEST_COLORS = 500  # in the picture of a match; the page alone has some ten
-CHROMIUM = (
-    *("--no-sandbox", "--disable-gpu", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
-    *("--disable-quic", "--no-first-run", "--disable-background-networking"),
-    *("--disable-component-update", "--disable-sync"),
-)
 
 
 @pytest.fixture(scope="module")
@@ -101,12 +96,7 @@ def test_a_port_that_is_taken_is_one_clear_error() -> None:
 
 @pytest.mark.slow
 def test_a_browser_shows_the_match_and_asks_nobody_else(server: ReplayServer) -> None:
-    playwright = pytest.importorskip("playwright.sync_api", reason="needs Playwright: pip install playwright")
-    program = shutil.which("chromium")
-    if program is None:
-        pytest.skip("needs Debian's chromium: apt-get install chromium")
-    with playwright.sync_playwright() as tools:
-        browser = tools.chromium.launch(executable_path=program, args=list(CHROMIUM))
+    with chromium(*IN_3D) as browser:
         page = browser.new_page()
         answered: list[str] = []
         page.on("response", lambda answer: answered.append(answer.url))
@@ -120,7 +110,6 @@ def test_a_browser_shows_the_match_and_asks_nobody_else(server: ReplayServer) ->
         assert f"{server.link}replay.rrd" in answered
         asked = {urlsplit(address).netloc for address in answered if address.startswith("http")}
         assert asked == {urlsplit(server.link).netloc}
-        browser.close()
 
 
 def colors_of(picture: bytes) -> int:

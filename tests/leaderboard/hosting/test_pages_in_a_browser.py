@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 import pytest
 from fastapi import FastAPI
+from tests.browsers import DESK, PHONE, chromium
 from tests.leaderboard.agents import write_agent
-from tests.leaderboard.browsers import DESK, PHONE, chromium
 from tests.leaderboard.filled_season import COOKIE, PASSWORD, FilledSeason, fill_season
 from tests.leaderboard.hosting.clients import copied_database
 from tests.leaderboard.spectating.served import served

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import pytest
 from fastapi import FastAPI
-from tests.leaderboard.browsers import DESK, chromium
+from tests.browsers import DESK, chromium
 from tests.leaderboard.filled_season import COOKIE, FilledSeason
 from tests.leaderboard.spectating.served import served
 from tests.platform.play.browsers import PATIENCE, wait_for_match

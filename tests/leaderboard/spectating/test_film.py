@@ -10,7 +10,7 @@ import httpx
 import pytest
 from fastapi import FastAPI
 from fastapi.responses import Response
-from tests.leaderboard.browsers import DESK, chromium
+from tests.browsers import DESK, chromium
 from tests.leaderboard.filled_season import FilledSeason, fill_season
 from tests.leaderboard.spectating.conftest import SMALL_MAP
 from tests.leaderboard.spectating.served import served

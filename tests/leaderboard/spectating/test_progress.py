@@ -4,7 +4,7 @@ import pytest
 from fastapi import FastAPI
 from fastapi.responses import HTMLResponse, JSONResponse, Response
 from fastapi.staticfiles import StaticFiles
-from tests.leaderboard.browsers import chromium
+from tests.browsers import chromium
 from tests.leaderboard.spectating.pages_for_tests import STATIC
 from tests.leaderboard.spectating.served import served
 

@@ -1,6 +1,5 @@
 """A replay in the Rerun viewer, in a frame of a page, in a real browser: from the record to the picture."""
 
-import shutil
 import time
 from collections.abc import Callable
 from datetime import UTC, datetime
@@ -13,6 +12,7 @@ import pytest
 from fastapi import FastAPI, Request
 from fastapi.responses import HTMLResponse, Response
 from PIL import Image
+from tests.browsers import IN_3D, chromium
 from tests.leaderboard.spectating.served import served
 
 from wildscav_leaderboard.spectating.render_cache import RenderCache
@@ -22,11 +22,6 @@ from wildscav_leaderboard.spectating.responses import file_response
 pytestmark = pytest.mark.slow
 PATIENCE = 300.0  # s, on a busy machine without a graphics card
 FEWEST_COLORS = 500  # in the picture of a match; the page alone has some ten
-CHROMIUM = (
-    *("--no-sandbox", "--disable-gpu", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
-    *("--disable-quic", "--no-first-run", "--disable-background-networking"),
-    *("--disable-component-update", "--disable-sync"),
-)
 FRAME = (
     '<!doctype html><html lang="en"><title>Replay</title><style>iframe{{width:100%;height:95vh}}</style>'
     '<iframe title="The replay" src="{}"></iframe></html>'
@@ -57,10 +52,6 @@ def colors_of(picture: bytes) -> int:
 def test_a_browser_shows_the_match_and_asks_nobody_else(
     tmp_path: Path, record_of_track: Callable[[str], Path]
 ) -> None:
-    playwright = pytest.importorskip("playwright.sync_api", reason="needs Playwright: pip install playwright")
-    program = shutil.which("chromium")
-    if program is None:
-        pytest.skip("needs Debian's chromium: apt-get install chromium")
     end = time.monotonic() + PATIENCE
     record = record_of_track("battle")
     with RenderCache(tmp_path / "rendered") as cache:
@@ -68,8 +59,7 @@ def test_a_browser_shows_the_match_and_asks_nobody_else(
             assert time.monotonic() < end
             time.sleep(0.2)
         app = application(cache, record, tmp_path / "viewer")
-        with served(app) as address, playwright.sync_playwright() as tools:
-            browser = tools.chromium.launch(executable_path=program, args=list(CHROMIUM))
+        with served(app) as address, chromium(*IN_3D) as browser:
             page = browser.new_page()
             answered: dict[str, int] = {}
             page.on("response", lambda answer: answered.update({answer.url: answer.status}))
@@ -83,4 +73,3 @@ def test_a_browser_shows_the_match_and_asks_nobody_else(
             hosts = {urlsplit(url).netloc for url in answered if url.startswith("http")}
             assert hosts == {urlsplit(address).netloc}
             page.screenshot(path=tmp_path / "replay.png")
-            browser.close()

@@ -1,12 +1,12 @@
 """The player of trails in a real browser, on matches that were really played."""
 
-import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 from fastapi.responses import JSONResponse, Response
+from tests.browsers import chromium
 from tests.leaderboard.spectating.pages_for_tests import trails_page
 
 from wildscav_engine.record import read_record, resimulate
@@ -16,24 +16,17 @@ from wildscav_leaderboard.spectating.live import LiveMatches
 from wildscav_leaderboard.spectating.overview import overview_of_file
 from wildscav_leaderboard.spectating.trails import trails_of_file
 
-playwright = pytest.importorskip("playwright.sync_api", reason="needs Playwright: pip install playwright")
 pytestmark = pytest.mark.slow
 
 Records = Callable[[str], Path]
-CHROMIUM = ("--no-sandbox", "--disable-gpu")
 HOSTILE = "<img src=x onerror=alert(1)>"
 RANGE = "Time of the match"
 
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    program = shutil.which("chromium")
-    if program is None:
-        pytest.skip("needs Debian's chromium: apt-get install chromium")
-    with playwright.sync_playwright() as tools:
-        browser = tools.chromium.launch(executable_path=program, args=list(CHROMIUM))
+    with chromium() as browser:
         yield browser
-        browser.close()
 
 
 def answer_with(trails: Trails) -> Callable[[str], Response]:

@@ -1,25 +1,19 @@
-"""Debian's Chromium, as Playwright opens it."""
+"""The pages of people who play, in a browser."""
 
-import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-import pytest
+from tests.browsers import chromium
 
 PATIENCE = 300.0  # s, on a busy machine
 
 
 @contextmanager
-def chromium() -> Iterator[Callable[..., Any]]:
-    """Yield what opens a page, or skip the test where Chromium or Playwright is not installed."""
-    playwright = pytest.importorskip("playwright.sync_api", reason="needs Playwright: pip install playwright")
-    program = shutil.which("chromium")
-    if program is None:
-        pytest.skip("needs Debian's chromium: apt-get install chromium")
+def pages() -> Iterator[Callable[..., Any]]:
+    """Yield what opens a page, none of which may report an error."""
     errors: list[str] = []
-    with playwright.sync_playwright() as tools:
-        browser = tools.chromium.launch(executable_path=program, args=["--no-sandbox", "--disable-gpu"])
+    with chromium() as browser:
 
         def new_page(**options: Any) -> Any:
             page = browser.new_page(**options)  # like another browser: it shares nothing with the others
@@ -28,7 +22,6 @@ def chromium() -> Iterator[Callable[..., Any]]:
             return page
 
         yield new_page
-        browser.close()
     assert not errors, "\n".join(errors)
 
 

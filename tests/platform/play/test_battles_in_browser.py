@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from PIL import Image
-from tests.platform.play.browsers import PATIENCE, chromium, start, wait_for_match
+from tests.platform.play.browsers import PATIENCE, pages, start, wait_for_match
 from tests.platform.play.tables import MEADOW, small_plan, table_in_thread
 
 from wildscav.play.plan import Plan
@@ -58,7 +58,7 @@ def recorded(page: Any) -> Record:
 
 
 def test_two_browsers_fight_each_other_while_a_third_watches(tmp_path: Path) -> None:
-    with table_in_thread(face_to_face(people=2), tmp_path) as links, chromium() as new_page:
+    with table_in_thread(face_to_face(people=2), tmp_path) as links, pages() as new_page:
         host, guest, spectator = (new_page(**WIDE) for _ in range(3))
         spectator.goto(links.watch)
         guest.goto(links.guests[0])
@@ -101,7 +101,7 @@ def robots_place(page: Any) -> float | None:
 def duel(folder: Path) -> list[Any]:
     """Fight the robot that stands ahead, and return the results of the person and of the robot."""
     plan = face_to_face(opponents=("fighter-easy",), seconds=6.0)
-    with table_in_thread(plan, folder) as links, chromium() as new_page:
+    with table_in_thread(plan, folder) as links, pages() as new_page:
         page = new_page(**WIDE)
         start(page, links.host)
         page.mouse.down()
@@ -145,7 +145,7 @@ class Fingers:
 
 def test_a_phone_moves_looks_and_shoots_by_touch(tmp_path: Path) -> None:
     plan = face_to_face(opponents=("walker-easy",), seconds=3.0)
-    with table_in_thread(plan, tmp_path) as links, chromium() as new_page:
+    with table_in_thread(plan, tmp_path) as links, pages() as new_page:
         page = new_page(**PHONE)
         start(page, links.host)
         assert page.is_visible("#stick")
@@ -174,7 +174,7 @@ def test_a_browser_that_loses_its_connection_comes_back_to_its_seat(tmp_path: Pa
         socket.connect_to_server()
         sockets.append(socket)
 
-    with table_in_thread(face_to_face(people=2, seconds=30.0), tmp_path) as links, chromium() as new_page:
+    with table_in_thread(face_to_face(people=2, seconds=30.0), tmp_path) as links, pages() as new_page:
         host, guest = new_page(**WIDE), new_page(**WIDE)
         guest.route_web_socket("**/socket", pass_on)
         guest.goto(links.guests[0])
@@ -189,7 +189,7 @@ def test_a_browser_that_loses_its_connection_comes_back_to_its_seat(tmp_path: Pa
 
 
 def test_a_seat_is_played_in_the_page_that_was_opened_last(tmp_path: Path) -> None:
-    with table_in_thread(face_to_face(people=2, seconds=30.0), tmp_path) as links, chromium() as new_page:
+    with table_in_thread(face_to_face(people=2, seconds=30.0), tmp_path) as links, pages() as new_page:
         host, guest, other = (new_page(**WIDE) for _ in range(3))
         guest.goto(links.guests[0])
         host.goto(links.host)

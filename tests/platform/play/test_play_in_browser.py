@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.platform.play.browsers import PATIENCE, chromium, start
+from tests.platform.play.browsers import PATIENCE, pages, start
 from tests.platform.play.tables import small_plan, table_in_thread
 
 from wildscav_engine.record import read_record, verify_record
@@ -42,7 +42,7 @@ class Hands:
 def test_a_browser_finds_the_target_by_keys_and_mouse(tmp_path: Path) -> None:
     with (
         table_in_thread(small_plan(time_limit=120.0), tmp_path) as links,
-        chromium() as new_page,
+        pages() as new_page,
     ):
         page = new_page(viewport={"width": 1280, "height": 800})
         start(page, links.host)
