@@ -9,8 +9,8 @@ from wildscav_evaluator.ratings.matches import RatedMatch
 from wildscav_evaluator.seats import robot_entrant
 from wildscav_leaderboard.auditing.report import Finding, of_row, wrong_value
 from wildscav_leaderboard.boards.documents import BoardDocument, Entry, LadderBoard, SuiteBoard
-from wildscav_leaderboard.boards.ladder_board import Enough, Played, ladder_board
-from wildscav_leaderboard.boards.ladders import placed_match, places_of
+from wildscav_leaderboard.boards.ladder_board import Enough, ladder_board
+from wildscav_leaderboard.boards.ladders import Played, placed_match, places_of
 from wildscav_leaderboard.boards.suite_board import SuiteResults, suite_board
 from wildscav_leaderboard.publishing.documents import (
     BoardFile,

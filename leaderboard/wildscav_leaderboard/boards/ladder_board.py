@@ -7,7 +7,7 @@ A rating is provisional until its interval is as narrow as the season asks. Unti
 the lower end of the interval is, so that luck in a few matches leads nobody to the top.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from datetime import datetime
 from functools import lru_cache
 from typing import NamedTuple
@@ -21,17 +21,11 @@ from wildscav_evaluator.ratings.head_to_head import EntrantRecord, entrant_recor
 from wildscav_evaluator.ratings.matches import RatedMatch
 from wildscav_evaluator.resampling import CONFIDENCE, student_quantile
 from wildscav_leaderboard.boards.documents import Entry, LadderBoard, LadderRow
+from wildscav_leaderboard.boards.ladders import Played
 from wildscav_leaderboard.boards.ranks import rank_ranges
 from wildscav_leaderboard.seasons.editions import Conditions
 
 PLACE_DECIMALS = 2  # of mean places on a board
-
-
-class Played(NamedTuple):
-    """The matches of a ladder that count."""
-
-    matches: tuple[RatedMatch, ...] = ()  # in the order in which they were made
-    faults: Mapping[str, int] = {}  # of each entrant: matches in which something went wrong in its seat
 
 
 class Enough(NamedTuple):

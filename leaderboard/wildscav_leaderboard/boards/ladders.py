@@ -4,7 +4,8 @@ Matches that were played under different conditions are not compared: after an u
 track's ladder begins anew. The final round is another ladder too, since its games come from another secret.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 from sqlalchemy import Select, delete, func, select
 from sqlalchemy.orm import Session
@@ -12,10 +13,16 @@ from sqlalchemy.orm import Session
 from wildscav_evaluator.output.results import MatchRow, metric_infos
 from wildscav_evaluator.ratings.matches import RatedMatch
 from wildscav_evaluator.tournaments.rated_matches import placing_metric
-from wildscav_leaderboard.boards.ladder_board import Played
 from wildscav_leaderboard.boards.matchmaking import REPEATS
 from wildscav_leaderboard.boards.models import LadderStep
 from wildscav_leaderboard.matches.models import FINISHED, LADDER, VOID, Match, MatchResult
+
+
+class Played(NamedTuple):
+    """The matches of a ladder that count."""
+
+    matches: tuple[RatedMatch, ...] = ()  # in the order in which they were made
+    faults: Mapping[str, int] = {}  # of each entrant: matches in which something went wrong in its seat
 
 
 def played_on(session: Session, track: str, conditions: str | None) -> Played:

@@ -13,8 +13,8 @@ from wildscav_evaluator.output.results import MetricInfo
 from wildscav_evaluator.ratings.matches import RatedMatch
 from wildscav_evaluator.suites.official import OFFICIAL
 from wildscav_leaderboard.boards.documents import Entry, LadderBoard
-from wildscav_leaderboard.boards.ladder_board import Enough, Played, ladder_board
-from wildscav_leaderboard.boards.ladders import placed_match
+from wildscav_leaderboard.boards.ladder_board import Enough, ladder_board
+from wildscav_leaderboard.boards.ladders import Played, placed_match
 from wildscav_leaderboard.boards.matchmaking import Candidate, choose_entrants, ladder_match
 from wildscav_leaderboard.boards.ranks import better_in_pairs, rank_ranges
 from wildscav_leaderboard.boards.suite_board import SuiteResults, suite_board

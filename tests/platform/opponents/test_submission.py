@@ -241,7 +241,7 @@ def test_a_track_that_it_does_not_play_is_refused(tmp_path: Path) -> None:
     ("body", "message"),
     [
         ("return 1 / 0", r"own failed in act \(match 0, seat 1\): ZeroDivisionError: division by zero"),
-        ("return None", r"Own.act\(\) returned None"),
+        ("return None", r"Own.act\(\) must return an Action, .* and returned None"),
     ],
 )
 def test_errors_of_an_agent_name_it(tmp_path: Path, body: str, message: str) -> None:
