@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 import typer
+from tests.commands import run_command
 from tests.end_to_end.pages import blocks
 
 from wildscav.cli.maps import map as map_commands
@@ -124,18 +125,7 @@ def test_the_code_and_the_config_of_the_page_of_maps_work(tmp_path: Path) -> Non
     strewn = MapConfig.model_validate(tomllib.loads(supplies)).supplies
     assert strewn is not None
     assert [wave.time for wave in strewn.waves] == [0.0, 60.0]
-    command = [
-        sys.executable,
-        "-m",
-        "wildscav.cli.main",
-        "map",
-        "show",
-        "--config",
-        "fort.toml",
-        "--seed",
-        "1",
-    ]
-    assert subprocess.run(command, cwd=tmp_path, capture_output=True).returncode == 0
+    assert run_command("map", "show", "--config", "fort.toml", "--seed", "1", cwd=tmp_path).returncode == 0
 
 
 def test_the_page_of_maps_tells_the_benchmark_and_the_sizes_of_the_hundreds() -> None:
