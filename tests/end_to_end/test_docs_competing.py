@@ -122,7 +122,7 @@ def test_the_way_from_an_invitation_to_the_board(tmp_path: Path) -> None:
 
     def run(*words: str) -> str:
         done = subprocess.run(
-            [WILDSCAV, *words], cwd=tmp_path, env=environment, input="ada\n", capture_output=True, text=True
+            [WILDSCAV, *words], cwd=tmp_path, env=environment, capture_output=True, text=True
         )
         assert done.returncode == 0, (words, done.stdout, done.stderr)
         return done.stdout
@@ -139,7 +139,8 @@ def test_the_way_from_an_invitation_to_the_board(tmp_path: Path) -> None:
     try:
         until_answers(url, run)
         for words in lines(blocks(PAGE, "console")[0]):
-            run(*(word.replace(ADDRESS, url).replace("invite_KEY", key) for word in words[1:]))
+            own = [word.replace(ADDRESS, url).replace("invite_KEY", key) for word in words[1:]]
+            run(*own, *(["--name", "ada"] if own[0] == "login" else []))  # a person would be asked for it
         until(["leaderboard", "--season"], has_team)
         match = until(["matches", "1", "--track", "battle"], seen_match)
         run("replay", str(match), "--no-images")

@@ -136,7 +136,7 @@ def test_a_model_trained_with_other_options_is_refused(tmp_path: Path) -> None:
     learned("PPO", "MlpPolicy", env, n_steps=32).save(tmp_path / "model.zip")
     arguments = ["--from-policy", str(tmp_path / "model.zip"), "--track", "navigation"]
     done = CliRunner().invoke(app, ["init", str(tmp_path / "agent"), *arguments])
-    assert "takes 37 numbers; the environment with these options returns" in str(done.exception)
+    assert "takes 46 numbers; the environment with these options returns" in str(done.exception)
     (tmp_path / "model.zip").write_bytes(b"no zip")
     done = CliRunner().invoke(app, ["init", str(tmp_path / "agent"), *arguments])
     assert "is not a model of Stable-Baselines3" in str(done.exception)
