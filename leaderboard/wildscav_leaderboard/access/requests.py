@@ -80,7 +80,7 @@ CurrentSeason = Annotated[Season, Depends(season_of)]
 CurrentDatabase = Annotated[Database, Depends(database_of)]
 Renders = Annotated[RenderCache, Depends(renders_of)]
 Now = Annotated[datetime, Depends(present)]
-Number = Annotated[int, Field(ge=0, le=2**53)]  # of an entry of the database, which has no larger ones
+Number = Annotated[int, Field(ge=1, le=2**53)]  # of an entry of the database, which has no larger ones
 Bearer = Annotated[HTTPAuthorizationCredentials | None, Depends(bearer)]
 
 

@@ -5,6 +5,7 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Query, Request
 from fastapi.responses import FileResponse, PlainTextResponse, Response
+from pydantic import Field
 
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_leaderboard.access.requests import (
@@ -31,6 +32,7 @@ from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.teams.service import find_team
 
 router = APIRouter(tags=["matches"])
+Seat = Annotated[int, Field(ge=0, le=2**53)]
 RENDERED: dict[int | str, dict[str, Any]] = {
     202: {"description": "It is being rendered: ask again in a moment."},
     503: {"description": "It could not be rendered."},
@@ -158,7 +160,7 @@ def video_file(asked: Asked) -> Response:
 
 
 @router.get("/matches/{match}/logs/{seat}", response_class=PlainTextResponse, responses=REFUSALS)
-def logs(match: Number, seat: Number, caller: KnownReader, session: Reading, season: CurrentSeason) -> str:
+def logs(match: Number, seat: Seat, caller: KnownReader, session: Reading, season: CurrentSeason) -> str:
     """Return what an agent of your team printed in a match."""
     found, place = find_match(session, match), session.get(MatchSeat, (match, seat))
     visible = seen_by(session, [found], caller)[match]

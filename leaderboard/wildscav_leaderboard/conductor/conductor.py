@@ -12,8 +12,7 @@ from sqlalchemy.orm import Session
 
 from wildscav.errors import WildscavError, describe
 from wildscav.monitoring.logs import Log, open_log
-from wildscav_evaluator.executors import EXECUTORS, Executor
-from wildscav_evaluator.executors.base import Node
+from wildscav_evaluator.executors import EXECUTORS, Executor, Node
 from wildscav_evaluator.matches.jobs import Heartbeat, Job, JobEvent, JobResult
 from wildscav_leaderboard.boards.service import read_ahead, refresh
 from wildscav_leaderboard.boards.suite_scores import SuiteScores

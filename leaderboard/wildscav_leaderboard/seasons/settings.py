@@ -142,10 +142,10 @@ class TrackSettings(_Part):
     waiting: Annotated[int, Field(ge=1, le=10_000)] = 8  # matches that are made in advance, at most
 
 
-# The settings that only one mode has.
-OF_MODE: dict[Mode, tuple[str, ...]] = {
-    "suite": ("rounds",),
-    "ladder": ("seats", "robots", "interval", "matches", "waiting"),
+# The settings that each mode would ignore.
+IGNORED: dict[Mode, tuple[str, ...]] = {
+    "suite": ("seats", "robots", "interval", "matches", "waiting"),
+    "ladder": ("rounds",),
 }
 
 
@@ -257,7 +257,7 @@ def _problems(settings: SeasonSettings) -> Iterator[str]:
         yield from _unknown("tracks", name, TRACKS)
         for robot in track.robots:
             yield from _unknown(f"tracks.{name}.robots", robot, ROBOTS)
-        for field in OF_MODE["ladder" if track.mode == "suite" else "suite"]:
+        for field in IGNORED[track.mode]:
             if getattr(track, field) != TrackSettings.model_fields[field].default:
                 yield f"tracks.{name}.{field}: it means nothing in mode {track.mode}: leave it out"
         if track.mode == "ladder" and name in TRACKS and has_teams(name):
