@@ -85,7 +85,7 @@ proto: .venv/.dev ## Generate the Python code of the protocol, and copy it to th
 	$(BIN)/python -m grpc_tools.protoc --proto_path=platform --python_out=platform --pyi_out=platform \
 		--grpc_python_out=platform platform/wildscav/proto/*.proto
 	$(BIN)/python -m grpc_tools.protoc --proto_path=platform --python_out=platform --pyi_out=platform \
-		platform/wildscav/legacy/*.proto
+		platform/wildscav_legacy/*.proto
 
 clean: ## Remove the virtual environments and all output.
 	rm -rf .venv $(OTHER) out

@@ -33,7 +33,6 @@ from supplies_and_fights import matches_of
 from torch import Tensor, nn
 
 from wildscav import Action, Agent, MatchInfo, Observation, VisibleAgent
-from wildscav.opponents.submission import SubmissionOpponent
 from wildscav.policy import PolicyAgent
 from wildscav.skills.aiming import aim_at, enemies_in_sight, look_around, velocity_of, will_hit
 from wildscav.skills.fighting import wants_reload
@@ -41,6 +40,7 @@ from wildscav_engine.maps.cache import map_of
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.specs.actions import no_actions
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
+from wildscav_training.opponents.submission import SubmissionOpponent
 
 FIRST_SEED = 10_000  # of the rounds that are learned from; others are measured
 WALKS, AIMS = ("directions", "speeds"), ("turns", "looks")  # dimensions of the action space, in this order

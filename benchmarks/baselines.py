@@ -16,7 +16,6 @@ import numpy as np
 import typer
 from rich.progress import track
 
-from wildscav.opponents import Oracle, submission
 from wildscav_engine.envs import SeatController
 from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
 from wildscav_engine.maps.cache import map_of
@@ -27,6 +26,7 @@ from wildscav_engine.specs.actions import FIELDS
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.tracks.navigation import spl_of
 from wildscav_evaluator.suites.suite import suite
+from wildscav_training.opponents import Oracle, submission
 
 Where = Literal["official", "hard", "wild"]
 SURE = 1.96  # standard errors in a 95 % interval

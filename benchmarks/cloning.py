@@ -28,10 +28,10 @@ import typer
 from rich.progress import track
 from torch import Tensor, nn
 
-from wildscav.cli.dataset import dataset
 from wildscav.cli.init import write_files
-from wildscav.export import policy_tables, read_model, submission_files
 from wildscav.policy.networks import Choose
+from wildscav_training.cli.dataset import dataset
+from wildscav_training.export import policy_tables, read_model, submission_files
 
 AGENT, TRACK, MATCHES, DATA = "mapper", "navigation", 1000, "navigation/mapper-hard-v0"
 SEEN: dict[str, Any] = {

@@ -23,9 +23,9 @@ import typer
 from paper import FRAMES, TIME_LIMIT
 from result_files import add, numbers, results_in
 
-from wildscav.training.evaluation import play_episodes
-from wildscav.training.ppo import PPO
-from wildscav.training.settings import TrainingSettings, preset_settings
+from wildscav_training.learning.evaluation import play_episodes
+from wildscav_training.learning.ppo import PPO
+from wildscav_training.learning.settings import TrainingSettings, preset_settings
 
 RESULTS = Path(__file__).parent / "results" / "generalization"
 LEVELS, COUNTS = ("normal", "hard"), (1, 10, 100, 1000)

@@ -14,9 +14,9 @@ from typing import Annotated
 import typer
 from report import Figure, JsonFile, publish
 
-from wildscav.legacy.install import PROGRAM, install_engine, install_maps, missing_maps
-from wildscav.server.hosting.precompile import precompile
 from wildscav_engine.compilation.cache_folders import cache_root
+from wildscav_legacy.install import PROGRAM, install_engine, install_maps, missing_maps
+from wildscav_server.hosting.precompile import precompile
 
 HERE = Path(__file__).parent
 PACKAGES = (

@@ -2,12 +2,12 @@
 
 import sys
 
-from wildscav.legacy.channel import Client
-from wildscav.legacy.commander_pb2 import AgentCommand, GameState, GMCommand, Request
-from wildscav.legacy.episode import read_episode
-from wildscav.legacy.program import read_address
-from wildscav.legacy.request_messages import START, Requests
-from wildscav.legacy.session import match_of, read_actions
+from wildscav_legacy.channel import Client
+from wildscav_legacy.commander_pb2 import AgentCommand, GameState, GMCommand, Request
+from wildscav_legacy.episode import read_episode
+from wildscav_legacy.program import read_address
+from wildscav_legacy.request_messages import START, Requests
+from wildscav_legacy.session import match_of, read_actions
 
 WARM_UP = 20  # steps of the real match after which its observations are taken
 

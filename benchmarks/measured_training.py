@@ -7,8 +7,8 @@ from typing import Any
 
 from report import machine
 
-from wildscav.training.ppo import PPO
-from wildscav.training.settings import TrainingSettings
+from wildscav_training.learning.ppo import PPO
+from wildscav_training.learning.settings import TrainingSettings
 
 EARLY, POINTS = (0, 1, 2, 3), 6  # of a learning curve: after so many rollouts, and so many evenly
 WAYS = ("sampled", "deterministic")

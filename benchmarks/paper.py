@@ -24,14 +24,14 @@ from paper_curves import draw
 from paper_table import table
 from result_files import add, numbers
 
-from wildscav.opponents import Oracle, submission
-from wildscav.training.environment import make_env, sizes_of
-from wildscav.training.evaluation import FIRST, play_episodes
-from wildscav.training.settings import TrainingSettings, preset_settings
 from wildscav_engine.envs import SeatController
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.specs.actions import FIELDS
 from wildscav_engine.specs.rules import FRAME
+from wildscav_training.learning.environment import make_env, sizes_of
+from wildscav_training.learning.evaluation import FIRST, play_episodes
+from wildscav_training.learning.settings import TrainingSettings, preset_settings
+from wildscav_training.opponents import Oracle, submission
 
 RESULTS = Path(__file__).parent / "results" / "paper"
 FRAMES, TIME_LIMIT = 15, 120.0  # of a step; s, 400 steps

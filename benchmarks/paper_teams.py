@@ -22,14 +22,14 @@ from paper import EPISODES, FRAMES, POINT_EPISODES, RESULTS, play_out
 from paper_table import team_table
 from result_files import add, numbers
 
-from wildscav.opponents import Oracle, submission
-from wildscav.training.environment import make_env, sizes_of
-from wildscav.training.evaluation import FIRST
-from wildscav.training.ppo import Choices, in_space, rows_of
-from wildscav.training.settings import TrainingSettings, preset_settings
 from wildscav_engine.envs import SeatController
 from wildscav_engine.envs.batched import BatchedArena
 from wildscav_engine.simulation.batch import Batch
+from wildscav_training.learning.environment import make_env, sizes_of
+from wildscav_training.learning.evaluation import FIRST
+from wildscav_training.learning.ppo import Choices, in_space, rows_of
+from wildscav_training.learning.settings import TrainingSettings, preset_settings
+from wildscav_training.opponents import Oracle, submission
 
 TEAMS = RESULTS.parent / "paper-teams"
 MAP, AGENTS = 101, 4

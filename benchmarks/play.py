@@ -23,8 +23,8 @@ from PIL import Image
 from report import Figure, JsonFile, publish
 from websockets.asyncio.client import ClientConnection, connect
 
-from wildscav.play.plan import make_plan
-from wildscav.play.serve import prepare, served
+from wildscav_stage.plan import make_plan
+from wildscav_stage.serve import prepare, served
 
 INPUTS = 60.0  # a second, as from a display
 WARM_UP = 2.0  # s

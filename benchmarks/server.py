@@ -24,10 +24,6 @@ from report import Figure, JsonFile, publish
 from wildscav.grpc_settings import EXPERIMENTS, VARIABLE
 from wildscav.proto.match_pb2 import GetMatchRequest, HostMatchRequest, ServerMessage
 from wildscav.proto.match_pb2_grpc import ArenaStub
-from wildscav.server import Clock, HostedMatch, MatchServer
-from wildscav.server.hosting.observations import SeatObservations
-from wildscav.server.hosting.precompile import precompile
-from wildscav.server.workers.shared_server import SharedServer
 from wildscav.wire.matches import decode_seat_address
 from wildscav.wire.observations import encode_observation
 from wildscav_engine.parallel.threads import cores
@@ -35,6 +31,12 @@ from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.actions import Field, no_actions
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_server.hosting.hosted_match import HostedMatch
+from wildscav_server.hosting.observations import SeatObservations
+from wildscav_server.hosting.precompile import precompile
+from wildscav_server.match_server import MatchServer
+from wildscav_server.time_limits import Clock
+from wildscav_server.workers.shared_server import SharedServer
 
 HERE = Path(__file__).parent
 STEPS = {1: 1500, 10: 300}

@@ -19,12 +19,12 @@ import typer
 from rich.console import Console
 from rich.progress import track as progress
 
-from wildscav.opponents import submission
 from wildscav_engine.maps.cache import map_of
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.specs.actions import no_actions
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_evaluator.suites.suite import suite
+from wildscav_training.opponents import submission
 
 FIRST_SEED = 100  # of the suite's rounds
 MAPS = 10  # matches of each round, one on each map

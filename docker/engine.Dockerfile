@@ -15,7 +15,7 @@ RUN python3 -m venv /opt/wildscav
 ENV PATH=/opt/wildscav/bin:/usr/local/bin:/usr/bin:/bin LANG=C.UTF-8 WILDSCAV_CACHE_DIR=/var/cache/wildscav
 
 FROM source AS server
-RUN pip install --no-cache-dir --quiet '/source[engine]'
+RUN pip install --no-cache-dir --quiet '/source[server]'
 RUN mkdir -p /var/cache/wildscav && chown 65534:65534 /var/cache/wildscav
 USER 65534:65534
 EXPOSE 50051-50055

@@ -13,12 +13,19 @@ from typing import NamedTuple
 ROOT = Path(__file__).parents[2]
 PICTURE = Path(__file__).with_name("rooms.svg")
 
-PACKAGES = {  # from the highest to the lowest
-    "wildscav_leaderboard": "leaderboard/: the database of results; seasons, the competition as a service",
-    "wildscav_evaluator": "evaluator/: suites of seeded matches, agents in sandboxes, scores",
-    "wildscav": "platform/: the protocol, the match server, the agent SDK, the command line",
-    "wildscav_engine": "engine/: the simulation, environments, records, replays",
-}
+ROWS = (  # from the highest to the lowest, as in the contract of the packages
+    {"wildscav_leaderboard": "leaderboard/: the database of results; seasons, the competition as a service"},
+    {"wildscav_evaluator": "evaluator/: suites of seeded matches, agents in sandboxes, scores"},
+    {
+        "wildscav_training": "learning",
+        "wildscav_stage": "the browser",
+        "wildscav_legacy": "the original",
+        "wildscav_inspect": "looking",
+    },
+    {"wildscav_server": "platform/: the match server"},
+    {"wildscav": "platform/: what an agent needs: the SDK and the protocol; the frame of the command"},
+    {"wildscav_engine": "engine/: the simulation, environments, records, replays"},
+)
 WIDTH, MARGIN, TITLE = 1000, 16, 34  # px
 LETTER = 6.6  # px, the width of most letters
 ROOM, GAP = 30, 8  # px, the height of a room and the gaps around it
@@ -57,7 +64,7 @@ def layers_of(package: str) -> list[list[str]]:
     contracts = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["importlinter"][
         "contracts"
     ]
-    (layers,) = (each["layers"] for each in contracts if each.get("containers") == [package])
+    layers = next((each["layers"] for each in contracts if each.get("containers") == [package]), [])
     return [[room.strip("() ") for room in layer.replace(":", "|").split("|")] for layer in layers]
 
 
@@ -78,42 +85,50 @@ def label(package: str, room: str, box: Rectangle) -> str:
     return f'<text {start}>{name}<tspan class="what" dx="10">{escape(what)}</tspan></text>'
 
 
-def drawn_package(package: str, caption: str, top: float) -> tuple[list[str], float]:
-    """Return a package's elements and its lower edge, in px."""
-    layers = layers_of(package)
-    height = TITLE + len(layers) * (ROOM + GAP) + GAP
-    parts = [
-        Rectangle(MARGIN, top, WIDTH - 2 * MARGIN, height).drawn("package"),
-        f'<text class="title" x="{2 * MARGIN}" y="{top + 23:g}">{escape(caption)}</text>',
-    ]
-    for number, rooms in enumerate(layers):
-        width = (WIDTH - 4 * MARGIN + GAP) / len(rooms)
+def drawn_row(packages: dict[str, str], top: float) -> tuple[list[str], float]:
+    """Return the elements of packages side by side and their lower edge, in px."""
+    height = max(TITLE + len(layers_of(package)) * (ROOM + GAP) + GAP for package in packages)
+    width = round((WIDTH - MARGIN) / len(packages) - MARGIN, 1)
+    parts: list[str] = []
+    for number, (package, caption) in enumerate(packages.items()):
+        box = Rectangle(MARGIN + number * (width + MARGIN), top, width, height)
+        parts += drawn_package(package, caption, box)
+    return parts, top + height
+
+
+def drawn_package(package: str, caption: str, box: Rectangle) -> list[str]:
+    """Return a package's elements: its box, its title and its rooms."""
+    title = f'<text class="title" x="{box.x + MARGIN:g}" y="{box.y + 23:g}">'
+    what = f'<tspan class="what" dx="10">{escape(caption)}</tspan>'
+    parts = [box.drawn("package"), f"{title}{package}{what}</text>"]
+    for number, rooms in enumerate(layers_of(package)):
+        width = (box.width - 2 * MARGIN + GAP) / len(rooms)
         for place, room in enumerate(rooms):
-            box = Rectangle(
-                round(2 * MARGIN + place * width, 1),
-                top + TITLE + number * (ROOM + GAP),
+            inner = Rectangle(
+                round(box.x + MARGIN + place * width, 1),
+                box.y + TITLE + number * (ROOM + GAP),
                 round(width - GAP, 1),
                 ROOM,
             )
-            parts += [box.drawn("room"), label(package, room, box)]
-    return parts, top + height
+            parts += [inner.drawn("room"), label(package, room, inner)]
+    return parts
 
 
 def picture() -> str:
     """Return the picture as SVG."""
     parts: list[str] = []
     top = float(MARGIN)
-    for number, (package, caption) in enumerate(PACKAGES.items()):
+    for number, row in enumerate(ROWS):
         if number:
             middle = f"{WIDTH / 2:g}"
             parts.append(f'<path class="arrow" d="M {middle} {top + 4:g} v 20 m -6 -7 l 6 7 l 6 -7"/>')
             top += 28
-        drawn, top = drawn_package(package, caption, top)
+        drawn, top = drawn_row(row, top)
         parts += drawn
     return "\n".join(
         [
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {top + MARGIN:g}" role="img">',
-            "<title>The folders of Wildscav. Imports go down only.</title>",
+            "<title>The packages of Wildscav and their folders. Imports go down only.</title>",
             f"<style>{STYLE}</style>",
             *parts,
             "</svg>\n",

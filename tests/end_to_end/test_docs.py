@@ -13,9 +13,9 @@ import typer
 from tests.commands import run_command
 from tests.end_to_end.pages import blocks
 
-from wildscav.cli.maps import map as map_commands
 from wildscav_engine.maps.catalogue import BENCHMARK, SIZES
 from wildscav_engine.specs.map_spec import MapConfig
+from wildscav_inspect import map as map_commands
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])

@@ -41,7 +41,7 @@ import wildscav_engine
 from wildscav_engine.sensors import parse_sensor
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.envs.registry import env_id
-from wildscav.server.hosting.precompile import every_sensor
+from wildscav_server.hosting.precompile import every_sensor
 
 sensors = {"crowd": {"radius": 20.0}, "odometer": {}}
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec

@@ -3,13 +3,13 @@
 import re
 from pathlib import Path
 
-from wildscav.server.http2 import allowance
-from wildscav.server.http2.calls import STREAMS
-from wildscav.server.http2.inbound import HEADER_LIMIT
-from wildscav.server.http2.stream import UNREAD_LIMIT
 from wildscav_evaluator.matches.play import SEAT_ENDPOINT
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES, Limits
 from wildscav_evaluator.submissions import archives
+from wildscav_server.http2 import allowance
+from wildscav_server.http2.calls import STREAMS
+from wildscav_server.http2.inbound import HEADER_LIMIT
+from wildscav_server.http2.stream import UNREAD_LIMIT
 
 REPOSITORY = Path(__file__).parents[2]
 PAGE = (REPOSITORY / "docs" / "security.md").read_text("utf-8")

@@ -19,13 +19,15 @@ from tests.builders import box, flat_world, make_match, place
 from tests.platform.helpers.seats import ended, host, serving, small_spec, start_agent
 
 from wildscav.cli.main import app
-from wildscav.server import Clock, MatchServer, SeatStatus
 from wildscav_engine.extensions import BUILT_IN
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.sensors import SENSORS, DepthCamera
 from wildscav_engine.sensors.base import Sensor
 from wildscav_engine.sensors.segmentation import FIRST_AGENT, FIRST_BOX, FIRST_SOLID
 from wildscav_evaluator.submissions.submission import Manifest
+from wildscav_server.hosting.reports import SeatStatus
+from wildscav_server.match_server import MatchServer
+from wildscav_server.time_limits import Clock
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "sensors.md"

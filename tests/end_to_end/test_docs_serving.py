@@ -13,8 +13,8 @@ from prometheus_client.core import CounterMetricFamily
 from tests.end_to_end.pages import blocks
 from tests.ports import free_ports
 
-from wildscav.server.hosting.precompile import precompile
-from wildscav.server.server_metrics import ServerMetrics
+from wildscav_server.hosting.precompile import precompile
+from wildscav_server.server_metrics import ServerMetrics
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "serving.md"

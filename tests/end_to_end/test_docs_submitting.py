@@ -6,9 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from wildscav.server import Clock, SeatStatus
 from wildscav_evaluator.submission_files import LEFT_OUT
 from wildscav_evaluator.submissions.submission import Manifest
+from wildscav_server.hosting.reports import SeatStatus
+from wildscav_server.time_limits import Clock
 
 REPOSITORY = Path(__file__).parents[2]
 PAGE = (REPOSITORY / "docs" / "submitting.md").read_text("utf-8")

@@ -10,7 +10,12 @@ ROOT = Path(__file__).parents[2]
 TESTS = ROOT / "tests"
 PACKAGES = {
     "engine": ROOT / "engine" / "wildscav_engine",
-    "platform": ROOT / "platform" / "wildscav",
+    "platform/wildscav": ROOT / "platform" / "wildscav",
+    "platform/inspect": ROOT / "platform" / "wildscav_inspect",
+    "platform/legacy": ROOT / "platform" / "wildscav_legacy",
+    "platform/server": ROOT / "platform" / "wildscav_server",
+    "platform/stage": ROOT / "platform" / "wildscav_stage",
+    "platform/training": ROOT / "platform" / "wildscav_training",
     "evaluator": ROOT / "evaluator" / "wildscav_evaluator",
     "leaderboard": ROOT / "leaderboard" / "wildscav_leaderboard",
 }

@@ -17,11 +17,11 @@ from tests.ports import free_ports
 
 from wildscav.proto.match_pb2 import GetMatchRequest, GetMatchResponse, HostMatchRequest
 from wildscav.proto.match_pb2_grpc import ArenaStub
-from wildscav.system import leftovers
 from wildscav.wire.matches import decode_seat_address
 from wildscav_engine.record import verify_record
 from wildscav_engine.record.format import decode
 from wildscav_evaluator.sandbox.containers.container_engine import OWNER, ContainerEngine, call, find_engine
+from wildscav_server import leftovers
 
 pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[2]

@@ -9,8 +9,8 @@ from tests.commands import run_command
 from tests.evaluator.docker_daemon import docker_daemon
 from tests.evaluator.sample_agents import CRASHER, WALKER, Command, Submit
 
-from wildscav.server.hosting.precompile import precompile
 from wildscav_evaluator.submissions.submission import Submission, load_submission
+from wildscav_server.hosting.precompile import precompile
 
 HEAD = """
 import os, signal, subprocess, sys, time

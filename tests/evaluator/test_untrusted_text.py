@@ -13,7 +13,6 @@ from rich.console import RenderableType
 from tests.evaluator.results_by_hand import evaluation_of, results_of
 from tests.platform.helpers.plain_text import is_plain
 
-from wildscav.cli import verify
 from wildscav.terminal.console import PlainConsole
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.check.findings import Finding, Verdict
@@ -36,6 +35,7 @@ from wildscav_evaluator.submissions.submission import (
     SubmissionError,
     load_submission,
 )
+from wildscav_inspect import verify
 from wildscav_leaderboard.cli import leaderboard
 from wildscav_leaderboard.results.database import reading
 from wildscav_leaderboard.results.sink import DatabaseSink

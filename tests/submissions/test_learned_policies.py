@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from wildscav.cli import train
 from wildscav.cli.main import app
 from wildscav.policy import Policy
-from wildscav.training.settings import TrainingSettings
+from wildscav_training.cli import train
+from wildscav_training.learning.settings import TrainingSettings
 
 SUBMISSIONS = Path(__file__).parents[2] / "submissions"
 TRAINED = ("learned-navigator", "learned-scavenger", "learned-commando")

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from wildscav.baselines import baseline_folder
-from wildscav.opponents import submission
 from wildscav_engine.maps.cache import map_of
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.simulation.systems.zone import zone_at
@@ -20,6 +19,7 @@ from wildscav_engine.specs.match_spec import SUBMISSION, Equipment, MatchSpec
 from wildscav_engine.specs.supply_config import SupplyConfig, SupplyWave
 from wildscav_engine.specs.zone_config import ZoneConfig, ZonePhase
 from wildscav_evaluator.submissions.submission import load_submission
+from wildscav_training.opponents import submission
 
 NAMES = ("scavenger", "commando", "survivor")
 HOUSE = MapSpec(

@@ -10,9 +10,6 @@ import pytest
 from numpy.typing import NDArray
 
 from wildscav import MatchInfo
-from wildscav.opponents import SubmissionOpponent, submission
-from wildscav.opponents.seat_messages import seat_info
-from wildscav.time_limits import Clock
 from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.specs.actions import FIELDS, Field
@@ -20,6 +17,9 @@ from wildscav_engine.specs.map_spec import MapConfig, MapSpec, Placement
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.tracks.navigation import spl_of
 from wildscav_evaluator.suites.suite import suite
+from wildscav_server.time_limits import Clock
+from wildscav_training.opponents import SubmissionOpponent, submission
+from wildscav_training.opponents.seat_messages import seat_info
 
 SUBMISSIONS = Path(__file__).parents[2] / "submissions"
 BARE = MapConfig(size=100, houses=0, relief=0, water=0, vegetation=0)

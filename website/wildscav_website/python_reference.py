@@ -36,7 +36,7 @@ PAGES = {
             "wildscav_engine.envs": "SingleEnv VectorArena parallel_env aec_env ParallelArena BatchedArena "
             "StableVector EnvConfig EnvOptions EpisodeOptions FlatObservations FlatActions describe "
             "League PolicyOpponent StatefulPolicy Sampler SeatController",
-            "wildscav.opponents": "submission SubmissionOpponent",
+            "wildscav_training.opponents": "submission SubmissionOpponent",
         },
     ),
     "sensors": Reference(

@@ -4,11 +4,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
-from wildscav.server import Clock, SeatReport
 from wildscav.wire.actions import MAX_WALK_SPEED
 from wildscav_evaluator.matches.play import EXIT_TIME
 from wildscav_evaluator.sandbox import Ending, Limits
 from wildscav_evaluator.submissions.images import REQUIREMENTS
+from wildscav_server.hosting.reports import SeatReport
+from wildscav_server.time_limits import Clock
 
 SHOWN_REQUIREMENTS, LONGEST_REQUIREMENT = 3, 80  # lines, and characters of each
 SLOW = 0.8  # share of the step budget; a median answer time above it is too close to the budget

@@ -12,8 +12,6 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-from wildscav.server import HostedMatch
-from wildscav.time_limits import Clock, TimeBank
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.check import findings
@@ -26,6 +24,8 @@ from wildscav_evaluator.submissions.images import lacks_packages, missing_packag
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_evaluator.suites.seeds import SuiteSeed
 from wildscav_evaluator.suites.suite import EVALUATION_MAPS, Suite
+from wildscav_server.hosting.hosted_match import HostedMatch
+from wildscav_server.time_limits import Clock, TimeBank
 
 STEPS = 600  # after which a match ends: a minute at the usual length of a step
 LATE_STEPS = 50  # after which the match with late answers ends

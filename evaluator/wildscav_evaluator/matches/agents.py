@@ -2,9 +2,10 @@
 
 import asyncio
 
-from wildscav.server import HostedMatch, SeatStatus
 from wildscav_evaluator.sandbox import Ending, Launch, RunningAgent, Sandbox
 from wildscav_evaluator.sandbox.processor_waits import INTERVAL
+from wildscav_server.hosting.hosted_match import HostedMatch
+from wildscav_server.hosting.reports import SeatStatus
 
 METER_TRIES = 40  # to find the processes of a container, which start a moment later
 

@@ -12,19 +12,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from wildscav.errors import SensorError, UserError, WildscavError, describe
-from wildscav.server import (
-    Clock,
-    EndpointSettings,
-    HostedMatch,
-    MatchCancelledError,
-    MatchOutcome,
-    MatchServer,
-    SeatReport,
-    SeatStatus,
-)
-from wildscav.system import leftovers
 from wildscav.terminal.console import counted
-from wildscav.time_limits import MARGIN
 from wildscav_engine.simulation.match import Match, MatchSetupError
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.agents import MatchAgents, status_of
@@ -39,6 +27,12 @@ from wildscav_evaluator.sandbox import (
 )
 from wildscav_evaluator.seats import display_names, submission_seats
 from wildscav_evaluator.submissions.submission import Submission
+from wildscav_server import leftovers
+from wildscav_server.endpoints.endpoint import EndpointSettings
+from wildscav_server.hosting.hosted_match import HostedMatch, MatchCancelledError
+from wildscav_server.hosting.reports import MatchOutcome, SeatReport, SeatStatus
+from wildscav_server.match_server import MatchServer
+from wildscav_server.time_limits import MARGIN, Clock
 
 SOCKET = "match.sock"
 # Of a seat's own socket: the connections that its agent may have open at one time, and in all.

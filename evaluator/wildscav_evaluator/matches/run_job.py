@@ -9,7 +9,6 @@ from contextlib import contextmanager
 from dataclasses import replace
 
 from wildscav.errors import WildscavError, describe
-from wildscav.server import HostedMatch, SeatReport
 from wildscav_engine.record import read_record, write_record
 from wildscav_engine.simulation.match import Match
 from wildscav_evaluator.matches.jobs import (
@@ -33,6 +32,8 @@ from wildscav_evaluator.matches.snapshots import Snapshot, snapshot_of
 from wildscav_evaluator.output.journal import read_entry, write_entry
 from wildscav_evaluator.output.results import FAILED, FINISHED, MatchRow, MatchTiming, SeatRow, SeatTiming
 from wildscav_evaluator.sandbox import SANDBOXES
+from wildscav_server.hosting.hosted_match import HostedMatch
+from wildscav_server.hosting.reports import SeatReport
 
 HEARTBEAT_INTERVAL = 0.5  # s between two heartbeats of a match
 SNAPSHOT_INTERVAL = 0.1  # s between two snapshots of a match that is watched

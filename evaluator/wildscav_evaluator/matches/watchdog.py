@@ -6,8 +6,8 @@ much as one that is stuck in a kernel or was stopped.
 
 from dataclasses import dataclass
 
-from wildscav.server import Clock
 from wildscav_evaluator.matches.jobs import Heartbeat, Job, JobEvent, RenderingReplay
+from wildscav_server.time_limits import Clock
 
 CHECK_INTERVAL = 1.0  # s between two checks of the workers, at most
 

@@ -19,14 +19,14 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import cast
 
-from wildscav.server.hosting.precompile import precompile_for
-from wildscav.system import leftovers
 from wildscav.system.worker_processes import become_worker, starting_workers
 from wildscav_evaluator.matches.jobs import AttemptFailed, Job, JobEvent, JobResult, Wanted
 from wildscav_evaluator.matches.run_job import after_worker_death, run_job
 from wildscav_evaluator.matches.watchdog import CHECK_INTERVAL, Patience, Watchdog
 from wildscav_evaluator.output.lock import Lock
 from wildscav_evaluator.sandbox.base import signal_name
+from wildscav_server import leftovers
+from wildscav_server.hosting.precompile import precompile_for
 
 STOP_TIME = 10.0  # s for a worker to stop its match when the evaluation is interrupted
 COMPILE_TIME = 3600.0  # s, at most, to compile the engine; it usually takes two minutes

@@ -12,8 +12,6 @@ from rich.console import Console
 from rich.live import Live
 from rich.text import Text
 
-from wildscav.monitoring.logs import LogFormat, open_log
-from wildscav.monitoring.metrics import serving_metrics
 from wildscav.terminal.console import console, counted
 from wildscav_evaluator.executors import Node
 from wildscav_evaluator.matches.jobs import AttemptFailed, Heartbeat, Job, JobEvent, JobResult
@@ -21,6 +19,8 @@ from wildscav_evaluator.monitoring.dashboard import dashboard, duration, match_c
 from wildscav_evaluator.monitoring.tally import Tally, TrackProgress
 from wildscav_evaluator.output.results import SeatTiming
 from wildscav_evaluator.scores.number_format import number, unit_and_title
+from wildscav_server.monitoring.logs import LogFormat, open_log
+from wildscav_server.monitoring.metrics import serving_metrics
 
 EVERY = 30.0  # s between lines if the output is not a terminal
 

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Protocol
 
 from wildscav.errors import UserError
-from wildscav.time_limits import MARGIN
 from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, Limits
 from wildscav_evaluator.sandbox.processor_waits import GroupMeter
+from wildscav_server.time_limits import MARGIN
 
 
 class SandboxError(UserError):

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from wildscav import __version__
-from wildscav.system import leftovers
 from wildscav_evaluator.cache import cache_folder
 from wildscav_evaluator.sandbox.base import Sandbox, SandboxError
 from wildscav_evaluator.sandbox.limits import Limits
 from wildscav_evaluator.sandbox.process import WARNING, ProcessSandbox
+from wildscav_server import leftovers
 
 BOOT = Path("/proc/sys/kernel/random/boot_id")
 ENGINE = ("WILDSCAV_ENGINE", "DOCKER_HOST", "CONTAINER_HOST")  # variables that say who runs containers

@@ -17,12 +17,12 @@ from dataclasses import replace
 from pathlib import Path
 
 from wildscav.errors import UserError
-from wildscav.system import leftovers
 from wildscav_evaluator.sandbox.agents.agent_process import AgentProcess, agent_variables, start_process
 from wildscav_evaluator.sandbox.base import Launch, MemoryKill, Promise
 from wildscav_evaluator.sandbox.limits import Limits
 from wildscav_evaluator.sandbox.processes import all_processes, kill, open_process, read_file
 from wildscav_evaluator.submission_files import stage
+from wildscav_server import leftovers
 
 KILL_ROUNDS = 1000  # rounds, at most, of killing a session that keeps forking
 PASSED_ON = ("PATH", "HOME", "LANG", "LC_ALL", "TMPDIR", "LD_LIBRARY_PATH")

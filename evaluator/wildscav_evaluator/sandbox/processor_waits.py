@@ -49,7 +49,7 @@ class Reading(NamedTuple):
 
 
 class GroupMeter:
-    """Measures the waits of an agent in a control group. See ``wildscav.time_limits.WaitMeter``.
+    """Measures the waits of an agent in a control group. See ``wildscav_server.time_limits.WaitMeter``.
 
     It keeps the kernel's files open, because opening them takes longer than reading them.
 

@@ -11,11 +11,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from wildscav.system import leftovers
 from wildscav_evaluator.sandbox.agents.capped_log import CUT
 from wildscav_evaluator.sandbox.base import Launch, Promise, Sandbox, SandboxError
 from wildscav_evaluator.sandbox.limits import MEBIBYTE, Limits
 from wildscav_evaluator.sandbox.processes import all_processes, read_file
+from wildscav_server import leftovers
 
 PROBE = Path(__file__).parent / "probe" / "agent.py"
 # Small limits, which are quick to test. A sandbox that enforces these also enforces others.

@@ -20,7 +20,6 @@ from pathlib import Path
 
 import wildscav
 from wildscav.errors import UserError
-from wildscav.system import leftovers
 from wildscav_evaluator.cache import cache_folder
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.sandbox.base import SandboxError
@@ -38,6 +37,7 @@ from wildscav_evaluator.sandbox.containers.left_containers import (
 )
 from wildscav_evaluator.submission_files import SubmissionError, copy_files
 from wildscav_evaluator.submissions.submission import LARGEST_MANIFEST, MANIFEST, Submission, read_manifest
+from wildscav_server import leftovers
 
 KEPT_LINES = 20  # of what a failing build prints
 IMAGE = "image:"  # before the name of a prebuilt image, where a command takes a submission
@@ -53,7 +53,7 @@ DOCKERFILES = next(
 LARGEST_VARIABLES = 65_536  # bytes, names included; Linux accepts 128 KiB in one and 2 MiB in all
 LARGEST_HEADERS = 16_384  # bytes of a tar archive with one file, without the file's content
 TAG = "py3-none-any"
-LEFT_OUT = {"__pycache__"}
+LEFT_OUT = {"__pycache__", "submissions"}  # an installed wheel has the baselines in the package
 
 
 class BuildError(SandboxError):
@@ -71,12 +71,22 @@ class BuildError(SandboxError):
 
 @functools.cache
 def sdk_digest() -> str:
-    """Return the digest of the SDK that is installed in images."""
-    package = Path(wildscav.__file__).parent
+    """Return the digest of the SDK that is installed in images: the package wildscav, and nothing else."""
     digest = hashlib.blake2b(digest_size=4)
-    for path in sorted(package.rglob("*.py")):
-        digest.update(str(path.relative_to(package)).encode() + path.read_bytes())
+    for name, content in _sdk_files().items():
+        digest.update(name.encode() + content)
     return digest.hexdigest()
+
+
+def _sdk_files() -> dict[str, bytes]:
+    """Return the content of the SDK's files, by their paths in its wheel."""
+    package = Path(wildscav.__file__).parent
+    files = sorted(path for path in package.rglob("*") if path.is_file())
+    return {
+        path.relative_to(package.parent).as_posix(): path.read_bytes()
+        for path in files
+        if not LEFT_OUT.intersection(path.relative_to(package).parts)
+    }
 
 
 def base_name(python: str) -> str:
@@ -318,17 +328,11 @@ def _first_file(packed: bytes) -> bytes | None:
 def write_sdk_wheel(folder: Path) -> Path:
     """Write the SDK into a folder as a wheel, made from the installed package, and return its path.
 
-    It contains only the package ``wildscav``, not what a match server needs in addition.
+    It contains the package ``wildscav`` alone.
     """
-    package = Path(wildscav.__file__).parent
     info = f"wildscav-{wildscav.__version__}.dist-info"
-    content = {
-        f"wildscav/{path.relative_to(package).as_posix()}": path.read_bytes()
-        for path in sorted(package.rglob("*"))
-        if path.is_file() and not LEFT_OUT.intersection(path.parts)
-    }
     wheel_info = ("Wheel-Version: 1.0", "Generator: wildscav", "Root-Is-Purelib: true", f"Tag: {TAG}", "")
-    content |= {
+    content = _sdk_files() | {
         f"{info}/METADATA": _metadata().encode(),
         f"{info}/WHEEL": "\n".join(wheel_info).encode(),
         f"{info}/entry_points.txt": b"[console_scripts]\nwildscav = wildscav.cli.main:main\n",

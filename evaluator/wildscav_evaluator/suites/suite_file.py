@@ -24,9 +24,7 @@ from pydantic import (
 )
 
 from wildscav.errors import UserError, describe
-from wildscav.system.config_files import LARGEST, read_config
 from wildscav.terminal.suggestions import did_you_mean
-from wildscav.time_limits import Clock
 from wildscav_engine.arithmetic.random_numbers import Dice
 from wildscav_engine.maps import MapError
 from wildscav_engine.maps.catalogue import map_spec
@@ -42,6 +40,8 @@ from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, Limits
 from wildscav_evaluator.seats import shuffled
 from wildscav_evaluator.suites.match_drawing import choose
 from wildscav_evaluator.suites.suite import SUITES, Suite, TrackSettings
+from wildscav_inspect.config_files import LARGEST, read_config
+from wildscav_server.time_limits import Clock
 
 SUFFIX = ".toml"
 SET_BY_SUITE = ("track", "map", "seed")  # fields of a match that the file may not set

@@ -11,7 +11,6 @@ from pathlib import Path
 from sqlalchemy.orm import Session
 
 from wildscav.errors import WildscavError, describe
-from wildscav.monitoring.logs import Log, open_log
 from wildscav_evaluator.executors import EXECUTORS, Executor, Node
 from wildscav_evaluator.matches.jobs import Heartbeat, Job, JobEvent, JobResult
 from wildscav_leaderboard.boards.service import read_ahead, refresh
@@ -34,6 +33,7 @@ from wildscav_leaderboard.seasons.in_force import in_force
 from wildscav_leaderboard.spectating.live import LiveMatches
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.webhooks.delivery import Deliverer
+from wildscav_server.monitoring.logs import Log, open_log
 
 BATCH = 4  # matches for each that runs at once; then those come first that have become urgent
 REFRESH_EVERY = 2.0  # s between two refreshes of the boards while matches are played

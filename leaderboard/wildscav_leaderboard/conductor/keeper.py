@@ -5,11 +5,11 @@ import threading
 from types import FrameType
 from typing import Any, Self
 
-from wildscav.monitoring.logs import Log
 from wildscav_leaderboard.conductor import lease
 from wildscav_leaderboard.conductor.lease import Holding, LeaseLostError
 from wildscav_leaderboard.database.connection import Database, DatabaseError, clock
 from wildscav_leaderboard.seasons.watchdog import watched_thread
+from wildscav_server.monitoring.logs import Log
 
 # Interrupts the main thread. It is none that a terminal sends, which the conductor's process ignores.
 INTERRUPT = signal.SIGUSR1

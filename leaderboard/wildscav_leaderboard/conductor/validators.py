@@ -7,7 +7,6 @@ from datetime import UTC, datetime
 from typing import Self
 
 from wildscav.errors import describe
-from wildscav.monitoring.logs import Log
 from wildscav_leaderboard.conductor import steps, work
 from wildscav_leaderboard.conductor.child import Child
 from wildscav_leaderboard.conductor.lease import Holding, LeaseLostError
@@ -17,6 +16,7 @@ from wildscav_leaderboard.seasons.disk import check_room
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.in_force import in_force
 from wildscav_leaderboard.submissions.models import Submission
+from wildscav_server.monitoring.logs import Log
 
 IDLE = 1.0  # s between two looks when there is nothing to do
 

@@ -14,8 +14,6 @@ from functools import partial
 from pathlib import Path
 
 from wildscav.errors import UserError
-from wildscav.monitoring.logs import Log
-from wildscav.server.hosting.precompile import precompile_for
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.storage.files import write_whole
 from wildscav_engine.tracks import TRACKS
@@ -38,6 +36,8 @@ from wildscav_leaderboard.matches.service import PlayedRecord, Seat
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.spectating.live import key_of
 from wildscav_leaderboard.submissions.archives import load_archive
+from wildscav_server.hosting.precompile import precompile_for
+from wildscav_server.monitoring.logs import Log
 
 VARIABLE = "WILDSCAV_SANDBOX"
 WEAK = f"{DANGER}. For code that you do not trust, set sandbox = 'bubblewrap' or 'oci' under [execution]"

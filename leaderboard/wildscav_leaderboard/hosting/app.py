@@ -11,7 +11,6 @@ from fastapi.responses import JSONResponse, PlainTextResponse, Response
 from starlette.exceptions import HTTPException
 
 from wildscav.errors import UserError
-from wildscav.monitoring.logs import Log
 from wildscav.version import __version__
 from wildscav_evaluator.cache import cache_folder
 from wildscav_leaderboard.access.body_limit import BodyLimit
@@ -33,6 +32,7 @@ from wildscav_leaderboard.spectating.live import LiveMatches
 from wildscav_leaderboard.spectating.render_cache import RenderCache
 from wildscav_leaderboard.web.errors import as_page
 from wildscav_leaderboard.web.pages import add_pages
+from wildscav_server.monitoring.logs import Log
 
 UPLOADS = frozenset({f"{PREFIX}/submissions", "/submit"})
 

@@ -14,7 +14,6 @@ from typing import Self
 
 from sqlalchemy.orm import Session
 
-from wildscav.monitoring.logs import Log
 from wildscav_engine.specs.map_spec import MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_leaderboard.database.connection import Database, DatabaseError
@@ -25,6 +24,7 @@ from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import NotFoundError
 from wildscav_leaderboard.seasons.watchdog import watched_thread
 from wildscav_leaderboard.spectating.render_cache import RenderCache
+from wildscav_server.monitoring.logs import Log
 
 EVERY = 2.0  # s between two looks
 REMEMBERED = 500  # files that are not begun again, even if the cache is too small to keep them

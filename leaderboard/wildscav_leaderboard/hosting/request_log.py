@@ -9,8 +9,8 @@ from prometheus_client import Counter, Histogram
 from prometheus_client.core import Metric
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from wildscav.monitoring.logs import Log
 from wildscav_leaderboard.api.routers import PREFIX
+from wildscav_server.monitoring.logs import Log
 
 TABLES = "/play/"  # paths of people's tables, in which their secrets stand
 UNKNOWN_ROUTE = "unknown"  # of an address that leads nowhere

@@ -14,10 +14,10 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 from types import FrameType
 
-from wildscav.monitoring.logs import Log, LogFormat, open_log
 from wildscav.system.worker_processes import end_with_parent
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.own_database import opened
+from wildscav_server.monitoring.logs import Log, LogFormat, open_log
 
 WEB, CONDUCTOR = "web", "conductor"
 LOOKS = 0.2  # s between two looks at the processes
@@ -111,10 +111,10 @@ def run_part(name: str, folder: str, settings: str, form: LogFormat | None, pare
 
 
 def _run_web(season: Season, log: Log) -> None:
-    from wildscav.monitoring.metrics import serving_metrics
     from wildscav_leaderboard.hosting.metrics import SeasonMetrics
     from wildscav_leaderboard.hosting.web_counts import WebCounts
     from wildscav_leaderboard.hosting.web_server import run_web
+    from wildscav_server.monitoring.metrics import serving_metrics
 
     database, counts = season.database(), WebCounts()
     metrics = SeasonMetrics(season, database, counts)

@@ -5,12 +5,12 @@ import gc
 import uvicorn
 from starlette.types import ASGIApp
 
-from wildscav.monitoring.logs import Log
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.hosting.guarded_connections import GuardedConnection
 from wildscav_leaderboard.hosting.web_counts import WebCounts
 from wildscav_leaderboard.seasons.folder import Season
+from wildscav_server.monitoring.logs import Log
 
 GRACE = 10  # s for requests to end when the server is stopped
 LARGEST_MESSAGE = 4096  # bytes, through the WebSocket of a page on which somebody plays

@@ -16,12 +16,6 @@ from pathlib import Path
 from types import FrameType
 
 from wildscav.errors import WildscavError, describe
-from wildscav.monitoring.logs import open_log
-from wildscav.play.links import Base, Links
-from wildscav.play.lobby import HOST
-from wildscav.play.plan import DEFAULT_MAP, FRAMES_PER_ACTION, Opponent, Plan
-from wildscav.play.serve import Served, prepare, served_on
-from wildscav.server import HostedMatch
 from wildscav.system.worker_processes import become_worker
 from wildscav_engine.specs.map_spec import MapSpec
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
@@ -37,6 +31,12 @@ from wildscav_leaderboard.playing.order import Order, Told
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.settings import Play, SeasonSettings
 from wildscav_leaderboard.submissions.archives import load_archive
+from wildscav_server.hosting.hosted_match import HostedMatch
+from wildscav_server.monitoring.logs import open_log
+from wildscav_stage.links import Base, Links
+from wildscav_stage.lobby import HOST
+from wildscav_stage.plan import DEFAULT_MAP, FRAMES_PER_ACTION, Opponent, Plan
+from wildscav_stage.serve import Served, prepare, served_on
 
 LOOKS = 0.5  # s between two looks at whether the person is here
 COMING = 120.0  # s in which the person must open the page for the first time
@@ -146,7 +146,7 @@ def plan_of(order: Order, submission: Submission, longest: float) -> Plan:
 
 @dataclass(frozen=True)
 class SandboxedAgents:
-    """Runs one submission, in all seats that are not a person's. See ``wildscav.play.rounds.Agents``."""
+    """Runs one submission, in all seats that are not a person's. See ``wildscav_stage.rounds.Agents``."""
 
     submission: Submission  # ready for the sandbox
     sandbox: Sandbox

@@ -14,13 +14,13 @@ from pathlib import Path
 from typing import Self
 
 from wildscav.errors import describe
-from wildscav.monitoring.logs import Log
-from wildscav.play.links import new_secret
-from wildscav.system import leftovers
 from wildscav_leaderboard.playing.order import SEEDS, Order, Told
 from wildscav_leaderboard.playing.table_counts import TableCounts
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import NotFoundError, RefusalError, TooMuchError
+from wildscav_server import leftovers
+from wildscav_server.monitoring.logs import Log
+from wildscav_stage.links import new_secret
 
 PROGRAM = (sys.executable, "-m", "wildscav_leaderboard.playing.host")
 STARTING, READY, ENDED = "starting", "ready", "ended"  # states of a table

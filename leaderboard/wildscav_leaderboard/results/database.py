@@ -9,8 +9,8 @@ from sqlalchemy.exc import DatabaseError, OperationalError
 from sqlalchemy.orm import Session
 
 from wildscav.errors import UserError
-from wildscav.system import leftovers
 from wildscav_leaderboard.results.schema import bring_up_to_date, is_current, is_newer, is_ours
+from wildscav_server import leftovers
 
 
 def check_writable(path: Path) -> None:

@@ -8,8 +8,6 @@ from functools import cached_property
 from pathlib import Path
 
 from wildscav.errors import UserError, describe
-from wildscav.system import leftovers
-from wildscav.time_limits import Clock
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, Limits
 from wildscav_evaluator.suites.seeds import SuiteSeed, read_secret
@@ -24,6 +22,8 @@ from wildscav_leaderboard.seasons.settings import (
     TrackSettings,
     read_settings,
 )
+from wildscav_server import leftovers
+from wildscav_server.time_limits import Clock
 
 # The seeds of the season's matches, and of those that decide it at its end; private until they are opened.
 SECRET_FILE, FINAL_SECRET_FILE = "secret.txt", "final-secret.txt"

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from contextlib import suppress
 from datetime import UTC, datetime
 
-from wildscav.monitoring.logs import Log, open_log
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.seasons.state import RESTARTS, read_state, write_state
+from wildscav_server.monitoring.logs import Log, open_log
 
 PAUSE = 5.0  # s before work that broke is begun again
 

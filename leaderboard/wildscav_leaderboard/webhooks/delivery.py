@@ -16,12 +16,12 @@ from typing import Self
 from sqlalchemy import func, select, update
 from sqlalchemy.orm import Session
 
-from wildscav.monitoring.logs import Log, open_log
 from wildscav_leaderboard.database.connection import Database, DatabaseError
 from wildscav_leaderboard.seasons.settings import Webhooks
 from wildscav_leaderboard.seasons.watchdog import watched_thread
 from wildscav_leaderboard.webhooks.models import Delivery, Webhook
 from wildscav_leaderboard.webhooks.sending import Answer, Message, open_client, send
+from wildscav_server.monitoring.logs import Log, open_log
 
 AT_ONCE = 128  # webhooks that are sent to at the same time
 MOST_ATTEMPTS = 8  # at each message

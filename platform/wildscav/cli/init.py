@@ -3,6 +3,7 @@
 import re
 import shlex
 from collections.abc import Mapping
+from importlib.metadata import entry_points
 from importlib.resources import files
 from pathlib import Path
 from typing import Annotated
@@ -14,6 +15,7 @@ from wildscav.errors import UserError
 
 TEMPLATE = ("submission.toml", "agent.py", "README.md")
 LONGEST_NAME = 40  # characters
+POLICY_FILES = "wildscav.policy_files"  # entry points: functions such as that of wildscav_training
 
 
 Folder = Annotated[
@@ -76,9 +78,7 @@ def init(
     elif from_policy is None:
         content = _from_template(name)
     else:
-        from wildscav.cli.from_policy import policy_files
-
-        content = policy_files(from_policy, name, track, option or [], choose, activation)
+        content = _from_policy(from_policy, name, track, option or [], choose, activation)
     write_files(folder, content)
     _print_next_steps(folder, name)
 
@@ -112,6 +112,14 @@ def _from_baseline(baseline: str, name: str) -> dict[str, bytes]:
     content = {path.name: path.read_bytes() for path in sorted(folder.iterdir()) if path.is_file()}
     old, new = (f'name = "{each}"'.encode() for each in (folder.name, name))
     return content | {"submission.toml": content["submission.toml"].replace(old, new)}
+
+
+def _from_policy(*arguments: object) -> dict[str, bytes]:
+    """Return the files of a submission that plays a policy, made by the package that can read one."""
+    for point in entry_points(group=POLICY_FILES):
+        content: dict[str, bytes] = point.load()(*arguments)
+        return content
+    raise UserError("--from-policy needs training: pip install 'wildscav[training]'")
 
 
 def _from_template(name: str) -> dict[str, bytes]:

@@ -1,11 +1,9 @@
-"""The ``wildscav`` command: its own commands, and those that other packages add.
+"""The ``wildscav`` command. Packages add commands by the entry-point group ``wildscav.commands``.
 
-A command is a function with Typer's annotations, or a Typer application with several subcommands. Our own are
-listed in ``OWN``; other packages register theirs in the entry-point group ``wildscav.commands``. A command's
-module is imported only when the command is run or listed in the help.
+A command is a function with Typer's annotations, or a Typer application with several subcommands. Its module
+is imported only when the command is run or listed in the help.
 """
 
-import importlib
 import inspect
 import os
 import sys
@@ -22,19 +20,6 @@ from wildscav.terminal.suggestions import did_you_mean
 from wildscav.version import __version__
 
 GROUP = "wildscav.commands"
-OWN = {
-    "init": "wildscav.cli.init:init",
-    "train": "wildscav.cli.train:train",
-    "dataset": "wildscav.cli.dataset:dataset",
-    "verify": "wildscav.cli.verify:verify",
-    "replay": "wildscav.cli.replay:replay",
-    "video": "wildscav.cli.video:video",
-    "serve": "wildscav.cli.serve:serve",
-    "human": "wildscav.cli.human:human",
-    "map": "wildscav.cli.maps.map:app",
-    "look": "wildscav.cli.maps.look:app",
-    "legacy": "wildscav.cli.legacy:app",
-}
 # The panels of the help, each in the order of its commands: first what a newcomer needs.
 PANELS = {
     "Agents": ("init", "train", "dataset", "play", "human", "check", "build"),
@@ -53,19 +38,25 @@ PANELS = {
 OTHERS = "Others"
 HELP_ORDER = tuple(name for names in PANELS.values() for name in names)
 # The extra that all commands of a package need.
-PACKAGE_EXTRAS = {"wildscav_leaderboard": "leaderboard", "wildscav_evaluator": "evaluator"}
+PACKAGE_EXTRAS = {
+    "wildscav_leaderboard": "leaderboard",
+    "wildscav_evaluator": "evaluator",
+    "wildscav_legacy": "legacy",
+    "wildscav_stage": "stage",
+    "wildscav_server": "server",
+}
 # The extra that installs a missing module, for commands of any other package.
 EXTRAS = {
     "alembic": "leaderboard",
     "cryptography": "evaluator",
     "fastapi": "leaderboard",
-    "grpc_health": "engine",
+    "grpc_health": "server",
     "h5py": "data",
     "httpx": "leaderboard",
     "jinja2": "leaderboard",
     "minari": "data",
     "numba": "engine",
-    "prometheus_client": "engine",
+    "prometheus_client": "server",
     "PIL": "maps",
     "av": "video",
     "pwdlib": "leaderboard",
@@ -75,14 +66,14 @@ EXTRAS = {
     "scipy": "maps",
     "sqlalchemy": "leaderboard",
     "standardwebhooks": "leaderboard",
-    "starlette": "play",
-    "structlog": "engine",
+    "starlette": "stage",
+    "structlog": "server",
     "tensorboardX": "training",
     "tomli_w": "leaderboard",
     "torch": "training",
     "trimesh": "maps",
-    "uvicorn": "play",
-    "websockets": "play",
+    "uvicorn": "stage",
+    "websockets": "stage",
 }
 
 
@@ -91,7 +82,7 @@ class Commands(TyperGroup):
 
     def list_commands(self, ctx: Any) -> list[str]:  # noqa: ARG002 - Typer's signature
         """Return the names, in the order of help."""
-        names = [*OWN, *_plug_ins()]
+        names = _registered()
         known, last = HELP_ORDER, len(HELP_ORDER)
         return sorted(names, key=lambda name: (known.index(name) if name in known else last, name))
 
@@ -104,17 +95,14 @@ class Commands(TyperGroup):
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:  # noqa: ARG002
         """Return a command, or None if there is none with that name."""
+        point = _registered().get(cmd_name)
         try:
-            if cmd_name in OWN:
-                module, _, function = OWN[cmd_name].partition(":")
-                return _command(cmd_name, getattr(importlib.import_module(module), function))
-            plug_in = _plug_ins().get(cmd_name)
-            return plug_in and _command(cmd_name, plug_in.load())
+            return point and _command(cmd_name, point.load())
         except Exception as error:  # noqa: BLE001 - a broken plug-in must not break other commands
             return _command(cmd_name, _unavailable(cmd_name, error), options=False)
 
 
-def _plug_ins() -> dict[str, EntryPoint]:
+def _registered() -> dict[str, EntryPoint]:
     return {point.name: point for point in entry_points(group=GROUP)}
 
 

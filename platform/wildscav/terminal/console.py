@@ -2,7 +2,7 @@
 
 Much of what is shown is untrusted: names and versions of submissions, output of agents, contents of records.
 ``printable`` escapes any text, and all text for a terminal goes through it: the consoles here apply it
-themselves, and ``wildscav.monitoring.logs`` applies it to log lines. ``ascii_json`` does the same for JSON.
+themselves, and the log of servers applies it to its lines. ``ascii_json`` does the same for JSON.
 """
 
 import json

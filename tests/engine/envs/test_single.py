@@ -154,7 +154,10 @@ def test_pieces_of_maps_for_testing_are_unseen_in_training_if_wished(
             r"opponents.1: there is no robot 'figther' \(did you mean 'fighter'",
         ),
         ({"opponents": "fighter"}, "opponents: 'fighter' is not a list with an entry for each seat"),
-        ({"opponents": ("agents/hunter",)}, r"given as wildscav.opponents.submission\('agents/hunter'\)"),
+        (
+            {"opponents": ("agents/hunter",)},
+            r"given as wildscav_training\.opponents.submission",
+        ),
         ({"map": 1000}, "maps have the ids 1 to 999"),
         (
             {"preset": "paper-capture"},

@@ -166,7 +166,7 @@ def test_a_server_that_is_warm_compiles_nothing_for_any_sensor() -> None:
         import gc
         from numba.core.dispatcher import Dispatcher
         from tests.builders import make_match
-        from wildscav.server.hosting.precompile import precompile
+        from wildscav_server.hosting.precompile import precompile
         from wildscav_engine.sensors import parse_sensor
 
         def kernels():
@@ -189,7 +189,7 @@ def test_no_sensor_costs_anything_before_it_is_asked_for() -> None:
     """A match that is played without optical sensors never prepares the scene."""
     code = """
         from tests.builders import make_match
-        import wildscav.server
+        import wildscav_server.match_server
         from wildscav_engine.sensors import SENSORS
 
         match = make_match("gathering")

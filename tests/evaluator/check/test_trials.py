@@ -9,8 +9,6 @@ import pytest
 from tests.evaluator.sample_agents import WALKER, Command, Submit
 from tests.evaluator.sandbox.available import missing
 
-from wildscav.server import Clock
-from wildscav.server.hosting.observations import match_info
 from wildscav_engine.maps import map_spec
 from wildscav_engine.simulation.match import Match
 from wildscav_evaluator.check.findings import Finding, Verdict, advice_on
@@ -19,6 +17,8 @@ from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES, Limits
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_evaluator.suites.suite import EVALUATION_MAPS, SUITES
 from wildscav_evaluator.suites.suite_file import read_suite
+from wildscav_server.hosting.observations import match_info
+from wildscav_server.time_limits import Clock
 
 pytestmark = pytest.mark.usefixtures("compiled")
 
@@ -231,7 +231,7 @@ def test_an_agent_that_never_sends_a_valid_action_fails(
 
 
 def test_every_outcome_has_a_way_to_mend_it() -> None:
-    from wildscav.server import SeatStatus
+    from wildscav_server.hosting.reports import SeatStatus
 
     for status in SeatStatus:
         if status != "finished":

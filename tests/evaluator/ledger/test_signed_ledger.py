@@ -4,7 +4,6 @@ import pytest
 from tests.evaluator.ledger.forgeries import blame
 from tests.evaluator.ledger.forging import Forgery, Rescored
 
-from wildscav.cli.verify import verify
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.rescore import run_rescore
 from wildscav_evaluator.executors.local import LocalExecutor
@@ -12,6 +11,7 @@ from wildscav_evaluator.ledger.entries import Closed
 from wildscav_evaluator.ledger.keys import SigningKey
 from wildscav_evaluator.ledger.ledger import read_ledger
 from wildscav_evaluator.output.layout import LEDGER_FILE
+from wildscav_inspect.verify import verify
 
 
 def claim_less_time(content: dict[str, object]) -> None:

@@ -15,12 +15,13 @@ import pytest
 from tests.evaluator.sample_agents import TALKER, Submit
 
 from wildscav.errors import UserError
-from wildscav.server import Clock, HostedMatch
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.play import PlatformFaultError, PlayedMatch, Seating, play_match
 from wildscav_evaluator.sandbox import SANDBOXES, Launch, RunningAgent, SandboxError
 from wildscav_evaluator.submissions.submission import Submission
+from wildscav_server.hosting.hosted_match import HostedMatch
+from wildscav_server.time_limits import Clock
 
 pytestmark = pytest.mark.usefixtures("compiled")
 
@@ -31,9 +32,9 @@ SENSOR = "\n[sensors.depth]\nwidth = 4\nheight = 4\n"
 # What fails, and at which call of it. With two seats most things are called twice a step.
 OFTEN = [
     ("wildscav_engine.simulation.match:Match.step", 5),
-    ("wildscav.server.hosting.lockstep:encode_observation", 5),
-    ("wildscav.server.hosting.lockstep:decode_action", 5),
-    ("wildscav.server.endpoints.match_service:_read_join", 1),
+    ("wildscav_server.hosting.lockstep:encode_observation", 5),
+    ("wildscav_server.hosting.lockstep:decode_action", 5),
+    ("wildscav_server.endpoints.match_service:_read_join", 1),
 ]
 ALL = [
     *OFTEN,
@@ -43,16 +44,16 @@ ALL = [
             ("wildscav_engine.simulation.match:Match.start_info", 1),  # for the first message to a seat
             ("wildscav_engine.simulation.match:Match.start_info", 2),
             ("wildscav_engine.simulation.match:Match.result", 1),  # for the last one
-            ("wildscav.server.hosting.seat:Seat.read_sensors", 5),
-            ("wildscav.server.hosting.observations:SeatObservations.encode", 5),
-            ("wildscav.server.endpoints.match_service:MatchService._find_reservation", 2),
-            ("wildscav.server.hosting.hosted_match:HostedMatch.join", 2),
-            ("wildscav.server.hosting.hosted_match:HostedMatch.ready", 1),
-            ("wildscav.server.hosting.hosted_match:HostedMatch.next_observation", 3),
-            ("wildscav.server.hosting.hosted_match:encode_match_info", 1),
-            ("wildscav.server.hosting.hosted_match:encode_seat_result", 2),
-            ("wildscav.server.hosting.seat:Seat.conduct_message", 1),
-            ("wildscav.time_limits:TimeBank.charge", 3),
+            ("wildscav_server.hosting.seat:Seat.read_sensors", 5),
+            ("wildscav_server.hosting.observations:SeatObservations.encode", 5),
+            ("wildscav_server.endpoints.match_service:MatchService._find_reservation", 2),
+            ("wildscav_server.hosting.hosted_match:HostedMatch.join", 2),
+            ("wildscav_server.hosting.hosted_match:HostedMatch.ready", 1),
+            ("wildscav_server.hosting.hosted_match:HostedMatch.next_observation", 3),
+            ("wildscav_server.hosting.hosted_match:encode_match_info", 1),
+            ("wildscav_server.hosting.hosted_match:encode_seat_result", 2),
+            ("wildscav_server.hosting.seat:Seat.conduct_message", 1),
+            ("wildscav_server.time_limits:TimeBank.charge", 3),
         )
     ),
 ]
@@ -114,7 +115,7 @@ def test_a_clock_that_fails_while_nobody_answers_does_not_wait_for_ever(
             time.sleep(600)
         return Action()
 """
-    break_at(monkeypatch, "wildscav.time_limits:TimeBank.charge", 4)
+    break_at(monkeypatch, "wildscav_server.time_limits:TimeBank.charge", 4)
 
     played = play(submit("sleepy", sleepy), tmp_path=tmp_path, clock=Clock(step_budget=0.1, time_bank=0.0))
 

@@ -11,12 +11,13 @@ from tests.evaluator.sandbox.available import missing
 from tests.platform.helpers import raw_http2
 from tests.platform.helpers.attacked_server import memory
 
-from wildscav.server import Clock, SeatStatus
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.play import Seating, play_match
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.submissions.submission import Submission
+from wildscav_server.hosting.reports import SeatStatus
+from wildscav_server.time_limits import Clock
 
 pytestmark = pytest.mark.usefixtures("compiled")
 

@@ -6,7 +6,6 @@ from pathlib import Path
 import pytest
 from tests.evaluator.sample_agents import QUITTER, TALKER, Submit
 
-from wildscav.server import Clock, SeatStatus
 from wildscav_engine.simulation.match import Match, MatchSetupError
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
@@ -16,6 +15,8 @@ from wildscav_evaluator.sandbox import Ending, Launch, Limits, Promise, RunningA
 from wildscav_evaluator.sandbox.process import ProcessSandbox
 from wildscav_evaluator.sandbox.processor_waits import GroupMeter
 from wildscav_evaluator.submissions.submission import Submission
+from wildscav_server.hosting.reports import SeatStatus
+from wildscav_server.time_limits import Clock
 
 pytestmark = pytest.mark.usefixtures("compiled")
 
@@ -187,7 +188,7 @@ def test_a_match_that_cannot_be_set_up_is_not_tried_again(
         tries += 1
         raise MatchSetupError("there is no room on this map")
 
-    monkeypatch.setattr("wildscav.server.match_server._set_up", refuse)
+    monkeypatch.setattr("wildscav_server.match_server._set_up", refuse)
 
     with pytest.raises(MatchSetupError):
         play(submit("walker", TALKER), tmp_path=tmp_path)

@@ -10,13 +10,15 @@ import pytest
 from tests.evaluator.sample_agents import SLEEPER, WALKER, Submit
 from tests.evaluator.sandbox.available import missing
 
-from wildscav.server import Clock, HostedMatch, SeatStatus
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.play import PlayedMatch, Seating, play_match
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.sandbox.process import kill_session
 from wildscav_evaluator.submissions.submission import Submission
+from wildscav_server.hosting.hosted_match import HostedMatch
+from wildscav_server.hosting.reports import SeatStatus
+from wildscav_server.time_limits import Clock
 
 pytestmark = pytest.mark.usefixtures("compiled")
 

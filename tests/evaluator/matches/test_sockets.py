@@ -7,12 +7,12 @@ import pytest
 from tests.evaluator.sample_agents import Submit
 from tests.evaluator.sandbox.available import missing
 
-from wildscav.server import HostedMatch
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.play import PlayedMatch, Seating, play_match
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.submissions.submission import Submission
+from wildscav_server.hosting.hosted_match import HostedMatch
 
 pytestmark = pytest.mark.usefixtures("compiled")
 

@@ -10,8 +10,6 @@ from prometheus_client.parser import text_string_to_metric_families
 from tests.evaluator.monitoring.jobs_by_hand import jobs, played
 
 from wildscav.errors import UserError
-from wildscav.monitoring.logs import open_log
-from wildscav.monitoring.metrics import serving_metrics
 from wildscav_evaluator.cli.sessions.evaluate import run_session
 from wildscav_evaluator.matches.jobs import Heartbeat
 from wildscav_evaluator.monitoring.monitor import EvaluationMetrics, Monitor, MonitorOptions
@@ -20,6 +18,8 @@ from wildscav_evaluator.plans.evaluation import EvaluationPlan
 from wildscav_evaluator.submissions.submission import load_submission
 from wildscav_evaluator.suites.seeds import SuiteSeed
 from wildscav_evaluator.suites.suite_file import read_suite
+from wildscav_server.monitoring.logs import open_log
+from wildscav_server.monitoring.metrics import serving_metrics
 
 HOMING = Path(__file__).parents[3] / "submissions" / "homing"
 SUITE = 'name = "short"\nmap = { size = 40, houses = 0 }\n[tracks.navigation]\nmaps = 2\n'

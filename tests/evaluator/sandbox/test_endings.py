@@ -20,13 +20,13 @@ from tests.evaluator.sandbox.sandbox_runs import (
     wait_until,
 )
 
-from wildscav.system import leftovers
 from wildscav_evaluator.sandbox import Ending, Launch, Sandbox
 from wildscav_evaluator.sandbox.containers import oci
 from wildscav_evaluator.sandbox.containers.container_engine import call, find_engine, has_cgroup_v1
 from wildscav_evaluator.sandbox.linux import bubblewrap, cgroup
 from wildscav_evaluator.sandbox.linux.kernel_log import logged_kill
 from wildscav_evaluator.submissions.submission import Submission
+from wildscav_server import leftovers
 
 pytestmark = pytest.mark.slow
 Submit = Callable[..., Submission]
@@ -205,7 +205,7 @@ def folders_of(process: int) -> list[Path]:
 STARTER = """
 import asyncio, sys
 from pathlib import Path
-from wildscav.system import leftovers
+from wildscav_server import leftovers
 from wildscav_evaluator.sandbox import SANDBOXES, Launch
 
 async def run():

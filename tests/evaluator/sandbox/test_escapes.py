@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from tests.evaluator.sandbox.sandbox_runs import FLOOD, LIMITS, Report, attack
 
-from wildscav.system import leftovers
 from wildscav_evaluator.sandbox import Sandbox
+from wildscav_server import leftovers
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="the attacks are on Linux")
 ATTACKS = re.findall(

@@ -15,10 +15,10 @@ from pathlib import Path
 import pytest
 from tests.evaluator.sandbox.sandbox_runs import GROUPS, listening, processes_with, wait_until
 
-from wildscav.system import leftovers
 from wildscav_evaluator.sandbox import Sandbox
 from wildscav_evaluator.sandbox.containers.container_engine import OWNER, call, find_engine
 from wildscav_evaluator.submissions.submission import Submission
+from wildscav_server import leftovers
 
 pytestmark = pytest.mark.slow
 Submit = Callable[..., Submission]
@@ -29,7 +29,7 @@ import asyncio, sys
 from pathlib import Path
 from wildscav_evaluator.sandbox import SANDBOXES, Launch
 from wildscav_evaluator.sandbox.containers.container_engine import find_engine
-from wildscav.system import leftovers
+from wildscav_server import leftovers
 
 async def run():
     sandbox = SANDBOXES[sys.argv[1]]
@@ -83,7 +83,7 @@ import asyncio, sys
 from pathlib import Path
 from wildscav_evaluator.sandbox import SANDBOXES, Launch
 from wildscav_evaluator.sandbox.containers import wall_clock
-from wildscav.system import leftovers
+from wildscav_server import leftovers
 
 async def run():
     wall_clock.LATER = {seconds} - 600.0

@@ -6,10 +6,10 @@ import pytest
 from tests.leaderboard.seasons_made import make_season
 
 from wildscav.errors import UserError
-from wildscav.monitoring.logs import open_log
 from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_leaderboard.conductor.work import VARIABLE, chosen_sandbox
 from wildscav_leaderboard.seasons.folder import Season
+from wildscav_server.monitoring.logs import open_log
 
 
 @pytest.fixture

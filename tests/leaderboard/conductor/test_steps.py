@@ -9,7 +9,6 @@ from sqlalchemy.orm import Session
 from tests.leaderboard.conductor.conducted import Conducted
 from tests.leaderboard.seasons_made import make_season, team_with_member
 
-from wildscav.time_limits import Clock
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_leaderboard.accounts.service import Caller, find_account
 from wildscav_leaderboard.conductor import attempts, steps
@@ -24,6 +23,7 @@ from wildscav_leaderboard.seasons.acts import Act, Doing
 from wildscav_leaderboard.seasons.refusals import NotFoundError, RefusalError
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.service import history_of, move
+from wildscav_server.time_limits import Clock
 
 MORE = """
 matches = 4

@@ -16,8 +16,6 @@ from tests.leaderboard.agents import write_agent
 from tests.leaderboard.seasons_made import make_season, submitted, team_with_member
 from tests.leaderboard.spectating.served import served
 
-from wildscav.monitoring.logs import open_log
-from wildscav.monitoring.metrics import serving_metrics
 from wildscav_evaluator.executors import ExecutorError
 from wildscav_leaderboard.conductor.conductor import Conductor
 from wildscav_leaderboard.conductor.lease import acquire, release
@@ -29,6 +27,8 @@ from wildscav_leaderboard.organizing.status import status
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.state import RESTARTS, write_state
 from wildscav_leaderboard.webhooks.service import add_webhook, queue_message, remove_webhook
+from wildscav_server.monitoring.logs import open_log
+from wildscav_server.monitoring.metrics import serving_metrics
 
 
 @pytest.fixture

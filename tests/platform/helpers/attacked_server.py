@@ -13,8 +13,10 @@ from typing import NamedTuple
 from tests.platform.helpers.hostile_client import END, Attacker, Move
 from tests.platform.helpers.seats import connected, ended, host, small_spec, start_agent
 
-from wildscav.server import Clock, HostedMatch, MatchServer, SeatReport
-from wildscav.server.hosting.hosted_match import MatchCancelledError
+from wildscav_server.hosting.hosted_match import HostedMatch, MatchCancelledError
+from wildscav_server.hosting.reports import SeatReport
+from wildscav_server.match_server import MatchServer
+from wildscav_server.time_limits import Clock
 
 OUTCOMES = frozenset({"finished", "timed_out", "crashed", "protocol_error", "never_joined"})
 HASTY = Clock(step_budget=0.02, time_bank=0.02, join_timeout=0.1)

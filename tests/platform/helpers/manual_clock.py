@@ -11,9 +11,10 @@ from typing import Any
 
 from tests.platform.helpers.seats import Result
 
-from wildscav.server import HostedMatch, MatchServer
-from wildscav.server.hosting.lockstep import LAG
-from wildscav.server.hosting.precompile import precompile
+from wildscav_server.hosting.hosted_match import HostedMatch
+from wildscav_server.hosting.lockstep import LAG
+from wildscav_server.hosting.precompile import precompile
+from wildscav_server.match_server import MatchServer
 
 # s; a power of two, so that times are exact. The server takes longer hops for its own delay.
 HOP = 2.0**-8

@@ -12,10 +12,10 @@ from wildscav import MatchInfo, Observation
 from wildscav.agent import Action
 from wildscav.policy import Environment
 from wildscav.sdk.connection import Connection
-from wildscav.server import MatchServer
-from wildscav.time_limits import Clock
 from wildscav_engine.envs import SingleEnv
 from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_server.match_server import MatchServer
+from wildscav_server.time_limits import Clock
 
 PATIENT = Clock(step_budget=10.0, time_bank=600.0)  # the machine may be busy
 

@@ -12,10 +12,11 @@ import grpc
 
 from wildscav.proto import PROTOCOL_VERSION
 from wildscav.proto.match_pb2 import Action, ClientMessage, Join, ServerMessage
-from wildscav.server import HostedMatch, MatchServer
-from wildscav.server.hosting.precompile import precompile
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_server.hosting.hosted_match import HostedMatch
+from wildscav_server.hosting.precompile import precompile
+from wildscav_server.match_server import MatchServer
 
 # Else all channels of a process share one, and the streams of those that leave without reading crowd it.
 OWN_CONNECTION = [("grpc.use_local_subchannel_pool", 1)]

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 import pytest
 from tests.platform.legacy.helpers.competitor import Competitor
 
-from wildscav.legacy.channel import Client
-from wildscav.legacy.session import Session
-from wildscav.server.hosting.precompile import precompile
+from wildscav_legacy.channel import Client
+from wildscav_legacy.session import Session
+from wildscav_server.hosting.precompile import precompile
 
 
 @pytest.fixture(scope="session", autouse=True)

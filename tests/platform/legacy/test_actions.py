@@ -6,9 +6,9 @@ import pytest
 from tests.platform.legacy.helpers.commands import MAP, command, far_target, open_way, setup
 from tests.platform.legacy.helpers.competitor import Competitor
 
-from wildscav.legacy.commander_pb2 import AgentCommand, GameState, GMCommand
 from wildscav_engine.geometry.terrain import ground_at, water_at
 from wildscav_engine.maps import load_map
+from wildscav_legacy.commander_pb2 import AgentCommand, GameState, GMCommand
 
 
 def walk_from(start: list[float], **fields: float) -> GMCommand:

@@ -4,7 +4,7 @@ import pytest
 from tests.platform.legacy.helpers.commands import SHOOT, command, duel, face_to_face, setup
 from tests.platform.legacy.helpers.competitor import Competitor, begin_at_a_box
 
-from wildscav.legacy.commander_pb2 import EnemyInfo, GameMode, Observation, Vector3
+from wildscav_legacy.commander_pb2 import EnemyInfo, GameMode, Observation, Vector3
 
 
 def test_a_hit_costs_20_and_both_are_told(competitor: Competitor) -> None:

@@ -6,9 +6,9 @@ import threading
 import pytest
 from tests.platform.legacy.helpers.competitor import Competitor
 
-from wildscav.legacy.channel import LARGEST, Client, ClientGoneError, TooLargeError
-from wildscav.legacy.commander_pb2 import GameState, GMCommand
-from wildscav.legacy.request_messages import START
+from wildscav_legacy.channel import LARGEST, Client, ClientGoneError, TooLargeError
+from wildscav_legacy.commander_pb2 import GameState, GMCommand
+from wildscav_legacy.request_messages import START
 
 
 @pytest.mark.parametrize("watched", [True, False])

@@ -9,13 +9,13 @@ from typing import Any
 
 from tests.platform.legacy.helpers.original import SCRIPTS, environment
 
-from wildscav.legacy import commander_pb2
+from wildscav_legacy import commander_pb2
 
 PLATFORM = Path(__file__).parents[3] / "platform"
 
 
 def test_the_generated_code_is_up_to_date(tmp_path: Path) -> None:
-    name = "wildscav/legacy/commander"
+    name = "wildscav_legacy/commander"
     protoc = [sys.executable, "-m", "grpc_tools.protoc", f"--proto_path={PLATFORM}"]
     subprocess.run(
         [*protoc, f"--python_out={tmp_path}", f"--pyi_out={tmp_path}", f"{name}.proto"], check=True
@@ -32,7 +32,7 @@ def lines_of(code: str) -> list[str]:
 
 def test_messages_of_ours_can_be_loaded_beside_the_originals() -> None:
     file = commander_pb2.DESCRIPTOR
-    assert file.name == "wildscav/legacy/commander.proto"
+    assert file.name == "wildscav_legacy/commander.proto"
     assert file.package == "wildscav.legacy"
 
 

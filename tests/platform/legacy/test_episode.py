@@ -5,12 +5,12 @@ from typing import Any
 import pytest
 from tests.platform.legacy.helpers.commands import command, setup, vector
 
-from wildscav.legacy.commander_pb2 import AgentSetup, GameMode, GMCommand, SupplyRefreshData
-from wildscav.legacy.episode import RefusedEpisodeError, read_episode
 from wildscav_engine.maps import map_spec
 from wildscav_engine.specs.match_spec import Equipment
 from wildscav_engine.specs.rules import Rules
 from wildscav_engine.specs.supply_config import SupplyConfig, SupplyWave
+from wildscav_legacy.commander_pb2 import AgentSetup, GameMode, GMCommand, SupplyRefreshData
+from wildscav_legacy.episode import RefusedEpisodeError, read_episode
 
 BATTLE = GameMode.SUP_BATTLE_MODE
 

@@ -6,7 +6,7 @@ from typing import Any
 from tests.platform.legacy.helpers.commands import SHOOT, command, duel, setup, vector
 from tests.platform.legacy.helpers.competitor import Competitor, begin_at_a_box
 
-from wildscav.legacy.commander_pb2 import EventAgent, GameMode, SupplyRefreshData
+from wildscav_legacy.commander_pb2 import EventAgent, GameMode, SupplyRefreshData
 
 
 def events_of(competitor: Competitor, kind: str) -> Iterator[EventAgent]:

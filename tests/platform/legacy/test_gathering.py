@@ -6,7 +6,7 @@ import pytest
 from tests.platform.legacy.helpers.commands import command, setup, vector
 from tests.platform.legacy.helpers.competitor import Competitor
 
-from wildscav.legacy.commander_pb2 import GameMode, GMCommand, SupplyInfo, SupplyRefreshData
+from wildscav_legacy.commander_pb2 import GameMode, GMCommand, SupplyInfo, SupplyRefreshData
 
 
 def gathering(**fields: Any) -> GMCommand:

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from tests.commands import run_command
 
-from wildscav.cli.legacy import DEFAULT_MAPS, read_ids
 from wildscav.errors import UserError
-from wildscav.legacy.install import install_engine, missing_maps, paths_of, write_map
+from wildscav_legacy.commands import DEFAULT_MAPS, read_ids
+from wildscav_legacy.install import install_engine, missing_maps, paths_of, write_map
 
 
 @pytest.mark.parametrize(

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 from tests.builders import place, seen_now
 from tests.platform.legacy.helpers.original import environment
 
-from wildscav.legacy.install import is_written, obj_of, paths_of, write_map
 from wildscav_engine.maps import GameMap, load_map
 from wildscav_engine.sensors import DepthCamera
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_legacy.install import is_written, obj_of, paths_of, write_map
 
 EYE = np.array([0.0, 1.5, 0.0])
 WIDTH, HEIGHT, FAR = 64, 36, 200.0

@@ -6,9 +6,9 @@ import pytest
 from tests.platform.legacy.helpers.commands import command, far_target, open_way, setup
 from tests.platform.legacy.helpers.competitor import Competitor
 
-from wildscav.legacy.commander_pb2 import AgentSetup, GameState
 from wildscav_engine.maps import load_map
 from wildscav_engine.record import read_record
+from wildscav_legacy.commander_pb2 import AgentSetup, GameState
 
 
 def test_an_episode_opens_with_what_the_agent_starts_with(competitor: Competitor) -> None:

@@ -11,10 +11,10 @@ from tests.platform.legacy.helpers.commands import face_to_face, open_way
 from tests.platform.legacy.helpers.original import SCRIPTS, environment, install, logs, play
 from tests.ports import free_ports
 
-from wildscav.legacy.install import install_engine, obj_of, paths_of
 from wildscav_engine.maps import load_map
 from wildscav_engine.maps.export.files import locations_of
 from wildscav_engine.record import read_record, verify_record
+from wildscav_legacy.install import install_engine, obj_of, paths_of
 
 
 @pytest.fixture(scope="session")

@@ -10,7 +10,7 @@ from tests.platform.legacy.helpers.original import install, run
 from tests.ports import free_ports
 
 import wildscav
-from wildscav.legacy.episode import FIELDS
+from wildscav_legacy.episode import FIELDS
 
 PAGE = (Path(__file__).parents[3] / "docs" / "legacy.md").read_text("utf-8")
 

@@ -12,8 +12,8 @@ from tests.platform.legacy.helpers.commands import command
 from tests.platform.legacy.helpers.competitor import Competitor
 
 from wildscav.errors import UserError
-from wildscav.legacy.install import install_engine
-from wildscav.legacy.program import read_address
+from wildscav_legacy.install import install_engine
+from wildscav_legacy.program import read_address
 
 Start = Callable[[int], subprocess.Popen[str]]
 
@@ -143,7 +143,7 @@ def test_what_is_played_otherwise_than_asked_is_told_to_the_user_once(
 
 def test_only_a_parent_that_listens_on_the_port_is_the_client() -> None:
     code = (
-        "import sys\nfrom wildscav.legacy.program import find_client\nprint(find_client(int(sys.argv[1])))\n"
+        "import sys\nfrom wildscav_legacy.program import find_client\nprint(find_client(int(sys.argv[1])))\n"
     )
     competitor = Competitor()
     for port, found in ((competitor.port, str(os.getpid())), (1, "None")):

@@ -8,9 +8,9 @@ import pytest
 from tests.platform.legacy.helpers.commands import command
 from tests.platform.legacy.helpers.competitor import Competitor
 
-from wildscav.legacy.channel import Client, TooLargeError
-from wildscav.legacy.commander_pb2 import GameMode, GameState
-from wildscav.legacy.session import Session
+from wildscav_legacy.channel import Client, TooLargeError
+from wildscav_legacy.commander_pb2 import GameMode, GameState
+from wildscav_legacy.session import Session
 
 Playing = tuple[Competitor, threading.Thread]
 
@@ -18,7 +18,7 @@ Playing = tuple[Competitor, threading.Thread]
 @pytest.fixture
 def playing(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> Iterator[Playing]:
     """A client whose engine has made its first call, and that engine."""
-    caplog.set_level("INFO", "wildscav.legacy")
+    caplog.set_level("INFO", "wildscav_legacy")
     competitor = Competitor()
     client = Client(f"127.0.0.1:{competitor.port}")
     engine = threading.Thread(target=Session(client, tmp_path).run)

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from tests.platform.legacy.helpers.commands import MAP, command, open_way, setup
 
-from wildscav.legacy.episode import Episode, read_episode
-from wildscav.legacy.session import with_usable_places
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.maps import load_map
+from wildscav_legacy.episode import Episode, read_episode
+from wildscav_legacy.session import with_usable_places
 
 
 def episode(start: Any, target: Any = None) -> Episode:

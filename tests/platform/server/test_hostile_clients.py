@@ -18,11 +18,13 @@ from tests.platform.helpers.manual_clock import HOP, HandSetLoop, serving_by_han
 from tests.platform.helpers.seats import connected, ended, host, serving, small_spec, start_agent
 
 from wildscav.proto.match_pb2 import ClientMessage, Join
-from wildscav.server import Clock, EndpointSettings, MatchServer
-from wildscav.server.hosting.precompile import precompile
 from wildscav_engine.parallel.threads import cores
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_server.endpoints.endpoint import EndpointSettings
+from wildscav_server.hosting.precompile import precompile
+from wildscav_server.match_server import MatchServer
+from wildscav_server.time_limits import Clock
 
 FEW, MANY = 100, 10_000  # attacks in all; another number by WILDSCAV_ATTACKS
 CAMPAIGN = 2_500  # attacks that hypothesis draws at a time: it remembers each of them, 10 kB

@@ -9,10 +9,10 @@ import grpc
 import pytest
 from tests.platform.helpers.seats import connected, host, serving, small_spec
 
-from wildscav.monitoring.logs import open_log
-from wildscav.monitoring.metrics import serving_metrics
 from wildscav.proto.match_pb2 import ClientMessage, Join
-from wildscav.server import MatchServer
+from wildscav_server.match_server import MatchServer
+from wildscav_server.monitoring.logs import open_log
+from wildscav_server.monitoring.metrics import serving_metrics
 
 
 async def a_match_and_a_refusal(server: MatchServer, address: str) -> None:

@@ -215,7 +215,8 @@ def _checked_robot(name: str) -> str:
         return name
     if "/" in name or Path(name).is_dir():
         raise ValueError(
-            f"there is no robot {name!r}; a submission is given as wildscav.opponents.submission({name!r})"
+            f"there is no robot {name!r}; a submission is given as "
+            f"wildscav_training.opponents.submission({name!r})"
         )
     near = get_close_matches(name, robots, n=2)
     hint = f" (did you mean {' or '.join(map(repr, near))}?)" if near else ""

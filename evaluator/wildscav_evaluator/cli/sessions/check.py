@@ -8,14 +8,14 @@ from rich.table import Table
 from rich.text import Text
 
 from wildscav.errors import UserError
-from wildscav.server.hosting.precompile import precompile_for
 from wildscav.terminal.console import console, counted, print_json, telling
-from wildscav.terminal.engine_progress import preparing
+from wildscav_engine.compilation.engine_progress import preparing
 from wildscav_evaluator.check.findings import Finding, Verdict
 from wildscav_evaluator.check.trials import Trial, run_checks
 from wildscav_evaluator.cli.result_tables.ranking import plain_table
 from wildscav_evaluator.sandbox import Sandbox
 from wildscav_evaluator.submissions.submission import Submission
+from wildscav_server.hosting.precompile import precompile_for
 
 STYLES = {Verdict.KEPT: "green", Verdict.DOUBTFUL: "yellow", Verdict.BROKEN: "red"}
 SHOWN_LINES = 8  # of what a failing agent printed

@@ -7,7 +7,6 @@ from rich.table import Table
 from rich.text import Text
 
 from wildscav.cli.main import GROUP as COMMANDS
-from wildscav.cli.verify import CHECKS
 from wildscav.errors import UserError
 from wildscav.terminal.console import console, print_json
 from wildscav_engine.extensions import BUILT_IN, PREFIX, Addition, Registry, loaded, other_groups
@@ -17,6 +16,7 @@ from wildscav_evaluator.result_sinks import GROUP as SINKS
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES, Promise, SandboxError
 from wildscav_evaluator.sandbox.containers.container_engine import find_engine
 from wildscav_evaluator.suites.suite import SUITES
+from wildscav_inspect.verify import CHECKS
 
 
 def examine_nodes(executor: Executor, *, as_json: bool = False) -> None:

@@ -13,11 +13,8 @@ from rich.table import Table
 from rich.text import Text
 
 from wildscav.errors import UserError, describe
-from wildscav.server import HostedMatch
-from wildscav.server.hosting.precompile import precompile_for
-from wildscav.system import leftovers
 from wildscav.terminal.console import command, console, print_json
-from wildscav.terminal.engine_progress import preparing
+from wildscav_engine.compilation.engine_progress import preparing
 from wildscav_engine.record import SUFFIX, RecordError, check_recordable, read_record, write_record
 from wildscav_engine.simulation.match import MatchSetupError
 from wildscav_engine.specs.actions import Field
@@ -36,13 +33,16 @@ from wildscav_evaluator.scores.notes import invalid_actions_note, waits_note
 from wildscav_evaluator.scores.number_format import number
 from wildscav_evaluator.seats import BATTLE_ROBOTS
 from wildscav_evaluator.submissions.submission import Submission
+from wildscav_server import leftovers
+from wildscav_server.hosting.hosted_match import HostedMatch
+from wildscav_server.hosting.precompile import precompile_for
 
 if TYPE_CHECKING:
     from wildscav_engine.specs.result import SeatResult
 
 import tempfile
 
-from wildscav.cli.replay import check_name
+from wildscav_inspect.replay import check_name
 
 BATTLE_SEATS = 6  # by default
 MAX_SEATS = 1000  # in a spec

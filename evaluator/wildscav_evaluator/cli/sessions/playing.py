@@ -8,8 +8,7 @@ from rich.text import Text
 
 from wildscav.errors import UserError, describe
 from wildscav.terminal.console import console, counted, error_console
-from wildscav.terminal.engine_progress import preparing
-from wildscav.time_limits import Clock
+from wildscav_engine.compilation.engine_progress import preparing
 from wildscav_engine.storage.files import write_whole
 from wildscav_evaluator.executors import Executor, ExecutorError
 from wildscav_evaluator.executors.local import LocalExecutor
@@ -23,6 +22,7 @@ from wildscav_evaluator.output.layout import LEDGER_FILE, SUITE_FILE
 from wildscav_evaluator.output.lock import Lock
 from wildscav_evaluator.output.results import Results, write_results
 from wildscav_evaluator.plans.plan import Plan
+from wildscav_server.time_limits import Clock
 
 INTERRUPTED = 130  # exit code, by the convention of shells
 

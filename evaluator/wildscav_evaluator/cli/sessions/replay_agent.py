@@ -7,9 +7,8 @@ from pathlib import Path
 from rich.text import Text
 
 from wildscav.errors import UserError
-from wildscav.server.hosting.precompile import precompile_for
 from wildscav.terminal.console import console, counted, printable
-from wildscav.terminal.engine_progress import preparing
+from wildscav_engine.compilation.engine_progress import preparing
 from wildscav_engine.record import Record, RecordError, read_record, verify_record
 from wildscav_engine.simulation.match import MatchSetupError
 from wildscav_evaluator.cli.sessions.playing import INTERRUPTED, raise_errors
@@ -23,6 +22,7 @@ from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES, Limits
 from wildscav_evaluator.seats import entrants_in_names, submission_seats
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_evaluator.tournaments.names import submission_of
+from wildscav_server.hosting.precompile import precompile_for
 
 CAUTION = (
     "An agent that reads a clock, or uses threads or its own random numbers, may differ although its code is "

@@ -6,8 +6,8 @@ import re
 import secrets
 
 from wildscav.errors import UserError
-from wildscav.system import ray_clusters
 from wildscav_evaluator.executors.base import ExecutorError
+from wildscav_training.learning import ray_clusters
 
 VERSIONS = re.compile(r"Ray: (\S+)\s+Python: (\S+)")
 CLIENT = "ray://"

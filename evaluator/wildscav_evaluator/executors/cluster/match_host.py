@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any
 
 from wildscav.errors import UserError, describe
-from wildscav.system import leftovers
 from wildscav_evaluator.executors.cluster.messages import Played
 from wildscav_evaluator.executors.cluster.submission_archives import arrived
 from wildscav_evaluator.matches.jobs import Heartbeat, Job, JobEvent, JobResult, Wanted
@@ -28,6 +27,7 @@ from wildscav_evaluator.matches.workers import (
 from wildscav_evaluator.output.layout import LOGS, MATCHES, RECORDS, REPLAYS
 from wildscav_evaluator.submissions.images import with_images
 from wildscav_evaluator.submissions.submission import Submission
+from wildscav_server import leftovers
 
 REPORT_INTERVAL = 2.0  # s, at most, between two reports on a match
 RETURNED = (RECORDS, REPLAYS, LOGS)  # the folders whose files come back

@@ -10,11 +10,11 @@ import wildscav
 import wildscav_engine
 import wildscav_evaluator
 from wildscav.errors import WildscavError
-from wildscav.system import leftovers
 from wildscav_evaluator.output.results import CURRENT_VERSIONS
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES
 from wildscav_evaluator.sandbox.choose import missing_promises
 from wildscav_evaluator.submissions.images import image_problem
+from wildscav_server import leftovers
 
 PACKAGES = (wildscav, wildscav_engine, wildscav_evaluator)
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import wildscav
-from wildscav.system import leftovers
+from wildscav_server import leftovers
 
 SDK = Path("/wildscav-sdk")  # the SDK's package for agents; no machine has its Python there
 CODE = Path("/submission")

@@ -21,7 +21,7 @@ from wildscav_evaluator.sandbox.processes import all_processes, read_file
 ENGINES = ("podman", "docker")  # in this order: Podman needs no daemon
 CHOICE = "WILDSCAV_ENGINE"  # the environment variable that names the engine to use
 PATIENCE = 120.0  # s for a command of the engine to finish
-OWNER = "wildscav.owner"  # label of containers with their owner, as `wildscav.system.leftovers` names it
+OWNER = "wildscav.owner"  # label of containers with their owner, as `wildscav_server.leftovers` names it
 BARE = "localhost/wildscav-bare"  # an empty image, for agents that run with this machine's Python
 INSTALL = "install Podman (packages podman, runc, catatonit, uidmap) or Docker"
 LONGEST = 300  # characters of an error message that are shown

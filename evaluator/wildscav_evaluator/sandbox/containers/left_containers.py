@@ -10,7 +10,6 @@ import sys
 import time
 from collections.abc import Iterator
 
-from wildscav.system import leftovers
 from wildscav_evaluator.sandbox.base import SandboxError
 from wildscav_evaluator.sandbox.containers.container_engine import (
     PATIENCE,
@@ -21,6 +20,7 @@ from wildscav_evaluator.sandbox.containers.container_engine import (
     processes_of,
 )
 from wildscav_evaluator.sandbox.processes import all_processes, kill, read_file
+from wildscav_server import leftovers
 
 CONTAINER, PROCESSES = "container", "processes of a container"  # kinds in the lists of owners
 NOT_THERE = re.compile(rb"no such container|no container with", re.IGNORECASE)
@@ -190,7 +190,7 @@ def start_reaper(process: int) -> None:
         process: The number of this process, so that the cache starts one reaper per process.
     """
     del process
-    program = "import wildscav_evaluator.sandbox; from wildscav.system import leftovers; leftovers.sweep()"
+    program = "import wildscav_evaluator.sandbox; from wildscav_server import leftovers; leftovers.sweep()"
     sweep = [sys.executable, "-c", program]
     after = f"cat <&3; cd /; [ -e {shlex.quote(str(leftovers.own_folder()))} ] && exec {shlex.join(sweep)}"
     reading, _ = os.pipe()  # the writing end stays open as long as this process lives

@@ -18,7 +18,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from wildscav.system import leftovers
 from wildscav_evaluator.sandbox.agents import host_python
 from wildscav_evaluator.sandbox.agents.agent_process import (
     SIGNALLED,
@@ -60,6 +59,7 @@ from wildscav_evaluator.sandbox.linux.seccomp import container_profile
 from wildscav_evaluator.sandbox.linux.users import agent_user
 from wildscav_evaluator.sandbox.processor_waits import GroupMeter
 from wildscav_evaluator.submission_files import stage
+from wildscav_server import leftovers
 
 INIT = 1  # the container's init process, which reaps zombies
 MOST_PROCESSES = 32_768  # of a user; the limit that engines set themselves

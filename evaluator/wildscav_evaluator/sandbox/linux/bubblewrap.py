@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from wildscav.errors import UserError
-from wildscav.system import leftovers
 from wildscav_evaluator.sandbox.agents import host_python
 from wildscav_evaluator.sandbox.agents.agent_process import (
     AgentProcess,
@@ -27,6 +26,7 @@ from wildscav_evaluator.sandbox.linux.seccomp import bpf_filter
 from wildscav_evaluator.sandbox.linux.users import agent_user
 from wildscav_evaluator.sandbox.processor_waits import GroupMeter
 from wildscav_evaluator.submission_files import stage
+from wildscav_server import leftovers
 
 # Enters the control group, limits open files, and becomes bubblewrap.
 ENTER = """

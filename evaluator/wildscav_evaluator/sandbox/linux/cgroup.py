@@ -14,17 +14,17 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from wildscav.system import leftovers
 from wildscav_evaluator.sandbox.base import MemoryKill, SandboxError
 from wildscav_evaluator.sandbox.limits import Limits
 from wildscav_evaluator.sandbox.processes import kill
 from wildscav_evaluator.sandbox.processor_waits import GroupMeter
+from wildscav_server import leftovers
 
 CONTROLLERS = ("cpu", "memory", "pids")
 ACCOUNTS = "cpuacct"  # version 1's controller that counts processor time; often one with cpu
 PERIOD = 100_000  # µs in which an agent gets its share of processor time
 OVERHEAD = 2  # processes of the sandbox itself
-PREFIX = "wildscav-"  # then the group's owner, as `wildscav.system.leftovers` names it, and a number
+PREFIX = "wildscav-"  # then the group's owner, as `wildscav_server.leftovers` names it, and a number
 KIND = "control group"  # in the lists of owners
 # Bytes below its limit from which a group's peak counts as having reached it. The kernel kills for requests
 # of up to 8 pages that do not fit, which is less.

@@ -55,7 +55,7 @@ def demo(
 @contextlib.contextmanager
 def _place(folder: Path | None) -> Iterator[Path]:
     """Yield the folder of the season; a temporary one is removed at the end."""
-    from wildscav.system import leftovers
+    from wildscav_server import leftovers
 
     if folder is not None:
         yield folder

@@ -11,7 +11,6 @@ from pathlib import Path
 import tomli_w
 
 from wildscav.baselines import ALL_ROUND, baseline_folder
-from wildscav.system import leftovers
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.sandbox.choose import choose
 from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS
@@ -29,6 +28,7 @@ from wildscav_leaderboard.seasons.own_database import opened
 from wildscav_leaderboard.seasons.settings import SETTINGS_FILE
 from wildscav_leaderboard.submissions.packing import pack
 from wildscav_leaderboard.teams.service import make_team
+from wildscav_server import leftovers
 
 SUITE_FILE = "suite.toml"
 ORGANIZER = "organizer"

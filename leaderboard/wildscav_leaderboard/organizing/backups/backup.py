@@ -17,7 +17,6 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from wildscav.errors import UserError, describe
-from wildscav.system import leftovers
 from wildscav.version import __version__
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.database.schema import version_of, versions_of
@@ -28,6 +27,7 @@ from wildscav_leaderboard.organizing.stored_files import stored_files
 from wildscav_leaderboard.seasons.folder import DATABASE_FILE, PUBLISHED, Season
 from wildscav_leaderboard.seasons.own_database import opened
 from wildscav_leaderboard.submissions.models import Submission
+from wildscav_server import leftovers
 
 FORMAT = 1
 BACKUPS = "backups"  # folder of a season, for those before upgrades

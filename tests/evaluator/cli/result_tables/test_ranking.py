@@ -8,9 +8,6 @@ import pytest
 from rich.table import Table
 from tests.evaluator.results_by_hand import RESULTS, evaluation, results_of
 
-from wildscav.cli import verify
-from wildscav.cli.maps import map as map_command
-from wildscav.server import SeatReport, SeatStatus
 from wildscav.terminal.console import PlainConsole
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
@@ -29,10 +26,13 @@ from wildscav_evaluator.sandbox import Promise
 from wildscav_evaluator.scores.changes import Change
 from wildscav_evaluator.scores.compare import compare
 from wildscav_evaluator.submissions.submission import Manifest, Submission
+from wildscav_inspect import map as map_command
+from wildscav_inspect import verify
 from wildscav_leaderboard.cli import leaderboard
 from wildscav_leaderboard.results.database import reading
 from wildscav_leaderboard.results.sink import DatabaseSink
 from wildscav_leaderboard.results.standings import standings
+from wildscav_server.hosting.reports import SeatReport, SeatStatus
 
 COMPARISON = compare(RESULTS, "my-agent", "homing").comparisons[0]
 LONGEST = "an-agent-whose-name-is-as-long-as-can-be"  # 40 characters, without a space to break it at

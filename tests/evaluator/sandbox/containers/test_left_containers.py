@@ -9,7 +9,6 @@ import pytest
 from tests.evaluator.sandbox.available import engine_named, missing
 from tests.evaluator.sandbox.sandbox_runs import processes_with
 
-from wildscav.system import leftovers
 from wildscav_evaluator.sandbox.containers import left_containers
 from wildscav_evaluator.sandbox.containers.container_engine import (
     ContainerEngine,
@@ -17,6 +16,7 @@ from wildscav_evaluator.sandbox.containers.container_engine import (
     find_engine,
     processes_of,
 )
+from wildscav_server import leftovers
 
 FOLDERS = ("/dev", "/etc", "/proc", "/run", "/sys")
 ATTEMPTS = 20

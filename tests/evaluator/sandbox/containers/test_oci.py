@@ -10,10 +10,10 @@ import pytest
 from tests.evaluator.sandbox.available import missing
 from tests.evaluator.sandbox.sandbox_runs import LIMITS, listening, wait_until
 
-from wildscav.system import leftovers
 from wildscav_evaluator.sandbox import SANDBOXES, Launch, SandboxError
 from wildscav_evaluator.sandbox.containers import container_engine as engine
 from wildscav_evaluator.submissions.submission import Submission
+from wildscav_server import leftovers
 
 Submit = Callable[..., Submission]
 

@@ -9,10 +9,10 @@ from tests.evaluator.sandbox.available import missing
 from tests.evaluator.sandbox.sandbox_runs import LIMITS, listening
 
 from wildscav.errors import UserError
-from wildscav.system import leftovers
 from wildscav_evaluator.sandbox import SANDBOXES, Launch, SandboxError
 from wildscav_evaluator.sandbox.linux import cgroup
 from wildscav_evaluator.submissions.submission import Submission
+from wildscav_server import leftovers
 
 Submit = Callable[..., Submission]
 

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from wildscav.legacy.commander_pb2 import AgentSetup, GameMode, GMCommand, Vector3
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.maps import GameMap, load_map
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_legacy.commander_pb2 import AgentSetup, GameMode, GMCommand, Vector3
 
 MAP = 103  # 100 m × 100 m
 SHOOT = {0: {"shoot_gun": True}}

@@ -8,7 +8,7 @@ from typing import Any
 
 import grpc
 
-from wildscav.legacy.commander_pb2 import AgentCommand, GameState, GMCommand, Observation, Reply, Request
+from wildscav_legacy.commander_pb2 import AgentCommand, GameState, GMCommand, Observation, Reply, Request
 
 PATIENCE = 60.0  # s
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from wildscav.errors import AddressInUseError
-from wildscav.server.endpoints.addresses import bind
+from wildscav_server.endpoints.addresses import bind
 
 NOBODY = 65_534
 

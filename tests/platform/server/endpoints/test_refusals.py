@@ -12,10 +12,12 @@ from tests.platform.helpers.seats import HandPlayed, connected, ended, host, ser
 
 from wildscav.errors import AddressInUseError, SensorError, UserError
 from wildscav.proto.match_pb2 import ClientMessage, Join, Ready
-from wildscav.server import Clock, MatchServer, SeatStatus
-from wildscav.server.endpoints.pending_streams import PendingStreams
-from wildscav.server.http2.inbound import UNKNOWN_LIMIT
 from wildscav.wire.errors import reason_of
+from wildscav_server.endpoints.pending_streams import PendingStreams
+from wildscav_server.hosting.reports import SeatStatus
+from wildscav_server.http2.inbound import UNKNOWN_LIMIT
+from wildscav_server.match_server import MatchServer
+from wildscav_server.time_limits import Clock
 
 
 async def refused(seat: HandPlayed) -> tuple[grpc.StatusCode, str]:
@@ -152,7 +154,7 @@ def test_a_stream_begins_with_a_join(tmp_path: Path, first: ClientMessage | byte
 
 
 def test_a_stream_that_says_nothing_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wildscav.server.endpoints.match_service.JOIN_TIMEOUT", 0.2)
+    monkeypatch.setattr("wildscav_server.endpoints.match_service.JOIN_TIMEOUT", 0.2)
 
     async def play(server: MatchServer, address: str) -> None:
         async with connected(address) as client:

@@ -13,10 +13,11 @@ from tests.platform.helpers.seats import AGENTS, ended, host, serving, small_spe
 from wildscav.errors import UserError
 from wildscav.proto.match_pb2 import HostMatchRequest
 from wildscav.proto.match_pb2_grpc import ArenaStub
-from wildscav.server import EndpointSettings, MatchServer
-from wildscav.server.endpoints.tls import Certificate
-from wildscav.server.workers.shared_server import SharedServer
 from wildscav.wire.matches import decode_seat_address
+from wildscav_server.endpoints.endpoint import EndpointSettings
+from wildscav_server.endpoints.tls import Certificate
+from wildscav_server.match_server import MatchServer
+from wildscav_server.workers.shared_server import SharedServer
 
 
 def guarded(server: Pair, client_ca: Path | None = None) -> EndpointSettings:

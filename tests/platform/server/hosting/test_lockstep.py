@@ -8,13 +8,16 @@ import numpy as np
 import pytest
 from tests.platform.helpers.seats import connected, ended, host, serving, small_spec, start_agent
 
-from wildscav.server import Clock, MatchCancelledError, MatchServer, SeatStatus
 from wildscav.wire.actions import ACTION_FIELDS
 from wildscav.wire.observations import decode_observation
 from wildscav_engine.sensors import SENSORS
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.actions import Field, no_actions
 from wildscav_engine.tracks import TRACKS
+from wildscav_server.hosting.hosted_match import MatchCancelledError
+from wildscav_server.hosting.reports import SeatStatus
+from wildscav_server.match_server import MatchServer
+from wildscav_server.time_limits import Clock
 
 PATIENT = Clock(step_budget=20.0, time_bank=60.0)
 

@@ -10,9 +10,6 @@ from numpy.typing import NDArray
 from tests.platform.helpers.seats import small_spec
 
 from wildscav.proto.match_pb2 import Observation, SupplyBox, Vector, VisibleAgent
-from wildscav.server.hosting.observation_encoding import BUFFER_SIZE, put_observations
-from wildscav.server.hosting.observations import SeatObservations
-from wildscav.server.hosting.precompile import precompile
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.systems.visibility import AGENT_LIMIT, SUPPLY_LIMIT
 from wildscav_engine.specs.actions import FIELDS
@@ -20,6 +17,9 @@ from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.specs.rules import FRAME
 from wildscav_engine.tracks import TRACKS
+from wildscav_server.hosting.observation_encoding import BUFFER_SIZE, put_observations
+from wildscav_server.hosting.observations import SeatObservations
+from wildscav_server.hosting.precompile import precompile
 
 BANK = 29.5  # s, of seat 0; each other one has a second more
 NEVER_NEGATIVE = (

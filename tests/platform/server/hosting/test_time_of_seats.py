@@ -10,7 +10,10 @@ from numpy.typing import NDArray
 from tests.platform.helpers.manual_clock import HOP, HandSetLoop, has_answered, serving_by_hand
 from tests.platform.helpers.seats import HandPlayed, connected, ended, host, small_spec, start_agent
 
-from wildscav.server import Clock, HostedMatch, MatchServer, SeatStatus
+from wildscav_server.hosting.hosted_match import HostedMatch
+from wildscav_server.hosting.reports import SeatStatus
+from wildscav_server.match_server import MatchServer
+from wildscav_server.time_limits import Clock
 
 TURN = 1 / 16  # s after which a step is closed that nobody answers: its budget is up half a hop before
 BUDGET, BANK = TURN - HOP / 2, 1 / 8  # s

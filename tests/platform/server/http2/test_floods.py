@@ -16,7 +16,10 @@ from tests.platform.helpers.attacked_server import memory
 from tests.platform.helpers.seats import ended, host, serving, small_spec, start_agent
 
 from wildscav.proto.match_pb2 import Action, ClientMessage
-from wildscav.server import Clock, EndpointSettings, MatchServer, SeatStatus
+from wildscav_server.endpoints.endpoint import EndpointSettings
+from wildscav_server.hosting.reports import SeatStatus
+from wildscav_server.match_server import MatchServer
+from wildscav_server.time_limits import Clock
 
 # So that only a victim that is kept from playing is late, however busy the machine is.
 PATIENT = Clock(step_budget=5.0, join_timeout=60.0)

@@ -12,11 +12,11 @@ import pytest
 from tests.platform.helpers.certificates import Authority
 from tests.platform.helpers.raw_http2 import DATA, PING, SETTINGS, frame, request
 
-from wildscav.server.endpoints.tls import Certificate
-from wildscav.server.http2.allowance import TimeShare
-from wildscav.server.http2.calls import Route
-from wildscav.server.http2.encryption import Encryption
-from wildscav.server.http2.listener import Listener
+from wildscav_server.endpoints.tls import Certificate
+from wildscav_server.http2.allowance import TimeShare
+from wildscav_server.http2.calls import Route
+from wildscav_server.http2.encryption import Encryption
+from wildscav_server.http2.listener import Listener
 
 PREFACE = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + bytes([0, 0, 0, 4, 0, 0, 0, 0, 0])
 UNKNOWN_FRAME = bytes([0, 0x40, 0, 0xFF, 0, 0, 0, 0, 0])  # 16,384 bytes of a kind that nobody knows

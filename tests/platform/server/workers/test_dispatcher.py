@@ -11,13 +11,13 @@ import pytest
 
 from wildscav.proto.match_pb2 import GetMatchRequest, HostMatchRequest
 from wildscav.proto.match_pb2_grpc import ArenaStub
-from wildscav.server.workers.dispatcher import Dispatcher
 from wildscav.wire.errors import RefusalError
+from wildscav_server.workers.dispatcher import Dispatcher
 
 
 def test_a_worker_that_hangs_keeps_no_call_waiting(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for limit in ("HOST_TIMEOUT", "GET_TIMEOUT"):
-        monkeypatch.setattr(f"wildscav.server.workers.dispatcher.{limit}", 0.1)
+        monkeypatch.setattr(f"wildscav_server.workers.dispatcher.{limit}", 0.1)
     path = str(tmp_path / "arena.sock")
 
     async def call() -> None:

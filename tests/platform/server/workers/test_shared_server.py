@@ -15,11 +15,11 @@ from tests.platform.helpers.seats import connected, ended, small_spec, start_age
 from wildscav.errors import UserError
 from wildscav.proto.match_pb2 import GetMatchRequest, GetMatchResponse, HostMatchRequest, HostMatchResponse
 from wildscav.proto.match_pb2_grpc import ArenaStub
-from wildscav.server.hosting.precompile import precompile
-from wildscav.server.workers.shared_server import SharedServer
-from wildscav.system.leftovers import own_folder
 from wildscav.wire.errors import reason_of
 from wildscav.wire.matches import decode_seat_address
+from wildscav_server.hosting.precompile import precompile
+from wildscav_server.leftovers import own_folder
+from wildscav_server.workers.shared_server import SharedServer
 
 State = GetMatchResponse.State
 

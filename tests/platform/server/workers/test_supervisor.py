@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 
 from wildscav.errors import UserError
-from wildscav.server.workers import supervisor
-from wildscav.server.workers.supervisor import WorkerSupervisor
-from wildscav.server.workers.worker import WorkerConfig
+from wildscav_server.workers import supervisor
+from wildscav_server.workers.supervisor import WorkerSupervisor
+from wildscav_server.workers.worker import WorkerConfig
 
 READY = "input(); print('{\"seats\": []}', flush=True); input()"
 

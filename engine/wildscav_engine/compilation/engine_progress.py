@@ -1,0 +1,69 @@
+"""Progress of the engine's preparation, which on first use includes compiling it."""
+
+import contextlib
+import os
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager
+from typing import Any, Protocol
+
+from wildscav_engine.compilation.notice import QUIET, Progress, telling
+
+PREPARING = "preparing the engine (the first time this compiles it, which takes up to a minute)"
+COMPILING = "compiling the engine for this machine, once"
+
+
+class Console(Protocol):
+    """What of a console of Rich is used here; the engine itself does not need Rich."""
+
+    @property
+    def is_terminal(self) -> bool:
+        """Whether a person reads it."""
+        ...
+
+    def status(self, status: str) -> AbstractContextManager[Any]:
+        """Show a status line that can be updated."""
+        ...
+
+
+@contextmanager
+def preparing(console: Console, *, is_said: bool = False) -> Iterator[None]:
+    """Show the progress of preparing the engine: live in a terminal, else as a line if it takes a while.
+
+    In a terminal, processes that are started meanwhile print no such line, because it would break the
+    display.
+
+    Args:
+        console: Where to show it.
+        is_said: Whether something else, such as a log, reports it already; then no such line is printed.
+    """
+    with contextlib.ExitStack() as stack:
+        if is_said or console.is_terminal:
+            stack.enter_context(_silence())
+        if console.is_terminal:
+            stack.enter_context(_status(console))
+        yield
+
+
+@contextmanager
+def _status(console: Console) -> Iterator[None]:
+    with console.status(PREPARING) as status:
+
+        def show(progress: Progress) -> None:
+            done = f"{progress.kernels} functions, {progress.seconds:.0f} s"
+            status.update(f"{COMPILING}: {done}")
+
+        with telling(show):
+            yield
+
+
+@contextmanager
+def _silence() -> Iterator[None]:
+    before = os.environ.get(QUIET)
+    os.environ[QUIET] = "1"
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ[QUIET]
+        else:
+            os.environ[QUIET] = before

@@ -1,1 +1,0 @@
-"""The commands about maps: ``wildscav map`` and ``wildscav look``."""

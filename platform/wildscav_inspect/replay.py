@@ -1,0 +1,155 @@
+"""``wildscav replay``: render a record as a Rerun recording, or show it in a browser."""
+
+import shlex
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.markup import escape
+
+from wildscav.errors import UserError
+from wildscav_inspect.records import SeasonOption, read_of_seat, resolve_record
+
+if TYPE_CHECKING:
+    from wildscav_engine.record import Record
+
+RERUN_MAGIC = b"RRF"  # the first bytes of every .rrd file
+SUFFIX = ".rrd"
+
+
+def replay(
+    record: Annotated[
+        Path,
+        typer.Argument(
+            help="Record file, or the number of a match of a season; with --web also a replay (.rrd).",
+            metavar="RECORD",
+            show_default=False,
+        ),
+    ],
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output", "-o", help="File to write. Default: the record's name with .rrd; with --web, none."
+        ),
+    ] = None,
+    follow: Annotated[
+        int | None, typer.Option(help="Seat that the cameras follow. Default: the first submission.", min=0)
+    ] = None,
+    images: Annotated[
+        bool, typer.Option(help="Draw the images of the followed agent's camera and depth camera.")
+    ] = True,
+    web: Annotated[bool, typer.Option("--web", help="Serve it with a browser viewer until Ctrl-C.")] = False,
+    host: Annotated[
+        str | None, typer.Option(help="Address that --web listens on. Default: 127.0.0.1, this machine only.")
+    ] = None,
+    port: Annotated[
+        int | None, typer.Option(help="Port that --web listens on. Default: any free one.", min=0, max=65535)
+    ] = None,
+    season: SeasonOption = None,
+) -> None:
+    """Render a record as a replay that can be watched in 3D."""
+    if not web and (host is not None or port is not None):
+        raise UserError("--host and --port are for --web: add --web", exit_code=2)
+    record = resolve_record(record, season)
+    if web and _is_replay(record):
+        _refuse_rendering_options(output, follow, images)
+        return _serve(_read(record), record.name, host, port)
+    content = _render(record, read_of_seat(record, "--follow", follow), output, follow, images, web=web)
+    path = output if web else output or record.with_suffix(".rrd")
+    if path is not None:
+        _write(path, content)
+    if web:
+        return _serve(content, record.name, host, port)
+    return None
+
+
+def _is_replay(path: Path) -> bool:
+    try:
+        with path.open("rb") as file:
+            return file.read(len(RERUN_MAGIC)) == RERUN_MAGIC
+    except OSError:
+        return False  # reading it as a record reports the error
+
+
+def _refuse_rendering_options(output: Path | None, follow: int | None, images: bool) -> None:
+    """Refuse options of rendering for a replay that is already rendered."""
+    options = {"--output": output is not None, "--follow": follow is not None, "--no-images": not images}
+    for option, is_given in options.items():
+        if is_given:
+            raise UserError(f"{option} needs a record: this is a replay already", exit_code=2)
+
+
+def _read(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise UserError(f"cannot read {path}: {error.strerror}") from None
+
+
+def _render(
+    record: Path, played: "Record", output: Path | None, follow: int | None, images: bool, *, web: bool
+) -> bytes:
+    """Check that the output would not overwrite the record, and render it."""
+    from wildscav.terminal.console import error_console
+    from wildscav_engine.record import RecordError
+    from wildscav_engine.view import ViewError, rendered
+
+    path = output or record.with_suffix(".rrd")
+    if (output is not None or not web) and path.exists() and path.samefile(record):
+        raise UserError(
+            f"{path} is the record itself, which the replay would overwrite: name another --output",
+            exit_code=2,
+        )
+    check_name("--output", path)
+    with error_console.status(f"rendering {escape(path.name)}"):
+        try:
+            return rendered(played, follow=follow, images=images)
+        except RecordError as error:
+            raise UserError(f"{record}: {error}") from None
+        except ViewError as error:
+            raise UserError(str(error)) from None
+
+
+def _write(path: Path, content: bytes) -> None:
+    """Write the file, and print how to open it."""
+    from wildscav.terminal.console import command, console
+    from wildscav_engine.storage.files import write_whole
+
+    write_whole(path, content)
+    lines = (
+        f"{path}: {len(content) / 1e6:.1f} MB. Open it with:",
+        f"  {command('rerun')} {shlex.quote(str(path))}",
+    )
+    console.print(*lines, sep="\n", markup=False, highlight=False, soft_wrap=True)
+
+
+def _serve(content: bytes, name: str, host: str | None, port: int | None) -> None:
+    """Serve a replay until Ctrl-C."""
+    from wildscav.terminal.console import console, error_console
+    from wildscav_engine.view import ViewError
+    from wildscav_engine.view.web import LOOPBACK, ReplayServer
+
+    with error_console.status("unpacking the viewer"):
+        try:
+            server = ReplayServer(content, host or LOOPBACK, port or 0)
+        except ViewError as error:
+            raise UserError(str(error)) from None
+    with server:
+        lines = (f"{name} is at {server.link}", "Ctrl-C ends it.")
+        console.print(*lines, sep="\n", markup=False, highlight=False, soft_wrap=True)
+        try:
+            server.serve_forever()
+        except KeyboardInterrupt:
+            console.print("Ended.")
+
+
+def check_name(option: str, path: Path) -> None:
+    """Refuse a file name without the suffix of Rerun recordings, which viewers go by.
+
+    Raises:
+        UserError: It does not end in ".rrd".
+    """
+    if path.suffix.lower() != SUFFIX:
+        raise UserError(
+            f"{option} is {path}: a replay is a Rerun recording, so its name must end in {SUFFIX}", 2
+        )

@@ -1,0 +1,207 @@
+"""The Match service: one call of ``Play`` is one seat's stream.
+
+Messages are passed as bytes, so that their size is checked before they are parsed.
+"""
+
+import asyncio
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+import grpc
+from google.protobuf.message import DecodeError
+
+from wildscav.proto import PROTOCOL_VERSION
+from wildscav.proto.match_pb2 import Action, ClientMessage, Join
+from wildscav.wire.errors import ProtocolRefusalError, RefusalError
+from wildscav_server.endpoints.pending_streams import PendingStreams
+from wildscav_server.hosting.hosted_match import HostedMatch
+from wildscav_server.hosting.reports import SeatStatus
+from wildscav_server.hosting.seat import Seat
+from wildscav_server.http2.flow_control import StreamLostError
+from wildscav_server.http2.stream import Stream
+
+JOIN_TIMEOUT = 10.0  # s that a new stream has to send its Join
+REFUSAL_DELAY = 0.2  # s before a Join is refused, which slows down repeated attempts
+STREAM_ENDED = "its stream ended"
+STALE_LIMIT = 16  # old answers that a seat may send in one step
+
+
+class Reservation(NamedTuple):
+    """The seat that a token stands for."""
+
+    match: HostedMatch
+    seat: Seat
+    address: str | None = None  # the only address at which it can be joined; None: any
+
+
+class MatchService:
+    """Serves the seats of all matches of a server to the clients of one address.
+
+    Args:
+        reservations: The seat of each token; the server adds and removes entries.
+        on_refusal: Called with every refusal.
+        on_failure: Called with the address and an internal error before a stream's seat was known.
+        address: The address.
+    """
+
+    def __init__(
+        self,
+        reservations: Mapping[str, Reservation],
+        on_refusal: Callable[[RefusalError], None],
+        on_failure: Callable[[str, Exception], None],
+        address: str,
+    ) -> None:
+        self._reservations, self._address = reservations, address
+        self._on_refusal, self._on_failure = on_refusal, on_failure
+        self.pending_streams = PendingStreams()
+
+    async def play(self, stream: Stream) -> None:
+        """Serve one seat from joining to the end of its match."""
+        try:
+            reservation, join = await self._identify(stream)
+            await _join_and_serve(reservation, stream, join)
+        except RefusalError as refusal:
+            self._on_refusal(refusal)
+            raise
+        except asyncio.CancelledError:
+            if stream.refusal is not None:  # the client is gone, but the refusal is counted and logged
+                self._on_refusal(stream.refusal)
+            raise
+        except StreamLostError:
+            pass  # the client is gone
+        except Exception as error:
+            self._on_failure(self._address, error)
+            raise _platform_failed() from error
+
+    async def _identify(self, stream: Stream) -> tuple[Reservation, Join]:
+        """Read which seat a new stream is for. Refusals are delayed."""
+        with self.pending_streams.counted(_this_task()):
+            try:
+                join = await _read_join(stream)
+                return self._find_reservation(join), join
+            except RefusalError:
+                await asyncio.sleep(REFUSAL_DELAY)
+                raise
+
+    def _find_reservation(self, join: Join) -> Reservation:
+        if join.protocol_version != PROTOCOL_VERSION:
+            raise RefusalError(
+                grpc.StatusCode.FAILED_PRECONDITION,
+                "PROTOCOL_VERSION",
+                f"the client speaks protocol version {join.protocol_version}, the server {PROTOCOL_VERSION}",
+            )
+        reservation = self._reservations.get(join.token)
+        if reservation is None:
+            raise RefusalError(
+                grpc.StatusCode.UNAUTHENTICATED, "SEAT_TOKEN_UNKNOWN", "no seat here has this token"
+            )
+        if reservation.address not in (None, self._address):
+            raise RefusalError(
+                grpc.StatusCode.PERMISSION_DENIED,
+                "SEAT_ELSEWHERE",
+                f"seat {reservation.seat.number} is not joined over this address: "
+                "the token is another agent's",
+            )
+        return reservation
+
+
+def _this_task() -> "asyncio.Task[None]":
+    task = asyncio.current_task()
+    if task is None:
+        raise RuntimeError("a stream is served by a task")
+    return task
+
+
+def _platform_failed() -> RefusalError:
+    return RefusalError(grpc.StatusCode.INTERNAL, "PLATFORM_FAILED", "the platform failed")
+
+
+async def _join_and_serve(reservation: Reservation, stream: Stream, join: Join) -> None:
+    """Take the seat for this stream, and serve it."""
+    try:
+        reservation.match.join(reservation.seat, _this_task(), join)
+        stream.trust()
+    except RefusalError:
+        raise
+    except Exception as error:
+        reservation.match.fail(error)
+        raise _platform_failed() from error
+    await _serve(reservation, stream)
+
+
+async def _serve(reservation: Reservation, stream: Stream) -> None:
+    """Serve a seat that has been taken, from the match info to the end of the match."""
+    match, seat = reservation.match, reservation.seat
+    try:
+        await stream.write(match.info_for(seat).SerializeToString())
+        if seat.gets_ready:
+            await _read_ready(stream)
+            match.ready(seat)
+        while (observation := await match.next_observation(seat)) is not None:
+            await stream.write(observation)
+            match.receive(seat, await _read_answer(seat, stream))
+        await stream.write(match.final_message(seat).SerializeToString())
+    except asyncio.CancelledError:
+        refusal = seat.refusal or stream.refusal
+        if refusal is None:  # the connection was lost
+            raise
+        if isinstance(refusal, ProtocolRefusalError):
+            match.leave(seat, SeatStatus.PROTOCOL_ERROR, str(refusal))
+        raise refusal from None
+    except ProtocolRefusalError as refusal:
+        match.leave(seat, SeatStatus.PROTOCOL_ERROR, str(refusal))
+        raise
+    except (RefusalError, StreamLostError):
+        raise
+    except Exception as error:
+        match.fail(error)
+        raise _platform_failed() from error
+    finally:
+        # Does nothing if the seat has left already; otherwise the connection was lost.
+        match.leave(seat, SeatStatus.CRASHED, STREAM_ENDED)
+
+
+async def _read_join(stream: Stream) -> Join:
+    """Read the first message, which must be a Join."""
+    try:
+        async with asyncio.timeout(JOIN_TIMEOUT):
+            message = await _read(stream)
+    except TimeoutError:
+        raise ProtocolRefusalError("JOIN_TIMEOUT", f"sent nothing for {JOIN_TIMEOUT:g} s") from None
+    if not message.HasField("join"):
+        raise ProtocolRefusalError("PROTOCOL_ERROR", "the first message must be a Join")
+    return message.join
+
+
+async def _read_ready(stream: Stream) -> None:
+    if not (await _read(stream)).HasField("ready"):
+        raise ProtocolRefusalError("PROTOCOL_ERROR", "after a Join with gets_ready, a Ready must follow")
+
+
+async def _read_answer(seat: Seat, stream: Stream) -> Action:
+    """Read the answer to a seat's last observation, dropping older ones."""
+    for _ in range(STALE_LIMIT):
+        message = await _read(stream)
+        if not message.HasField("action"):
+            raise ProtocolRefusalError("PROTOCOL_ERROR", "after joining, every message must be an Action")
+        if message.action.step == seat.asked:
+            return message.action
+        if message.action.step > seat.asked:
+            raise ProtocolRefusalError(
+                "TOO_EARLY", f"answered step {message.action.step} before it was asked"
+            )
+        seat.conduct.dropped_actions += 1
+    raise ProtocolRefusalError("FLOOD", f"sent {STALE_LIMIT} old answers in one step")
+
+
+async def _read(stream: Stream) -> ClientMessage:
+    """Read a message.
+
+    Raises:
+        ProtocolRefusalError: It is too large or invalid.
+        StreamLostError: The stream has ended.
+    """
+    try:
+        return ClientMessage.FromString(await stream.read())
+    except DecodeError:
+        raise ProtocolRefusalError("PROTOCOL_ERROR", "sent bytes that are not a ClientMessage") from None

@@ -1,0 +1,50 @@
+"""Authentication of organizers: with the secret of the server, if it has one, to open matches."""
+
+import hmac
+
+import grpc
+
+from wildscav.errors import UserError
+from wildscav.wire.errors import RefusalError
+from wildscav_server.endpoints.addresses import is_public
+from wildscav_server.http2.stream import Stream
+
+
+class Organizer:
+    """Authenticates organizers.
+
+    Args:
+        token: The secret that every call must carry; None accepts all calls.
+    """
+
+    def __init__(self, token: str | None) -> None:
+        self._token = token
+
+    def admit(self, stream: Stream) -> None:
+        """Check that a call is an organizer's, and mark its client as known.
+
+        Raises:
+            RefusalError: It does not carry the secret.
+        """
+        if self._token is not None:
+            given = stream.headers.get("authorization", "").removeprefix("Bearer ")
+            if not hmac.compare_digest(given.encode(), self._token.encode()):
+                raise RefusalError(
+                    grpc.StatusCode.UNAUTHENTICATED,
+                    "ORGANIZER_TOKEN",
+                    "this call needs the organizer's token",
+                )
+        stream.trust()
+
+    def check_address(self, address: str) -> None:
+        """Check that a server may listen for organizers at an address.
+
+        Raises:
+            UserError: Other machines could open matches there without a token.
+        """
+        if self._token is None and is_public(address):
+            raise UserError(
+                f"{address} can be reached from other machines: give an organizer token "
+                "(--organizer-token-file), or listen on 127.0.0.1 or a unix socket",
+                exit_code=2,
+            )

@@ -1,0 +1,257 @@
+"""The web application: the page, its scripts, and the WebSocket of whoever has the secret link."""
+
+import asyncio
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from urllib.parse import urlsplit
+
+from starlette.applications import Starlette
+from starlette.datastructures import MutableHeaders
+from starlette.middleware import Middleware
+from starlette.requests import Request
+from starlette.responses import FileResponse, HTMLResponse, Response
+from starlette.routing import Mount, Route, WebSocketRoute
+from starlette.staticfiles import StaticFiles
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.websockets import WebSocket
+
+from wildscav_stage.inputs import (
+    Input,
+    InputError,
+    Pause,
+    Rename,
+    Renew,
+    Seen,
+    Start,
+    Watch,
+    decode_message,
+    decode_of_spectator,
+)
+from wildscav_stage.links import Base, Links
+from wildscav_stage.lobby import LobbyError
+from wildscav_stage.page import POLICY_VIOLATION, TOO_MANY, UNSUPPORTED, Allowance, OpenPage, PageClosedError
+from wildscav_stage.table import MOST_SPECTATORS, Table
+
+MOST_COMMANDS = 10  # a second: whatever is told to everybody
+STATIC = Path(__file__).parent / "static"
+NO_ACCESS = 4004  # close code for a link that is not valid
+PROBLEMS = {  # with links: a title and what to do, in HTML
+    "wrong": (
+        "This link is not valid",
+        """It may be incomplete: copy all of it. Or it is of an earlier game: all links change when the
+        game is started anew, so ask whoever invited you for a new one.""",
+    ),
+    "renewed": (
+        "This link was replaced",
+        "The host has made a new link for this seat. Ask the host for it.",
+    ),
+    "nothing": (
+        "There is nothing here",
+        "To play or to watch, open the whole link that you were sent.",
+    ),
+}
+HEADERS = {
+    "Content-Security-Policy": (
+        "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; "
+        "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    ),
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cache-Control": "no-store",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+}
+
+
+class SpectatorPage(OpenPage):
+    """Serves a spectator's page until it is closed.
+
+    Args:
+        socket: The page's connection, which was accepted.
+        table: The table.
+    """
+
+    def __init__(self, socket: WebSocket, table: Table) -> None:
+        super().__init__(socket)
+        self._table, self._gallery = table, table.gallery
+
+    async def serve(self) -> None:
+        """Serve the page until it is closed."""
+        if not self._table.admit(self):
+            return await self._socket.close(TOO_MANY, f"{MOST_SPECTATORS} people watch already")
+        self._gallery.watch(self, None)
+        try:
+            await self._serve(self._receive(), self._send_pictures())
+        finally:
+            self._gallery.leave(self)
+            self._table.dismiss(self)
+
+    async def _send_pictures(self) -> None:
+        number = 0
+        while True:
+            hung = await self._gallery.next(self, number)
+            number = hung.number
+            delay = None if self.round_trip is None else 1000.0 * self.round_trip
+            await self._send_picture({"delay": delay, **hung.shown}, hung.picture)
+
+    async def _receive(self) -> None:
+        async for text in self._texts():
+            try:
+                message = decode_of_spectator(text)
+            except InputError as error:
+                raise PageClosedError(UNSUPPORTED, f"spectators only watch: {error}") from None
+            match message:
+                case Seen():
+                    self._note_seen(message.picture)
+                case Watch():
+                    self._gallery.watch(self, message.seat)
+
+
+class PlayerPage(OpenPage):
+    """Serves the page of a seat until it is closed.
+
+    Args:
+        socket: The page's connection, which was accepted.
+        table: The table.
+        seat: The seat of the page's person.
+    """
+
+    def __init__(self, socket: WebSocket, table: Table, seat: int) -> None:
+        super().__init__(socket)
+        self._table, self._seat = table, seat
+        self._chair = table.lobby.chairs[seat]
+        self._commands = Allowance(MOST_COMMANDS)
+
+    async def serve(self) -> None:
+        """Serve the page until it is closed, or another page takes its place."""
+        self._table.attach(self._seat, self)
+        try:
+            await self._serve(self._receive(), self._send_pictures())
+        finally:
+            self._table.detach(self._seat, self)
+
+    async def _send_pictures(self) -> None:
+        """Send a picture whenever there is something new to see, and the page has shown the last ones."""
+        loop, person, eyes = asyncio.get_running_loop(), self._chair.person, self._chair.eyes
+        # A thread of its own, which keeps the memory that pictures are made in.
+        with ThreadPoolExecutor(1, "pictures") as painter:
+            while True:
+                view = await person.look()
+                picture = await loop.run_in_executor(painter, eyes.picture, view.moment)
+                await self._send_picture({"input": view.taken, **view.display}, picture)
+
+    async def _receive(self) -> None:
+        async for text in self._texts():
+            try:
+                message = decode_message(text)
+            except InputError as error:
+                raise PageClosedError(UNSUPPORTED, str(error)) from None
+            match message:
+                case Input():
+                    self._chair.person.controls.receive(message)
+                case Seen():
+                    self._note_seen(message.picture)
+                case _:
+                    self._command(message)
+
+    def _command(self, message: Start | Pause | Rename | Renew) -> None:
+        """Do what everybody is told of."""
+        if not self._commands.count():
+            raise PageClosedError(POLICY_VIOLATION, "too many messages")
+        try:
+            match message:
+                case Start():
+                    self._table.start(self._seat)
+                case Pause():
+                    self._table.pause(message.paused)
+                case Rename():
+                    self._table.rename(self._seat, message.name)
+                case Renew():
+                    self._table.renew(self._seat, message.seat)
+        except LobbyError as error:
+            self.tell({"kind": "refused", "message": str(error)})
+
+
+class SecurityHeaders:
+    """Adds headers to every response."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer a request."""
+
+        async def send_with_headers(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                MutableHeaders(scope=message).update(HEADERS)
+            await send(message)
+
+        await self._app(scope, receive, send_with_headers)
+
+
+class Site:
+    """The site of one table.
+
+    Args:
+        table: The table.
+        links: Its links.
+        base: Where its pages are reached.
+    """
+
+    def __init__(self, table: Table, links: Links, base: Base) -> None:
+        self._table, self._links, self._base = table, links, base
+        self.app = Starlette(
+            routes=[
+                Route("/play/{secret}", self._show),
+                WebSocketRoute("/play/{secret}/socket", self._connect),
+                Route("/watch/{secret}", self._show_match),
+                WebSocketRoute("/watch/{secret}/socket", self._connect_spectator),
+                Mount("/static", StaticFiles(directory=STATIC)),
+                Route("/{path:path}", _show_nothing),
+            ],
+            middleware=[Middleware(SecurityHeaders)],
+        )
+
+    async def _show(self, request: Request) -> Response:
+        secret = request.path_params["secret"]
+        if self._links.seat_of(secret) is not None:
+            return FileResponse(STATIC / "play.html")
+        return _explain("renewed" if self._links.was_replaced(secret) else "wrong", request)
+
+    async def _connect(self, socket: WebSocket) -> None:
+        seat = self._links.seat_of(socket.path_params["secret"])
+        if seat is None or not self._is_own_page(socket):
+            await socket.close(NO_ACCESS)
+            return
+        await socket.accept()
+        await PlayerPage(socket, self._table, seat).serve()
+
+    async def _show_match(self, request: Request) -> Response:
+        if self._links.is_watching(request.path_params["secret"]):
+            return FileResponse(STATIC / "watch.html")
+        return _explain("wrong", request)
+
+    async def _connect_spectator(self, socket: WebSocket) -> None:
+        if not self._links.is_watching(socket.path_params["secret"]) or not self._is_own_page(socket):
+            await socket.close(NO_ACCESS)
+            return
+        await socket.accept()
+        await SpectatorPage(socket, self._table).serve()
+
+    def _is_own_page(self, socket: WebSocket) -> bool:
+        """Return whether a page of this site opens a WebSocket; programs other than browsers do not say."""
+        origin = socket.headers.get("origin")
+        own = socket.headers.get("host"), urlsplit(self._base.invited).netloc
+        return origin is None or urlsplit(origin).netloc in own
+
+
+async def _show_nothing(request: Request) -> Response:
+    return _explain("nothing", request)
+
+
+def _explain(problem: str, request: Request) -> Response:
+    """Return the page that says what is wrong with a link."""
+    title, words = PROBLEMS[problem]
+    root = "../" * (request.url.path.count("/") - 1)  # relative, as a proxy may serve the site below a path
+    page = (STATIC / "problem.html").read_text("utf-8").replace("{root}", root)
+    return HTMLResponse(page.replace("{title}", title).replace("{words}", words), 404)

@@ -1,0 +1,165 @@
+"""Which match is played: its spec, who sits where, and their names."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from wildscav.errors import UserError
+from wildscav.sdk.submission_folder import MANIFEST, read_manifest
+from wildscav.terminal.suggestions import did_you_mean
+from wildscav_engine.maps.catalogue import map_spec
+from wildscav_engine.maps.errors import MapError
+from wildscav_engine.record import RecordError, check_recordable
+from wildscav_engine.simulation.robots.decide import ROBOTS
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
+from wildscav_engine.specs.validation import one_line
+from wildscav_engine.tracks import TRACKS
+from wildscav_server.hosting.seat import parse_sensors
+
+PERSON = "person"
+FRAMES_PER_ACTION = 1  # so that a person's inputs take effect, and pictures change, 50 times a second
+DEFAULT_MAP = MapConfig(size=120, houses=5, water=0.05)
+MOST_PEOPLE = 8
+STAND_INS = {  # the robots that play for people who are not here
+    "navigation": "seeker-easy",
+    "gathering": "gatherer-easy",
+    "capture": "seeker-easy",
+    "battle": "fighter-easy",
+    "royale": "fighter-easy",
+}
+DEFAULT_OPPONENTS = {"battle": ("fighter-easy", "gatherer", "fighter"), "royale": ("fighter-easy",) * 5}
+
+
+@dataclass(frozen=True)
+class Opponent:
+    """Who plays in another seat than people's."""
+
+    name: str
+    folder: Path | None = None  # of a submission; None for a robot
+    sensors: Mapping[str, Mapping[str, Any]] | None = None  # of a submission
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A match that can be played several times, each time with another seed."""
+
+    spec: MatchSpec
+    opponents: tuple[Opponent, ...]
+    people: int = 1  # who have the first seats
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The display name of every seat, different ones for people and for opponents of the same kind."""
+        return numbered([PERSON] * self.people + [opponent.name for opponent in self.opponents])
+
+    @property
+    def may_pause(self) -> bool:
+        """Whether nobody but one person needs time to think."""
+        return self.people == 1 and all(opponent.folder is None for opponent in self.opponents)
+
+    @property
+    def stand_in(self) -> str:
+        """The robot that plays for people who are not here when a match starts."""
+        return STAND_INS.get(self.spec.track, "walker")
+
+    @property
+    def submissions(self) -> tuple[int, ...]:
+        """The seats of submissions."""
+        opponents = enumerate(self.opponents, start=self.people)
+        return tuple(seat for seat, opponent in opponents if opponent.folder is not None)
+
+    def played(self, times: int, absent: Collection[int] = ()) -> MatchSpec:
+        """Return the spec of the match after it was played some times already.
+
+        Args:
+            times: How often.
+            absent: The seats of people who are not here.
+        """
+        seats = (self.stand_in if seat in absent else who for seat, who in enumerate(self.spec.seats))
+        return self.spec.model_copy(update={"seed": (self.spec.seed + times) % 2**64, "seats": tuple(seats)})
+
+
+def numbered(names: Sequence[str]) -> tuple[str, ...]:
+    """Return names of which those that occur several times are numbered, so that all are different."""
+    taken, chosen = set(names), []
+    for name in names:
+        own, number = name, 0
+        while names.count(name) > 1 and (own in taken or own == name):
+            number += 1
+            own = f"{name} {number}"
+        taken.add(own)
+        chosen.append(own)
+    return tuple(chosen)
+
+
+def make_plan(
+    track: str,
+    map_id: int | None,
+    seed: int,
+    opponents: Sequence[str] | None,
+    time_limit: float | None,
+    people: int = 1,
+) -> Plan:
+    """Return the plan of a match in which people have the first seats.
+
+    Args:
+        track: The name of a track.
+        map_id: Number of a map; None for a map that is generated from the seed.
+        seed: Seed of the match.
+        opponents: Names of robots and folders of submissions; None for as many as suit the track, fewer with
+            more people.
+        time_limit: s of game time; None for the track's.
+        people: How many people can play.
+
+    Raises:
+        UserError: Such a match is not possible.
+    """
+    if track not in TRACKS:
+        raise UserError(f"--track is {track!r}; the tracks are {', '.join(TRACKS)}", exit_code=2)
+    usual = DEFAULT_OPPONENTS.get(track, ())
+    wanted = usual[: max(0, len(usual) + 1 - people)] if opponents is None else opponents
+    chosen = tuple(_opponent(text, track) for text in wanted)
+    filled_by = (SUBMISSION if opponent.folder else opponent.name for opponent in chosen)
+    try:
+        spec = MatchSpec(
+            track=track,
+            map=MapSpec(config=DEFAULT_MAP, seed=seed) if map_id is None else map_spec(map_id),
+            seed=seed,
+            seats=(*(SUBMISSION,) * people, *filled_by),
+            time_limit=TRACKS[track].time_limit if time_limit is None else time_limit,
+            frames_per_action=FRAMES_PER_ACTION,
+        )
+        check_recordable(spec)
+    except ValidationError as error:
+        raise UserError(f"such a match is not possible: {one_line(error)}", exit_code=2) from error
+    except (MapError, RecordError) as error:
+        raise UserError(str(error), exit_code=2) from None
+    return Plan(spec, chosen, people)
+
+
+def _opponent(text: str, track: str) -> Opponent:
+    if text in ROBOTS:
+        return Opponent(text)
+    folder = Path(text)
+    if not folder.is_dir():
+        raise UserError(
+            f"--opponents has {text!r}, which is neither a robot ({', '.join(ROBOTS)}) nor a folder"
+            f"{did_you_mean(text, ROBOTS)}",
+            exit_code=2,
+        )
+    return _submission(folder, track)
+
+
+def _submission(folder: Path, track: str) -> Opponent:
+    manifest = read_manifest(folder / MANIFEST)
+    name, tracks, sensors = manifest.get("name"), manifest.get("tracks"), manifest.get("sensors", {})
+    if not isinstance(name, str) or not isinstance(tracks, list) or not isinstance(sensors, dict):
+        raise UserError(f"{folder / MANIFEST} is not valid; `wildscav check {folder}` says why", exit_code=2)
+    if track not in tracks:
+        raise UserError(f"{name} does not play {track}; it plays {', '.join(map(str, tracks))}", exit_code=2)
+    parse_sensors(sensors)
+    return Opponent(name, folder.absolute(), sensors)

@@ -1,0 +1,141 @@
+"""One match of a table: hosted by the match server, played by people and submissions, and recorded."""
+
+import asyncio
+import os
+import sys
+import time
+from collections.abc import AsyncIterator, Mapping, Sequence
+from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple, Protocol
+
+from wildscav.sdk.run import ADDRESS_VARIABLE, TOKEN_VARIABLE
+from wildscav_engine.record import SUFFIX, write_record
+from wildscav_server.match_server import MatchServer
+from wildscav_server.time_limits import Clock
+from wildscav_stage.lobby import Person
+from wildscav_stage.plan import Plan
+
+if TYPE_CHECKING:
+    from wildscav_engine.specs.match_spec import MatchSpec
+    from wildscav_server.hosting.hosted_match import HostedMatch
+
+END_TIME = 3.0  # s for an agent to end when the match is over
+LONGEST_PAUSE = 86_400.0  # s, of a match against robots alone, which wait for the person
+ROBOT_CLOCK = Clock(time_bank=LONGEST_PAUSE)
+
+
+class Agents(Protocol):
+    """Runs the submissions of a match for as long as the block lasts."""
+
+    def __call__(
+        self, folders: Mapping[int, Path], hosted: "HostedMatch", addresses: Mapping[int, str], logs: Path
+    ) -> AbstractAsyncContextManager[None]:
+        """Run them.
+
+        Args:
+            folders: The submission's folder of each seat that has one.
+            hosted: The match.
+            addresses: Where each of these seats is joined, which nobody else can.
+            logs: The folder for what agents print.
+        """
+
+
+@asynccontextmanager
+async def playing(
+    folders: Mapping[int, Path], hosted: "HostedMatch", addresses: Mapping[int, str], logs: Path
+) -> AsyncIterator[None]:
+    """Run submissions without a sandbox; whoever starts them trusts their code. See ``Agents``."""
+    async with AsyncExitStack() as stack:
+        for seat, folder in folders.items():
+            log = logs / f"{seat}-{hosted.names[seat].replace(' ', '-')}.log"
+            await stack.enter_async_context(_agent(seat, folder, hosted, addresses[seat], log))
+        yield
+
+
+@asynccontextmanager
+async def _agent(
+    seat: int, folder: Path, hosted: "HostedMatch", address: str, log: Path
+) -> AsyncIterator[None]:
+    own = {ADDRESS_VARIABLE: address, TOKEN_VARIABLE: hosted.tokens[seat]}
+    with log.open("wb") as file:
+        process = await asyncio.create_subprocess_exec(
+            *(sys.executable, "-m", "wildscav.sdk", str(folder)),
+            env=os.environ | own,
+            stdin=asyncio.subprocess.DEVNULL,
+            stdout=file,
+            stderr=file,
+        )
+    watching = asyncio.create_task(_watch(process, seat, hosted, log))
+    try:
+        yield
+    finally:
+        try:
+            await asyncio.wait_for(process.wait(), END_TIME)
+        except TimeoutError:
+            process.kill()
+        await watching
+
+
+async def _watch(process: asyncio.subprocess.Process, seat: int, hosted: "HostedMatch", log: Path) -> None:
+    """Let the match go on without an agent whose process ends early."""
+    code = await process.wait()
+    hosted.give_up(seat, f"its process ended with exit code {code}; its output is in {log}")
+
+
+class Venue(NamedTuple):
+    """Where matches are played."""
+
+    server: MatchServer
+    address: str  # where people join
+    seats: Mapping[int, str]  # where the submission of each seat that has one joins
+    folder: Path  # for records, and for the output of agents
+    agents: Agents = playing  # runs submissions
+
+
+@asynccontextmanager
+async def hosted_match(
+    venue: Venue, plan: Plan, spec: "MatchSpec", names: Sequence[str]
+) -> AsyncIterator["HostedMatch"]:
+    """Host a match within the block, and run the submissions that play in it."""
+    opponents = dict(enumerate(plan.opponents, start=plan.people))
+    hosted = await venue.server.host(
+        spec,
+        names=names,
+        sensors={seat: each.sensors for seat, each in opponents.items() if each.sensors},
+        clock=ROBOT_CLOCK if plan.may_pause else Clock(),
+        addresses=venue.seats,
+    )
+    folders = {seat: each.folder for seat, each in opponents.items() if each.folder is not None}
+    try:
+        venue.folder.mkdir(parents=True, exist_ok=True)
+        async with venue.agents(folders, hosted, venue.seats, venue.folder):
+            yield hosted
+    finally:
+        hosted.cancel()  # does nothing after its end
+
+
+async def play_out(venue: Venue, hosted: "HostedMatch", people: Mapping[int, Person]) -> Path:
+    """Let people play a match to its end, and return its record.
+
+    Args:
+        venue: Where it is played.
+        hosted: The match.
+        people: The person of each seat that one has.
+    """
+    # The seats are joined at the same time, because the match begins when all are.
+    joined = (
+        person.play(hosted.match, venue.address, hosted.tokens[seat]) for seat, person in people.items()
+    )
+    await asyncio.gather(*joined)
+    match = (await hosted.finished()).match
+    path = _free_path(venue.folder, match.spec.track)
+    await asyncio.to_thread(write_record, path, match, hosted.names)
+    return path
+
+
+def _free_path(folder: Path, track: str) -> Path:
+    """Return a path for a record, another one if a match ended in the same second."""
+    stem = f"{track}-{time.strftime('%Y%m%d-%H%M%S')}"
+    names = (f"{stem}{f'-{number}' if number > 1 else ''}{SUFFIX}" for number in range(1, 1000))
+    return next(path for path in (folder / name for name in names) if not path.exists())

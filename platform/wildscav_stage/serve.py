@@ -1,0 +1,146 @@
+"""Serving a table: the match server, the web server, and the links to play."""
+
+import asyncio
+import socket
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import NamedTuple
+
+import uvicorn
+
+from wildscav.errors import AddressInUseError
+from wildscav_engine.sensors import parse_sensors
+from wildscav_server.endpoints.endpoint import EndpointSettings
+from wildscav_server.hosting.precompile import precompile
+from wildscav_server.leftovers import temporary_folder
+from wildscav_server.match_server import MatchServer
+from wildscav_stage.app import Site
+from wildscav_stage.eyes import Eyes
+from wildscav_stage.links import Addresses, Base, Links, base_of
+from wildscav_stage.lobby import HOST
+from wildscav_stage.plan import Plan
+from wildscav_stage.rounds import Agents, Venue, playing
+from wildscav_stage.table import COUNTDOWN, Table
+
+LARGEST_MESSAGE = 4096  # bytes, from a page
+MOST_CONNECTIONS = 200  # open at one time, so that strangers cannot take all files that the match needs
+GRACE = 1  # s for open pages to be closed
+JOINING = EndpointSettings(connections=16)  # at one time, to where a submission or all people join
+
+
+@asynccontextmanager
+async def served(
+    plan: Plan,
+    folder: Path,
+    host: str,
+    port: int,
+    say: Callable[[str], None],
+    *,
+    public_url: str | None = None,
+    countdown: int = COUNTDOWN,
+) -> AsyncIterator[tuple[Addresses, asyncio.Task[None]]]:
+    """Serve a table within the block.
+
+    Args:
+        plan: What is played at it.
+        folder: For records, and for the output of agents.
+        host: The address that the web server listens on.
+        port: Its port; 0 for any free one.
+        say: Called with a line for whoever started the table.
+        public_url: The URL of a proxy's root by which others reach it; None if there is no proxy.
+        countdown: s before a match of several people.
+
+    Yields:
+        The links, and the task of the web server, which ends on Ctrl-C.
+
+    Raises:
+        AddressInUseError: The web server cannot listen there.
+    """
+    listening, links = _listen(host, port), Links(plan.people)
+    base = base_of(host, listening.getsockname()[1], public_url)
+    async with served_on(listening, base, links, plan, folder, say, countdown=countdown) as served_table:
+        yield base.addresses(links, plan.people), served_table.serving
+
+
+class Served(NamedTuple):
+    """A table that is served."""
+
+    table: Table
+    serving: asyncio.Task[None]  # of the web server; it ends on Ctrl-C
+
+
+@asynccontextmanager
+async def served_on(
+    listening: socket.socket,
+    base: Base,
+    links: Links,
+    plan: Plan,
+    folder: Path,
+    say: Callable[[str], None],
+    *,
+    countdown: int = COUNTDOWN,
+    agents: Agents = playing,
+    at_home: bool = True,
+) -> AsyncIterator[Served]:
+    """Serve a table on a socket within the block.
+
+    Args:
+        listening: The socket, which listens; it is closed at the end.
+        base: Where the site is reached.
+        links: The table's links.
+        plan: What is played at it.
+        folder: For records, and for the output of agents.
+        say: Called with a line for whoever started the table.
+        countdown: s before a match of several people.
+        agents: Runs the submissions.
+        at_home: Whether this machine is the host's.
+    """
+    with listening, temporary_folder("play-") as place:
+        server = MatchServer(endpoint_settings=JOINING)
+        (address,) = await server.start([f"unix:{place}/match"])
+        # Each submission has a socket of its own, in a folder of its own: a sandbox passes on no other.
+        for seat in plan.submissions:
+            (place / str(seat)).mkdir(mode=0o700)
+        own = await server.start([f"unix:{place}/{seat}/match" for seat in plan.submissions])
+        venue = Venue(server, address, dict(zip(plan.submissions, own, strict=True)), folder, agents)
+        table = Table(plan, venue, links, base, say, countdown, at_home=at_home)
+        web = uvicorn.Server(_config(Site(table, links, base)))
+        serving = asyncio.create_task(web.serve(sockets=[listening]))
+        try:
+            yield Served(table, serving)
+        finally:
+            web.should_exit = True
+            await table.close()
+            await serving
+            await server.stop()
+
+
+def prepare(plan: Plan) -> None:
+    """Compile all kernels that matches and pictures need, or load them from the cache."""
+    precompile([Eyes(HOST).camera])
+    for opponent in plan.opponents:
+        precompile(parse_sensors(opponent.sensors or {}).values())
+
+
+def _config(site: Site) -> uvicorn.Config:
+    return uvicorn.Config(
+        site.app,
+        log_level="warning",
+        access_log=False,
+        lifespan="off",
+        ws="websockets-sansio",
+        ws_max_size=LARGEST_MESSAGE,
+        ws_per_message_deflate=False,
+        server_header=False,
+        limit_concurrency=MOST_CONNECTIONS,
+        timeout_graceful_shutdown=GRACE,
+    )
+
+
+def _listen(host: str, port: int) -> socket.socket:
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    try:
+        return socket.create_server((host, port), family=family)
+    except (OSError, OverflowError) as error:
+        raise AddressInUseError(f"{host}, port {port}", str(error)) from None

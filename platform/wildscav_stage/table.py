@@ -1,0 +1,312 @@
+"""The table at which people play one match after another, and what it tells their pages."""
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator, Callable, Coroutine
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from wildscav.errors import WildscavError, describe
+from wildscav.terminal.console import command
+from wildscav_engine.simulation.match import MatchSetupError
+from wildscav_engine.specs.actions import Field
+from wildscav_engine.specs.rules import FRAMES_PER_SECOND
+from wildscav_stage.display import metric_titles, scores_of
+from wildscav_stage.gallery import Gallery
+from wildscav_stage.links import Base, Links
+from wildscav_stage.lobby import HOST, Chair, Lobby, LobbyError, Page
+from wildscav_stage.page import RENEWED, REPLACED
+from wildscav_stage.plan import Plan
+from wildscav_stage.rounds import Venue, hosted_match, play_out
+
+if TYPE_CHECKING:
+    from wildscav_server.hosting.hosted_match import HostedMatch
+
+SCORES_EVERY = 0.5  # s
+MOST_SPECTATORS = 20
+COUNTDOWN = 3  # s before a match of several people, so that all are ready
+HOST_KNOWS, NOBODY_KNOWS = "The host's page says why.", "Something went wrong here. Try again in a moment."
+HOST_ALONE_KNOWS = ("record", "commands")  # of a match's end: where files lie
+
+
+class Table:
+    """Plays matches of a plan when the host's page asks for them.
+
+    Args:
+        plan: What is played.
+        venue: Where the matches are played.
+        links: The links of its people and spectators.
+        base: Where its pages are reached.
+        say: Called with a line for whoever started the table.
+        countdown: s before a match of several people.
+        at_home: Whether this machine is the host's, who may then know where files lie and what went wrong.
+    """
+
+    def __init__(
+        self,
+        plan: Plan,
+        venue: Venue,
+        links: Links,
+        base: Base,
+        say: Callable[[str], None],
+        countdown: int = COUNTDOWN,
+        *,
+        at_home: bool = True,
+    ) -> None:
+        self.lobby, self.gallery = Lobby(plan), Gallery()
+        self._spectators: dict[Page, None] = {}  # their pages, in the order in which they came
+        self._plan, self._venue, self._links, self._base, self._say = plan, venue, links, base, say
+        self._countdown, self._at_home = countdown, at_home
+        self._situation: dict[str, Any] = {"kind": "lobby"}
+        self._playing: frozenset[int] = frozenset()  # the people's seats in the present match
+        self._match: asyncio.Task[None] | None = None
+        self._played = 0
+
+    @property
+    def is_attended(self) -> bool:
+        """Whether somebody who plays has a page open."""
+        return any(chair.page is not None for chair in self.lobby.chairs)
+
+    # The interface for people's pages.
+
+    def attach(self, seat: int, page: Page) -> None:
+        """Tell everything to a page from now on, first what it needs to know of the present."""
+        chair = self.lobby.chairs[seat]
+        if chair.page is not None:
+            chair.page.dismiss(REPLACED, "the link was opened elsewhere")
+        chair.page, chair.came = page, True
+        page.tell(self._introduction(chair))
+        self._tell_people()
+        page.tell(self._present_to(chair))
+
+    def detach(self, seat: int, page: Page) -> None:
+        """Tell a page nothing anymore; its seat stands idle, and the match is paused if it may be."""
+        chair = self.lobby.chairs[seat]
+        if chair.page is page:
+            chair.page = None
+            chair.person.controls.release()
+            self.pause(True)
+            self._tell_people()
+
+    def start(self, seat: int) -> None:
+        """Start the next match, unless one is being played.
+
+        Raises:
+            LobbyError: Somebody else than the host asks for it.
+        """
+        _only_host(seat, "starts matches")
+        if self._match is None or self._match.done():
+            self._match = asyncio.create_task(self._run())
+
+    def pause(self, paused: bool) -> None:
+        """Pause the match, or go on; does nothing if others than robots would have to wait."""
+        if not self._plan.may_pause or self._situation["kind"] != "begin":
+            return
+        (chair,) = self.lobby.chairs
+        if paused:
+            chair.person.clock_runs.clear()
+        else:
+            chair.person.clock_runs.set()
+        self._situation["paused"] = paused
+        self._announce({"kind": "paused", "paused": paused})
+
+    def rename(self, seat: int, name: str) -> None:
+        """Call a person by another name.
+
+        Raises:
+            LobbyError: It is no name, or somebody else's.
+        """
+        self.lobby.rename(seat, name)
+        self._tell_people()
+
+    def renew(self, asked_by: int, seat: int) -> None:
+        """Give a seat a new link, and close the page that was opened by the old one.
+
+        Raises:
+            LobbyError: Somebody else than the host asks for it, or it is no guest's seat.
+        """
+        _only_host(asked_by, "makes new links")
+        if not 0 < seat < len(self.lobby.chairs):
+            raise LobbyError(f"seat {seat} is no guest's")
+        self._links.renew(seat)
+        chair = self.lobby.chairs[seat]
+        if chair.page is not None:
+            chair.page.dismiss(RENEWED, "the host has made a new link for this seat")
+        self._tell_people()
+
+    def admit(self, page: Page) -> bool:
+        """Tell everything to a spectator's page from now on; return whether there was room for it."""
+        if len(self._spectators) >= MOST_SPECTATORS:
+            return False
+        self._spectators[page] = None
+        page.tell(self._introduction(None))
+        self._tell_people()
+        page.tell(self._present_to(None))
+        return True
+
+    def dismiss(self, page: Page) -> None:
+        """Tell a spectator's page nothing anymore."""
+        del self._spectators[page]
+        self._tell_people()
+
+    async def close(self) -> None:
+        """End the match that is being played."""
+        if self._match is not None:
+            self._match.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await self._match
+
+    # One match.
+
+    async def _run(self) -> None:
+        self._change({"kind": "preparing"})
+        try:
+            await self._play()
+        except (WildscavError, MatchSetupError) as error:
+            self._fail(str(error))
+        except OSError as error:
+            self._fail(describe(error))
+        finally:
+            self._playing = frozenset()
+
+    def _fail(self, message: str) -> None:
+        self._say(message)
+        self._change({"kind": "failed", "message": message})
+
+    async def _play(self) -> None:
+        absent = self.lobby.absent()
+        spec, names = self._plan.played(self._played, absent), self.lobby.names(absent)
+        self._played += 1
+        people = {chair.seat: chair.person for chair in self.lobby.chairs if chair.seat not in absent}
+        async with hosted_match(self._venue, self._plan, spec, names) as hosted:
+            await asyncio.to_thread(self.lobby.chairs[HOST].eyes.prepare, hosted.match.game_map)
+            self._playing = frozenset(people)
+            if len(people) > 1:
+                await self._count_down()
+            self._begin(hosted)
+            async with beside(self._tell_scores(hosted)), beside(self.gallery.show(hosted)):
+                path = await play_out(self._venue, hosted, people)
+            self._finish(hosted, path)
+
+    async def _count_down(self) -> None:
+        for seconds in range(self._countdown, 0, -1):
+            self._change({"kind": "countdown", "seconds": seconds})
+            await asyncio.sleep(1.0)
+
+    def _begin(self, hosted: "HostedMatch") -> None:
+        for seat in self._playing:
+            self.lobby.chairs[seat].person.clock_runs.set()
+        fields = hosted.match.track.fields
+        self._change(
+            {
+                "kind": "begin",
+                "paused": False,
+                "weapon": Field.SHOOT in fields,
+                "supplies": Field.PICK_UP in fields,
+                "has_target": hosted.match.track.has_target,
+                "metrics": metric_titles(hosted.match),
+            }
+        )
+        if self.lobby.chairs[HOST].page is None:
+            self.pause(True)
+
+    async def _tell_scores(self, hosted: "HostedMatch") -> None:
+        while True:
+            self._announce({"kind": "scores", "rows": scores_of(hosted.match, hosted.names)})
+            await asyncio.sleep(SCORES_EVERY)
+
+    def _finish(self, hosted: "HostedMatch", path: Path) -> None:
+        """Tell the result."""
+        match = hosted.match
+        self._say(f"record: {path}")
+        self._change(
+            {
+                "kind": "over",
+                "ending": match.result().ending,
+                "time": match.frame / FRAMES_PER_SECOND,
+                "metrics": metric_titles(match),
+                "rows": scores_of(match, hosted.names),
+                "record": str(path.absolute()),
+                "commands": [command("wildscav", verb, path) for verb in ("replay", "verify")],
+            }
+        )
+
+    # What pages are told.
+
+    def _introduction(self, chair: Chair | None) -> dict[str, Any]:
+        spec = self._plan.spec
+        return {
+            "kind": "table",
+            "track": spec.track,
+            "names": [each.name for each in self.lobby.chairs] + list(self._plan.names[self._plan.people :]),
+            "people": self._plan.people,
+            "seat": None if chair is None else chair.seat,
+            "time_limit": spec.time_limit,
+            "may_pause": self._plan.may_pause,
+            "stand_in": self._plan.stand_in,
+        }
+
+    def _tell_people(self) -> None:
+        """Tell everybody who is here; the links of the others, to the host alone."""
+        people = [chair.describe() for chair in self.lobby.chairs]
+        told = {"kind": "people", "people": people, "spectators": len(self._spectators)}
+        for page, chair in self._open_pages():
+            page.tell(told | self._invitations() if _is_host(chair) else told)
+
+    def _invitations(self) -> dict[str, Any]:
+        guests = self.lobby.chairs[HOST + 1 :]
+        return {
+            "links": {chair.seat: self._base.invitation(self._links, chair.seat) for chair in guests},
+            "watch_link": self._base.watching(self._links),
+            "local_only": self._at_home and self._base.local_only,
+        }
+
+    def _present_to(self, chair: Chair | None) -> dict[str, Any]:
+        """Return the situation as a person, or a spectator, may know it."""
+        situation = self._situation
+        if situation["kind"] in ("begin", "countdown") and chair and chair.seat not in self._playing:
+            return {"kind": "elsewhere"}
+        if self._at_home and _is_host(chair):
+            return situation
+        if situation["kind"] == "over":
+            return {key: value for key, value in situation.items() if key not in HOST_ALONE_KNOWS}
+        if situation["kind"] == "failed":
+            return {"kind": "failed", "message": HOST_KNOWS if self._at_home else NOBODY_KNOWS}
+        return situation
+
+    def _change(self, situation: dict[str, Any]) -> None:
+        self._situation = situation
+        for page, chair in self._open_pages():
+            page.tell(self._present_to(chair))
+
+    def _announce(self, message: dict[str, Any]) -> None:
+        for page, _ in self._open_pages():
+            page.tell(message)
+
+    def _open_pages(self) -> list[tuple[Page, Chair | None]]:
+        """Return the pages of people with their seats, and those of spectators."""
+        people = [(chair.page, chair) for chair in self.lobby.chairs if chair.page is not None]
+        return [*people, *((page, None) for page in self._spectators)]
+
+
+@asynccontextmanager
+async def beside(work: Coroutine[Any, Any, None]) -> AsyncIterator[None]:
+    """Do a work that has no end for as long as the block lasts."""
+    task = asyncio.create_task(work)
+    try:
+        yield
+    finally:
+        task.cancel()
+        (ended,) = await asyncio.gather(task, return_exceptions=True)
+    if isinstance(ended, Exception):
+        raise ended
+
+
+def _is_host(chair: Chair | None) -> bool:
+    return chair is not None and chair.seat == HOST
+
+
+def _only_host(seat: int, does: str) -> None:
+    if seat != HOST:
+        raise LobbyError(f"only the host {does}")

@@ -1,0 +1,175 @@
+"""``wildscav dataset``: episodes of records, or of an agent, as a data set of Minari."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from wildscav.cli.shared_options import AsJson
+from wildscav.errors import UserError
+
+if TYPE_CHECKING:
+    from wildscav_training.datasets.episodes import Episode
+    from wildscav_training.datasets.from_agent import PlayedEpisodes
+    from wildscav_training.datasets.from_records import RecordedEpisodes
+    from wildscav_training.datasets.minari_files import Written
+
+MATCHES, MOST_MATCHES = 100, 1_000_000  # to play: unless said otherwise, and at most
+
+Records = Annotated[
+    list[Path] | None, typer.Argument(help="Record files.", metavar="[RECORD]…", show_default=False)
+]
+Identity = Annotated[
+    str, typer.Option("--id", help="Name and version, such as navigation/mapper-v0.", show_default=False)
+]
+Seats = Annotated[
+    list[int] | None,
+    typer.Option("--seat", help="Seat of the records; repeatable. Default: all submissions.", min=0),
+]
+Names = Annotated[
+    list[str] | None, typer.Option("--name", help="Agent of the records by its name; repeatable.")
+]
+Agent = Annotated[
+    str | None,
+    typer.Option(
+        help="Instead of records: a submission's folder, a baseline or oracle. Its code is trusted."
+    ),
+]
+Track = Annotated[str | None, typer.Option(help="With --agent: the track. Default: navigation.")]
+Matches = Annotated[
+    int | None, typer.Option(help="With --agent: matches to play. Default: 100.", min=1, max=MOST_MATCHES)
+]
+Seed = Annotated[int | None, typer.Option(help="With --agent: seed of the first match. Default: 0.", min=0)]
+Options = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--option", metavar="NAME=VALUE", help="An option of the environment, its value as JSON; repeatable."
+    ),
+]
+Together = Annotated[
+    bool, typer.Option("--together", help="One episode for all seats of a match: several learners.")
+]
+
+
+def dataset(
+    name: Identity,
+    records: Records = None,
+    seat: Seats = None,
+    agent_name: Names = None,
+    agent: Agent = None,
+    track: Track = None,
+    matches: Matches = None,
+    seed: Seed = None,
+    option: Options = None,
+    together: Together = False,
+    as_json: AsJson = False,
+) -> None:
+    """Make a data set for offline learning, which minari.load_dataset reads.
+
+    Its episodes are those of records, played again exactly, or those that an agent plays now. Observations
+    and actions are those of the environments, of version 1 unless an option says otherwise.
+    """
+    from wildscav.terminal.console import console, print_json
+    from wildscav_training.cli.from_policy import read_option
+
+    of_agent = {"--track": track, "--matches": matches, "--seed": seed}
+    of_records = {"--seat": seat, "--name": agent_name}
+    _check_choice(records, agent, {**of_agent} if agent is None else of_records)
+    options = dict(map(read_option, option or []))
+    source: PlayedEpisodes | RecordedEpisodes
+    if agent is None:
+        source = _recorded(records or [], options, seat, agent_name, together=together)
+        what = f"{source.count} records"
+    else:
+        source = _played(agent, track or "navigation", options, matches, seed, together=together)
+        what = f"{source.count} matches of {agent}"
+    written = _write(name, source, options, what)
+    console.print(
+        f"{written.id}: {written.episodes:,} episodes, {written.steps:,} steps, mean return "
+        f"{written.mean_return:.3f}, in {written.folder}",
+        soft_wrap=True,
+    )
+    console.print(f'Next, in Python: minari.load_dataset("{written.id}")', soft_wrap=True)
+    if as_json:
+        print_json({**written._asdict(), "folder": str(written.folder)})
+
+
+def _recorded(
+    records: list[Path],
+    options: dict[str, Any],
+    seats: list[int] | None,
+    names: list[str] | None,
+    *,
+    together: bool,
+) -> "RecordedEpisodes":
+    from wildscav_training.datasets.from_records import RecordedEpisodes
+
+    return RecordedEpisodes(records, options, seats=seats or (), names=names or (), together=together)
+
+
+def _played(
+    agent: str, track: str, options: dict[str, Any], matches: int | None, seed: int | None, *, together: bool
+) -> "PlayedEpisodes":
+    from wildscav_training.datasets.from_agent import PlayedEpisodes
+
+    _check_track(track)
+    return PlayedEpisodes(
+        agent, track, options, matches=matches or MATCHES, seed=seed or 0, together=together
+    )
+
+
+def _check_choice(records: list[Path] | None, agent: str | None, unused: dict[str, Any]) -> None:
+    """Check that there are records or an agent, and no options of the other.
+
+    Raises:
+        UserError: Both or neither are given, or an option does not go with what is given.
+    """
+    if bool(records) == (agent is not None):
+        both = "records and --agent are both given" if records else "there are no episodes"
+        raise UserError(f"{both}: name record files, or an agent that plays with --agent", exit_code=2)
+    for option, value in unused.items():
+        if value is not None and value != []:
+            other = "--agent" if agent is None else "records"
+            raise UserError(f"{option} goes only with {other}", exit_code=2)
+
+
+def _check_track(track: str) -> None:
+    """Refuse a track that does not exist.
+
+    Raises:
+        UserError: It is one.
+    """
+    from wildscav.terminal.suggestions import did_you_mean
+    from wildscav_engine.tracks import TRACKS
+
+    if track not in TRACKS:
+        raise UserError(
+            f"--track is {track!r}{did_you_mean(track, TRACKS)}, must be one of {', '.join(TRACKS)}", 2
+        )
+
+
+def _write(
+    name: str, source: "PlayedEpisodes | RecordedEpisodes", options: dict[str, Any], what: str
+) -> "Written":
+    """Write the episodes of a source, and show the progress."""
+    from rich.progress import Progress
+
+    from wildscav.terminal.console import error_console
+    from wildscav_engine.compilation.engine_progress import preparing
+    from wildscav_training.datasets.minari_files import check_id, env_spec, write
+
+    check_id(name)
+    config = source.config
+    shape = {name: getattr(config, name) for name in ("version", "frames_per_action", "time_limit")}
+    spec = env_spec(config.track, {**shape, **options}, source.spaces)
+
+    def episodes(advance: Any) -> "Iterator[Episode]":
+        for match in source:
+            yield from match
+            advance()
+
+    with preparing(error_console), Progress(console=error_console, transient=True) as progress:
+        task = progress.add_task("matches", total=source.count)
+        found = episodes(lambda: progress.advance(task))
+        return write(name, found, source.spaces, spec, f"Wildscav, {config.track}: {what}")

@@ -1,0 +1,393 @@
+"""``wildscav train``: train a policy, measure it, and make a submission of it."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from wildscav.cli.shared_options import AsJson
+from wildscav.errors import UserError
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from wildscav_training.learning.run import Report, Result
+    from wildscav_training.learning.settings import TrainingSettings
+
+MOST_SEEDS, MOST_EPISODES = 100, 10_000
+SILENCE = 30.0  # s between two lines of progress where there is no terminal
+
+Algorithm = Annotated[
+    str,
+    typer.Option(
+        help="ppo (one file to read and to start from); sb3-ppo or a2c (Stable-Baselines3; A2C is the "
+        "synchronous form of A3C); rllib-ppo, rllib-appo or rllib-impala (RLlib)."
+    ),
+]
+Preset = Annotated[
+    str,
+    typer.Option(help="Hyperparameters and environment: tuned (learns in few steps) or paper (the paper's)."),
+]
+Level = Annotated[str | None, typer.Option(help="Random maps: easy, normal, hard or expert.")]
+Map = Annotated[
+    int | None, typer.Option("--map", help="A numbered map instead of random ones.", min=1, max=999)
+]
+Options = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--option", metavar="NAME=VALUE", help="An option of the environment, its value as JSON; repeatable."
+    ),
+]
+Changes = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="NAME=VALUE", help="A hyperparameter to change, as JSON; repeatable."),
+]
+Stages = Annotated[
+    str | None,
+    typer.Option(
+        "--curriculum",
+        metavar="M,M,…",
+        help="Start at most so many metres from the target, and farther away at 80 % success; last anywhere.",
+    ),
+]
+Opponents = Annotated[
+    str | None,
+    typer.Option(
+        metavar="NAME,…",
+        help="Who fills the opponents' seats, drawn for each match: robots, submissions, and self for copies "
+        "of the policy.",
+    ),
+]
+OpponentSeats = Annotated[
+    int | None, typer.Option(help="Opponents in a match; by default as many as the track has.", min=1, max=99)
+]
+EasyFirst = Annotated[
+    bool,
+    typer.Option("--easy-first", help="Robots among them begin at the level easy, and rise as they lose."),
+]
+StartFrom = Annotated[
+    Path | None,
+    typer.Option(
+        help="Weights to start from: the policy.npz of another run with the same observations, actions and "
+        "layers, or of a clone."
+    ),
+]
+Steps = Annotated[int, typer.Option(help="Steps of all learners together.", min=1, max=10**12)]
+Seed = Annotated[int, typer.Option(help="Seed of the first run.", min=0, max=2**20)]
+Seeds = Annotated[int, typer.Option(help="Number of runs, each with a seed.", min=1, max=MOST_SEEDS)]
+AtOnce = Annotated[int, typer.Option(help="Runs at the same time, each in a process.", min=1, max=MOST_SEEDS)]
+Workers = Annotated[
+    int, typer.Option(help="RLlib: processes that play; 0 plays where it learns.", min=0, max=1000)
+]
+Address = Annotated[
+    str | None,
+    typer.Option(metavar="HOST:PORT", help="RLlib: the Ray cluster whose machines play, with --workers."),
+]
+Out = Annotated[Path, typer.Option(help="Folder of the results; each run has a folder in it.")]
+Resume = Annotated[bool, typer.Option("--resume", help="Continue what an interruption left in that folder.")]
+Episodes = Annotated[
+    int, typer.Option(help="Matches that each score is a mean of.", min=1, max=MOST_EPISODES)
+]
+Submission = Annotated[
+    Path | None,
+    typer.Option(help="Folder to create: the first run's policy as a submission, which needs NumPy alone."),
+]
+
+
+def train(
+    track: Annotated[str, typer.Option(help="Track to learn.")] = "navigation",
+    algorithm: Algorithm = "ppo",
+    preset: Preset = "tuned",
+    level: Level = None,
+    map_number: Map = None,
+    option: Options = None,
+    changes: Changes = None,
+    curriculum: Stages = None,
+    opponents: Opponents = None,
+    opponent_seats: OpponentSeats = None,
+    easy_first: EasyFirst = False,
+    start_from: StartFrom = None,
+    steps: Steps = 100_000,
+    seed: Seed = 0,
+    seeds: Seeds = 1,
+    at_once: AtOnce = 1,
+    workers: Workers = 0,
+    address: Address = None,
+    out: Out = Path("out/training"),
+    resume: Resume = False,
+    episodes: Episodes = 100,
+    submission: Submission = None,
+    as_json: AsJson = False,
+) -> None:
+    """Train a policy, measure it on maps of training and of testing, and make a submission of it.
+
+    Each run learns on one processor core; it writes its figures for TensorBoard, and can be continued.
+    """
+    options = _environment(level, map_number, option)
+    first = _settings(algorithm, preset, track, options, changes, curriculum, steps, seed)
+    first = _opposed(first, opponents, opponent_seats, easy_first=easy_first)
+    first = _started(_spread(first, workers, address), start_from)
+    runs = [replace(first, seed=each) for each in range(seed, seed + seeds)]
+    _check_folders(out, submission, resume=resume)
+    results = _train_all(runs, out, episodes, min(at_once, seeds), resume=resume)
+    from wildscav.terminal.console import console, print_json
+
+    console.print(_table(results))
+    if submission is not None:
+        _write_submission(out, runs[0], submission)
+    if as_json:
+        print_json({"folder": str(out), "runs": [result.as_json() for result in results]})
+
+
+def _environment(level: str | None, map_number: int | None, option: list[str] | None) -> dict[str, Any]:
+    """Return the options of the environment that were given.
+
+    Raises:
+        UserError: They contradict each other, or cannot be read.
+    """
+    from wildscav_training.cli.from_policy import read_option
+
+    given = dict(map(read_option, option or []))
+    if level is not None and map_number is not None:
+        raise UserError("--level and --map are both given: train on random maps or on a numbered one", 2)
+    for name, value in (("level", level), ("map", map_number)):
+        if value is not None and given.setdefault(name, value) != value:
+            raise UserError(f"--{name} and --option {name} differ", exit_code=2)
+    return given
+
+
+def _settings(
+    algorithm: str,
+    preset: str,
+    track: str,
+    options: Mapping[str, Any],
+    changes: list[str] | None,
+    curriculum: str | None,
+    steps: int,
+    seed: int,
+) -> "TrainingSettings":
+    """Return the settings of a run.
+
+    Raises:
+        UserError: One is wrong.
+    """
+    from wildscav.terminal.suggestions import did_you_mean
+    from wildscav_engine.envs.batched import multi_agent_config
+    from wildscav_engine.tracks import TRACKS
+    from wildscav_training.cli.from_policy import read_option
+    from wildscav_training.learning.algorithms import ALGORITHMS
+    from wildscav_training.learning.settings import TrainingSettings, changed, preset_settings
+
+    for name, value, known in (("algorithm", algorithm, tuple(ALGORITHMS)), ("track", track, tuple(TRACKS))):
+        if value not in known:
+            raise UserError(
+                f"--{name} is {value!r}{did_you_mean(value, known)}, must be one of {', '.join(known)}", 2
+            )
+    hyperparameters, all_options = preset_settings(preset, track, options, algorithm)
+    given = dict(read_option(text, "--set") for text in changes or [])
+    hyperparameters = changed(hyperparameters, given, algorithm)
+    try:
+        multi_agent_config(track, all_options)
+    except (TypeError, ValueError) as error:
+        raise UserError(f"the options of the environment: {error}", exit_code=2) from None
+    if curriculum is not None and not TRACKS[track].has_target:
+        raise UserError(f"--curriculum is for tracks with a target, not for {track}", exit_code=2)
+    stages = () if curriculum is None else _stages(curriculum)
+    return TrainingSettings(track, all_options, steps, seed, hyperparameters, stages, algorithm)
+
+
+def _opposed(
+    settings: "TrainingSettings", names: str | None, seats: int | None, *, easy_first: bool
+) -> "TrainingSettings":
+    """Return the settings of a run with its opponents.
+
+    Raises:
+        UserError: They are wrong, or the algorithm does not choose its opponents.
+    """
+    from wildscav_training.learning.algorithms import ALGORITHMS, OURS
+    from wildscav_training.learning.opposition import read_opposition
+
+    if names is None:
+        if seats is not None or easy_first:
+            raise UserError("--opponent-seats and --easy-first are for runs with --opponents", exit_code=2)
+        return settings
+    if ALGORITHMS[settings.algorithm].library != OURS:
+        raise UserError(
+            f"--opponents is for --algorithm ppo, not for {settings.algorithm}; it plays robots with "
+            "--option opponents=[…]",
+            exit_code=2,
+        )
+    if settings.options.get("opponents") is not None:
+        raise UserError("--opponents and --option opponents=… are both given: take one", exit_code=2)
+    found = read_opposition(names, settings.track, settings.options, seats, easy_first=easy_first)
+    return replace(settings, opposition=found)
+
+
+def _started(settings: "TrainingSettings", path: Path | None) -> "TrainingSettings":
+    """Return the settings of a run that starts from weights, if a file is given.
+
+    Raises:
+        UserError: It is not one of weights, or the algorithm always starts from nothing.
+    """
+    from wildscav_training.learning.algorithms import ALGORITHMS, OURS
+    from wildscav_training.learning.start import read_start
+
+    if path is None:
+        return settings
+    if ALGORITHMS[settings.algorithm].library != OURS:
+        raise UserError(f"--start-from is for --algorithm ppo, not for {settings.algorithm}", exit_code=2)
+    return replace(settings, start=read_start(path))
+
+
+def _spread(settings: "TrainingSettings", workers: int, address: str | None) -> "TrainingSettings":
+    """Return the settings of a run with the processes that play for it.
+
+    Raises:
+        UserError: The algorithm plays in one process, the address is wrong, or the processes outnumber the
+            matches.
+    """
+    from wildscav_training.learning.algorithms import ALGORITHMS, RLLIB
+    from wildscav_training.learning.ray_clusters import check_address
+
+    if (workers or address) and ALGORITHMS[settings.algorithm].library != RLLIB:
+        names = ", ".join(name for name, one in ALGORITHMS.items() if one.library == RLLIB)
+        raise UserError(f"--workers and --address are for {names}, not for {settings.algorithm}", exit_code=2)
+    if address is not None:
+        if not workers:
+            raise UserError("--address needs --workers, the number of processes that play there", exit_code=2)
+        check_address(address)
+    matches = settings.hyperparameters.matches
+    if workers > matches:
+        raise UserError(
+            f"--workers is {workers}, must be at most {matches}, the matches at once (--set matches=…)",
+            exit_code=2,
+        )
+    return replace(settings, workers=workers, address=address)
+
+
+def _stages(text: str) -> tuple[float, ...]:
+    """Return the start ranges of a curriculum, m.
+
+    Raises:
+        UserError: They are not numbers from 0 to 2000 that rise.
+    """
+    try:
+        stages = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        stages = ()
+    rises = all(before < after for before, after in zip((0.0, *stages), (*stages, 2000.5), strict=True))
+    if not stages or not rises:
+        raise UserError(
+            f"--curriculum is {text!r}, must be metres that rise, at most 2000, such as 5,15,40", exit_code=2
+        )
+    return stages
+
+
+def _check_folders(out: Path, submission: Path | None, *, resume: bool) -> None:
+    """Refuse folders that are in use before anything is trained.
+
+    Raises:
+        UserError: One is not empty.
+    """
+    for name, path in (("--out", None if resume else out), ("--submission", submission)):
+        if path is not None and path.exists() and (not path.is_dir() or any(path.iterdir())):
+            hint = ", or continue with --resume" if name == "--out" and path.is_dir() else ""
+            raise UserError(f"{name}: {path} is not an empty folder; name another{hint}", exit_code=2)
+
+
+def _train_all(
+    runs: "list[TrainingSettings]", out: Path, episodes: int, at_once: int, *, resume: bool
+) -> "list[Result]":
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    from wildscav.terminal.console import error_console
+    from wildscav_engine.compilation.engine_progress import preparing
+    from wildscav_training.learning.run import train as train_one
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TimeRemainingColumn(),
+        TextColumn("{task.fields[figures]}"),
+    )
+    given: dict[str, Any] = {"resume": resume, "episodes": episodes}
+    folders = [out / f"seed-{settings.seed}" for settings in runs]
+    with preparing(error_console), Progress(*columns, console=error_console, transient=True) as progress:
+        reports = [
+            _reporter(progress, progress.add_task(f"seed {one.seed}", total=one.steps, figures=""), one)
+            for one in runs
+        ]
+        if at_once == 1:
+            each = zip(runs, folders, reports, strict=True)
+            return [train_one(settings, folder, report, **given) for settings, folder, report in each]
+        from wildscav_training.learning.at_once import train_at_once
+
+        named = list(zip(runs, folders, strict=True))
+        return train_at_once(
+            named, lambda place, figures: reports[place](figures), processes=at_once, **given
+        )
+
+
+def _reporter(progress: Any, task: Any, settings: "TrainingSettings") -> "Report":
+    """Return what shows the figures of each iteration: a bar in a terminal, else a line now and then."""
+    import time
+
+    said = time.monotonic()
+
+    def report(figures: Mapping[str, float]) -> None:
+        nonlocal said
+        shown = _shown(figures)
+        progress.update(task, completed=figures["steps"], figures=shown)
+        if not progress.console.is_terminal and time.monotonic() - said > SILENCE:
+            progress.console.print(f"seed {settings.seed}: {shown}")
+            said = time.monotonic()
+
+    return report
+
+
+def _shown(figures: Mapping[str, float]) -> str:
+    """Return figures of an iteration in one line."""
+    names = {"return": "return", "success": "success in training", "supplies": "supplies"}
+    parts = [f"{int(figures['steps']):,} steps", f"{figures['cpu_seconds']:.0f} CPU s"]
+    parts += [f"{title} {figures[name]:.2f}" for name, title in names.items() if name in figures]
+    stage = int(figures["stage"])
+    return ", ".join(parts + ([f"stage {stage + 1}"] if stage else []))
+
+
+def _table(results: "list[Result]") -> "Table":
+    """Return a table with a row for each run: what it took, and the first metric that says how good it is."""
+    from wildscav.terminal.tables import FittingTable
+
+    metrics = results[0].scores[0].metrics
+    metric = "success" if "success" in metrics else next(iter(metrics))
+    table = FittingTable(f"{metric}, means of {results[0].scores[0].episodes} episodes")
+    for title in ("seed", "steps", "CPU s", "wall s"):
+        table.add_column(title, justify="right", no_wrap=True)
+    for score in results[0].scores:
+        table.add_column(f"{score.split}\n{score.choose}", justify="right", no_wrap=True)
+    for result in results:
+        took = (
+            str(result.seed),
+            f"{result.steps:,}",
+            f"{result.cpu_seconds:.0f}",
+            f"{result.wall_seconds:.0f}",
+        )
+        table.add_row(*took, *(f"{score.metrics[metric]:.2f}" for score in result.scores))
+    return table
+
+
+def _write_submission(out: Path, settings: "TrainingSettings", folder: Path) -> None:
+    """Write the policy of a run as a submission, and say what to do with it."""
+    import shlex
+
+    from wildscav.cli.init import submission_name, write_files
+    from wildscav.policy.networks import Choose
+    from wildscav.terminal.console import console
+    from wildscav_training.learning.submission import policy_submission
+
+    name = submission_name(folder.resolve().name)
+    write_files(folder, policy_submission(out / f"seed-{settings.seed}", settings, name, Choose.SAMPLED))
+    command = f"wildscav evaluate {shlex.quote(str(folder))} --track {settings.track}"
+    console.print(f"{folder} holds the policy as a submission. Next: {command}", soft_wrap=True)

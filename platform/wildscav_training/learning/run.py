@@ -1,0 +1,176 @@
+"""A training run from its first step to its score, with checkpoints on the way."""
+
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import closing, contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+import torch
+from tensorboardX import SummaryWriter
+
+from wildscav_training.learning.algorithms import ALGORITHMS, RLLIB, STABLE
+from wildscav_training.learning.checkpoints import RESULT, WEIGHTS, RunFolder, write_json
+from wildscav_training.learning.evaluation import Score, evaluate
+from wildscav_training.learning.settings import TrainingSettings
+
+EVERY = 60.0  # s between two checkpoints
+Report = Callable[[Mapping[str, float]], None]  # gets the figures of each iteration
+
+
+class Learner(Protocol):
+    """A policy in training."""
+
+    steps: int  # of all learners so far
+    total: int  # rollouts of the run
+
+    @property
+    def rollouts(self) -> int:
+        """Rollouts so far."""
+
+    @property
+    def policy(self) -> Any:
+        """The layers one after the other, from rows (N, n) to scores (N, C)."""
+
+    def iterate(self) -> dict[str, float]:
+        """Play a rollout, learn from it, and return figures about both by name."""
+
+    def state(self) -> dict[str, Any]:
+        """Return everything that the next iteration depends on: tensors, numbers and lists of them."""
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Continue from what ``state`` returned."""
+
+
+class Result(NamedTuple):
+    """What a run reached, and what it took."""
+
+    seed: int
+    steps: int
+    cpu_seconds: float  # of training, in all sittings
+    wall_seconds: float
+    scores: list[Score]
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the result as values for JSON."""
+        scores = [{**score._asdict(), "metrics": dict(score.metrics)} for score in self.scores]
+        return {**self._asdict(), "scores": scores}
+
+
+def train(settings: TrainingSettings, folder: Path, report: Report, *, resume: bool, episodes: int) -> Result:
+    """Train a policy, measure it, and write both into a folder.
+
+    Args:
+        settings: The run.
+        folder: Its folder, empty or new; with ``resume`` one with a run of the same settings.
+        report: Called after every iteration.
+        resume: Whether to continue the run in the folder, if there is one.
+        episodes: Matches for each score.
+
+    Raises:
+        UserError: The folder or the settings cannot be used.
+    """
+    # More threads only slow networks of this size down, and bits would depend on their number.
+    torch.set_num_threads(1)
+    place = RunFolder(folder)
+    place.begin(settings, resume=resume)
+    with learning(settings) as learner:
+        spent = _continue(learner, place) if place.has_checkpoint else (0.0, 0.0)
+        cpu, wall = _learn(learner, place, report, spent)
+        steps, policy = learner.steps, learner.policy
+    _save_layers(folder / WEIGHTS, policy)
+    scores = evaluate(policy, settings, episodes)
+    result = Result(settings.seed, steps, round(cpu, 1), round(wall, 1), scores)
+    write_json(folder / RESULT, result.as_json())
+    return result
+
+
+def _continue(learner: Learner, place: RunFolder) -> tuple[float, float]:
+    """Restore a learner, and return the processor time and the time that were spent on it, s."""
+    state = place.load()
+    learner.restore(state["learner"])
+    place.forget_figures_after(learner.steps)
+    cpu, wall = state["spent"]
+    return cpu, wall
+
+
+def _learn(
+    learner: Learner, place: RunFolder, report: Report, spent: tuple[float, float]
+) -> tuple[float, float]:
+    """Iterate to the end; return the processor time and the time spent in all sittings, s."""
+    cpu_start, wall_start = processor_seconds(learner) - spent[0], time.monotonic() - spent[1]
+
+    def now() -> tuple[float, float]:
+        return processor_seconds(learner) - cpu_start, time.monotonic() - wall_start
+
+    saved = time.monotonic()
+    with _TensorBoard(place.path, learner.steps) as board:
+        while learner.rollouts < learner.total:
+            figures = learner.iterate()
+            figures = {"steps": learner.steps, "cpu_seconds": now()[0], **figures}
+            place.append_figures(figures)
+            board.add(figures)
+            report(figures)
+            is_last = learner.rollouts == learner.total
+            if is_last or time.monotonic() - saved > EVERY:
+                place.save({"learner": learner.state(), "spent": list(now())})
+                saved = time.monotonic()
+    return now()
+
+
+class _TensorBoard:
+    """Writes figures for TensorBoard, into the folder of the run."""
+
+    def __init__(self, folder: Path, steps: int) -> None:
+        self._folder, self._steps = folder, steps
+
+    def __enter__(self) -> "_TensorBoard":
+        # Figures after the checkpoint are hidden, since they come again.
+        self._writer = SummaryWriter(str(self._folder / "tensorboard"), purge_step=self._steps + 1)
+        return self
+
+    def add(self, figures: Mapping[str, float]) -> None:
+        for name, value in figures.items():
+            self._writer.add_scalar(name, value, int(figures["steps"]))
+
+    def __exit__(self, *_: object) -> None:
+        self._writer.close()
+
+
+def _save_layers(path: Path, policy: Any) -> None:
+    """Write the weights (outputs, inputs) and the biases (outputs,) of a policy's layers."""
+    linear = [module for module in policy if isinstance(module, torch.nn.Linear)]
+    arrays = {f"weight_{layer}": module.weight.detach().numpy() for layer, module in enumerate(linear)}
+    np.savez(path, **arrays, **{f"bias_{n}": module.bias.detach().numpy() for n, module in enumerate(linear)})
+
+
+@contextmanager
+def learning(settings: TrainingSettings) -> Iterator[Learner]:
+    """Yield the learner of a run, which knows nothing yet.
+
+    Raises:
+        UserError: The environment cannot be made, or is not one that the algorithm learns.
+    """
+    library = ALGORITHMS[settings.algorithm].library
+    if library == RLLIB:
+        from wildscav_training.learning.rllib_cluster import connected
+
+        with connected(settings.address, settings.workers):
+            from wildscav_training.learning.rllib_learner import RllibLearner
+
+            with closing(RllibLearner(settings)) as learner:
+                yield learner
+    elif library == STABLE:
+        from wildscav_training.learning.stable_learner import StableLearner
+
+        yield StableLearner(settings)
+    else:
+        from wildscav_training.learning.ppo import PPO
+
+        yield PPO(settings)
+
+
+def processor_seconds(learner: Learner) -> float:
+    """Return the processor time of this process, and of those that play for the learner, s."""
+    return time.process_time() + float(getattr(learner, "worker_seconds", 0.0))

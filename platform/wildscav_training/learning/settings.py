@@ -1,0 +1,140 @@
+"""What a training run is: its environment, its algorithm and the settings of that, and presets of both."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+from wildscav.errors import UserError
+from wildscav.terminal.suggestions import did_you_mean
+from wildscav_training.learning.algorithms import ALGORITHMS, Hyperparameters
+from wildscav_training.learning.opposition import Opposition
+from wildscav_training.learning.start import Start
+
+MODES = ("multidiscrete", "fine", "baseline")  # the action modes that can be learned
+
+
+PRESETS = ("tuned", "paper")
+# Who learns in a match: teams learn together, and elsewhere one learner meets the track's own opponents.
+ALONE: dict[str, Any] = {"agents": 1, "opponents": None}
+SEATS: dict[str, dict[str, Any]] = {
+    "gathering": {"agents": 4, "teams": [0, 0, 0, 0]},
+    "capture": {"agents": 4},
+}
+# The sensors of the preset "tuned" on the way to a target: two rings of LIDAR show the walls on all sides,
+# of which the depth map shows only those ahead.
+ALL_ROUND = {"depth": {"width": 10, "height": 10}, "lidar": {"channels": 2, "azimuths": 32}}
+# Rewards and sensors of the preset "tuned", where they are not the track's own.
+SHAPED: dict[str, dict[str, Any]] = {
+    "navigation": {"rewards": {"target_reached": 1.0, "approach": 0.01}, "sensors": ALL_ROUND},
+    "capture": {"rewards": {"target_reached": 1.0, "approach": 0.01}, "sensors": ALL_ROUND},
+}
+
+
+@dataclass(frozen=True)
+class TrainingSettings:
+    """A training run."""
+
+    track: str
+    options: Mapping[str, Any]  # of the environment, those that differ from its defaults
+    steps: int  # of all learners together
+    seed: int
+    hyperparameters: Hyperparameters
+    curriculum: tuple[float, ...] = ()  # m, the start range of each stage but the last, which has none
+    algorithm: str = "ppo"
+    opposition: Opposition | None = None  # None: the opponents in the options
+    start: Start | None = None  # None: the policy knows nothing
+    workers: int = 0  # processes of Ray that play; 0: the one that learns does. Not part of what a run is
+    address: str | None = None  # of a Ray cluster; None: this machine alone. Not part of what a run is
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the settings as values for JSON."""
+        own = {**asdict(self), "curriculum": list(self.curriculum), "options": dict(self.options)}
+        for name in ("opposition", "start", "workers", "address"):
+            del own[name]
+        numbers = asdict(self.hyperparameters) | {"layers": list(self.hyperparameters.layers)}
+        opposition = {} if self.opposition is None else {"opposition": self.opposition.as_json()}
+        start = {} if self.start is None else {"start": self.start.as_json()}
+        return {**own, "hyperparameters": numbers, **opposition, **start}
+
+
+def preset_settings(
+    preset: str, track: str, options: Mapping[str, Any], algorithm: str = "ppo"
+) -> tuple[Hyperparameters, dict[str, Any]]:
+    """Return the hyperparameters of a preset, and its environment with some options changed.
+
+    Args:
+        preset: A name in ``PRESETS``.
+        track: The track.
+        options: Options of the environment that differ from the preset's.
+        algorithm: A name in ``ALGORITHMS``.
+
+    Raises:
+        UserError: There is no such preset, or it has no environment of this track or no such algorithm.
+    """
+    from wildscav_engine.envs import PRESETS as ENVIRONMENTS
+
+    if preset not in PRESETS:
+        raise UserError(
+            f"--preset is {preset!r}{did_you_mean(preset, PRESETS)}; the presets are {', '.join(PRESETS)}",
+            exit_code=2,
+        )
+    base: dict[str, Any] = {"flat": True, **SEATS.get(track, ALONE)}
+    if preset == "tuned":
+        base |= {"version": 1, "action_mode": "multidiscrete", **SHAPED.get(track, {})}
+    elif f"paper-{track}" in ENVIRONMENTS:
+        base |= {"preset": f"paper-{track}", "version": 0}
+    else:
+        tracks = [name.removeprefix("paper-") for name in ENVIRONMENTS if name.startswith("paper-")]
+        raise UserError(
+            f"--preset paper is for the tracks of the paper's experiments, {', '.join(tracks)}, not {track}",
+            exit_code=2,
+        )
+    hyperparameters = getattr(ALGORITHMS[algorithm], preset)
+    if hyperparameters is None:
+        known = ", ".join(name for name, one in ALGORITHMS.items() if one.paper is not None)
+        raise UserError(f"--preset paper is for {known}, not for {algorithm}", exit_code=2)
+    return hyperparameters, {**base, **options}
+
+
+def changed(
+    hyperparameters: Hyperparameters, changes: Mapping[str, Any], algorithm: str = "ppo"
+) -> Hyperparameters:
+    """Return hyperparameters of an algorithm with some changed.
+
+    Raises:
+        UserError: The algorithm has none of a name, or the value is wrong.
+    """
+    known = {name: getattr(hyperparameters, name) for name in ALGORITHMS[algorithm].known}
+    for name, value in changes.items():
+        if name not in known:
+            raise UserError(
+                f"--set: the algorithm {algorithm} has no {name!r}{did_you_mean(name, known)}; it has "
+                f"{', '.join(known)}",
+                exit_code=2,
+            )
+        _check(name, value, known[name])
+    made: Any = {name: tuple(value) if name == "layers" else value for name, value in changes.items()}
+    return replace(hyperparameters, **made)
+
+
+def _check(name: str, value: object, default: object) -> None:
+    """Check the value of a hyperparameter by the kind of its default.
+
+    Raises:
+        UserError: It has another kind, or is negative or not finite.
+    """
+    if isinstance(default, bool):
+        allowed, is_good = "true or false", isinstance(value, bool)
+    elif isinstance(default, tuple):
+        is_list = isinstance(value, list) and 1 <= len(value) <= 16
+        allowed = "a list of 1 to 16 widths from 1 to 4096, such as [64,64]"
+        is_good = is_list and all(type(width) is int and 1 <= width <= 4096 for width in value)  # type: ignore[attr-defined]
+    elif isinstance(default, int):
+        allowed, is_good = "an integer from 1 to 100,000", type(value) is int and 1 <= value <= 100_000
+    else:
+        is_number = isinstance(value, int | float) and not isinstance(value, bool)
+        highest = 1.0 if name in {"discount", "trace"} else 1e9
+        allowed = f"a number from 0 to {highest:g}"
+        is_good = is_number and 0.0 <= value <= highest  # type: ignore[operator]
+    if not is_good:
+        raise UserError(f"--set: {name} is {value!r}, must be {allowed}", exit_code=2)

@@ -1,0 +1,33 @@
+"""A trained policy as a submission, which runs with NumPy alone."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+from wildscav.policy.networks import Choose
+from wildscav_training.export import policy_tables, read_model, submission_files
+from wildscav_training.learning.checkpoints import WEIGHTS
+from wildscav_training.learning.settings import TrainingSettings
+
+# Options that an agent neither sees nor needs.
+OF_TRAINING = ("rewards", "threads", "random_maps", "split", "start_range")
+
+
+def policy_submission(run: Path, settings: TrainingSettings, name: str, choose: Choose) -> dict[str, bytes]:
+    """Return the files of a submission that plays the policy of a run, by name.
+
+    Args:
+        run: The folder of the run.
+        settings: Its settings.
+        name: Name of the submission.
+        choose: How it selects actions.
+
+    Raises:
+        UserError: The weights are missing, or do not fit the settings.
+    """
+    options: dict[str, Any] = {
+        name: value for name, value in settings.options.items() if name not in OF_TRAINING
+    }
+    trained = read_model(run / WEIGHTS)
+    files = submission_files(trained, policy_tables(trained, settings.track, options), name, choose)
+    return {**files, "training.json": (json.dumps(settings.as_json(), indent=1) + "\n").encode()}

@@ -1,0 +1,72 @@
+"""Tables that are served for tests, in a thread of their own as a browser's test needs it."""
+
+import asyncio
+import threading
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager, contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_stage.links import Addresses
+from wildscav_stage.plan import Plan, make_plan
+from wildscav_stage.serve import prepare, served
+
+MEADOW = MapConfig(size=60, houses=1, relief=0.0, ruggedness=0.0, water=0.0, vegetation=0.0)
+
+
+def small_plan(
+    track: str = "navigation",
+    time_limit: float = 60.0,
+    opponents: tuple[str, ...] | None = (),
+    people: int = 1,
+) -> Plan:
+    """A match on a small, flat map."""
+    plan = make_plan(track, None, 3, opponents, time_limit, people)
+    return replace(plan, spec=plan.spec.model_copy(update={"map": MapSpec(config=MEADOW, seed=5)}))
+
+
+@asynccontextmanager
+async def tables_links(
+    plan: Plan, folder: Path, public_url: str | None = None, countdown: int = 0
+) -> AsyncIterator[Addresses]:
+    """Serve a table, and yield its links."""
+    prepare(plan)
+    options: Any = {"public_url": public_url, "countdown": countdown}
+    async with served(plan, folder, "127.0.0.1", 0, [].append, **options) as (links, _):
+        yield links
+
+
+@asynccontextmanager
+async def table(plan: Plan, folder: Path) -> AsyncIterator[str]:
+    """Serve a table, and yield its host's link."""
+    async with tables_links(plan, folder) as links:
+        yield links.host
+
+
+@contextmanager
+def table_in_thread(plan: Plan, folder: Path) -> Iterator[Addresses]:
+    """Serve a table in a thread, and yield its links."""
+    found: list[Any] = []
+    ready = threading.Event()
+
+    async def serve() -> None:
+        end = asyncio.Event()
+        try:
+            async with tables_links(plan, folder) as links:
+                found.extend((links, asyncio.get_running_loop(), end))
+                ready.set()
+                await end.wait()
+        finally:
+            ready.set()
+
+    thread = threading.Thread(target=asyncio.run, args=(serve(),))
+    thread.start()
+    ready.wait()
+    links, loop, end = found
+    try:
+        yield links
+    finally:
+        loop.call_soon_threadsafe(end.set)
+        thread.join()

@@ -1,0 +1,121 @@
+"""What pages that mean harm can do to the match of others: nothing."""
+
+import asyncio
+import io
+from collections.abc import Awaitable, Callable
+from contextlib import AsyncExitStack
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import numpy as np
+import pytest
+from PIL import Image
+from tests.platform.stage.pages import PageClient, page
+from tests.platform.stage.tables import small_plan, tables_links
+from websockets.exceptions import ConnectionClosed
+
+from wildscav_engine.record import read_record, resimulate, verify_record
+from wildscav_stage.eyes import Eyes, moment_of
+from wildscav_stage.page import MOST_MESSAGES
+
+Attack = Callable[[PageClient], Awaitable[None]]
+
+
+async def garbage(guest: PageClient) -> None:
+    await guest.socket.send(bytes(range(256)))
+
+
+async def nonsense(guest: PageClient) -> None:
+    await guest.socket.send("{" * 4000)
+
+
+async def huge_message(guest: PageClient) -> None:
+    await guest.socket.send("x" * 2**20)
+
+
+async def act_for_another(guest: PageClient) -> None:
+    await guest.send(kind="input", number=1, seat=0, forward=1.0)
+
+
+async def flood(guest: PageClient) -> None:
+    for number in range(2 * MOST_MESSAGES + 1):
+        await guest.send(kind="input", number=number, forward=1.0)
+
+
+async def attacked(guest: PageClient, attack: Attack) -> None:
+    """Attack, and go on until the server closes the page."""
+    await attack(guest)
+    await guest.until("over")
+
+
+@pytest.mark.parametrize("attack", [garbage, nonsense, huge_message, act_for_another, flood])
+def test_the_attacker_is_closed_and_the_match_of_the_others_goes_on(tmp_path: Path, attack: Attack) -> None:
+    async def play() -> Path:
+        plan = small_plan("navigation", 0.8, people=2)
+        async with tables_links(plan, tmp_path) as links, AsyncExitStack() as stack:
+            host, guest = [
+                await stack.enter_async_context(page(link)) for link in (links.host, *links.guests)
+            ]
+            await host.send(kind="start")
+            await asyncio.gather(host.until("picture"), guest.until("picture"))
+            with pytest.raises(ConnectionClosed):
+                await attacked(guest, attack)
+            return Path((await host.until("over"))["record"])
+
+    record = read_record(asyncio.run(play()))
+    assert record.steps == 40  # all of its 0.8 s
+    assert not record.actions[:, 0].any()  # nobody acted for the host
+    assert verify_record(record).holds
+
+
+def test_a_page_that_stops_reading_stops_nobody(tmp_path: Path) -> None:
+    async def play() -> Path:
+        plan = small_plan("navigation", 1.0, people=2)
+        async with tables_links(plan, tmp_path) as links, AsyncExitStack() as stack:
+            host = await stack.enter_async_context(page(links.host))
+            deaf = await stack.enter_async_context(page(links.guests[0], max_queue=1))  # which reads nothing
+            stack.callback(deaf.socket.transport.abort)
+            await host.send(kind="start")
+            return Path((await host.until("over"))["record"])
+
+    assert verify_record(read_record(asyncio.run(play()))).holds
+
+
+def test_connections_that_say_nothing_do_not_keep_people_from_their_match(tmp_path: Path) -> None:
+    async def play() -> None:
+        async with tables_links(small_plan("navigation", 1.0), tmp_path) as links, AsyncExitStack() as stack:
+            address = urlsplit(links.host)
+            for _ in range(50):
+                _, silent = await asyncio.open_connection(address.hostname, address.port)
+                stack.callback(silent.close)
+            host = await stack.enter_async_context(page(links.host))
+            await host.send(kind="start")
+            await host.until("over")
+
+    asyncio.run(play())
+
+
+def test_each_person_gets_pictures_of_their_own_seat_alone(tmp_path: Path) -> None:
+    async def play() -> tuple[Path, list[tuple[float, bytes]]]:
+        plan = small_plan("battle", 1.0, people=2)
+        async with tables_links(plan, tmp_path) as links, AsyncExitStack() as stack:
+            pages = [await stack.enter_async_context(page(link)) for link in (links.host, *links.guests)]
+            await pages[0].send(kind="start")
+            ends = await asyncio.gather(*(each.until("over") for each in pages))
+            return Path(ends[0]["record"]), [(each.shown["time"], each.picture) for each in pages]
+
+    path, shown = asyncio.run(play())
+    record = read_record(path)
+    seen = [Eyes(0), Eyes(1)]
+    for match in resimulate(record):
+        for seat, (time, picture) in enumerate(shown):
+            if round(time * 50) == match.frame:
+                own, other = (pixels(eyes.picture(moment_of(match))) for eyes in (seen[seat], seen[1 - seat]))
+                assert np.array_equal(pixels(picture), own)
+                assert not np.array_equal(own, other)
+                shown[seat] = (-1.0, b"")  # done
+    assert shown == [(-1.0, b"")] * 2
+
+
+def pixels(jpeg: bytes) -> np.ndarray:
+    return np.asarray(Image.open(io.BytesIO(jpeg)))

@@ -1,0 +1,109 @@
+"""What a page may send, and what becomes of it."""
+
+import json
+from typing import Any
+
+import pytest
+
+from wildscav.agent import Action
+from wildscav_stage.inputs import (
+    Controls,
+    Input,
+    InputError,
+    Pause,
+    Rename,
+    Renew,
+    Seen,
+    Start,
+    decode_message,
+)
+
+
+def given(**fields: Any) -> Input:
+    return Input(kind="input", **{"number": 1, **fields})
+
+
+def test_every_kind_of_message_is_read() -> None:
+    walk = {"kind": "input", "number": 7, "forward": 1, "turn": -3.5, "shoot": True}
+    assert decode_message(json.dumps(walk)) == given(number=7, forward=1.0, turn=-3.5, shoot=True)
+    assert decode_message('{"kind": "seen", "picture": 4}') == Seen(kind="seen", picture=4)
+    assert decode_message('{"kind": "start"}') == Start(kind="start")
+    assert decode_message('{"kind": "rename", "name": "Ada"}') == Rename(kind="rename", name="Ada")
+    assert decode_message('{"kind": "renew", "seat": 2}') == Renew(kind="renew", seat=2)
+    assert decode_message('{"kind": "pause", "paused": true}') == Pause(kind="pause", paused=True)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "[]",
+        '{"kind": "record"}',
+        '{"kind": "start", "seat": 1}',  # nobody chooses a seat
+        '{"kind": "input"}',
+        '{"kind": "input", "number": -1}',
+        '{"kind": "input", "number": 1, "forward": 1.5}',
+        '{"kind": "input", "number": 1, "turn": NaN}',
+        '{"kind": "input", "number": 1, "look": 1e400}',
+        '{"kind": "input", "number": 1, "shoot": 1}',
+        '{"kind": "input", "number": 1, "teleport": true}',
+        '{"kind": "input", "number": 1, "seat": 1}',  # nor acts for another
+        '{"kind": "rename", "name": 5}',
+        f'{{"kind": "rename", "name": "{"x" * 101}"}}',
+        '{"kind": "renew", "seat": -1}',
+        "[" * 4000,
+        '{"kind": "watch", "seat": 1}',  # spectators do
+    ],
+)
+def test_anything_else_is_refused(text: str) -> None:
+    with pytest.raises(InputError):
+        decode_message(text)
+
+
+@pytest.mark.parametrize(
+    ("forward", "right", "yaw", "direction", "speed"),
+    [
+        (1.0, 0.0, 30.0, 30.0, 10.0),
+        (-1.0, 0.0, 30.0, 210.0, 10.0),
+        (0.0, 1.0, 30.0, 120.0, 10.0),
+        (1.0, -1.0, 0.0, -45.0, 10.0),  # two keys at once are no faster
+        (0.5, 0.0, 0.0, 0.0, 5.0),  # a stick that is pushed half-way
+        (0.0, 0.0, 30.0, 30.0, 0.0),
+    ],
+)
+def test_walking_is_relative_to_the_view(
+    forward: float, right: float, yaw: float, direction: float, speed: float
+) -> None:
+    controls = Controls()
+    controls.receive(given(forward=forward, right=right))
+    action = controls.take(yaw, frames=1)
+    assert action.walk_direction == pytest.approx(direction)
+    assert action.walk_speed == pytest.approx(speed)
+
+
+def test_turns_add_up_and_count_once() -> None:
+    controls = Controls()
+    controls.receive(given(turn=10.0, look=-4.0))
+    controls.receive(given(turn=5.0, look=2.0))
+
+    action = controls.take(yaw=0.0, frames=5)
+    assert (action.turn, action.look) == (3.0, -0.4)  # degrees a frame
+    assert controls.take(0.0, 5).turn == 0.0
+
+
+def test_a_key_that_was_released_before_the_step_counts_in_it() -> None:
+    controls = Controls()
+    controls.receive(given(number=1, shoot=True, jump=True))
+    controls.receive(given(number=2, jump=True))
+
+    first, second = controls.take(0.0, 1), controls.take(0.0, 1)
+    assert (first.shoot, first.jump) == (True, True)
+    assert (second.shoot, second.jump) == (False, True)
+    assert controls.taken == 2
+
+
+def test_whoever_leaves_holds_nothing() -> None:
+    controls = Controls()
+    controls.receive(given(forward=1.0, turn=9.0, shoot=True))
+    controls.release()
+    assert controls.take(0.0, 1) == Action()

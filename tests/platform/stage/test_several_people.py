@@ -1,0 +1,224 @@
+"""Matches of several people, each with a page of their own, at a real table."""
+
+import asyncio
+from contextlib import AsyncExitStack
+from pathlib import Path
+
+import httpx
+import pytest
+from tests.platform.stage.pages import PageClient, page
+from tests.platform.stage.tables import small_plan, tables_links
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+
+from wildscav_engine.record import read_record, verify_record
+from wildscav_stage.app import MOST_COMMANDS
+from wildscav_stage.page import RENEWED
+
+
+async def opened(stack: AsyncExitStack, *links: str) -> list[PageClient]:
+    return [await stack.enter_async_context(page(link)) for link in links]
+
+
+async def everybody(client: PageClient, *where: str) -> list[str]:
+    """Read until everybody is where they are expected to be, and return their names."""
+    while True:
+        people = (await client.until("people"))["people"]
+        if [person["where"] for person in people] == list(where):
+            return [person["name"] for person in people]
+
+
+def test_two_people_play_each_other_and_the_match_is_recorded(tmp_path: Path) -> None:
+    async def play() -> tuple[dict[str, object], dict[str, object]]:
+        plan = small_plan("navigation", 1.2, people=2)
+        async with tables_links(plan, tmp_path) as links, AsyncExitStack() as stack:
+            (host,) = await opened(stack, links.host)
+            assert await everybody(host, "here", "expected") == ["person 1", "person 2"]
+            (guest,) = await opened(stack, *links.guests)
+            await guest.send(kind="rename", name="Ada")
+            while await everybody(host, "here", "here") != ["person 1", "Ada"]:
+                pass
+            await host.send(kind="start")
+            await asyncio.gather(host.until("picture"), guest.until("picture"))
+            await host.send(kind="input", number=1, forward=1.0)
+            await guest.send(kind="input", number=1, turn=45.0)
+            ends = await asyncio.gather(host.until("over"), guest.until("over"))
+            assert host.shown["yaw"] != guest.shown["yaw"]
+            assert host.picture != guest.picture
+            return ends[0], ends[1]
+
+    hosts, guests = asyncio.run(play())
+    assert hosts["rows"] == guests["rows"]
+    assert "record" not in guests  # where files lie is the host's business
+    record = read_record(Path(str(hosts["record"])))
+    assert record.names == ("person 1", "Ada")
+    assert verify_record(record).holds
+    assert (record.actions[:, 0, 1] == 10.0).any()
+    assert not record.actions[:, 1, 1].any()
+    assert (record.actions[:, 1, 2] == 45.0).sum() == 1
+
+
+def test_a_seat_stands_idle_until_its_person_is_back(tmp_path: Path) -> None:
+    async def play() -> Path:
+        plan = small_plan("navigation", 2.2, people=2)
+        async with tables_links(plan, tmp_path) as links, page(links.host) as host:
+            async with page(links.guests[0]) as guest:
+                await everybody(host, "here", "here")
+                await host.send(kind="start")
+                await guest.until("picture")
+                await guest.send(kind="input", number=1, forward=1.0)
+                while guest.shown["input"] < 1:
+                    await guest.until("picture")
+            await everybody(host, "here", "away")
+            before = (await host.until("picture"))["time"]
+            while host.shown["time"] < before + 0.5:
+                await host.until("picture")  # the match waits for nobody
+            async with page(links.guests[0]) as guest:
+                await guest.until("begin")
+                await everybody(host, "here", "here")
+                await guest.until("picture")
+                await guest.send(kind="input", number=2, forward=-1.0)
+                return Path((await host.until("over"))["record"])
+
+    record = read_record(asyncio.run(play()))
+    walking = [bool(speed) for speed in record.actions[:, 1, 1]]
+    changes = [now for before, now in zip([False, *walking], walking, strict=False) if now != before]
+    assert changes == [True, False, True]
+    assert verify_record(record).holds
+
+
+def test_a_robot_plays_for_whoever_comes_too_late(tmp_path: Path) -> None:
+    async def play() -> Path:
+        plan = small_plan("navigation", 0.7, people=2)
+        async with tables_links(plan, tmp_path) as links, page(links.host) as host:
+            await host.send(kind="start")
+            await host.until("picture")
+            async with page(links.guests[0]) as guest:
+                await guest.until("elsewhere")
+                over, _ = await asyncio.gather(host.until("over"), guest.until("over"))
+                assert guest.pictures == 0
+                await host.send(kind="start")  # they play again
+                await guest.until("begin")
+                return Path(over["record"])
+
+    assert read_record(asyncio.run(play())).names == ("person 1", "seeker-easy")
+
+
+def test_only_the_host_decides(tmp_path: Path) -> None:
+    async def play() -> None:
+        async with tables_links(small_plan(people=3), tmp_path) as links, AsyncExitStack() as stack:
+            host, guest = await opened(stack, links.host, links.guests[0])
+            shown = await host.until("people")
+            assert shown["links"] == {"1": links.guests[0], "2": links.guests[1]}
+            assert "links" not in await guest.until("people")
+            await guest.send(kind="start")
+            assert (await guest.until("refused"))["message"] == "only the host starts matches"
+            await guest.send(kind="renew", seat=2)
+            assert (await guest.until("refused"))["message"] == "only the host makes new links"
+            await host.send(kind="renew", seat=0)
+            assert (await host.until("refused"))["message"] == "seat 0 is no guest's"
+            await guest.send(kind="rename", name="person 1")
+            assert (await guest.until("refused"))["message"].startswith("somebody else is called person 1")
+
+    asyncio.run(play())
+
+
+def test_a_match_of_several_people_is_not_paused(tmp_path: Path) -> None:
+    async def play() -> None:
+        async with (
+            tables_links(small_plan("battle", 60.0, people=2), tmp_path) as links,
+            AsyncExitStack() as stack,
+        ):
+            host, guest = await opened(stack, links.host, *links.guests)
+            assert not (await host.until("table"))["may_pause"]
+            await everybody(host, "here", "here")
+            await host.send(kind="start")
+            await host.until("picture")
+            await guest.send(kind="pause", paused=True)
+            await host.send(kind="pause", paused=True)
+            time = (await host.until("picture"))["time"]
+            while host.shown["time"] < time + 0.5:
+                await host.until("picture")
+
+    asyncio.run(play())
+
+
+def test_a_new_link_ends_the_old_one(tmp_path: Path) -> None:
+    def ask(link: str) -> str:
+        refused = httpx.get(link, trust_env=False)
+        assert refused.status_code == 404
+        return refused.text
+
+    async def play() -> None:
+        async with tables_links(small_plan(people=2), tmp_path) as links, AsyncExitStack() as stack:
+            host, guest = await opened(stack, links.host, *links.guests)
+            await everybody(host, "here", "here")
+            await host.send(kind="renew", seat=1)
+            with pytest.raises(ConnectionClosed) as closed:
+                await guest.until("over")
+            assert closed.value.rcvd is not None
+            assert closed.value.rcvd.code == RENEWED
+            await everybody(host, "here", "away")
+            explained = await asyncio.to_thread(ask, links.guests[0])
+            assert "Ask the host for it" in explained
+            assert "ask whoever invited you" in await asyncio.to_thread(ask, f"{links.host}x")
+            assert "open the whole link" in await asyncio.to_thread(ask, links.host.partition("/play/")[0])
+
+    asyncio.run(play())
+
+
+def test_the_new_link_is_the_hosts_to_send(tmp_path: Path) -> None:
+    async def play() -> None:
+        async with tables_links(small_plan(people=2), tmp_path) as links, page(links.host) as host:
+            await host.send(kind="renew", seat=1)
+            link = links.guests[0]
+            while link == links.guests[0]:
+                link = (await host.until("people"))["links"]["1"]
+            async with page(link):
+                await everybody(host, "here", "here")
+
+    asyncio.run(play())
+
+
+def test_a_flood_of_what_everybody_is_told_is_closed(tmp_path: Path) -> None:
+    async def play() -> None:
+        async with tables_links(small_plan(people=2), tmp_path) as links, AsyncExitStack() as stack:
+            host, guest = await opened(stack, links.host, *links.guests)
+            for number in range(2 * MOST_COMMANDS + 1):
+                await guest.send(kind="rename", name=f"guest {number}")
+            with pytest.raises(ConnectionClosed, match="too many messages"):
+                await guest.until("over")
+            await everybody(host, "here", "away")
+
+    asyncio.run(play())
+
+
+def test_pages_behind_a_proxy_are_this_sites_own(tmp_path: Path) -> None:
+    async def play() -> None:
+        public = "https://play.example.org/"
+        async with tables_links(small_plan(people=2), tmp_path, public_url=public) as links:
+            assert links.guests[0].startswith(public)
+            async with page(links.host, origin="https://play.example.org") as host:
+                shown = await host.until("people")
+                assert shown["links"] == {"1": links.guests[0]}
+                assert not shown["local_only"]
+            with pytest.raises(InvalidStatus, match="403"):
+                async with page(links.host, origin="https://elsewhere.example.org"):
+                    pass
+
+    asyncio.run(play())
+
+
+def test_a_match_of_several_people_is_counted_down(tmp_path: Path) -> None:
+    async def play() -> None:
+        async with (
+            tables_links(small_plan(people=2), tmp_path, countdown=1) as links,
+            page(links.host) as host,
+            page(links.guests[0]) as guest,
+        ):
+            await everybody(host, "here", "here")
+            await host.send(kind="start")
+            for client in (host, guest):
+                assert (await client.until("countdown"))["seconds"] == 1
+                assert (await client.until("picture"))["time"] < 0.5
+
+    asyncio.run(play())

@@ -1,0 +1,165 @@
+"""Matches of a person at a real table: a match server, a web server, and a WebSocket as a page opens it."""
+
+import asyncio
+import io
+from pathlib import Path
+from urllib.request import ProxyHandler, build_opener
+
+import pytest
+from PIL import Image
+from tests.platform.stage.pages import page
+from tests.platform.stage.tables import small_plan, table
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+
+from wildscav_engine.record import read_record, verify_record
+from wildscav_stage.page import MOST_MESSAGES, MOST_UNSEEN
+
+
+def test_a_match_ends_in_a_record_that_holds(tmp_path: Path) -> None:
+    async def play() -> dict[str, object]:
+        async with table(small_plan(time_limit=2.0), tmp_path) as link, page(link) as person:
+            assert (await person.until("table"))["names"] == ["person"]
+            await person.until("lobby")
+            await person.send(kind="start")
+            assert (await person.until("begin"))["has_target"]
+            await person.send(kind="input", number=1, forward=1.0, turn=90.0)
+            over = await person.until("over")
+            assert Image.open(io.BytesIO(person.picture)).size == (640, 360)
+            assert person.shown["input"] == 1
+            assert person.shown["health"] == 100
+            return over
+
+    over = asyncio.run(play())
+    record = read_record(Path(str(over["record"])))
+    assert verify_record(record).holds
+    assert record.names == ("person",)
+    assert over["rows"][0]["values"][0] == record.result.seats[0].metrics["time"]  # type: ignore[index]
+    actions = record.actions[:, 0]
+    assert (actions[:, 2] == 90.0).sum() == 1  # the view was turned once,
+    assert (actions[-1, 1] == 10.0).all()  # and W was held to the end
+
+
+def test_inputs_turn_the_view(tmp_path: Path) -> None:
+    async def play() -> tuple[float, float]:
+        async with table(small_plan(), tmp_path) as link, page(link) as person:
+            await person.send(kind="start")
+            before = (await person.until("picture"))["yaw"]
+            await person.send(kind="input", number=5, turn=25.0)
+            while person.shown["input"] < 5:
+                await person.until("picture")
+            return before, person.shown["yaw"]
+
+    before, after = asyncio.run(play())
+    assert (after - before) % 360.0 == pytest.approx(25.0)
+
+
+def test_a_match_against_robots_waits_while_it_is_paused(tmp_path: Path) -> None:
+    async def play() -> None:
+        plan = small_plan("battle", 60.0, ("fighter-easy",))
+        async with table(plan, tmp_path) as link, page(link) as person:
+            await person.send(kind="start")
+            await person.until("picture")
+            await person.send(kind="pause", paused=True)
+            assert (await person.until("paused"))["paused"]
+            assert await person.pictures_within(1.0) <= MOST_UNSEEN  # those that were on their way
+            await person.send(kind="pause", paused=False)
+            assert not (await person.until("paused"))["paused"]
+            await person.until("picture")
+
+    asyncio.run(play())
+
+
+def test_a_match_against_robots_waits_for_a_page_that_was_closed(tmp_path: Path) -> None:
+    async def play() -> None:
+        async with table(small_plan(), tmp_path) as link:
+            async with page(link) as first:
+                await first.send(kind="start")
+                await first.until("picture")
+            await asyncio.sleep(0.2)
+            async with page(link) as second:
+                assert (await second.until("begin"))["paused"]
+
+    asyncio.run(play())
+
+
+def test_whoever_opens_the_link_again_goes_on_there(tmp_path: Path) -> None:
+    async def play() -> None:
+        async with table(small_plan(), tmp_path) as link, page(link) as first:
+            await first.send(kind="start")
+            time = (await first.until("picture"))["time"]
+            async with page(link) as second:
+                assert not (await second.until("begin"))["paused"]
+                with pytest.raises(ConnectionClosed) as closed:
+                    await first.until("over")
+                assert closed.value.rcvd is not None
+                assert closed.value.rcvd.code == 4001
+                assert (await second.until("picture"))["time"] > time
+
+    asyncio.run(play())
+
+
+@pytest.mark.parametrize(
+    ("message", "code"), [('{"kind": "input", "number": 1, "forward": 2}', 1003), ("x" * 5000, 1009)]
+)
+def test_a_page_that_sends_anything_else_is_closed(tmp_path: Path, message: str, code: int) -> None:
+    async def play() -> None:
+        async with table(small_plan(), tmp_path) as link, page(link) as person:
+            await person.socket.send(message)
+            with pytest.raises(ConnectionClosed) as closed:
+                await person.until("over")
+            assert closed.value.rcvd is not None
+            assert closed.value.rcvd.code == code
+
+    asyncio.run(play())
+
+
+def test_a_page_that_sends_too_much_is_closed(tmp_path: Path) -> None:
+    async def play() -> None:
+        async with table(small_plan(), tmp_path) as link, page(link) as person:
+            for _ in range(
+                2 * MOST_MESSAGES + 1
+            ):  # if a second ends meanwhile, there are too many in the next
+                await person.send(kind="seen", picture=0)
+            with pytest.raises(ConnectionClosed, match="too many messages"):
+                await person.until("over")
+
+    asyncio.run(play())
+
+
+def test_without_the_secret_nobody_plays(tmp_path: Path) -> None:
+    async def play() -> None:
+        async with table(small_plan(), tmp_path) as link:
+            with pytest.raises(InvalidStatus, match="403"):
+                async with page(f"{link}x"):
+                    pass
+            with pytest.raises(InvalidStatus, match="403"):  # another site's page that knows the link
+                async with page(link, origin="http://example.org"):
+                    pass
+
+    asyncio.run(play())
+
+
+def test_pages_load_nothing_from_elsewhere(tmp_path: Path) -> None:
+    def ask(address: str) -> tuple[str, bytes]:
+        with build_opener(ProxyHandler({})).open(address) as answer:
+            return answer.headers["Content-Security-Policy"], answer.read()
+
+    async def play() -> None:
+        async with table(small_plan(), tmp_path) as link:
+            policy, content = await asyncio.to_thread(ask, link)
+            assert policy.startswith("default-src 'none'; script-src 'self'; ")
+            assert "unsafe" not in policy
+            assert b"//" not in content
+            for name in (
+                "main.js",
+                "connection.js",
+                "controls.js",
+                "hud.js",
+                "lobby.js",
+                "sounds.js",
+                "play.css",
+            ):
+                place = f"{link.partition('/play/')[0]}/static/{name}"
+                assert b"://" not in (await asyncio.to_thread(ask, place))[1]
+
+    asyncio.run(play())

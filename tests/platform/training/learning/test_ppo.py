@@ -1,0 +1,137 @@
+"""The reference PPO: its formulas by hand, and its checkpoints bit for bit."""
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from tests.platform.training.learning.common import small
+
+from wildscav.errors import UserError
+from wildscav_training.learning.settings import TrainingSettings
+
+torch = pytest.importorskip("torch")
+pytestmark = pytest.mark.slow  # PyTorch is installed for the slow tests alone
+
+from wildscav_training.learning.ppo import (  # noqa: E402
+    PPO,
+    Choices,
+    Rollout,
+    advantages,
+    divergence_of,
+    entropy_of,
+    log_probability,
+)
+
+
+@pytest.fixture(autouse=True)
+def one_thread() -> Iterator[None]:
+    threads = torch.get_num_threads()
+    torch.set_num_threads(1)
+    yield
+    torch.set_num_threads(threads)
+
+
+def test_actions_are_drawn_with_the_probabilities_of_their_scores() -> None:
+    choices = Choices((2, 3))
+    scores = torch.tensor([math.log(3.0), 0.0, 0.0, math.log(2.0), 0.0]).repeat(20_000, 1)
+    drawn = choices.draw(scores, torch.Generator().manual_seed(0))
+    assert drawn.shape == (20_000, 2)
+    assert (drawn[:, 0] == 0).float().mean() == pytest.approx(0.75, abs=0.01)
+    assert (drawn[:, 1] == 1).float().mean() == pytest.approx(0.5, abs=0.01)
+    assert choices.best(scores[0]).tolist() == [0, 1]
+
+
+def test_the_distribution_has_its_probabilities_entropy_and_divergence() -> None:
+    choices = Choices((2, 4))
+    uniform = choices.log_probabilities(torch.zeros(1, 6))
+    skewed = choices.log_probabilities(torch.tensor([[math.log(3.0), 0.0, 0.0, 0.0, 0.0, 0.0]]))
+    assert log_probability(uniform, torch.tensor([[1, 3]])).item() == pytest.approx(-math.log(8.0))
+    assert log_probability(skewed, torch.tensor([[0, 2]])).item() == pytest.approx(math.log(0.75 / 4.0))
+    assert entropy_of(uniform).item() == pytest.approx(math.log(8.0))
+    assert divergence_of(uniform, uniform).item() == pytest.approx(0.0)
+    wanted = 0.5 * math.log(0.5 / 0.75) + 0.5 * math.log(0.5 / 0.25)
+    assert divergence_of(uniform, skewed).item() == pytest.approx(wanted)
+
+
+@pytest.mark.parametrize(
+    ("trace", "ended", "expected"),
+    [
+        (0.0, [0.0, 0.0], [1.0 + 0.5 * 4.0 - 2.0, 0.0 + 0.5 * 8.0 - 4.0]),  # one step each
+        (1.0, [0.0, 0.0], [1.0 + 0.5 * 0.0 + 0.25 * 8.0 - 2.0, 0.5 * 8.0 - 4.0]),  # all rewards
+        (1.0, [1.0, 0.0], [1.0 - 2.0, 0.5 * 8.0 - 4.0]),  # nothing of the next episode
+        (1.0, [0.0, 1.0], [1.0 - 2.0, 0.0 - 4.0]),
+    ],
+)
+def test_advantages(trace: float, ended: list[float], expected: list[float]) -> None:
+    def column(values: list[float]) -> Any:
+        return torch.tensor(values)[:, None]
+
+    nothing = torch.zeros(2, 1)
+    played = Rollout(
+        nothing, nothing, nothing, column([2.0, 4.0]), column([1.0, 0.0]), column(ended), nothing == 0
+    )
+    found = advantages(played, torch.tensor([8.0]), discount=0.5, trace=trace)
+    assert found[:, 0].tolist() == pytest.approx(expected)
+
+
+def trained(settings: TrainingSettings, iterations: int) -> PPO:
+    learner = PPO(settings)
+    for _ in range(iterations):
+        learner.iterate()
+    return learner
+
+
+def weights(learner: PPO) -> list[list[float]]:
+    return [
+        tensor.reshape(-1).tolist() for tensor in (*learner.policy.parameters(), *learner.value.parameters())
+    ]
+
+
+@pytest.mark.parametrize(
+    ("track", "more"),
+    [
+        ("navigation", {"curriculum": (1.0,)}),  # everyone succeeds, so the stage changes on the way
+        ("navigation", {"action_mode": "baseline", "divergence": 0.2, "anneal": False}),
+        ("gathering", {"agents": 2, "teams": (0, 0)}),
+        ("battle", {"opponents": ("fighter",)}),
+        ("royale", {"agents": 3, "opponents": ()}),
+    ],
+)
+def test_a_run_continues_from_its_state_bit_for_bit(track: str, more: dict[str, Any]) -> None:
+    settings = small(track, steps=6400, **more)
+    whole = trained(settings, 8)
+    first = trained(settings, 4)
+    then = PPO(settings)
+    then.restore(first.state())
+    for _ in range(4):
+        figures = then.iterate()
+    assert weights(then) == weights(whole) != weights(first)
+    assert then.steps == whole.steps > first.steps
+    assert all(math.isfinite(figure) for figure in figures.values())
+
+
+def test_seeds_differ() -> None:
+    assert weights(trained(small(seed=1), 1)) != weights(trained(small(seed=2), 1))
+
+
+def test_a_learner_that_has_left_its_match_is_not_counted() -> None:
+    """The zone kills the learners of a royale one by one, so some rows of the rollout are of nobody."""
+    settings = small("royale", agents=3, opponents=(), time_limit=20.0, rollout=100)
+    learner = trained(settings, 2)
+    assert 0 < learner.steps <= 2 * 100 * 4 * 3
+
+
+@pytest.mark.parametrize(
+    ("more", "says"),
+    [
+        ({"flat": False}, "needs flat=true and action_mode multidiscrete or fine or baseline"),
+        ({"action_mode": "box"}, "needs flat=true"),
+        ({"flatt": True}, "the options of the environment: unexpected keyword argument 'flatt'"),
+        ({"agents": 0}, "the options of the environment: agents"),
+    ],
+)
+def test_an_environment_that_it_cannot_learn_is_said(more: dict[str, Any], says: str) -> None:
+    with pytest.raises(UserError) as caught:
+        PPO(small(**more))
+    assert says in str(caught.value)

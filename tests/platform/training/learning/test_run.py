@@ -1,0 +1,119 @@
+"""A run of `wildscav train` from its first step to a submission that plays the same actions."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.platform.training.learning.common import OPTIONS, small
+from typer.testing import CliRunner
+
+from wildscav.cli.main import app
+from wildscav.policy import Policy
+from wildscav_training.learning.settings import TrainingSettings
+
+torch = pytest.importorskip("torch")
+pytest.importorskip("tensorboardX")
+pytestmark = pytest.mark.slow  # PyTorch is installed for the slow tests alone
+
+from wildscav_training.learning import run  # noqa: E402
+from wildscav_training.learning.checkpoints import RunFolder  # noqa: E402
+from wildscav_training.learning.ppo import PPO  # noqa: E402
+
+
+class InterruptionError(Exception):
+    """Somebody pressed Ctrl-C."""
+
+
+def weights(folder: Path) -> list[list[float]]:
+    with np.load(folder / "policy.npz") as arrays:
+        return [arrays[name].reshape(-1).tolist() for name in arrays.files]
+
+
+def test_an_interrupted_run_ends_as_one_in_one_sitting(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(run, "EVERY", 0.0)
+    settings = small(steps=512, curriculum=(1.0,))
+    whole = run.train(settings, tmp_path / "whole", lambda _: None, resume=False, episodes=4)
+
+    def interrupt(figures: Any) -> None:
+        if figures["steps"] == 192:  # before the checkpoint of this iteration
+            raise InterruptionError
+
+    with pytest.raises(InterruptionError):
+        run.train(settings, tmp_path / "parts", interrupt, resume=False, episodes=4)
+    parts = run.train(settings, tmp_path / "parts", lambda _: None, resume=True, episodes=4)
+
+    assert weights(tmp_path / "parts") == weights(tmp_path / "whole")
+    assert parts.scores == whole.scores
+    lines = [json.loads(line) for line in (tmp_path / "parts" / "figures.jsonl").read_text().splitlines()]
+    assert [line["steps"] for line in lines] == list(range(64, 513, 64))
+    assert list((tmp_path / "parts" / "tensorboard").iterdir())
+
+
+def train(*arguments: object) -> Any:
+    given = [
+        part for name in ("map", "time_limit") for part in ("--option", f"{name}={json.dumps(OPTIONS[name])}")
+    ]
+    sizes = ["matches=4", "rollout=16", "minibatch=16", "epochs=1", "layers=[8]"]
+    changes = [part for size in sizes for part in ("--set", size)]
+    shared = ["train", "--steps", "64", "--episodes", "2", *given, *changes]
+    return CliRunner().invoke(app, [*shared, *map(str, arguments)])
+
+
+def test_the_submission_does_what_the_trained_policy_does(tmp_path: Path) -> None:
+    done = train("--out", tmp_path / "out", "--submission", tmp_path / "agent", "--seeds", 2, "--json")
+    assert done.exit_code == 0, (done.output, done.exception)
+    document = json.loads(done.stdout)
+    assert [one["seed"] for one in document["runs"]] == [0, 1]
+    assert [one["steps"] for one in document["runs"]] == [64, 64]
+    assert {(score["split"], score["choose"]) for score in document["runs"][0]["scores"]} == {
+        (split, choose) for split in ("train", "test") for choose in ("sampled", "deterministic")
+    }
+    assert "CPU s" in done.stderr
+
+    folder = tmp_path / "out" / "seed-0"
+    settings = json.loads((folder / "settings.json").read_text())
+    settings["hyperparameters"] = small().hyperparameters
+    learner = PPO(TrainingSettings(**{**settings, "curriculum": ()}))
+    learner.restore(RunFolder(folder).load()["learner"])
+    agent = Policy(tmp_path / "agent")
+    generator = np.random.default_rng(0)
+    for _ in range(100):
+        row = generator.normal(size=learner.policy[0].in_features).astype(np.float32)
+        with torch.no_grad():
+            scores = learner.policy(torch.from_numpy(row)[None])
+        outputs = agent.network(row)
+        assert outputs == pytest.approx(scores[0].numpy(), abs=1e-5)
+        assert learner.choices.best(scores)[0].tolist() == agent.chooser(outputs * 1e6, generator).tolist()
+    assert sum(path.stat().st_size for path in (tmp_path / "agent").iterdir()) < 2_000_000
+
+
+def test_a_folder_in_use_and_other_settings_are_said_in_one_line(tmp_path: Path) -> None:
+    assert train("--out", tmp_path / "out").exit_code == 0
+    again = train("--out", tmp_path / "out")
+    assert again.exception.exit_code == 2
+    assert "is not an empty folder; name another, or continue with --resume" in str(again.exception)
+    other = train("--out", tmp_path / "out", "--resume", "--level", "hard", "--option", "map=null")
+    assert "holds a run with other settings: options." in str(other.exception)
+    assert train("--out", tmp_path / "out", "--resume").exit_code == 0, "there is nothing left to do"
+
+
+def test_seeds_at_once_end_as_seeds_one_after_the_other(tmp_path: Path) -> None:
+    assert train("--out", tmp_path / "one", "--seeds", 2).exit_code == 0
+    done = train("--out", tmp_path / "other", "--seeds", 2, "--at-once", 2, "--json")
+    assert done.exit_code == 0, (done.output, done.exception)
+    assert [one["seed"] for one in json.loads(done.stdout)["runs"]] == [0, 1]
+    for seed in ("seed-0", "seed-1"):
+        assert weights(tmp_path / "one" / seed) == weights(tmp_path / "other" / seed)
+    assert weights(tmp_path / "one" / "seed-0") != weights(tmp_path / "one" / "seed-1")
+
+
+def test_what_is_wrong_in_one_of_several_processes_is_said_in_one_line(tmp_path: Path) -> None:
+    (tmp_path / "out" / "seed-1").mkdir(parents=True)
+    (tmp_path / "out" / "seed-1" / "notes.txt").touch()
+    done = train("--out", tmp_path / "out", "--seeds", 2, "--at-once", 2, "--resume")
+    assert done.exception.exit_code == 2
+    assert str(done.exception).endswith("holds no run: settings.json is missing")

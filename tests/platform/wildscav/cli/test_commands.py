@@ -1,0 +1,343 @@
+"""The command line as its user meets it: in a process of its own."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import tomllib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import grpc
+import pytest
+from rich.console import Console
+from tests.commands import run_command
+from tests.platform.helpers.seats import ended, host, serving, small_spec, start_agent
+
+from wildscav.cli import main
+from wildscav.cli.init import submission_name
+from wildscav.proto.match_pb2 import GetMatchRequest, GetMatchResponse, HostMatchRequest
+from wildscav.proto.match_pb2_grpc import ArenaStub
+from wildscav.wire.errors import reason_of
+from wildscav_engine.record import read_record, write_record
+from wildscav_engine.record.format import save
+from wildscav_engine.tracks import TRACKS
+from wildscav_inspect.verify import verify
+from wildscav_server.hosting.reports import SeatStatus
+from wildscav_server.match_server import MatchServer
+
+COMMAND = [sys.executable, "-m", "wildscav.cli.main"]
+
+
+def wildscav(*arguments: object, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    return run_command(*arguments, cwd=cwd, columns=200)
+
+
+def test_help_names_every_command_and_imports_nothing_heavy() -> None:
+    code = "import sys; sys.argv = ['wildscav', '--help']\nfrom wildscav.cli.main import main\ntry: main()\n"
+    code += "finally: print(*sys.modules, file=sys.stderr)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0
+    for name in ("init", "play", "evaluate", "leaderboard", "replay", "verify", "map", "serve"):
+        assert f" {name} " in done.stdout
+    heavy = {"grpc", "numba", "wildscav_engine", "pydantic", "sqlalchemy", "rerun"}
+    assert not heavy & set(done.stderr.split())
+
+
+def test_the_version() -> None:
+    assert wildscav("--version").stdout == "wildscav 0.1.0\n"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "message"),
+    [
+        (["nonsense"], 2, "No such command"),
+        (["verify"], 2, "Missing argument"),
+        (["verify", "none.wsrec"], 1, "none.wsrec: cannot be read: No such file or directory"),
+        (["replay", "none.wsrec"], 1, "none.wsrec: cannot be read: No such file or directory"),
+        (["init", "."], 2, "is not an empty folder"),
+        (["serve", "--listen", "nowhere"], 2, "must be HOST:PORT or unix:/PATH"),
+        (["serve", "--listen", "0.0.0.0:0"], 2, "organizer token"),
+        (["serve", "--organizer-token-file", "none"], 1, "none: No such file or directory"),
+    ],
+)
+def test_what_cannot_be_done_is_one_clear_line(
+    tmp_path: Path, arguments: list[str], code: int, message: str
+) -> None:
+    (tmp_path / "something").touch()
+    done = wildscav(*arguments, cwd=tmp_path)
+    assert done.returncode == code
+    assert message in done.stderr
+    assert "Traceback" not in done.stderr
+    if "wildscav:" in done.stderr:
+        assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("folder", "name"),
+    [("my_first agent", "my-first-agent"), ("X", "my-agent"), ("a" * 50, "a" * 40), ("-7-", "my-agent")],
+)
+def test_a_folder_names_its_submission(folder: str, name: str) -> None:
+    assert submission_name(folder) == name
+
+
+def test_init_refuses_a_bad_name(tmp_path: Path) -> None:
+    done = wildscav("init", tmp_path / "new", "--name", "Bad Name")
+    assert (done.returncode, "a-z, 0-9 and -" in done.stderr) == (2, True)
+    assert not (tmp_path / "new").exists()
+
+
+def test_a_new_submission_plays_every_track_unchanged(tmp_path: Path) -> None:
+    assert wildscav("init", tmp_path / "Fine Agent").returncode == 0
+    folder = tmp_path / "Fine Agent"
+    manifest = tomllib.loads((folder / "submission.toml").read_text())
+    assert manifest["name"] == "fine-agent"
+    assert manifest["tracks"] == ["navigation", "gathering", "battle"]
+
+    async def play(server: MatchServer, address: str) -> None:
+        for track in TRACKS:
+            filled_by = ("submission", "fighter") if track in ("battle", "royale") else ("submission",)
+            hosted = await host(server, small_spec(track, seconds=10.0, filled_by=filled_by))
+            agent = await start_agent(manifest["entry_point"], address, hosted.tokens[0], folder)
+            outcome = await hosted.finished()
+            assert await ended(agent) == (0, "")
+            assert outcome.seats[0].status == SeatStatus.FINISHED
+            assert outcome.match.result().seats[0].walked > 5.0
+
+    serving(tmp_path, play)
+
+
+@pytest.fixture
+def record(tmp_path: Path) -> Path:
+    """The record of a match that was served."""
+    path = tmp_path / "match.wsrec"
+
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec("battle", filled_by=("submission", "fighter")))
+        agent = await start_agent("Walker", address, hosted.tokens[0])
+        outcome = await hosted.finished()
+        await ended(agent)
+        write_record(path, outcome.match, hosted.names)
+
+    serving(tmp_path, play)
+    return path
+
+
+def test_the_record_of_a_served_match_verifies(record: Path) -> None:
+    done = wildscav("verify", record)
+    assert done.returncode == 0, done.stderr
+    lines = [" ".join(line.split()) for line in done.stdout.splitlines()]
+    assert lines[-3:] == ["match.wsrec holds 20 steps", "", "1 of 1 record holds"]
+
+
+def test_verify_tells_good_records_from_bad_ones(record: Path, tmp_path: Path) -> None:
+    cut = tmp_path / "cut.wsrec"
+    cut.write_bytes(record.read_bytes()[:-100])
+    done = wildscav("verify", record, cut, tmp_path / "none.wsrec")
+    assert done.returncode == 1
+    assert "2 of 3 records do not hold" in done.stderr
+    assert "1 of 3 records holds" in done.stdout
+    assert (done.stdout.count(" holds "), done.stdout.count(" FAILS ")) == (1, 2)
+
+
+def test_what_a_record_says_cannot_steer_the_terminal(record: Path, tmp_path: Path) -> None:
+    hostile = "\x1b]0;mine\x07\x1b[2J[red]"
+    save(replace(read_record(record), engine_version=hostile), tmp_path / "version.wsrec")
+    save(replace(read_record(record), map_digest=hostile), tmp_path / "map\x1b[2J.wsrec")
+    done = wildscav("verify", tmp_path / "version.wsrec", tmp_path / "map\x1b[2J.wsrec")
+    assert done.returncode == 1
+    assert "(recorded by engine \\x1b]0;mine\\x07\\x1b[2J[red]; this one is" in done.stdout
+    assert not {"\x1b", "\x07"} & set(done.stdout + done.stderr)
+
+
+def test_many_records_are_a_line_each_in_a_narrow_terminal(
+    record: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("wildscav.terminal.console.console", Console(width=80))
+    paths = [tmp_path / "a" / f"battle-of-{number:03}-a-name-of-some-length.wsr" for number in range(3)]
+    paths[0].parent.mkdir()
+    for path in paths:
+        path.hardlink_to(record)
+    verify(paths)
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 2 + 3 + 2
+    for line, path in zip(lines[2:5], paths, strict=True):
+        assert line.split()[:2] == [path.name, "holds"]
+
+
+def test_replay_writes_a_recording_and_says_how_to_open_it(
+    record: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("rerun")
+    # As if no virtual environment were activated: otherwise the name of the command would do.
+    own = Path(sys.executable).parent
+    others = [folder for folder in os.environ["PATH"].split(os.pathsep) if Path(folder) != own]
+    monkeypatch.setenv("PATH", os.pathsep.join(others))
+    done = wildscav("replay", record, "-o", tmp_path / "match.rrd", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert f"{own / 'rerun'} {tmp_path / 'match.rrd'}" in done.stdout
+    assert (tmp_path / "match.rrd").stat().st_size > 1000
+    assert wildscav("replay", record, "--follow", 2).returncode == 2
+
+
+@pytest.mark.parametrize("way", ["same", "link", "default"])
+def test_a_replay_never_overwrites_its_record(record: Path, tmp_path: Path, way: str) -> None:
+    before = record.read_bytes()
+    arguments: dict[str, list[Path | str]] = {
+        "same": [record, "-o", record],
+        "link": [record, "-o", tmp_path / "link"],
+        "default": [tmp_path / "match.rrd"],
+    }
+    (tmp_path / "link").symlink_to(record)
+    (tmp_path / "match.rrd").hardlink_to(record)
+    done = wildscav("replay", *arguments[way])
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert "is the record itself" in done.stderr
+    assert record.read_bytes() == (tmp_path / "match.rrd").read_bytes() == before
+
+
+def test_a_match_that_cannot_be_set_up_again_is_one_clear_line(record: Path, tmp_path: Path) -> None:
+    pytest.importorskip("rerun")
+    save(replace(read_record(record), map_digest="\x1b[31melsewhere"), tmp_path / "other.wsrec")
+    done = wildscav("replay", tmp_path / "other.wsrec")
+    assert (done.returncode, done.stderr.count("\n")) == (1, 1)
+    assert "other.wsrec: played on map \\x1b[31melsewhere" in done.stderr
+    assert not (tmp_path / "other.rrd").exists()
+
+
+def test_a_record_of_another_map_generator_says_so(record: Path, tmp_path: Path) -> None:
+    pytest.importorskip("rerun")
+    old = replace(read_record(record), generator_version=1, engine_version="0.0.9")
+    save(old, tmp_path / "old.wsr")
+    for name in ("verify", "replay"):
+        done = wildscav(name, tmp_path / "old.wsr")
+        assert (done.returncode, done.stderr.count("\n")) == (1, 1)
+        assert "played on a map of generator version 1, but this engine has" in done.stderr
+        assert "play it with the engine that made it (0.0.9)" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("error", "message"),
+    [
+        (
+            ModuleNotFoundError("No module named 'sqlalchemy'", name="sqlalchemy"),
+            "pip install 'wildscav[leaderboard]'",
+        ),
+        (ValueError("it is broken"), "ValueError: it is broken"),
+    ],
+)
+def test_a_plug_in_that_cannot_be_imported_breaks_nothing(
+    error: Exception, message: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    class Broken:
+        def load(self) -> None:
+            raise error
+
+    registered = {**main._registered(), "broken": Broken()}
+    monkeypatch.setattr(main, "_registered", lambda: registered)
+    for arguments, code in ((["broken", "x", "--y"], 1), (["--help"], 0)):
+        monkeypatch.setattr(sys, "argv", ["wildscav", *arguments])
+        with pytest.raises(SystemExit) as caught:
+            main.main()
+        assert caught.value.code == code
+    output = capsys.readouterr()
+    assert output.err.startswith("wildscav: broken is not available")
+    assert message in output.err
+    assert output.err.count("\n") == 1
+    assert "verify" in output.out
+
+
+@contextmanager
+def served(*arguments: str) -> Iterator[tuple[str, subprocess.Popen[str]]]:
+    """Run `wildscav serve`; yields the first address and the process."""
+    with subprocess.Popen(
+        [*COMMAND, "serve", *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONUNBUFFERED": "1", "COLUMNS": "200"},
+    ) as process:
+        try:
+            assert process.stdout is not None
+            yield process.stdout.readline().removeprefix("listening on ").strip(), process
+        finally:
+            process.kill()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
+def test_serve_stops_when_told_to(number: signal.Signals) -> None:
+    with served("--listen", "127.0.0.1:0") as (address, process):
+        assert address.startswith("127.0.0.1:")
+        process.send_signal(number)
+        assert process.wait(120) == 0
+
+
+def test_serve_says_that_a_port_is_in_use() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        done = wildscav("serve", "--listen", f"127.0.0.1:{port}")
+    assert done.returncode == 1
+    assert (
+        done.stderr
+        == f"wildscav: cannot listen on 127.0.0.1:{port}: it is in use already; choose another address\n"
+    )
+
+
+def test_the_arena_hosts_a_match_and_hands_out_its_record(tmp_path: Path) -> None:
+    spec = small_spec("gathering", filled_by=("submission", "gatherer"))
+
+    async def play(server: MatchServer, address: str) -> None:
+        async with grpc.aio.insecure_channel(address) as channel:
+            arena = ArenaStub(channel)
+            request = HostMatchRequest(
+                spec_json=spec.model_dump_json(), sensors_json={0: '{"depth": {"width": 8, "height": 5}}'}
+            )
+            hosted = await arena.HostMatch(request)
+            ask = GetMatchRequest(match_id=hosted.match_id)
+            assert (await arena.GetMatch(ask)).state == GetMatchResponse.STATE_JOINING
+            agent = await start_agent("SeesDepth", address, hosted.seat_tokens[0])
+            assert await ended(agent) == (0, "")
+            answer = await arena.GetMatch(ask, wait_for_ready=True)
+            while answer.state == GetMatchResponse.STATE_PLAYING:
+                answer = await arena.GetMatch(ask)
+            assert answer.state == GetMatchResponse.STATE_FINISHED, answer.error
+            assert [seat.filled_by for seat in answer.results] == ["submission", "gatherer"]
+            assert answer.conduct[0].status == "finished"
+            (tmp_path / "arena.wsrec").write_bytes(answer.record)
+            assert read_record(tmp_path / "arena.wsrec").spec == spec
+
+    serving(tmp_path, play, arena=True)
+
+
+def test_the_arena_asks_for_its_token_and_checks_what_it_is_given(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        async with grpc.aio.insecure_channel(address) as channel:
+            arena = ArenaStub(channel)
+
+            async def reason(call: object) -> str:
+                with pytest.raises(grpc.aio.AioRpcError) as caught:
+                    await call  # type: ignore[misc]
+                return reason_of(caught.value)
+
+            good = (("authorization", "Bearer correct horse"),)
+            bad = (("authorization", "Bearer wrong horse"),)
+            assert await reason(arena.GetMatch(GetMatchRequest())) == "ORGANIZER_TOKEN"
+            assert await reason(arena.HostMatch(HostMatchRequest(), metadata=bad)) == "ORGANIZER_TOKEN"
+            assert (
+                await reason(arena.GetMatch(GetMatchRequest(match_id="x"), metadata=good)) == "MATCH_UNKNOWN"
+            )
+            fine = small_spec().model_dump_json()
+            for request in (
+                HostMatchRequest(spec_json="{}"),
+                HostMatchRequest(spec_json="nonsense"),
+                HostMatchRequest(spec_json=fine, names=["a", "b"]),
+                HostMatchRequest(spec_json=fine, sensors_json={0: '{"sonar": {}}'}),
+                HostMatchRequest(spec_json=fine, sensors_json={0: "7"}),
+                HostMatchRequest(spec_json=fine, sensors_json={0: "[" * 100_000}),
+            ):
+                assert await reason(arena.HostMatch(request, metadata=good)) == "SPEC_INVALID", request
+
+    serving(tmp_path, play, arena=True, organizer_token="correct horse")  # noqa: S106
