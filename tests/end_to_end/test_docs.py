@@ -25,7 +25,7 @@ CODE = "\n".join(
 )
 HOMES = (
     "engine/wildscav_engine",
-    "platform/wildscav",
+    "platform",
     "evaluator/wildscav_evaluator",
     "leaderboard/wildscav_leaderboard",
 )
