@@ -9,13 +9,12 @@ from pathlib import Path
 import pytest
 from sqlalchemy import func, select
 from tests.evaluator.interrupted_runs import Sitting, check_whole, files, journal, without_timings
+from tests.evaluator.results_by_hand import plan_of
 
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.evaluate import run_session
 from wildscav_evaluator.output.results import read_results
-from wildscav_evaluator.plans.evaluation import EvaluationPlan
 from wildscav_evaluator.submissions.submission import load_submission
-from wildscav_evaluator.suites.seeds import SuiteSeed
 from wildscav_evaluator.suites.suite_file import read_suite
 from wildscav_leaderboard.results.database import reading
 from wildscav_leaderboard.results.models import Evaluation, MatchResult
@@ -31,7 +30,7 @@ maps = 3
 match = { time_limit = 2.0 }
 """
 MATCHES = 6  # of both
-KILLS = 15  # at random moments; WILDSCAV_TEST_KILLS asks for more
+KILLS = 6  # at random moments; WILDSCAV_TEST_KILLS asks for more
 
 
 @pytest.fixture
@@ -87,16 +86,7 @@ def test_an_evaluation_that_was_killed_again_and_again_comes_to_the_same(
 
 def run_here(pair: tuple[Path, Path], suite: Path, out: Path) -> None:
     """The same command in this process."""
-    submissions = tuple(map(load_submission, pair))
-    plan = EvaluationPlan(
-        submissions=submissions,
-        tracks=("navigation",),
-        suite=read_suite(suite),
-        seed=SuiteSeed(0),
-        replays="none",
-        jobs=1,
-        out=out,
-    )
+    plan = plan_of(*map(load_submission, pair), out=out, suite=read_suite(suite))
     with pytest.raises(UserError, match="crasher failed in every match of navigation"):
         run_session(plan, out / "wildscav.db")
 

@@ -26,7 +26,7 @@ from wildscav_evaluator.submissions.submission import load_submission
 
 MANIFEST = b'name = "walker"\nversion = "1"\nentry_point = "agent:Walker"\ntracks = ["navigation"]\n'
 GOOD = {"submission.toml": MANIFEST, "agent.py": b"class Walker: ...", "models/net.bin": bytes(1000)}
-KINDS = ["a.zip", "a.tar.gz", "a.tgz"]
+KINDS = ["a.zip", "a.tar.gz"]
 
 
 @pytest.fixture(autouse=True)
@@ -69,7 +69,7 @@ def special(path: Path, name: str, target: str, kind: bytes = tarfile.SYMTYPE) -
     return path
 
 
-@pytest.mark.parametrize("name", KINDS)
+@pytest.mark.parametrize("name", [*KINDS, "a.tgz"])
 @pytest.mark.parametrize("top", ["", "./", "my-agent/"])
 def test_a_good_archive_is_the_submission_that_was_packed(tmp_path: Path, name: str, top: str) -> None:
     archive = pack(tmp_path / name, {top + file: content for file, content in GOOD.items()})
