@@ -110,22 +110,6 @@ def test_an_agent_that_ends_early_has_crashed_with_its_exit_code_and_last_lines(
     assert walker.steps_played == STEPS
 
 
-@pytest.mark.parametrize(
-    ("ending", "status"),
-    [
-        (Ending(exit_code=137, out_of_memory=True), "out_of_memory"),
-        (Ending(exit_code=137, limit="wall clock"), "disqualified"),
-    ],
-)
-def test_what_a_sandbox_ends_an_agent_for_is_its_outcome(
-    submit: Submit, tmp_path: Path, ending: Ending, status: str
-) -> None:
-    played = play(submit("crasher", QUITTER), tmp_path=tmp_path, sandbox=Failing(ending))
-
-    assert (played.seats[0].status, played.seats[0].detail) == (status, str(ending))
-    assert played.platform_faults == ()
-
-
 def test_an_agent_that_does_not_take_its_seat_in_time_never_joined(submit: Submit, tmp_path: Path) -> None:
     late = submit("late", "    def __init__(self): time.sleep(600)")
 

@@ -235,20 +235,6 @@ def test_a_worker_that_spins_in_compiled_code_is_killed_too(submit: Submit, out:
 
 
 @pytest.mark.slow
-def test_a_match_that_hangs_every_worker_is_given_up_as_the_platforms_fault(
-    submit: Submit, out: Path
-) -> None:
-    stopper, walker = submit("stopper", STOPS_EVERY_WORKER), submit("walker", WALKER)
-
-    results = run([job(stopper, 0, out), job(walker, 0, out)], 2, patience=IMPATIENT)
-
-    row = results["stopper", 0].row
-    assert (row.status, row.fault, row.metrics) == ("failed", "platform", None)
-    assert row.detail.startswith("the platform failed 3 times: the worker process hung: no progress in")
-    assert results["walker", 0].row.status == "finished"
-
-
-@pytest.mark.slow
 def test_a_worker_that_hangs_when_all_is_interrupted_is_killed(
     submit: Submit, out: Path, sockets: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
