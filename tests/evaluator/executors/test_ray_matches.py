@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -20,7 +19,6 @@ from wildscav_evaluator.matches.jobs import AttemptFailed, Job, JobEvent
 from wildscav_evaluator.matches.workers import Workers
 from wildscav_evaluator.output.layout import LOGS, MATCHES, RECORDS, REPLAYS
 from wildscav_evaluator.sandbox.process import WARNING
-from wildscav_evaluator.submission_files import SubmissionError
 
 SPEC = MatchSpec(track="navigation", map=MapSpec(config=MapConfig(size=40, houses=0)), time_limit=2.0)
 
@@ -83,17 +81,6 @@ def test_matches_are_those_of_this_machine_although_a_worker_is_killed(
     assert {result.job.stem: result.row for result in results} == {
         stem: one.row for stem, one in here.items()
     }
-
-
-@pytest.mark.slow
-def test_a_submission_that_needs_a_container_is_refused_without_one(
-    executor: RayExecutor, submit: Submit
-) -> None:
-    packed = replace(submit("packed", TALKER), image="packed:1")
-    with pytest.raises(
-        SubmissionError, match="packed needs a container, which --sandbox process does not run"
-    ):
-        executor.choose_sandbox("process", [packed])
 
 
 @pytest.mark.parametrize(

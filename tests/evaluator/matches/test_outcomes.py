@@ -12,7 +12,7 @@ from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.agents import status_of
 from wildscav_evaluator.matches.play import MAX_ATTEMPTS, PlatformFaultError, PlayedMatch, Seating, play_match
-from wildscav_evaluator.sandbox import Ending, Launch, Limits, Promise, RunningAgent
+from wildscav_evaluator.sandbox import Ending, Launch, Limits, Promise, RunningAgent, SandboxError
 from wildscav_evaluator.sandbox.process import ProcessSandbox
 from wildscav_evaluator.sandbox.processor_waits import GroupMeter
 from wildscav_evaluator.submissions.submission import Submission
@@ -134,9 +134,10 @@ CRASHES_FIRST = """
     ("failure", "body"),
     [
         (BlockingIOError(11, "Resource temporarily unavailable"), TALKER),
+        (SandboxError("podman create takes more than 120 s"), TALKER),
         (Ending(exit_code=125, platform_fault="the container could not be started"), CRASHES_FIRST),
     ],
-    ids=["no process", "broken sandbox"],
+    ids=["no process", "slow sandbox", "broken sandbox"],
 )
 def test_what_the_platform_breaks_is_played_again_from_the_start(
     submit: Submit, tmp_path: Path, failure: Exception | Ending, body: str

@@ -10,7 +10,6 @@ import pytest
 from tests.evaluator.sample_agents import WALKER, Command, Submit
 
 from wildscav_engine.record import read_record, save, verify_record
-from wildscav_evaluator.output.lock import locked
 from wildscav_evaluator.output.results import KeptLimits, Results, read_results
 from wildscav_evaluator.submissions.submission import folder_digest
 from wildscav_leaderboard.results.database import writing
@@ -143,32 +142,6 @@ def test_a_record_with_one_action_changed_no_longer_holds(
     assert wildscav("verify", tmp_path / "records" / "navigation-001-walker.wsr").returncode == 0
 
 
-@pytest.mark.slow
-def test_a_fresh_evaluation_replaces_what_was_in_its_folder_and_no_more(
-    wildscav: Command, submit: Submit, short: Path, tmp_path: Path
-) -> None:
-    out = tmp_path / "out"
-    for name in ("records", "replays", "logs"):
-        (out / name).mkdir(parents=True)
-    for stale in ("records/old.wsr", "replays/old.rrd", "logs/old.log", "results.json"):
-        (out / stale).touch()
-    (out / "notes.txt").write_text("mine")
-    walker = submit("walker", WALKER)
-
-    refused = evaluate(wildscav, walker.folder, out=out, suite=short, replays="none")
-    assert refused.returncode == 2
-    assert "holds an evaluation that cannot be identified" in complaint(refused)
-    assert (out / "records/old.wsr").exists()
-
-    options = (f"--out={out}", f"--db={out / 'db'}", f"--suite={short}", "--replays=none", "--fresh")
-    done = wildscav("evaluate", walker.folder, *options)
-
-    assert done.returncode == 0, done.stderr
-    assert not list(out.rglob("old.*"))
-    assert (out / "notes.txt").read_text() == "mine"
-    assert read_results(out / "results.json").evaluations[0].submission == "walker"
-
-
 @pytest.mark.parametrize(
     ("arguments", "code", "says"),
     [
@@ -240,16 +213,3 @@ def run_with_file_limit(arguments: list[object]) -> "subprocess.CompletedProcess
     program = Path(sys.executable).parent / "wildscav"
     command = ["sh", "-c", 'ulimit -f 3 && exec "$@"', "sh", str(program), *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, timeout=300)
-
-
-def test_two_evaluations_do_not_write_into_one_folder(
-    submit: Submit, wildscav: Command, tmp_path: Path
-) -> None:
-    walker, out = submit("walker", WALKER), tmp_path / "out"
-    out.mkdir()
-    with locked(out):
-        done = evaluate(wildscav, walker.folder, out=out)
-
-    assert [path.name for path in out.iterdir() if path.is_file()] == []
-    assert done.returncode == 1
-    assert "another evaluation is writing to" in complaint(done)
