@@ -237,11 +237,12 @@ def test_a_command_that_is_killed_or_interrupted_leaves_nothing_running_and_goes
     kept = journal(there)
     interrupted = Sitting(there, *arguments)
     interrupted.await_begin()
-    wait_until(lambda: bool(agents_of(in_cluster)))
+    wait_until(lambda: bool(agents_of(in_cluster)), PATIENCE)
+    agents = agents_of(in_cluster)
     interrupted.interrupt()
     assert interrupted.process.wait(60) == 130
     assert "interrupted" in interrupted.errors
-    assert agents_of(in_cluster) == []
+    wait_until(lambda: not any(Path(f"/proc/{one}").exists() for one in agents))
 
     assert Sitting(there, *arguments).process.wait(PATIENCE) == 0
 
@@ -312,5 +313,14 @@ def doctor_of(cluster: RayCluster) -> "subprocess.CompletedProcess[str]":
 
 
 def agents_of(cluster: RayCluster) -> list[int]:
-    """Return the processes of agents that run on a cluster."""
-    return [one for one in cluster.processes() if one in processes_with("agent:Player")]
+    """Return the agents that run on a cluster, as their parents tell: they have no environment of ours."""
+    owners = set(cluster.processes())
+    return [one for one in processes_with("agent:Player") if parent_of(one) in owners]
+
+
+def parent_of(process: int) -> int:
+    """Return the parent of a process; 0 if it has ended."""
+    try:
+        return int(Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[1])
+    except OSError:
+        return 0
