@@ -2,6 +2,7 @@
 
 import contextlib
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -44,25 +45,27 @@ def docker() -> Iterator[str]:
         yield address
 
 
+def submission_in(
+    place: Path,
+    name: str,
+    body: str = "",
+    *,
+    code: str | None = None,
+    tracks: str = '["navigation"]',
+    more: str = "",
+) -> Submission:
+    """Write a submission whose agent has the given body of a class, or whose file has the given code."""
+    folder = place / name
+    folder.mkdir(parents=True)
+    (folder / "submission.toml").write_text(MANIFEST.format(name=name, tracks=tracks) + more)
+    (folder / "agent.py").write_text(HEAD + body if code is None else code)
+    return load_submission(folder)
+
+
 @pytest.fixture
 def submit(tmp_path: Path) -> Submit:
-    """Write a submission whose agent has the given body of a class, or whose file has the given code."""
-
-    def write(
-        name: str,
-        body: str = "",
-        *,
-        code: str | None = None,
-        tracks: str = '["navigation"]',
-        more: str = "",
-    ) -> Submission:
-        folder = tmp_path / "submissions" / name
-        folder.mkdir(parents=True)
-        (folder / "submission.toml").write_text(MANIFEST.format(name=name, tracks=tracks) + more)
-        (folder / "agent.py").write_text(HEAD + body if code is None else code)
-        return load_submission(folder)
-
-    return write
+    """Write a submission, with arguments of ``submission_in``."""
+    return partial(submission_in, tmp_path / "submissions")
 
 
 @pytest.fixture

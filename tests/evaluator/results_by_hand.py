@@ -1,4 +1,7 @@
-"""Results made by hand, without a match."""
+"""Results made by hand, without a match, and plans."""
+
+from pathlib import Path
+from typing import Any
 
 from wildscav_evaluator.output.identity import Entrant, Identity
 from wildscav_evaluator.output.results import (
@@ -15,7 +18,11 @@ from wildscav_evaluator.output.results import (
     Timings,
     metric_infos,
 )
+from wildscav_evaluator.plans.evaluation import EvaluationPlan
 from wildscav_evaluator.scores.score import summary
+from wildscav_evaluator.submissions.submission import Submission
+from wildscav_evaluator.suites.seeds import SuiteSeed
+from wildscav_evaluator.suites.suite import SUITES
 
 
 def results_of(text: str, *others: str) -> Results:
@@ -43,6 +50,12 @@ def results_of(text: str, *others: str) -> Results:
         evaluations=tuple(evaluation_of(name) for name in names),
         timings=Timings(started="2030-01-01T00:00:00+00:00", wall=1.0, jobs=1, matches=tuple(timings)),
     )
+
+
+def plan_of(*submissions: Submission, out: Path, **others: Any) -> EvaluationPlan:
+    """Plan of an evaluation of some submissions on navigation, without replays and one match at a time."""
+    usual = {"suite": SUITES["quick"], "seed": SuiteSeed(0), "replays": "none", "jobs": 1}
+    return EvaluationPlan(submissions=submissions, tracks=("navigation",), out=out, **usual | others)  # type: ignore[arg-type]
 
 
 def identity_of(
@@ -88,8 +101,8 @@ def evaluation_of(text: str) -> Evaluation:
     )
 
 
-def timing_of_a_seat() -> SeatTiming:
-    return SeatTiming(
+def timing_of_a_seat(**changes: float) -> SeatTiming:
+    timing = SeatTiming(
         seat=0,
         start_up=0.5,
         steps=5,
@@ -100,6 +113,7 @@ def timing_of_a_seat() -> SeatTiming:
         latency_max=0.1,
         time_bank=1.0,
     )
+    return timing.model_copy(update=changes)
 
 
 def evaluation(name: str, track: str = "royale", values: tuple[float, ...] = (1.0, 2.0)) -> Evaluation:

@@ -1,10 +1,16 @@
 """Results made by hand, and databases of seasons."""
 
+import os
+import shutil
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import pytest
-from tests.leaderboard.filled_season import HOSTILE, FilledSeason, fill_season
+from pwdlib.hashers.argon2 import Argon2Hasher
+from tests.leaderboard.filled_season import HOSTILE, FilledSeason, filled_season
+from tests.leaderboard.made_once import made_once
+from tests.leaderboard.played_seasons import play_season
 from tests.leaderboard.postgresql import PostgreSQL, missing, postgresql_server
 
 from wildscav_evaluator.output.results import (
@@ -17,13 +23,45 @@ from wildscav_evaluator.output.results import (
     Timings,
     Versions,
 )
+from wildscav_leaderboard.accounts import passwords
+from wildscav_leaderboard.database import connection
 from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.seasons.folder import Season
 
 VERSIONS = Versions(engine="0.1.0", simulation=2, generator=3, record=2)
 METRICS = {
     "navigation": MetricInfo(name="time", title="used + punish time", unit="s", lower_is_better=True),
     "gathering": MetricInfo(name="supplies", title="supplies", unit="", lower_is_better=False),
 }
+
+
+@pytest.fixture(scope="session", autouse=True)
+def quick_beginnings(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Migrate one SQLite database, of which all are copies, wait for no disk, and hash passwords quickly."""
+    template, upgrade = tmp_path_factory.mktemp("template") / "season.db", Database.upgrade
+
+    def quick(database: Database) -> None:
+        file = Path(database.url.database or "")
+        if database.kind == "sqlite" and not file.exists():
+            shutil.copy(template, file)
+        else:
+            upgrade(database)
+
+    prepare = connection._prepare_sqlite
+
+    def prepare_quickly(opened: Any, record: Any) -> None:
+        prepare(opened, record)
+        opened.execute("PRAGMA synchronous = OFF").close()
+
+    made = Database(f"sqlite:///{template}")
+    made.upgrade()
+    made.close()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(connection, "_prepare_sqlite", prepare_quickly)
+        patch.setattr(Database, "upgrade", quick)
+        cheap = Argon2Hasher(time_cost=1, memory_cost=8, parallelism=1)
+        patch.setattr(passwords, "Argon2Hasher", lambda: cheap)
+        yield
 
 
 @pytest.fixture
@@ -97,21 +135,56 @@ def empty_url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
     return server.new_database()
 
 
-@pytest.fixture
-def database(empty_url: str) -> Iterator[Database]:
+@pytest.fixture(scope="session")
+def migrated(postgresql: PostgreSQL) -> str:
+    """The name of a database of the server, with all tables, of which others are copies."""
+    made = Database(postgresql.new_database())
+    made.upgrade()
+    made.close()
+    return str(made.url.database)
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def database(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Database]:
     """A season's database of each kind, with all tables."""
-    opened = Database(empty_url)
-    opened.upgrade()
+    if request.param == "sqlite":
+        opened = Database(f"sqlite:///{tmp_path / 'season.db'}")
+        opened.upgrade()
+    else:
+        server: PostgreSQL = request.getfixturevalue("postgresql")
+        opened = Database(server.new_database(request.getfixturevalue("migrated")))
     yield opened
     opened.close()
 
 
 @pytest.fixture(scope="session")
-def hostile_season(tmp_path_factory: pytest.TempPathFactory) -> Iterator[FilledSeason]:
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder of all processes of the tests."""
+    base = tmp_path_factory.getbasetemp()
+    return base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
+
+
+@pytest.fixture(scope="module")
+def played(shared: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Season, Database]]:
+    """A season that was played; its secrets are not opened yet."""
+    folder = tmp_path_factory.mktemp("played") / "copy"
+    shutil.copytree(made_once(shared / "played", play_season), folder)
+    season = Season.open(folder / "season")
+    database = season.database()
+    yield season, database
+    database.close()
+
+
+@pytest.fixture(scope="session")
+def new_filled_season(shared: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., FilledSeason]:
+    """Make a filled season, with arguments of ``filled_season``."""
+    return lambda **more: filled_season(shared, tmp_path_factory.mktemp("filled") / "copy", **more)
+
+
+@pytest.fixture(scope="session")
+def hostile_season(new_filled_season: Callable[..., FilledSeason]) -> Iterator[FilledSeason]:
     """A season whose people and agents write texts that would take over a page, if they could."""
-    folder = tmp_path_factory.mktemp("hostile")
-    record = folder / "match.wsr"
-    record.write_bytes(b"no record that could be rendered")
-    filled = fill_season(folder, words=HOSTILE, record=record)
+    filled = new_filled_season(words=HOSTILE)
+    filled.give_records(b"no record that could be rendered")
     yield filled
     filled.database.close()

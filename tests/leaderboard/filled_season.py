@@ -4,14 +4,18 @@ Everything goes through the real services. The matches are not played: their res
 each submission is said to be.
 """
 
-from collections.abc import Sequence
+import pickle
+import shutil
 from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from sqlalchemy.orm import Session
+from tests.evaluator.results_by_hand import timing_of_a_seat
+from tests.leaderboard.made_once import made_once
 from tests.leaderboard.seasons_made import checked, make_season
 
 from wildscav_evaluator.output.results import MatchRow, MatchTiming, SeatRow, SeatTiming, metric_infos
@@ -39,7 +43,8 @@ PASSWORD = "a long enough password"  # noqa: S105 (of every account here)
 SANDBOX = "process"
 NODE = {"name": "arena-1", "cores": 2, "running": 1, "problem": None}
 BATCH = 24  # matches between two refreshes of the boards
-MORE = "[web]\nrequests_per_minute = 1000000\n"
+GAMES = 24  # matches of each submission on the ladder
+MORE = f"matches = {GAMES}\n\n[web]\nrequests_per_minute = 1000000\n"
 SUITE = """
 name = "tiny"
 
@@ -132,15 +137,18 @@ class FilledSeason:
     # By kind: suite, and one of the owner's there (own_suite); ladder, which may be seen; playing.
     matches: dict[str, int] = field(default_factory=dict)
 
+    def give_records(self, content: bytes) -> None:
+        """Let every match that was played have a record with some content."""
+        for log in self.season.files.rglob("seat.log"):
+            log.with_name("match.wsr").write_bytes(content)
+
 
 class _Filling:
     """Fills a season as its conductor, competitors and organizers would, with a clock of its own."""
 
-    def __init__(
-        self, filled: FilledSeason, folder: Path, record: Path | None, entries: Sequence[Entry]
-    ) -> None:
+    def __init__(self, filled: FilledSeason, folder: Path) -> None:
         self.filled, self.season, self.words = filled, filled.season, filled.words
-        self._agents, self._record, self._entries = folder, record, entries
+        self._agents = folder
         self._random = np.random.default_rng(5)
         self._skills: dict[int | None, float] = {None: 0.3}
         self._end = datetime.now(UTC).replace(microsecond=0)
@@ -156,7 +164,7 @@ class _Filling:
         self._holding = holding
         begin_editions(session, self.season, self.now)
         self._people(session)
-        for entry in self._entries:
+        for entry in ENTRIES:
             number = self._entered(session, entry.team, entry.name, entry.version)
             self._skills[number] = entry.skill
             self._take_part(session)
@@ -172,7 +180,7 @@ class _Filling:
 
     def _people(self, session: Session) -> None:
         secret = hashed(PASSWORD)
-        teams = {entry.team: entry.title or self.words.title for entry in self._entries}
+        teams = {entry.team: entry.title or self.words.title for entry in ENTRIES}
         for name, role in {"boss": ORGANIZER, "passer-by": COMPETITOR, **dict.fromkeys(teams, "")}.items():
             account = add_account(session, name, secret, role or COMPETITOR, self.now)
             if name in teams:
@@ -254,12 +262,10 @@ class _Filling:
             self.filled.matches["own_suite"] = match.id
 
     def _stored(self, match: Match) -> str:
-        """Store the record and the logs of a match; return the path of its record."""
+        """Store the log of a match; return the path of its record, of which there is none."""
         folder = self.season.match_folder(match.id)
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "seat.log").write_text(self.words.output)
-        if self._record is not None:
-            (folder / "match.wsr").write_bytes(self._record.read_bytes())
         return "match.wsr"
 
     def _row(self, match: Match, seat: MatchSeat) -> SeatRow:
@@ -290,17 +296,8 @@ class _Filling:
 
     def _timing(self, seat: int) -> SeatTiming:
         median = float(self._random.uniform(0.002, 0.004))
-        return SeatTiming(
-            seat=seat,
-            start_up=0.8,
-            steps=150,
-            late_steps=0,
-            time_used=0.5,
-            latency_p50=median,
-            latency_p99=3.0 * median,
-            latency_max=9.0 * median,
-            time_bank=29.0,
-        )
+        latencies = {"latency_p50": median, "latency_p99": 3.0 * median, "latency_max": 9.0 * median}
+        return timing_of_a_seat(seat=seat, steps=150, late_steps=0, time_bank=29.0, **latencies)
 
     def _failures(self, session: Session) -> None:
         """Let a submission fail by its own fault, and another by the platform's."""
@@ -353,31 +350,36 @@ class _Filling:
         self.filled.submissions |= {"cancelled": withdrawn, "building": building, "queued": waiting}
 
 
-def fill_season(
-    folder: Path,
-    *,
-    words: Words = Words(),  # noqa: B008 (immutable)
-    record: Path | None = None,
-    entries: Sequence[Entry] = ENTRIES,
-    more: str = MORE,
-) -> FilledSeason:
-    """Make a season in a folder, and fill it.
+def filled_season(shared: Path, folder: Path, *, words: Words = Words(), web: str = "") -> FilledSeason:  # noqa: B008
+    """Copy a filled season into a folder, which is made.
 
     Args:
-        folder: The folder, which is made.
+        shared: A folder of all processes of the tests. The first one that asks fills the season there.
+        folder: Where to copy it to.
         words: What people and agents write.
-        record: A record of a match, which all matches get.
-        entries: The submissions that take part, in the order in which they are handed in.
-        more: More settings.
+        web: More settings of the web site.
     """
+    original = shared / ("hostile" if words == HOSTILE else "plain")
+    shutil.copytree(made_once(original, partial(_fill, words)), folder)
+    settings = folder / "season" / "season.toml"
+    settings.write_text(settings.read_text().replace("[web]", f"[web]\n{web}"))
+    season = Season.open(folder / "season")
+    people, submissions, matches = pickle.loads((folder / "contents").read_bytes())  # noqa: S301 (our own)
+    return FilledSeason(season, season.database(), words, people, submissions, matches)
+
+
+def _fill(words: Words, folder: Path) -> None:
+    """Make a season in a folder, and fill it."""
     # What took part was handed in on other days, so that the quotas of today are left at any hour.
     opens = datetime.now(UTC) - timedelta(days=2)
-    make_season(folder / "season", more, current=True, opens=opens)
+    make_season(folder / "season", MORE, current=True, opens=opens)
     (folder / "season" / "tiny.toml").write_text(SUITE)
     season = Season.open(folder / "season")
     database = season.database()
     database.upgrade()
     filled = FilledSeason(season, database, words)
     with database.writing() as session:
-        _Filling(filled, folder / "agents", record, entries).fill(session)
-    return filled
+        _Filling(filled, folder / "agents").fill(session)
+    database.close()
+    contents = (filled.people, filled.submissions, filled.matches)
+    (folder / "contents").write_bytes(pickle.dumps(contents))

@@ -33,7 +33,7 @@ TEAMS = ("foxes", "owls", "hares")
 RICH = "supplies = { waves = [{ center = [0, 0], radius = 30, outdoor_richness = 50 }] }"
 
 
-def played_season(folder: Path, *, teams: tuple[str, ...] = TEAMS) -> tuple[Season, Database]:
+def play_season(folder: Path) -> None:
     """Make a season in which the submission of each team has played on both tracks."""
     season = make_season(folder / "season", "matches = 6\nwaiting = 2")
     for name, old, new in (
@@ -50,11 +50,11 @@ def played_season(folder: Path, *, teams: tuple[str, ...] = TEAMS) -> tuple[Seas
     database.upgrade()
     with database.writing() as session:
         begin_editions(session, season, NOON)
-        for index, team in enumerate(teams):
+        for index, team in enumerate(TEAMS):
             team_with_member(session, team)
             enter(session, season, team, folder / "agents", index)
     play_everything(database, season, NOON + timedelta(hours=1))
-    return season, database
+    database.close()
 
 
 def enter(session: Session, season: Season, team: str, agents: Path, index: int) -> int:

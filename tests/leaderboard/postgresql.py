@@ -51,7 +51,8 @@ class PostgreSQL:
 
     def start(self) -> None:
         """Start the server, and wait until it answers."""
-        options = f"-c listen_addresses= -c unix_socket_directories={self._folder} -c fsync=off"
+        quick = "-c fsync=off -c autovacuum=off"  # which would keep a template from being copied
+        options = f"-c listen_addresses= -c unix_socket_directories={self._folder} {quick}"
         folder = f"-D{self._data}", f"-l{self._folder / 'log'}"
         self._run("pg_ctl", "start", f"-wt{PATIENCE}", f"-o{options}", *folder)
 
@@ -59,13 +60,12 @@ class PostgreSQL:
         """Stop the server; ``immediate`` is a crash."""
         self._run("pg_ctl", "stop", "-w", f"-D{self._data}", f"-m{mode}")
 
-    def new_database(self) -> str:
-        """Make an empty database, and return its URL."""
+    def new_database(self, template: str = "template0") -> str:
+        """Make a database, which is empty or a copy of one that nobody uses, and return its URL."""
         name = f"season_{secrets.token_hex(4)}"
         admin = create_engine(self._url("postgres"), isolation_level="AUTOCOMMIT")
         with admin.connect() as connection:
-            # Refused while anybody is connected to the template, such as autovacuum; nobody is to this one.
-            connection.execute(text(f"CREATE DATABASE {name} TEMPLATE template0"))
+            connection.execute(text(f"CREATE DATABASE {name} TEMPLATE {template}"))
         admin.dispose()
         return self._url(name)
 

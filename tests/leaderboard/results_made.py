@@ -3,7 +3,9 @@
 from collections.abc import Sequence
 from hashlib import blake2b
 
-from wildscav_evaluator.output.results import MatchRow, MatchTiming, SeatRow, SeatTiming, metric_infos
+from tests.evaluator.results_by_hand import timing_of_a_seat
+
+from wildscav_evaluator.output.results import MatchRow, MatchTiming, SeatRow, metric_infos
 from wildscav_leaderboard.matches.models import Match, MatchSeat
 from wildscav_leaderboard.matches.service import PlayedRecord
 
@@ -21,20 +23,7 @@ def made_result(
         )
         for one, score in zip(seats, scores, strict=True)
     )
-    timings = tuple(
-        SeatTiming(
-            seat=one.seat,
-            start_up=0.1,
-            steps=40,
-            late_steps=0,
-            time_used=0.4,
-            latency_p50=0.01,
-            latency_p99=0.02,
-            latency_max=0.03,
-            time_bank=1.0,
-        )
-        for one in seats
-    )
+    timings = tuple(timing_of_a_seat(seat=one.seat) for one in seats)
     row = MatchRow.of(match.number, rows, f"records/{match.track}-{match.number}.wsr")
     timing = MatchTiming(
         submission=None,

@@ -1,5 +1,6 @@
 """A match that was played on a node is written here like one that was played here."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,6 +18,13 @@ from wildscav_evaluator.matches.workers import Workers
 from wildscav_evaluator.output.layout import LOGS, MATCHES, RECORDS, REPLAYS
 
 
+@pytest.fixture(scope="module")
+def workers() -> Iterator[Workers]:
+    with Workers(1) as workers:
+        workers.precompile()
+        yield workers
+
+
 @pytest.fixture
 def job(submit: Submit, tmp_path: Path) -> Job:
     for name in (RECORDS, REPLAYS, LOGS, MATCHES):
@@ -25,10 +33,8 @@ def job(submit: Submit, tmp_path: Path) -> Job:
     return Job.of_one(submit("talker", TALKER), "navigation", 0, spec, tmp_path / "out", replay=False)
 
 
-def test_the_files_of_a_match_are_those_of_a_local_worker(job: Job, tmp_path: Path) -> None:
-    with Workers(1) as workers:
-        workers.precompile()
-        (here,) = workers.run([job])
+def test_the_files_of_a_match_are_those_of_a_local_worker(workers: Workers, job: Job, tmp_path: Path) -> None:
+    (here,) = workers.run([job])
     expected = contents(job.out)
     for path in job.out.rglob("*.*"):
         path.unlink()
@@ -41,9 +47,8 @@ def test_the_files_of_a_match_are_those_of_a_local_worker(job: Job, tmp_path: Pa
     assert {path.parent.name for path in job.out.rglob("*.*")} == {RECORDS, LOGS, MATCHES}
 
 
-def test_a_record_that_cannot_be_written_costs_its_match_alone(job: Job) -> None:
-    with Workers(1) as workers:
-        (here,) = workers.run([job])
+def test_a_record_that_cannot_be_written_costs_its_match_alone(workers: Workers, job: Job) -> None:
+    (here,) = workers.run([job])
     files = {job.record: (job.out / job.record).read_bytes()}
     other = replace(job, index=1)
     (other.out / other.record).mkdir()

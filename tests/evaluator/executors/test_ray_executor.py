@@ -8,11 +8,14 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
+from tests.commands import run_command
+from tests.evaluator.conftest import submission_in
 from tests.evaluator.executors.ray_clusters import RayCluster, ray_cluster
-from tests.evaluator.executors.unlucky_agents import KILLS_ITS_FIRST_WORKER, KILLS_RAYS_PROCESS
+from tests.evaluator.executors.unlucky_agents import KILLS_RAYS_PROCESS
 from tests.evaluator.interrupted_runs import Sitting, check_whole, files, journal, without_timings
 from tests.evaluator.sample_agents import TALKER, Command, Submit
 from tests.evaluator.sandbox.available import missing
+from tests.evaluator.sandbox.sandbox_runs import processes_with, wait_until
 
 import wildscav_engine
 from wildscav_engine.maps import cache
@@ -21,7 +24,7 @@ from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_evaluator.executors.ray_executor import RayExecutor
 from wildscav_evaluator.ledger.ledger import read_ledger
 from wildscav_evaluator.map_making import choices_of_pool, make_maps, missing_maps
-from wildscav_evaluator.output.layout import RESULTS_FILE, TOURNAMENT_FILE
+from wildscav_evaluator.output.layout import RESULTS_FILE
 
 pytestmark = pytest.mark.slow
 SUITE = """
@@ -52,11 +55,35 @@ PLODDER = """
 BOTH = '["navigation", "battle"]'
 
 
-@pytest.fixture
-def suite(tmp_path: Path) -> Path:
-    path = tmp_path / "short.toml"
+@pytest.fixture(scope="module")
+def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("ray")
+
+
+@pytest.fixture(scope="module")
+def suite(place: Path) -> Path:
+    path = place / "short.toml"
     path.write_text(SUITE)
     return path
+
+
+@pytest.fixture(scope="module")
+def plodder(place: Path) -> Path:
+    return submission_in(place, "plodder", PLODDER, tracks=BOTH).folder
+
+
+@pytest.fixture(scope="module")
+def plodder_here(place: Path, plodder: Path, suite: Path) -> Path:
+    """The plodder's evaluation on this machine."""
+    return played_here(plodder, suite, place / "plodder here")
+
+
+@pytest.fixture(scope="module")
+def talker_here(place: Path, suite: Path) -> Path:
+    """The evaluation on this machine of a submission that prints."""
+    return played_here(
+        submission_in(place, "talker", TALKER, tracks=BOTH).folder, suite, place / "talker here"
+    )
 
 
 def options(cluster: RayCluster, suite: Path, sandbox: str = "process") -> list[str]:
@@ -64,10 +91,10 @@ def options(cluster: RayCluster, suite: Path, sandbox: str = "process") -> list[
     return [*on_cluster, f"--suite={suite}", f"--sandbox={sandbox}", "--replays=none"]
 
 
-def played_here(command: Command, folder: Path, suite: Path, out: Path, sandbox: str = "process") -> Path:
+def played_here(folder: Path, suite: Path, out: Path) -> Path:
     """Play the same matches on this machine."""
-    done = command(
-        *("evaluate", folder, f"--suite={suite}", f"--sandbox={sandbox}", "--replays=none"),
+    done = run_command(
+        *("evaluate", folder, f"--suite={suite}", "--sandbox=process", "--replays=none"),
         *(f"--out={out}", f"--db={out / 'wildscav.db'}"),
     )
     assert done.returncode == 0, done.stderr
@@ -78,7 +105,10 @@ def check_equal(out: Path, expected: Path) -> None:
     """Everything but the timings is the same, byte for byte, and every match has exactly one result."""
     check_whole(out)
     assert files(out, "records") == files(expected, "records")
-    assert without_timings(out) == without_timings(expected)
+    there, here = without_timings(out), without_timings(expected)
+    for name in ("sandbox", "limits"):  # of which nothing else depends
+        del there[name], here[name]
+    assert there == here
     ledger = read_ledger(out)
     assert ledger is not None
     assert Counter(len([end for end in ends if end.record]) for ends in ledger.ended.values()) == {1: MATCHES}
@@ -92,23 +122,28 @@ def faults(out: Path) -> list[str]:
 
 @pytest.mark.parametrize("sandbox", ["bubblewrap", "oci"])
 def test_a_cluster_gives_the_records_and_scores_of_this_machine(
-    submit: Submit, suite: Path, in_cluster: RayCluster, wildscav: Command, tmp_path: Path, sandbox: str
+    *,
+    place: Path,
+    suite: Path,
+    talker_here: Path,
+    in_cluster: RayCluster,
+    wildscav: Command,
+    tmp_path: Path,
+    sandbox: str,
 ) -> None:
     if why := missing(sandbox):
         pytest.skip(f"{sandbox} does not work here: {why}")
-    talker = submit("talker", TALKER, tracks=BOTH)
-    here = played_here(wildscav, talker.folder, suite, tmp_path / "here", sandbox)
     there = tmp_path / "there"
 
     done = wildscav(
-        *("evaluate", talker.folder, *options(in_cluster, suite, sandbox)),
+        *("evaluate", place / "talker", *options(in_cluster, suite, sandbox)),
         *(f"--out={there}", f"--db={there / 'wildscav.db'}"),
     )
 
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
-    check_equal(there, here)
-    assert files(there, "logs") == files(here, "logs")
+    check_equal(there, talker_here)
+    assert files(there, "logs") == files(talker_here, "logs")
     with RayExecutor(2, in_cluster.address) as executor:
         run_rescore(there, executor)
 
@@ -128,45 +163,33 @@ def test_a_cluster_that_asks_for_a_token_gets_the_one_that_is_known(
 
 
 def test_nodes_that_are_killed_cost_their_matches_an_attempt_and_nobody_a_result(
-    submit: Submit, suite: Path, wildscav: Command, tmp_path: Path
+    plodder: Path, plodder_here: Path, suite: Path, tmp_path: Path
 ) -> None:
-    plodder = submit("plodder", PLODDER, tracks=BOTH)
-    here = played_here(wildscav, plodder.folder, suite, tmp_path / "here")
     with ray_cluster("east", "west") as cluster, pytest.MonkeyPatch.context() as environment:
         use(cluster, environment)
-        sitting = Sitting(tmp_path / "there", plodder.folder, *options(cluster, suite))
+        sitting = Sitting(tmp_path / "there", plodder, *options(cluster, suite))
         sitting.await_matches(2)
         cluster.kill("east")
         cluster.add("north")  # joins while the command runs, and plays what is left
         cluster.kill("west")
         assert sitting.process.wait(PATIENCE) == 0
 
-    check_equal(sitting.out, here)
+        lost = Sitting(tmp_path / "lost", plodder, *options(cluster, suite))
+        lost.await_matches(1)
+        cluster.kill("head")
+        assert lost.process.wait(PATIENCE) == 1
+
+    check_equal(sitting.out, plodder_here)
     assert all("east" in fault or "west" in fault for fault in faults(sitting.out))
     printed = sitting.printed.read_text()
     assert "node east is not used: it was lost" in printed
     assert "node north" not in printed
 
-
-def test_a_tournament_on_a_cluster_has_the_ratings_of_this_machine(
-    submit: Submit, suite: Path, in_cluster: RayCluster, wildscav: Command, tmp_path: Path
-) -> None:
-    entrants = [submit(name, TALKER, tracks='["battle"]').folder for name in ("east-end", "west-end")]
-    matches = [*entrants, "robot:fighter", "--track=battle", "--rounds=2", f"--suite={suite}"]
-    matches += ["--sandbox=process", "--replays=none"]
-    here, there = tmp_path / "here", tmp_path / "there"
-    local = wildscav("tournament", *matches, f"--out={here}", f"--db={here / 'db'}")
-    assert local.returncode == 0, local.stderr
-
-    done = wildscav(
-        *("tournament", *matches, "--executor=ray", f"--address={in_cluster.address}"),
-        *(f"--out={there}", f"--db={there / 'db'}"),
-    )
-
-    assert done.returncode == 0, done.stderr
-    assert files(there, "records") == files(here, "records")
-    assert (there / TOURNAMENT_FILE).read_bytes() == (here / TOURNAMENT_FILE).read_bytes()
-    assert without_timings(there) == without_timings(here)
+    (line,) = lost.errors.splitlines()  # of a cluster that is lost as a whole
+    assert "the Ray cluster" in line
+    assert "matches are saved in" in line
+    assert "run the same command again to play the rest" in line
+    assert journal(lost.out)
 
 
 def test_maps_that_nodes_make_are_those_of_this_machine(
@@ -181,74 +204,50 @@ def test_maps_that_nodes_make_are_those_of_this_machine(
     assert missing_maps(choices) == []
 
 
-@pytest.mark.parametrize("killer", [KILLS_ITS_FIRST_WORKER, KILLS_RAYS_PROCESS], ids=["worker", "Ray's"])
-def test_a_match_whose_process_on_a_node_is_killed_is_played_again(
-    submit: Submit, suite: Path, in_cluster: RayCluster, tmp_path: Path, killer: str
-) -> None:
-    # Outside of its folder, because a node does not use a submission again that was changed there.
-    unlucky = submit("unlucky", killer.replace('"was_here"', repr(str(tmp_path / "was_here"))))
-
-    sitting = Sitting(tmp_path / "there", unlucky.folder, *options(in_cluster, suite))
-
-    assert sitting.process.wait(PATIENCE) == 0
-    check_whole(sitting.out)
-    assert faults(sitting.out)
-    results = without_timings(sitting.out)
-    assert {row["status"] for row in results["evaluations"][0]["matches"]} == {"finished"}  # type: ignore[index]
-
-
-def test_a_match_that_kills_every_process_is_given_up_and_the_others_are_played(
+def test_a_match_whose_process_is_killed_is_played_again_unless_it_kills_every_one(
     submit: Submit, suite: Path, tmp_path: Path
 ) -> None:
     killer = submit("killer", KILLS_RAYS_PROCESS.replace(' and not os.path.exists("was_here")', ""))
-    walker = submit("walker", PLODDER)
+    # Outside of its folder, because a node does not use a submission again that was changed there.
+    once = KILLS_RAYS_PROCESS.replace('"was_here"', repr(str(tmp_path / "was_here")))
+    unlucky, walker = submit("unlucky", once), submit("walker", PLODDER)
     only = tmp_path / "one.toml"
     only.write_text(SUITE.replace("maps = 3", "maps = 1").replace("episodes = 2", "episodes = 1"))
     with ray_cluster("east") as cluster, pytest.MonkeyPatch.context() as environment:
         use(cluster, environment)
-        arguments = (killer.folder, walker.folder, *options(cluster, only), "--track=navigation")
-        sitting = Sitting(tmp_path / "there", *arguments)
+        folders = (one.folder for one in (killer, unlucky, walker))
+        sitting = Sitting(tmp_path / "there", *folders, *options(cluster, only), "--track=navigation")
         assert sitting.process.wait(PATIENCE) == 1  # the killer failed in every match
 
+    check_whole(sitting.out)
+    assert faults(sitting.out)
     evaluations = without_timings(sitting.out)["evaluations"]
     rows = {one["submission"]: one["matches"][0] for one in evaluations}  # type: ignore[attr-defined]
     assert (rows["killer"]["status"], rows["killer"]["fault"]) == ("failed", "platform")
     assert "a process on east was lost" in rows["killer"]["detail"]
-    assert rows["walker"]["status"] == "finished"
+    assert rows["unlucky"]["status"] == rows["walker"]["status"] == "finished"
 
 
-def test_a_command_that_is_killed_goes_on_where_it_was(
-    submit: Submit, suite: Path, in_cluster: RayCluster, wildscav: Command, tmp_path: Path
+def test_a_command_that_is_killed_or_interrupted_leaves_nothing_running_and_goes_on_where_it_was(
+    plodder: Path, plodder_here: Path, suite: Path, in_cluster: RayCluster, tmp_path: Path
 ) -> None:
-    plodder = submit("plodder", PLODDER, tracks=BOTH)
-    here = played_here(wildscav, plodder.folder, suite, tmp_path / "here")
     there = tmp_path / "there"
-    arguments = (plodder.folder, *options(in_cluster, suite))
-    Sitting(there, *arguments).kill_at(2)
+    arguments = (plodder, *options(in_cluster, suite))
+    Sitting(there, *arguments).kill_at(1)
     kept = journal(there)
+    interrupted = Sitting(there, *arguments)
+    interrupted.await_begin()
+    wait_until(lambda: bool(agents_of(in_cluster)), PATIENCE)
+    agents = agents_of(in_cluster)
+    interrupted.interrupt()
+    assert interrupted.process.wait(60) == 130
+    assert "interrupted" in interrupted.errors
+    wait_until(lambda: not any(Path(f"/proc/{one}").exists() for one in agents))
 
     assert Sitting(there, *arguments).process.wait(PATIENCE) == 0
 
-    check_equal(there, here)
+    check_equal(there, plodder_here)
     assert {stem: journal(there)[stem] for stem in kept} == kept
-
-
-def test_a_lost_cluster_is_told_in_one_line_and_the_matches_played_are_kept(
-    submit: Submit, suite: Path, tmp_path: Path
-) -> None:
-    plodder = submit("plodder", PLODDER)
-    with ray_cluster("east") as cluster, pytest.MonkeyPatch.context() as environment:
-        use(cluster, environment)
-        sitting = Sitting(tmp_path / "there", plodder.folder, *options(cluster, suite))
-        sitting.await_matches(1)
-        cluster.kill("head")
-        assert sitting.process.wait(PATIENCE) == 1
-
-    (line,) = sitting.errors.splitlines()
-    assert "the Ray cluster" in line
-    assert "matches are saved in" in line
-    assert "run the same command again to play the rest" in line
-    assert journal(sitting.out)
 
 
 def test_nodes_that_cannot_play_are_named_and_get_no_work(
@@ -284,22 +283,6 @@ def test_nodes_that_cannot_play_are_named_and_get_no_work(
     assert "simulation 9" in by_name["old"]["problem"]
 
 
-def test_nothing_is_left_running_when_a_command_is_interrupted(
-    submit: Submit, suite: Path, in_cluster: RayCluster, tmp_path: Path
-) -> None:
-    plodder = submit("plodder", PLODDER)
-    with RayExecutor(None, in_cluster.address):
-        before = len(in_cluster.processes())
-    sitting = Sitting(tmp_path / "there", plodder.folder, *options(in_cluster, suite))
-    sitting.await_matches(1)
-    sitting.interrupt()
-
-    assert sitting.process.wait(60) == 130
-    assert "interrupted" in sitting.errors
-    assert not [one for one in in_cluster.processes() if b"agent:Player" in cmdline(one)]
-    assert before
-
-
 def test_a_cluster_of_another_release_of_ray_is_refused_in_one_line(wildscav: Command) -> None:
     with ray_cluster(ray_version="2.55.0") as cluster, pytest.MonkeyPatch.context() as environment:
         use(cluster, environment)
@@ -329,8 +312,15 @@ def doctor_of(cluster: RayCluster) -> "subprocess.CompletedProcess[str]":
     )
 
 
-def cmdline(process: int) -> bytes:
+def agents_of(cluster: RayCluster) -> list[int]:
+    """Return the agents that run on a cluster, as their parents tell: they have no environment of ours."""
+    owners = set(cluster.processes())
+    return [one for one in processes_with("agent:Player") if parent_of(one) in owners]
+
+
+def parent_of(process: int) -> int:
+    """Return the parent of a process; 0 if it has ended."""
     try:
-        return Path(f"/proc/{process}/cmdline").read_bytes()
+        return int(Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[1])
     except OSError:
-        return b""
+        return 0

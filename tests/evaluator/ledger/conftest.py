@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 from tests.evaluator.ledger.forging import Forgery, Rescored, copied
+from tests.evaluator.results_by_hand import plan_of
 
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.evaluate import run_session
@@ -12,7 +13,6 @@ from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_evaluator.ledger.keys import SigningKey, new_key
 from wildscav_evaluator.plans.evaluation import EvaluationPlan
 from wildscav_evaluator.submissions.submission import load_submission
-from wildscav_evaluator.suites.seeds import SuiteSeed
 from wildscav_evaluator.suites.suite_file import read_suite
 
 SUITE = """
@@ -59,14 +59,10 @@ def plan(tmp_path_factory: pytest.TempPathFactory, key: SigningKey) -> Evaluatio
         (folder / name / "agent.py").write_text(AGENT.format(direction=direction))
         (folder / name / "submission.toml").write_text(MANIFEST.format(name=name))
     (folder / "tiny.toml").write_text(SUITE)
-    return EvaluationPlan(
-        submissions=(load_submission(folder / "ada"), load_submission(folder / "bob")),
-        tracks=("navigation",),
-        suite=read_suite(folder / "tiny.toml"),
-        seed=SuiteSeed(0),
-        replays="none",
-        jobs=1,
+    return plan_of(
+        *(load_submission(folder / name) for name in ("ada", "bob")),
         out=folder / "out",
+        suite=read_suite(folder / "tiny.toml"),
         key=key,
     )
 

@@ -11,7 +11,7 @@ from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.agents import status_of
 from wildscav_evaluator.matches.play import MAX_ATTEMPTS, PlatformFaultError, PlayedMatch, Seating, play_match
-from wildscav_evaluator.sandbox import Ending, Launch, Limits, Promise, RunningAgent
+from wildscav_evaluator.sandbox import Ending, Launch, Limits, Promise, RunningAgent, SandboxError
 from wildscav_evaluator.sandbox.process import ProcessSandbox
 from wildscav_evaluator.sandbox.processor_waits import GroupMeter
 from wildscav_evaluator.submissions.submission import Submission
@@ -111,22 +111,6 @@ def test_an_agent_that_ends_early_has_crashed_with_its_exit_code_and_last_lines(
     assert walker.steps_played == STEPS
 
 
-@pytest.mark.parametrize(
-    ("ending", "status"),
-    [
-        (Ending(exit_code=137, out_of_memory=True), "out_of_memory"),
-        (Ending(exit_code=137, limit="wall clock"), "disqualified"),
-    ],
-)
-def test_what_a_sandbox_ends_an_agent_for_is_its_outcome(
-    submit: Submit, tmp_path: Path, ending: Ending, status: str
-) -> None:
-    played = play(submit("crasher", QUITTER), tmp_path=tmp_path, sandbox=Failing(ending))
-
-    assert (played.seats[0].status, played.seats[0].detail) == (status, str(ending))
-    assert played.platform_faults == ()
-
-
 def test_an_agent_that_does_not_take_its_seat_in_time_never_joined(submit: Submit, tmp_path: Path) -> None:
     late = submit("late", "    def __init__(self): time.sleep(600)")
 
@@ -151,9 +135,10 @@ CRASHES_FIRST = """
     ("failure", "body"),
     [
         (BlockingIOError(11, "Resource temporarily unavailable"), TALKER),
+        (SandboxError("podman create takes more than 120 s"), TALKER),
         (Ending(exit_code=125, platform_fault="the container could not be started"), CRASHES_FIRST),
     ],
-    ids=["no process", "broken sandbox"],
+    ids=["no process", "slow sandbox", "broken sandbox"],
 )
 def test_what_the_platform_breaks_is_played_again_from_the_start(
     submit: Submit, tmp_path: Path, failure: Exception | Ending, body: str

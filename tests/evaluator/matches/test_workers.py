@@ -76,33 +76,29 @@ def job(submission: Submission, index: int, out: Path) -> Job:
 
 
 def run(
-    jobs: list[Job], count: int, watch: Monitor | None = None, patience: Patience | None = None
+    jobs: list[Job],
+    count: int,
+    watch: Monitor | None = None,
+    patience: Patience | None = None,
+    refused: Job | None = None,  # when its turn comes
 ) -> dict[tuple[str, int], JobResult]:
     watch = watch or Monitor(jobs, count, "suite", MonitorOptions("json", None))
     with Workers(count, patience=patience) as workers:
         workers.precompile()
-        for result in workers.run(jobs, watch.start, watch.handle):
+        given = jobs if refused is None else [refused, *jobs]
+        for result in workers.run(given, lambda one: one != refused and watch.start(one), watch.handle):
             watch.add(result)
     return {(result.job.evaluated, result.job.index): result for result in watch.tally.done.values()}
 
 
-def test_a_job_that_is_refused_when_its_turn_comes_is_left_out(submit: Submit, out: Path) -> None:
-    walker = submit("walker", WALKER)
-    jobs = [job(walker, number, out) for number in range(3)]
-    with Workers(1) as workers:
-        results = list(workers.run(jobs, lambda one: one.index == 1))
-    assert [one.job.index for one in results] == [1]
-
-
-@pytest.mark.parametrize("count", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_a_match_whose_worker_is_killed_is_played_again_in_another(
-    submit: Submit, out: Path, sockets: Path, capsys: pytest.CaptureFixture[str], count: int
+    submit: Submit, out: Path, sockets: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     walker, unlucky = submit("walker", WALKER), submit("unlucky", KILLS_ITS_FIRST_WORKER)
     jobs = [job(walker, 0, out), job(unlucky, 0, out), job(walker, 1, out), job(walker, 2, out)]
-    watch = Monitor(jobs, count, "suite", MonitorOptions("json", None))
+    watch = Monitor(jobs, 1, "suite", MonitorOptions("json", None))
 
-    results = run(jobs, count, watch)
+    results = run(jobs, 1, watch, refused=job(walker, 3, out))
 
     assert len(results) == len(jobs)
     assert all(result.row.fault is None for result in results.values())
@@ -236,20 +232,6 @@ def test_a_worker_that_spins_in_compiled_code_is_killed_too(submit: Submit, out:
     assert result.timing.platform_faults == (
         "the worker process hung: no progress in 8 s before the first step",
     )
-
-
-@pytest.mark.slow
-def test_a_match_that_hangs_every_worker_is_given_up_as_the_platforms_fault(
-    submit: Submit, out: Path
-) -> None:
-    stopper, walker = submit("stopper", STOPS_EVERY_WORKER), submit("walker", WALKER)
-
-    results = run([job(stopper, 0, out), job(walker, 0, out)], 2, patience=IMPATIENT)
-
-    row = results["stopper", 0].row
-    assert (row.status, row.fault, row.metrics) == ("failed", "platform", None)
-    assert row.detail.startswith("the platform failed 3 times: the worker process hung: no progress in")
-    assert results["walker", 0].row.status == "finished"
 
 
 @pytest.mark.slow

@@ -2,9 +2,11 @@
 
 from pathlib import Path
 
+from tests.evaluator.results_by_hand import timing_of_a_seat
+
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.jobs import Job, JobResult
-from wildscav_evaluator.output.results import MatchRow, MatchTiming, SeatTiming
+from wildscav_evaluator.output.results import MatchRow, MatchTiming
 from wildscav_evaluator.submissions.submission import Manifest, Submission
 
 
@@ -29,17 +31,7 @@ def played(job: Job, wall: float, score: float = 1.0, *, fault: bool = False) ->
         fault="agent" if fault else None,
         metrics=metrics,
     )
-    seat = SeatTiming(
-        seat=0,
-        start_up=0.5,
-        steps=100,
-        late_steps=0,
-        time_used=1.0,
-        latency_p50=0.01,
-        latency_p99=0.01,
-        latency_max=0.01,
-        time_bank=30.0,
-    )
+    seat = timing_of_a_seat(steps=100, latency_p50=0.01, latency_p99=0.01)
     timing = MatchTiming(
         submission="walker",
         track=job.track,

@@ -8,15 +8,14 @@ from pathlib import Path
 import pytest
 from prometheus_client.parser import text_string_to_metric_families
 from tests.evaluator.monitoring.jobs_by_hand import jobs, played
+from tests.evaluator.results_by_hand import plan_of
 
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.evaluate import run_session
 from wildscav_evaluator.matches.jobs import Heartbeat
 from wildscav_evaluator.monitoring.monitor import EvaluationMetrics, Monitor, MonitorOptions
 from wildscav_evaluator.monitoring.tally import Tally
-from wildscav_evaluator.plans.evaluation import EvaluationPlan
 from wildscav_evaluator.submissions.submission import load_submission
-from wildscav_evaluator.suites.seeds import SuiteSeed
 from wildscav_evaluator.suites.suite_file import read_suite
 from wildscav_server.monitoring.logs import open_log
 from wildscav_server.monitoring.metrics import serving_metrics
@@ -107,16 +106,7 @@ def test_text_is_for_people_and_without_a_form_nothing_is_written(capsys: pytest
 @pytest.mark.slow
 def test_an_evaluation_is_watched_while_it_runs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "short.toml").write_text(SUITE)
-    suite, homing = read_suite(tmp_path / "short.toml"), load_submission(HOMING)
-    plan = EvaluationPlan(
-        submissions=(homing,),
-        tracks=("navigation",),
-        suite=suite,
-        seed=SuiteSeed(0),
-        replays="none",
-        jobs=1,
-        out=tmp_path / "out",
-    )
+    plan = plan_of(load_submission(HOMING), out=tmp_path / "out", suite=read_suite(tmp_path / "short.toml"))
 
     run_session(plan, tmp_path / "db", MonitorOptions("json", 0))
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from tests.evaluator.results_by_hand import plan_of
 from tests.evaluator.sample_agents import WALKER, Submit
 
 from wildscav.errors import UserError
@@ -20,15 +21,7 @@ from wildscav_evaluator.suites.suite import SUITES, Suite
 @pytest.fixture
 def plan(submit: Submit, tmp_path: Path) -> EvaluationPlan:
     walker = submit("walker", WALKER, tracks='["navigation", "gathering"]')
-    return EvaluationPlan(
-        submissions=(walker,),
-        tracks=("navigation",),
-        suite=SUITES["quick"],
-        seed=SuiteSeed(0),
-        replays="none",
-        jobs=1,
-        out=tmp_path / "out",
-    )
+    return plan_of(walker, out=tmp_path / "out")
 
 
 def refusal(plan: EvaluationPlan) -> str:

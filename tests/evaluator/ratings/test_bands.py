@@ -8,9 +8,9 @@ from wildscav_evaluator.ratings.bands import rank_entrants, significantly_better
 from wildscav_evaluator.ratings.fit import fit
 from wildscav_evaluator.ratings.matches import RatedMatch
 
-TOURNAMENTS = 200
-# If 5 % of tournaments separate identical entrants, more than 18 of 200 do so with a probability of 0.6 %.
-MOST_SEPARATED = 18
+TOURNAMENTS = 100
+# If 5 % of tournaments separate identical entrants, more than 11 of 100 do so with a probability of 0.4 %.
+MOST_SEPARATED = 11
 DISTINCT = [2.1, 1.4, 0.7, 0.0, -0.7, -1.4, -2.1, -2.8]
 
 
@@ -41,7 +41,7 @@ def test_no_two_of_eight_identical_entrants_are_told_apart_in_95_of_100_tourname
     assert separated <= MOST_SEPARATED
 
 
-@pytest.mark.parametrize("games", [6, 7, 12])
+@pytest.mark.parametrize("games", [6, 12])
 def test_one_of_two_identical_entrants_rarely_wins_a_short_tournament(games: int) -> None:
     separated = 0
     for seed in range(TOURNAMENTS):

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
+from tests.evaluator.results_by_hand import plan_of
 
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.evaluate import run_session
@@ -12,12 +13,9 @@ from wildscav_evaluator.cli.sessions.rescore import recomputed, run_rescore
 from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_evaluator.output.record_names import record_paths
 from wildscav_evaluator.output.results import Evaluation, Results, read_results, write_results
-from wildscav_evaluator.plans.evaluation import EvaluationPlan
 from wildscav_evaluator.scores.expected_matches import expected_matches
 from wildscav_evaluator.scores.rescore import Replayed, disagreements, recompute, replay_one
 from wildscav_evaluator.submissions.submission import load_submission
-from wildscav_evaluator.suites.seeds import SuiteSeed
-from wildscav_evaluator.suites.suite import SUITES
 
 HOMING = Path(__file__).parents[3] / "submissions" / "homing"
 
@@ -26,15 +24,7 @@ HOMING = Path(__file__).parents[3] / "submissions" / "homing"
 def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The output folder of an evaluation."""
     out = tmp_path_factory.mktemp("evaluation") / "out"
-    plan = EvaluationPlan(
-        submissions=(load_submission(HOMING),),
-        tracks=("navigation",),
-        suite=SUITES["quick"],
-        seed=SuiteSeed(0),
-        replays="none",
-        jobs=1,
-        out=out,
-    )
+    plan = plan_of(load_submission(HOMING), out=out)
     run_session(plan, out / "wildscav.db")
     return out
 

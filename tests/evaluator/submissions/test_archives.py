@@ -1,7 +1,4 @@
-"""Submissions as archives: good ones are unpacked, tricks are refused, and nothing is left of those.
-
-Each trick has a control: the unpackers that everybody has at hand fall for it.
-"""
+"""Submissions as archives: good ones are unpacked, tricks are refused, and nothing is left of those."""
 
 import gzip
 import io
@@ -26,7 +23,7 @@ from wildscav_evaluator.submissions.submission import load_submission
 
 MANIFEST = b'name = "walker"\nversion = "1"\nentry_point = "agent:Walker"\ntracks = ["navigation"]\n'
 GOOD = {"submission.toml": MANIFEST, "agent.py": b"class Walker: ...", "models/net.bin": bytes(1000)}
-KINDS = ["a.zip", "a.tar.gz", "a.tgz"]
+KINDS = ["a.zip", "a.tar.gz"]
 
 
 @pytest.fixture(autouse=True)
@@ -69,7 +66,7 @@ def special(path: Path, name: str, target: str, kind: bytes = tarfile.SYMTYPE) -
     return path
 
 
-@pytest.mark.parametrize("name", KINDS)
+@pytest.mark.parametrize("name", [*KINDS, "a.tgz"])
 @pytest.mark.parametrize("top", ["", "./", "my-agent/"])
 def test_a_good_archive_is_the_submission_that_was_packed(tmp_path: Path, name: str, top: str) -> None:
     archive = pack(tmp_path / name, {top + file: content for file, content in GOOD.items()})
@@ -228,25 +225,6 @@ def test_a_file_that_is_no_archive_by_its_name_is_told_what_is(tmp_path: Path) -
 
     with pytest.raises(SubmissionError, match=r"or one as \.zip, \.tar\.gz, \.tgz"):
         load_submission(tmp_path / "agent.rar")
-
-
-def test_without_care_a_tar_does_lead_out(tmp_path: Path) -> None:
-    """The control: Python's own unpacker, told to trust."""
-    inside = tmp_path / "inside"
-    inside.mkdir()
-    with tarfile.open(pack(tmp_path / "a.tar.gz", {"../evil.py": b"evil"})) as archive:
-        archive.extractall(inside, filter="fully_trusted")  # noqa: S202
-
-    assert (tmp_path / "evil.py").exists()
-
-
-def test_without_care_a_link_does_lead_out(tmp_path: Path) -> None:
-    """The control: a link to a file of the host, and what a reader of the folder then sees."""
-    (tmp_path / "secret").write_text("a secret")
-    with tarfile.open(special(tmp_path / "a.tar.gz", "link", "../secret")) as archive:
-        archive.extractall(tmp_path / "inside", filter="fully_trusted")  # noqa: S202
-
-    assert (tmp_path / "inside" / "link").read_text() == "a secret"
 
 
 def gnu_long_name(path: Path) -> None:

@@ -8,16 +8,15 @@ from pathlib import Path
 
 import pytest
 from tests.commands import Run, run_command
+from tests.evaluator.results_by_hand import plan_of
 
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.evaluate import run_session
 from wildscav_evaluator.output.layout import OPENED_FILE
 from wildscav_evaluator.output.results import read_results
-from wildscav_evaluator.plans.evaluation import EvaluationPlan
 from wildscav_evaluator.scores.expected_matches import check_opened, expected_matches
 from wildscav_evaluator.submissions.submission import load_submission
 from wildscav_evaluator.suites.seeds import SuiteSeed, read_secret
-from wildscav_evaluator.suites.suite import SUITES
 
 HOMING = Path(__file__).parents[3] / "submissions" / "homing"
 
@@ -34,17 +33,7 @@ def evaluated(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     folder = tmp_path_factory.mktemp("hidden")
     file, out = folder / "season.secret", folder / "out"
     file.write_bytes(b"nobody knows this, and nobody is going to guess it\n")
-    suite, seed = SUITES["quick"], read_secret(file)
-    homing = load_submission(HOMING)
-    plan = EvaluationPlan(
-        submissions=(homing,),
-        tracks=("navigation",),
-        suite=suite,
-        seed=seed,
-        replays="none",
-        jobs=1,
-        out=out,
-    )
+    plan = plan_of(load_submission(HOMING), out=out, seed=read_secret(file))
     run_session(plan, out / "wildscav.db")
     return file, out
 

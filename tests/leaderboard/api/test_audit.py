@@ -6,7 +6,7 @@ from datetime import timedelta
 import httpx
 import pytest
 from sqlalchemy import select
-from tests.leaderboard.played_seasons import end_season, played_season
+from tests.leaderboard.played_seasons import end_season
 from tests.leaderboard.spectating.served import served
 
 from wildscav.errors import UserError
@@ -24,13 +24,6 @@ from wildscav_leaderboard.publishing.documents import PublishedSeason
 from wildscav_leaderboard.publishing.export import IN_FOLDER, export
 from wildscav_leaderboard.publishing.service import published_season
 from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, Season
-
-
-@pytest.fixture(scope="module")
-def played(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Season, Database]]:
-    season, database = played_season(tmp_path_factory.mktemp("played"), teams=("foxes", "owls", "hares"))
-    yield season, database
-    database.close()
 
 
 @pytest.fixture(scope="module")

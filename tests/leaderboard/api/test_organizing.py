@@ -93,44 +93,16 @@ def test_an_invitation_registers_as_many_as_it_says_and_in_its_role(callers: Cal
     assert again.status_code == 403, again.text
 
 
-@pytest.mark.parametrize(
-    ("method", "path", "content"),
-    [
-        ("GET", "/organizer/status", None),
-        ("GET", "/organizer/audit-log", None),
-        ("POST", "/organizer/pause", {"reason": "mine"}),
-        ("POST", "/organizer/resume", None),
-        ("POST", "/organizer/freeze", None),
-        ("POST", "/organizer/announcements", {"title": "mine"}),
-        ("POST", "/organizer/invitations", {}),
-        ("POST", "/organizer/submissions/1/rerun", None),
-        ("POST", "/organizer/submissions/1/disqualify", {"reason": "mine"}),
-        ("POST", "/organizer/teams/foxes/disqualify", {"reason": "mine"}),
-    ],
-)
-def test_a_competitor_does_nothing_of_it_and_a_visitor_is_asked_to_log_in(
-    callers: Callers, method: str, path: str, content: object
-) -> None:
-    refused = callers.ask("foxes-captain", method, path, content)
-    assert (refused.status_code, refused.json()["error"]) == (403, "only organizers may do this")
-    assert callers.client.request(method, path, json=content).status_code == 401
-    assert callers.ask("olga", "GET", "/organizer/audit-log").json() == []
-
-
-@pytest.mark.parametrize(
-    ("path", "content", "status"),
-    [
+def test_what_cannot_be_done_is_refused_in_one_line(callers: Callers) -> None:
+    for path, content, status in (
         ("/submissions/1/rerun", None, 409),
         ("/submissions/9/rerun", None, 404),
         ("/submissions/1/disqualify", {"reason": ""}, 422),
         ("/teams/wolves/disqualify", {"reason": "why not"}, 404),
         ("/resume", None, 409),
         ("/invitations", {"role": COMPETITOR, "uses": 0}, 422),
-    ],
-)
-def test_what_cannot_be_done_is_refused_in_one_line(
-    callers: Callers, path: str, content: object, status: int
-) -> None:
-    refused = callers.ask("olga", "POST", f"/organizer{path}", content)
-    assert refused.status_code == status, refused.text
-    assert "\n" not in refused.json()["error"]
+    ):
+        refused = callers.ask("olga", "POST", f"/organizer{path}", content)
+        assert refused.status_code == status, refused.text
+        assert "\n" not in refused.json()["error"]
+    assert callers.ask("olga", "GET", "/organizer/audit-log").json() == []

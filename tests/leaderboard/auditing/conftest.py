@@ -1,12 +1,12 @@
 """A season that was played and opened, exported once, and copies of it to tamper with."""
 
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from tests.leaderboard.auditing.tampering import Published
-from tests.leaderboard.played_seasons import end_season, played_season
+from tests.leaderboard.played_seasons import end_season
 
 from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_leaderboard.auditing.audit import Audit
@@ -17,14 +17,6 @@ from wildscav_leaderboard.publishing.export import export
 from wildscav_leaderboard.seasons.folder import Season
 
 Run = Callable[..., Report]
-
-
-@pytest.fixture(scope="module")
-def played(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Season, Database]]:
-    """A season that was played; its secrets are not opened yet."""
-    season, database = played_season(tmp_path_factory.mktemp("played"))
-    yield season, database
-    database.close()
 
 
 @pytest.fixture(scope="module")

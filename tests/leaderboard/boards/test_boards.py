@@ -157,24 +157,6 @@ def candidates(counts: list[int], robots: int = 0) -> list[Candidate]:
     return found + [Candidate(f"robot:r{i}", None, 1500.0, 0) for i in range(robots)]
 
 
-def test_submissions_of_one_team_never_meet() -> None:
-    own = [Candidate("a-1", 1, 1500.0, 0), Candidate("a-2", 1, 1500.0, 0)]
-    assert choose_entrants(own, 2, 40, "k") is None
-    met = choose_entrants([*own, Candidate("b-3", 2, 9.0, 99)], 2, 40, "k")
-    assert met is not None
-    assert {one.team for one in met} == {1, 2}
-
-
-def test_a_single_submission_meets_robots() -> None:
-    met = choose_entrants(candidates([0], robots=3), 4, 40, "k")
-    assert met is not None
-    assert [one.is_robot for one in met] == [False, True, True, True]
-
-
-def test_nobody_plays_once_everyone_has_played_enough() -> None:
-    assert choose_entrants(candidates([40, 40, 41], robots=2), 2, 40, "k") is None
-
-
 @given(st.integers(2, 20), st.integers(2, 6), st.integers(0, 1000))
 def test_nobody_starves_and_the_new_come_first(count: int, seats: int, salt: int) -> None:
     played = dict.fromkeys(range(count), 0)

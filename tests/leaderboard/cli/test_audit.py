@@ -2,25 +2,24 @@
 
 import json
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from tests.leaderboard.played_seasons import played_season
 
 from wildscav.cli import main
+from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.publishing.export import export
+from wildscav_leaderboard.seasons.folder import Season
 
 Said = Callable[..., tuple[int, str, str]]
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    season, database = played_season(tmp_path_factory.mktemp("played"), teams=("foxes", "owls", "hares"))
+def folder(played: tuple[Season, Database], tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("out") / "export"
-    export(season, database, out)
-    yield out
-    database.close()
+    export(*played, out)
+    return out
 
 
 @pytest.fixture

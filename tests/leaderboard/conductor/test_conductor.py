@@ -188,46 +188,27 @@ def test_a_slow_submission_holds_up_neither_others_nor_matches(
         assert submission_of(session, slow).state == "queued"  # the conductor was stopped
 
 
-def test_an_agent_that_crashes_fails_with_its_last_lines_and_a_command(
-    sqlite: Database, season: Season, tmp_path: Path
-) -> None:
+def test_what_fails_says_whose_fault_it_was(sqlite: Database, season: Season, tmp_path: Path) -> None:
+    lost = hand_in(sqlite, season, write_agent(tmp_path, "walker"))
+    for path in season.archives.iterdir():
+        path.unlink()
     number = hand_in(sqlite, season, write_agent(tmp_path, "crasher", CRASHER))
 
-    conduct(sqlite, season, lambda session: submission_of(session, number).state == "failed")
+    conduct(
+        sqlite,
+        season,
+        lambda session: {submission_of(session, one).state for one in (lost, number)} == {"failed"},
+    )
 
     with sqlite.reading() as session:
+        one = submission_of(session, lost)
+        assert (one.fault, one.charged, one.platform_faults) == ("platform", False, 3)
         one = submission_of(session, number)
-        assert one.fault == "agent"
-        assert one.charged
+        assert (one.fault, one.charged) == ("agent", True)
         assert one.reason.startswith("match: navigation: crashed")
         assert any("lost the thread" in line for line in one.last_lines)
         assert any('File "agent.py"' in line for line in one.last_lines)
         assert one.command == f"wildscav check DIR --season {season.settings.web.address}"
-
-
-def test_an_archive_that_is_gone_is_the_platforms_fault_and_is_not_charged(
-    sqlite: Database, season: Season, tmp_path: Path
-) -> None:
-    number = hand_in(sqlite, season, write_agent(tmp_path, "walker"))
-    for path in season.archives.iterdir():
-        path.unlink()
-
-    conduct(sqlite, season, lambda session: submission_of(session, number).state == "failed")
-
-    with sqlite.reading() as session:
-        one = submission_of(session, number)
-        assert (one.fault, one.charged, one.platform_faults) == ("platform", False, 3)
-
-
-def test_a_paused_season_begins_nothing(sqlite: Database, season: Season, tmp_path: Path) -> None:
-    with sqlite.writing() as session:
-        write_state(session, PAUSED, {"reason": "the machine moves"}, now())
-    number = hand_in(sqlite, season, write_agent(tmp_path, "walker"))
-
-    conduct(sqlite, season, lambda session: submission_of(session, number).state == "queued")
-
-    with sqlite.reading() as session:
-        assert submission_of(session, number).state == "queued"
 
 
 def attempts_at_matches(session: Session) -> list[Attempt]:

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 from sqlalchemy import select
-from tests.leaderboard.agents import write_agent
-from tests.leaderboard.seasons_made import NOON, make_season, submitted, team_with_member
+from tests.leaderboard.seasons_made import NOON, make_season
 
 from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_leaderboard.boards.service import Final, decide
@@ -19,7 +18,6 @@ from wildscav_leaderboard.organizing.status import nodes
 from wildscav_leaderboard.seasons.acts import Doing
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.models import AuditEntry
-from wildscav_leaderboard.seasons.refusals import RefusalError
 from wildscav_leaderboard.seasons.state import FROZEN, read_state
 
 DUE = NOON + timedelta(days=2)
@@ -113,13 +111,3 @@ def test_the_conductor_does_it(tmp_path: Path) -> None:
         (node,) = nodes(session)  # this machine, which no cluster reports
     assert (node["name"], node["running"], node["problem"]) == (socket.gethostname(), 0, "")
     database.close()
-
-
-def test_nothing_is_accepted_once_the_season_is_closed(
-    database: Database, season: Season, tmp_path: Path
-) -> None:
-    with database.writing() as session:
-        team_with_member(session, "foxes")
-        submitted(session, season, "foxes", write_agent(tmp_path, "one"), season.settings.closes - SECOND)
-    with database.writing() as session, pytest.raises(RefusalError, match="closed at 2030-06-10 12:00 UTC"):
-        submitted(session, season, "foxes", write_agent(tmp_path, "two"), season.settings.closes)

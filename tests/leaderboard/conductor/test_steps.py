@@ -520,12 +520,3 @@ def test_a_ladder_goes_on_until_everyone_has_enough_matches(season: Conducted) -
     with season.database.reading() as session:
         seats = session.scalars(select(MatchSeat).filter_by(submission_id=number)).all()
     assert len(seats) == 4
-
-
-def test_tracks_take_turns(season: Conducted) -> None:
-    season.active("foxes", ("navigation", "battle"))
-    season.active("owls", ("navigation", "battle"))
-    season.write(lambda session: plan_ladders(session, season.season, season.now))
-    taken = [match for _, match in season.take_matches(4)]
-    assert [match.track for match in taken] == ["navigation", "battle", "navigation", "battle"]
-    assert [match.number for match in taken] == [0, 0, 0, 1]  # everyone's first match before any second

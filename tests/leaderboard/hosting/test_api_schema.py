@@ -1,12 +1,11 @@
 """The API does what its OpenAPI description says, whatever it is asked: schemathesis asks."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 import pytest
 from hypothesis import HealthCheck, Phase, given, settings
-from tests.leaderboard.filled_season import FilledSeason, fill_season
-from tests.leaderboard.hosting.clients import copied_database
+from tests.leaderboard.filled_season import FilledSeason
 from tests.leaderboard.spectating.served import served
 
 from wildscav_leaderboard.hosting.app import create_app
@@ -30,11 +29,10 @@ class Asked(NamedTuple):
 
 
 @pytest.fixture(scope="module")
-def asked(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Asked]:
-    folder = tmp_path_factory.mktemp("schema")
-    filled = fill_season(folder)
+def asked(new_filled_season: Callable[..., FilledSeason]) -> Iterator[Asked]:
+    filled = new_filled_season()
     app = create_app(filled.season, filled.database)
-    with copied_database(app, filled, folder), served(app) as address:
+    with served(app) as address:
         yield Asked(filled, schemathesis.openapi.from_url(f"{address}/api/v1/openapi.json"))
     app.state.renders.close()
     filled.database.close()

@@ -16,9 +16,9 @@ from wildscav_leaderboard.hosting.app import create_app
 HUGE = 10**23
 
 
-@pytest.fixture
-def client(tmp_path: Path) -> Iterator[httpx.Client]:
-    season = make_season(tmp_path / "season", current=True)
+@pytest.fixture(scope="module")
+def client(tmp_path_factory: pytest.TempPathFactory) -> Iterator[httpx.Client]:
+    season = make_season(tmp_path_factory.mktemp("odd") / "season", current=True)
     database = season.database()
     database.upgrade()
     with served(create_app(season, database)) as address, httpx.Client(base_url=address) as client:

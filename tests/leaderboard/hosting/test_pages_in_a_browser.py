@@ -1,6 +1,6 @@
 """The season's pages in a real browser: on a phone, in the dark, without scripts, and with people at work."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -8,7 +8,7 @@ import pytest
 from fastapi import FastAPI
 from tests.browsers import DESK, PHONE, chromium
 from tests.leaderboard.agents import write_agent
-from tests.leaderboard.filled_season import COOKIE, PASSWORD, FilledSeason, fill_season
+from tests.leaderboard.filled_season import COOKIE, PASSWORD, FilledSeason
 from tests.leaderboard.hosting.clients import copied_database
 from tests.leaderboard.spectating.served import served
 
@@ -57,8 +57,8 @@ class Arena(NamedTuple):
 
 
 @pytest.fixture(scope="module")
-def arena(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Arena]:
-    filled = fill_season(tmp_path_factory.mktemp("arena"))  # its matches have no records to be rendered
+def arena(new_filled_season: Callable[..., FilledSeason]) -> Iterator[Arena]:
+    filled = new_filled_season()  # its matches have no records to be rendered
     app = create_app(filled.season, filled.database)
     with served(app) as address:
         yield Arena(filled, app, address)

@@ -171,15 +171,18 @@ def test_matches_are_listed_live_ones_first_with_their_winners(
 
 
 def test_lists_of_matches_are_chosen_and_go_on(client: httpx.Client, hostile_season: FilledSeason) -> None:
-    chosen = "track=battle&team=hares&state=finished"
+    chosen = "track=battle&state=finished"
     first, listed = f"/matches?{chosen}", client.get(f"/api/v1/matches?{chosen}").json()["matches"]
     page = unescape(client.get(first).text)
     rows = rows_of(client, hostile_season, first)
-    assert all("Hares & Hounds" in row and " battle " in row for row in rows)
+    assert all(" battle " in row for row in rows)
     (more,) = re.findall(r'href="(\?[^"]*before=[^"]*)"', page)
     rows += rows_of(client, hostile_season, f"/matches{more}")
     assert [int(row.split()[-1]) for row in rows] == [one["id"] for one in listed][: len(rows)]
     assert len(rows) > len(rows_of(client, hostile_season, first))
+    of_hares = rows_of(client, hostile_season, f"{first}&team=hares")
+    assert of_hares
+    assert all("Hares & Hounds" in row and " battle " in row for row in of_hares)
     assert rows_of(client, hostile_season, "/matches?state=waiting&team=newts") == []
     assert 'href="/matches"' in client.get("/").text
 

@@ -4,13 +4,12 @@ import csv
 import io
 import json
 import subprocess
-from collections.abc import Iterator
 from datetime import timedelta
 from pathlib import Path
 
 import pytest
 from sqlalchemy import select
-from tests.leaderboard.played_seasons import enter, play_everything, played_season
+from tests.leaderboard.played_seasons import enter, play_everything
 from tests.leaderboard.seasons_made import NOON, team_with_member
 
 from wildscav.errors import UserError
@@ -29,13 +28,6 @@ from wildscav_leaderboard.seasons.state import FINALIZED, frozen_since, write_st
 
 TRACKS = ("navigation", "battle")
 LATE = NOON + timedelta(days=2)
-
-
-@pytest.fixture(scope="module")
-def played(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Season, Database]]:
-    season, database = played_season(tmp_path_factory.mktemp("played"), teams=("foxes", "owls", "hares"))
-    yield season, database
-    database.close()
 
 
 @pytest.fixture(scope="module")

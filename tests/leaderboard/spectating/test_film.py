@@ -1,7 +1,7 @@
 """The video of a match on its page: made on first request, played and downloaded in a real browser."""
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -11,7 +11,7 @@ import pytest
 from fastapi import FastAPI
 from fastapi.responses import Response
 from tests.browsers import DESK, chromium
-from tests.leaderboard.filled_season import FilledSeason, fill_season
+from tests.leaderboard.filled_season import FilledSeason
 from tests.leaderboard.spectating.conftest import SMALL_MAP
 from tests.leaderboard.spectating.served import served
 
@@ -34,14 +34,17 @@ class Site(NamedTuple):
 
 
 @pytest.fixture(scope="module")
-def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
-    folder = tmp_path_factory.mktemp("filmed")
+def site(
+    new_filled_season: Callable[..., FilledSeason], tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[Site]:
     match = Match(
         MatchSpec(track="battle", map=SMALL_MAP, seats=("fighter", "fighter"), time_limit=2.0, seed=3)
     )
     match.play_out()
-    write_record(folder / "match.wsr", match, ["night-owl", "fighter"])
-    filled = fill_season(folder, record=folder / "match.wsr")
+    record = tmp_path_factory.mktemp("filmed") / "match.wsr"
+    write_record(record, match, ["night-owl", "fighter"])
+    filled = new_filled_season()
+    filled.give_records(record.read_bytes())
     app = create_app(filled.season, filled.database)
     with served(app) as address, httpx.Client(base_url=address, timeout=60.0) as client:
         yield Site(filled, client)

@@ -9,7 +9,6 @@ import pytest
 
 from wildscav_engine.record import Record, read_record, resimulate
 from wildscav_evaluator.matches.snapshots import Snapshot, snapshot_of
-from wildscav_leaderboard.spectating.document import Trails
 from wildscav_leaderboard.spectating.live import LiveMatches
 from wildscav_leaderboard.spectating.trails import trails_of
 
@@ -162,12 +161,3 @@ def test_what_a_killed_conductor_left_can_be_removed(tmp_path: Path, battle: Rec
     LiveMatches(tmp_path).clear()
 
     assert list(tmp_path.iterdir()) == []
-
-
-def test_the_document_survives_its_own_json(tmp_path: Path, battle: Record) -> None:
-    live = LiveMatches(tmp_path)
-    play(live, battle)
-    shown = live.trails("m1")
-
-    assert shown is not None
-    assert Trails.model_validate_json(shown.model_dump_json()) == shown

@@ -14,7 +14,7 @@ from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.systems.zone import zone_at
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_leaderboard.spectating.document import Circle, Trails, ZonePhase
+from wildscav_leaderboard.spectating.document import Circle, ZonePhase
 from wildscav_leaderboard.spectating.trails import trails_of, trails_of_file
 
 TRACKS = ("navigation", "gathering", "battle", "capture", "royale")
@@ -79,12 +79,6 @@ def test_names_kinds_teams_and_results_are_those_of_the_record(path: Path) -> No
         assert (shown.result.kills, shown.result.deaths) == (result.kills, result.deaths)
     assert trails.over
     assert trails.ending == record.result.ending
-
-
-def test_the_document_survives_its_own_json(path: Path) -> None:
-    trails = trails_of_file(path)
-
-    assert Trails.model_validate_json(trails.model_dump_json()) == trails
 
 
 def test_events_add_up_to_the_results_of_a_battle(record_of_track: Records) -> None:

@@ -22,9 +22,7 @@ from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.queue import queue
 from wildscav_leaderboard.submissions.service import (
     StateError,
-    activate,
     hand_in,
-    history_of,
     move,
 )
 from wildscav_leaderboard.teams.service import find_team, leave_team, make_team
@@ -253,28 +251,6 @@ def test_a_state_that_cannot_follow_is_refused(
     one = enter(database, season, foxes, agents[0])
     with pytest.raises(StateError, match=f"submission {one.id} is submitted, and cannot become active"):
         step(database, one, states.ACTIVE)
-
-
-def test_the_history_tells_every_state(
-    database: Database, season: Season, agents: list[Path], foxes: str
-) -> None:
-    one = enter(database, season, foxes, agents[0])
-    step(database, one, states.QUEUED, states.BUILDING, states.VALIDATING)
-    with database.reading() as session:
-        states_seen = [entry.state for entry in history_of(session, one)]
-    assert states_seen == ["submitted", "queued", "building", "validating"]
-
-
-def test_newer_submissions_replace_the_oldest_beyond_the_quota(
-    database: Database, season: Season, agents: list[Path], foxes: str
-) -> None:
-    entered = [enter(database, season, foxes, folder) for folder in agents[:3]]
-    for one in entered:
-        step(database, one, states.QUEUED, states.BUILDING, states.VALIDATING)
-        with database.writing() as session:
-            replaced = activate(session, season, session.get_one(Submission, one.id), NOON)
-    assert [(track, one.id) for track, one in replaced] == [("navigation", entered[0].id)]
-    assert replaced[0][1].reason == f"replaced by submission {entered[2].id}"
 
 
 def test_a_team_that_submits_much_delays_nobody_but_itself(

@@ -1,13 +1,13 @@
 """Feeds and badges: what others read and show of a season, on the season's own server."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from datetime import UTC, datetime, timedelta
 from typing import NamedTuple
 from xml.etree import ElementTree as ET
 
 import httpx
 import pytest
-from tests.leaderboard.filled_season import FilledSeason, fill_season
+from tests.leaderboard.filled_season import FilledSeason
 from tests.leaderboard.spectating.served import served
 
 from wildscav_leaderboard.hosting.app import create_app
@@ -26,8 +26,8 @@ class Site(NamedTuple):
 
 
 @pytest.fixture(scope="module")
-def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
-    filled = fill_season(tmp_path_factory.mktemp("site"), more=f'[web]\nurl = "{URL}/"\n')
+def site(new_filled_season: Callable[..., FilledSeason]) -> Iterator[Site]:
+    filled = new_filled_season(web=f'url = "{URL}/"')
     app = create_app(filled.season, filled.database)
     with served(app) as address, httpx.Client(base_url=address, timeout=60.0) as client:
         yield Site(filled, client)

@@ -6,8 +6,10 @@ from pathlib import Path
 
 import pytest
 import typer
+from tests.commands import run_command
+from tests.evaluator.conftest import submission_in
 from tests.evaluator.interrupted_runs import Sitting, check_whole, files, journal, without_timings
-from tests.evaluator.sample_agents import CRASHER, WALKER, Command, Submit
+from tests.evaluator.sample_agents import CRASHER, WALKER, Command
 from typer.testing import CliRunner
 
 from wildscav.errors import UserError
@@ -40,18 +42,23 @@ match = { time_limit = 3.0 }
 TRACKS = '["battle"]'
 
 
-@pytest.fixture
-def suite(tmp_path: Path) -> Path:
-    path = tmp_path / "arena.toml"
+@pytest.fixture(scope="module")
+def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("tournament")
+
+
+@pytest.fixture(scope="module")
+def suite(place: Path) -> Path:
+    path = place / "arena.toml"
     path.write_text(SUITE)
     return path
 
 
-@pytest.fixture
-def entrants(submit: Submit) -> tuple[str, ...]:
+@pytest.fixture(scope="module")
+def entrants(place: Path) -> tuple[str, ...]:
     """One that walks, one that crashes in every match, and two robots."""
-    walker = submit("walker", WALKER, tracks=TRACKS)
-    crasher = submit("crasher", CRASHER, tracks=TRACKS)
+    walker = submission_in(place, "walker", WALKER, tracks=TRACKS)
+    crasher = submission_in(place, "crasher", CRASHER, tracks=TRACKS)
     return str(walker.folder), str(crasher.folder), "robot:gatherer-hard", "robot:walker-easy"
 
 
@@ -60,17 +67,31 @@ def arguments(entrants: tuple[str, ...], suite: Path, *more: str) -> list[str]:
     return [*entrants, *chosen, "--seats=2", "--rounds=3", *more]
 
 
-@pytest.fixture
-def played(
-    entrants: tuple[str, ...], suite: Path, tmp_path: Path, wildscav: Command
-) -> tuple[Path, dict[str, object]]:
-    out = tmp_path / "out"
-    done = wildscav(
-        "tournament", *arguments(entrants, suite), f"--out={out}", f"--db={tmp_path / 'db'}", "--json"
+@pytest.fixture(scope="module")
+def document(entrants: tuple[str, ...], suite: Path, place: Path) -> dict[str, object]:
+    """What is printed of a tournament that is in the folder ``out`` of the place."""
+    done = run_command(
+        *(
+            "tournament",
+            *arguments(entrants, suite),
+            f"--out={place / 'out'}",
+            f"--db={place / 'db'}",
+            "--json",
+        )
     )
     assert done.returncode == 1, done.stderr
     assert "crasher failed in every match of battle" in done.stderr
-    return out, json.loads(done.stdout[done.stdout.index("{\n") : done.stdout.rindex("}") + 1])
+    printed: dict[str, object] = json.loads(
+        done.stdout[done.stdout.index("{\n") : done.stdout.rindex("}") + 1]
+    )
+    return printed
+
+
+@pytest.fixture
+def played(document: dict[str, object], place: Path, tmp_path: Path) -> tuple[Path, dict[str, object]]:
+    """A copy of the tournament's folder, and what was printed."""
+    shutil.copy(place / "db", tmp_path / "db")
+    return shutil.copytree(place / "out", tmp_path / "out"), document
 
 
 def test_a_crash_costs_the_seat_of_the_crasher_and_nobody_elses(

@@ -4,6 +4,7 @@ import io
 
 import pytest
 from rich.console import Console
+from tests.evaluator.results_by_hand import timing_of_a_seat
 
 from wildscav_evaluator.cli.result_tables.timing import sandbox_and_limits, timing_table
 from wildscav_evaluator.output.results import (
@@ -19,16 +20,9 @@ from wildscav_evaluator.output.results import (
 
 
 def seat(**changes: float) -> SeatTiming:
-    values = {
-        "start_up": 0.5,
-        "late_steps": 0,
-        "time_used": 2.0,
-        "latency_p50": 0.002,
-        "latency_p99": 0.004,
-        "latency_max": 0.03,
-        "time_bank": 30.0,
-    }
-    return SeatTiming(seat=0, steps=100, **values | changes)  # type: ignore[arg-type]
+    usual = {"steps": 100, "late_steps": 0, "time_used": 2.0, "time_bank": 30.0}
+    latencies = {"latency_p50": 0.002, "latency_p99": 0.004, "latency_max": 0.03}
+    return timing_of_a_seat(**usual | latencies | changes)
 
 
 def results(*seats: SeatTiming) -> Results:

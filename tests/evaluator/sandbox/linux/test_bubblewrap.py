@@ -8,7 +8,6 @@ import pytest
 from tests.evaluator.sandbox.available import missing
 from tests.evaluator.sandbox.sandbox_runs import LIMITS, listening
 
-from wildscav.errors import UserError
 from wildscav_evaluator.sandbox import SANDBOXES, Launch, SandboxError
 from wildscav_evaluator.sandbox.linux import cgroup
 from wildscav_evaluator.submissions.submission import Submission
@@ -76,11 +75,6 @@ def test_the_root_is_nobodys_home(monkeypatch: pytest.MonkeyPatch) -> None:
     broken = [promise for promise in SANDBOXES["bubblewrap"].promises(LIMITS) if not promise.kept]
 
     assert broken == []
-
-
-def test_an_image_is_for_containers(submit: Submit, tmp_path: Path) -> None:
-    with pytest.raises(UserError, match="needs --sandbox oci"):
-        start(submit("plain"), tmp_path, image="somebody/agent")
 
 
 def assert_no_groups() -> None:

@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from tests.commands import Run, run_command
+from tests.evaluator.results_by_hand import timing_of_a_seat
 from tests.leaderboard.agents import write_agent
 from tests.leaderboard.seasons_made import make_season
 from tests.leaderboard.spectating.served import served
@@ -21,7 +22,7 @@ from wildscav_engine.simulation.match import Match as PlayedMatch
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.output.journal import file_digest
-from wildscav_evaluator.output.results import MatchRow, MatchTiming, SeatRow, SeatTiming, metric_infos
+from wildscav_evaluator.output.results import MatchRow, MatchTiming, SeatRow, metric_infos
 from wildscav_leaderboard.accounts import service as accounts
 from wildscav_leaderboard.accounts.passwords import hashed
 from wildscav_leaderboard.database.connection import Database
@@ -114,23 +115,16 @@ def _deliver(session: Any, match: Any, entrant: str, record: Path, now: datetime
     )
     row = MatchRow.of(match.number, rows, None).model_copy(update={"record": record.name})
     timing = MatchTiming(
-        submission=None, track="battle", index=0, started=0.0, wall=1.0, steps=20, seats=(_TIMING,)
+        submission=None,
+        track="battle",
+        index=0,
+        started=0.0,
+        wall=1.0,
+        steps=20,
+        seats=(timing_of_a_seat(latency_p99=0.0125),),
     )
     stored = PlayedRecord(file_digest(record), record.stat().st_size)
     deliver(session, match, None, row, timing, stored, metric_infos("battle")[0], now)
-
-
-_TIMING = SeatTiming(
-    seat=0,
-    start_up=0.1,
-    steps=20,
-    latency_p50=0.001,
-    latency_p99=0.0125,
-    latency_max=0.02,
-    late_steps=0,
-    time_used=0.0,
-    time_bank=30.0,
-)
 
 
 @contextmanager

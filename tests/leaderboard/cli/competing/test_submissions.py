@@ -208,10 +208,10 @@ def test_what_is_too_large_is_not_sent(
     with season_site(tmp_path_factory.mktemp("small"), quotas=small) as site:
         competitor.run("login", site.url, "--token", site.token("judy", "jays"))
         agent = write_agent(competitor.folder, "walker")
-        (agent / "model.bin").write_bytes(os.urandom(20 << 20))
+        (agent / "model.bin").write_bytes(os.urandom(2 << 20))
 
         folder = competitor.run("submit", "walker")
-        archive = competitor.run("submit", shutil.make_archive("walker", "zip", agent))
+        archive = competitor.run("submit", shutil.make_archive(str(agent), "zip", agent))
 
     assert archive.returncode == 1
     assert archive.stderr.endswith(
@@ -220,7 +220,7 @@ def test_what_is_too_large_is_not_sent(
     assert (folder.returncode, folder.stderr.count("\n")) == (1, 1)
     assert folder.stderr.endswith(
         "walker packs to more than 1 MiB, which is the most that the season takes; its largest file is "
-        "model.bin (20 MiB)\n"
+        "model.bin (2 MiB)\n"
     )
 
 
