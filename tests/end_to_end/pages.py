@@ -1,7 +1,11 @@
-"""The documentation's pages, as tests read them."""
+"""The documentation's pages, as tests read them and run their commands."""
 
 import re
+import shlex
+from glob import glob
 from pathlib import Path
+
+from tests.commands import run_command
 
 ROOT = Path(__file__).parents[2]
 
@@ -9,3 +13,19 @@ ROOT = Path(__file__).parents[2]
 def blocks(page: Path, language: str) -> list[str]:
     """Return the contents of a page's blocks of code in one language, in order."""
     return re.findall(rf"```{language}\n(.*?)```", page.read_text("utf-8"), re.DOTALL)
+
+
+def run_line(line: str, folder: Path, *more: str) -> str:
+    """Run a line that calls `wildscav` in a folder, as a shell does, and return what it prints.
+
+    Args:
+        line: With commands in `$(…)`, and names with `*`.
+        folder: Where it runs.
+        more: Further arguments.
+    """
+    line = re.sub(r"\$\((.*?)\)", lambda found: run_line(found[1], folder).strip(), line)
+    words = shlex.split(line, comments=True)
+    found = [sorted(glob(word, root_dir=folder)) if "*" in word else [word] for word in words]
+    done = run_command(*sum(found, [])[1:], *more, cwd=folder)
+    assert done.returncode == 0, f"{line}\n{done.stdout}{done.stderr}"
+    return done.stdout

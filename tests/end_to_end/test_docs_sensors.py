@@ -3,7 +3,6 @@
 import ast
 import importlib.util
 import re
-import shlex
 import subprocess
 import sys
 import tomllib
@@ -13,12 +12,10 @@ from typing import Any, Literal, get_args, get_origin
 
 import numpy as np
 import pytest
-import typer
 from annotated_types import Ge, Gt, Le
 from tests.builders import box, flat_world, make_match, place
 from tests.platform.helpers.seats import ended, host, serving, small_spec, start_agent
 
-from wildscav.cli.main import app
 from wildscav.server import Clock, MatchServer, SeatStatus
 from wildscav_engine.extensions import BUILT_IN
 from wildscav_engine.geometry.world import Kind
@@ -107,17 +104,6 @@ def test_the_code_and_the_manifests_of_the_page_work(tmp_path: Path) -> None:
     assert (done.returncode, done.stdout) == (0, "(2, 36, 64)\n(3, 36, 64) float32\n"), done.stderr
     asked = Manifest.model_validate(tomllib.loads(blocks("toml")[0])).sensors
     assert set(asked) == {"depth", "lidar", "segmentation"}
-
-
-def test_the_look_commands_of_the_pages_have_the_options_named() -> None:
-    command = typer.main.get_command(app).get_command(None, "look")  # type: ignore[attr-defined]
-    options = {option for parameter in command.params for option in parameter.opts}
-    text = TEXT + (ROOT / "README.md").read_text("utf-8")
-    lines = re.findall(r"^wildscav look .*$", text, re.MULTILINE)
-    assert len(lines) >= 5
-    for line in lines:
-        words = shlex.split(line, comments=True)[2:]
-        assert {word for word in words if re.match(r"--?[a-z]", word)} <= options, line
 
 
 def test_the_pictures_of_the_page_are_small() -> None:

@@ -32,7 +32,7 @@ FLAT = MapSpec(config=MapConfig(size=100, houses=0, relief=0, water=0, vegetatio
 
 @pytest.fixture(scope="module")
 def workers() -> Iterator[Workers]:
-    with Workers(2) as pool:
+    with Workers(1) as pool:
         pool.precompile()
         yield pool
 

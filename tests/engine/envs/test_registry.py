@@ -19,7 +19,6 @@ def run(code: str) -> None:
         f"import gymnasium, pettingzoo, wildscav_engine; {KNOWN}",
         f"import wildscav_engine, gymnasium, wildscav_engine.envs.parallel, pettingzoo; {KNOWN}",
         "import gymnasium; gymnasium.make('wildscav_engine:WildScav/Battle-v1')",
-        "import wildscav_engine, gymnasium; gymnasium.make('wildscav_engine:WildScav/Battle-v1')",
     ],
 )
 def test_ids_are_known_once_the_engine_or_its_environments_are_imported(code: str) -> None:

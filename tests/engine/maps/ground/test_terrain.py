@@ -188,7 +188,7 @@ def test_seeds_differ_in_structure_not_only_in_noise() -> None:
     assert (np.abs(alike) < 0.5).mean() > 0.75
 
 
-@pytest.mark.parametrize("size", [40, 60, 62, 2000])
+@pytest.mark.parametrize("size", [40, 62, 1000])
 def test_any_size_is_made(size: int) -> None:
     terrain = make_terrain(MapConfig(size=size), 1)
 
