@@ -2,7 +2,6 @@
 
 import re
 import shlex
-from glob import glob
 from pathlib import Path
 
 from tests.commands import run_command
@@ -24,8 +23,9 @@ def run_line(line: str, folder: Path, *more: str) -> str:
         more: Further arguments.
     """
     line = re.sub(r"\$\((.*?)\)", lambda found: run_line(found[1], folder).strip(), line)
-    words = shlex.split(line, comments=True)
-    found = [sorted(glob(word, root_dir=folder)) if "*" in word else [word] for word in words]
-    done = run_command(*sum(found, [])[1:], *more, cwd=folder)
+    words = []
+    for word in shlex.split(line, comments=True)[1:]:
+        words += sorted(map(str, folder.glob(word))) if "*" in word else [word]
+    done = run_command(*words, *more, cwd=folder)
     assert done.returncode == 0, f"{line}\n{done.stdout}{done.stderr}"
     return done.stdout
