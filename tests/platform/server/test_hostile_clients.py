@@ -24,7 +24,7 @@ from wildscav_engine.parallel.threads import cores
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.match_spec import MatchSpec
 
-FEW, MANY = 100, 10_000  # attacks in all; another number by WILDSCAV_ATTACKS
+FEW, MANY = 100, 2_500  # attacks in all; another number by WILDSCAV_ATTACKS
 CAMPAIGN = 2_500  # attacks that hypothesis draws at a time: it remembers each of them, 10 kB
 GROWTH = 40e6  # bytes that may come on top: what the allocator and the tests keep
 
@@ -80,7 +80,7 @@ def test_no_sequence_of_messages_harms_the_server_or_another_match(tmp_path: Pat
 
 
 @pytest.mark.slow
-def test_no_sequence_of_many_thousands_harms_the_server_or_another_match(tmp_path: Path) -> None:
+def test_no_sequence_of_thousands_harms_the_server_or_another_match(tmp_path: Path) -> None:
     besiege(tmp_path, int(os.environ.get("WILDSCAV_ATTACKS", MANY)), at_once=100)
 
 

@@ -83,7 +83,7 @@ def test_every_room_of_a_small_steep_village_is_reached(density: str, seed: int)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("ten", range(10))
+@pytest.mark.parametrize("ten", range(2))
 def test_every_room_of_many_steep_villages_is_reached(ten: int) -> None:
     for seed in range(10 * ten, 10 * ten + 10):
         density = ("low", "high")[seed % 2]
@@ -91,9 +91,8 @@ def test_every_room_of_many_steep_villages_is_reached(ten: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("hundred", range(2))
-def test_every_room_of_any_map_is_reached(hundred: int) -> None:
-    for seed in range(100 * hundred, 100 * hundred + 100):
+def test_every_room_of_any_map_is_reached() -> None:
+    for seed in range(100):
         config = random_map_config(seed, steepest=2.0).model_copy(update={"ruggedness": 1.0})
         try:
             game_map = generate_map(config, seed)
