@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 import time
@@ -17,8 +18,10 @@ from tests.ports import free_ports
 
 from wildscav.proto.match_pb2 import GetMatchRequest, GetMatchResponse, HostMatchRequest
 from wildscav.proto.match_pb2_grpc import ArenaStub
+from wildscav.server.hosting.precompile import precompile
 from wildscav.system import leftovers
 from wildscav.wire.matches import decode_seat_address
+from wildscav_engine.compilation.cache_folders import cache_root
 from wildscav_engine.record import verify_record
 from wildscav_engine.record.format import decode
 from wildscav_evaluator.sandbox.containers.container_engine import OWNER, ContainerEngine, call, find_engine
@@ -34,7 +37,7 @@ EVERYWHERE = "0.0.0.0:50051"  # where the image listens unless told otherwise
 # Less than Podman sets for itself, which may be more than it may set here.
 LIMITS = ("--ulimit", "nofile=4096:4096", "--ulimit", "nproc=4096:4096")
 BUILD_PATIENCE = 400.0  # s, to fetch and install packages
-START_PATIENCE = 400.0  # s, to compile all kernels
+START_PATIENCE = 400.0  # s, to load all kernels, or to compile them for other releases
 
 
 @pytest.fixture
@@ -93,7 +96,12 @@ def start(engine: ContainerEngine, address: str, folder: Path) -> None:
         *("run", "--detach", "--name", CONTAINER, "--pull", "never"),
         *("--label", f"{OWNER}={leftovers.owner()}"),
         *("--read-only", "--cap-drop", "all", "--security-opt", "no-new-privileges", "--tmpfs", "/tmp"),  # noqa: S108
-        *("--volume", f"{folder}/token:/run/secrets/organizer_token:ro", "--volume", "/var/cache/wildscav"),
+        *(
+            "--volume",
+            f"{folder}/token:/run/secrets/organizer_token:ro",
+            "--volume",
+            f"{kernels(folder)}:/var/cache/wildscav",
+        ),
         *("--network", "host", *LIMITS),
         *(IMAGE, *(address if word == EVERYWHERE else word for word in command)),
     )
@@ -102,7 +110,16 @@ def start(engine: ContainerEngine, address: str, folder: Path) -> None:
     while "listening on" not in logs(engine):  # which it says when all its workers do
         assert asked(engine, "{{.State.Running}}") == "true", logs(engine)
         assert time.monotonic() < end, logs(engine)
-        time.sleep(2.0)  # asking costs processor time, which compiling needs
+        time.sleep(1.0)  # asking costs processor time, which it needs
+
+
+def kernels(folder: Path) -> Path:
+    """Return a cache with the code that is compiled here, to which the image's user can add."""
+    precompile()
+    kept = shutil.copytree(cache_root(), folder / "cache" / "kernels", copy_function=os.link)
+    for each in (kept.parent, kept, *kept.iterdir()):
+        each.chmod(0o777)
+    return kept.parent
 
 
 def asked(engine: ContainerEngine, about: str) -> str:
