@@ -96,12 +96,8 @@ def start(engine: ContainerEngine, address: str, folder: Path) -> None:
         *("run", "--detach", "--name", CONTAINER, "--pull", "never"),
         *("--label", f"{OWNER}={leftovers.owner()}"),
         *("--read-only", "--cap-drop", "all", "--security-opt", "no-new-privileges", "--tmpfs", "/tmp"),  # noqa: S108
-        *(
-            "--volume",
-            f"{folder}/token:/run/secrets/organizer_token:ro",
-            "--volume",
-            f"{kernels(folder)}:/var/cache/wildscav",
-        ),
+        *("--volume", f"{folder}/token:/run/secrets/organizer_token:ro"),
+        *("--volume", f"{kernels(folder)}:/var/cache/wildscav"),
         *("--network", "host", *LIMITS),
         *(IMAGE, *(address if word == EVERYWHERE else word for word in command)),
     )

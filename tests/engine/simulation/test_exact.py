@@ -100,9 +100,7 @@ def others() -> list[pytest.ParameterSet]:
             id="a generic processor",
             marks=pytest.mark.slow,  # everything is compiled anew for it
         ),
-        pytest.param(
-            {"NPY_DISABLE_CPU_FEATURES": has}, id="another process, with NumPy without AVX2 and AVX-512"
-        ),
+        pytest.param({"NPY_DISABLE_CPU_FEATURES": has}, id="another process without AVX2 and AVX-512"),
     ]
 
 
