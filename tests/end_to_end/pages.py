@@ -2,6 +2,8 @@
 
 import re
 import shlex
+from contextlib import chdir, redirect_stdout
+from io import StringIO
 from pathlib import Path
 
 from tests.commands import run_command
@@ -12,6 +14,13 @@ ROOT = Path(__file__).parents[2]
 def blocks(page: Path, language: str) -> list[str]:
     """Return the contents of a page's blocks of code in one language, in order."""
     return re.findall(rf"```{language}\n(.*?)```", page.read_text("utf-8"), re.DOTALL)
+
+
+def run_code(code: str, folder: Path) -> str:
+    """Run Python in a folder and in this process, which has much of it imported; return what it prints."""
+    with chdir(folder), redirect_stdout(StringIO()) as said:
+        exec(compile(code, "page", "exec"), {"__name__": "__main__"})  # noqa: S102
+    return said.getvalue()
 
 
 def run_line(line: str, folder: Path, *more: str) -> str:

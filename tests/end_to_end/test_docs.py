@@ -4,7 +4,6 @@ import ast
 import re
 import shlex
 import subprocess
-import sys
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,7 @@ from typing import Any
 import pytest
 import typer
 from tests.commands import run_command
-from tests.end_to_end.pages import blocks
+from tests.end_to_end.pages import blocks, run_code
 
 from wildscav.cli import main
 from wildscav_engine.maps.catalogue import BENCHMARK, SIZES
@@ -34,9 +33,7 @@ HOMES = (
 
 def test_the_researchers_lines_run_as_they_stand(tmp_path: Path) -> None:
     (code,) = blocks(ROOT / "README.md", "python")
-    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.endswith("(10, 10)\n")
+    assert run_code(code, tmp_path).endswith("(10, 10)\n")
 
 
 def test_every_extra_that_the_pages_install_is_one_and_the_readme_says_where_from() -> None:
@@ -118,8 +115,7 @@ def test_the_page_of_maps_tells_every_field_with_its_default() -> None:
 def test_the_code_and_the_config_of_the_page_of_maps_work(tmp_path: Path) -> None:
     page = ROOT / "docs" / "maps.md"
     code = "\n".join(blocks(page, "python"))
-    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
-    assert (done.returncode, done.stdout) == (0, "2 60\nTrue True\n"), done.stderr
+    assert run_code(code, tmp_path) == "2 60\nTrue True\n"
     config, supplies = blocks(page, "toml")
     (tmp_path / "fort.toml").write_text(config, "utf-8")
     assert len(MapConfig.model_validate(tomllib.loads(config)).placements) == 3

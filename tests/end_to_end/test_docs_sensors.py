@@ -3,7 +3,6 @@
 import ast
 import importlib.util
 import re
-import subprocess
 import sys
 import tomllib
 from dataclasses import fields
@@ -14,6 +13,7 @@ import numpy as np
 import pytest
 from annotated_types import Ge, Gt, Le
 from tests.builders import box, flat_world, make_match, place
+from tests.end_to_end.pages import run_code
 from tests.platform.helpers.seats import ended, host, serving, small_spec, start_agent
 
 from wildscav.server import Clock, MatchServer, SeatStatus
@@ -98,10 +98,7 @@ def test_the_page_tells_the_labels_of_segmentation() -> None:
 
 
 def test_the_code_and_the_manifests_of_the_page_work(tmp_path: Path) -> None:
-    done = subprocess.run(
-        [sys.executable, "-c", blocks("python")[0]], cwd=tmp_path, capture_output=True, text=True
-    )
-    assert (done.returncode, done.stdout) == (0, "(2, 36, 64)\n(3, 36, 64) float32\n"), done.stderr
+    assert run_code(blocks("python")[0], tmp_path) == "(2, 36, 64)\n(3, 36, 64) float32\n"
     asked = Manifest.model_validate(tomllib.loads(blocks("toml")[0])).sensors
     assert set(asked) == {"depth", "lidar", "segmentation"}
 

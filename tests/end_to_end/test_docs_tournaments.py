@@ -2,12 +2,10 @@
 
 import inspect
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
-from tests.end_to_end.pages import blocks, run_line
+from tests.end_to_end.pages import blocks, run_code, run_line
 
 from wildscav_engine.record import read_record
 from wildscav_evaluator.bounds import FEWEST_ENTRANTS, MOST_ENTRANTS, MOST_MATCHES, MOST_PLAYERS
@@ -77,9 +75,7 @@ def test_every_field_of_the_file_of_a_tournament_is_told() -> None:
 
 def test_the_code_of_the_page_prints_what_it_says(tmp_path: Path) -> None:
     (code,) = blocks(PAGE, "python")
-    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    assert [done.stdout] == blocks(PAGE, "text")
+    assert [run_code(code, tmp_path)] == blocks(PAGE, "text")
 
 
 def test_the_suite_has_the_tracks_named(folder: Path) -> None:
