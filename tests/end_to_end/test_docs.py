@@ -122,7 +122,8 @@ def test_the_code_and_the_config_of_the_page_of_maps_work(tmp_path: Path) -> Non
     strewn = MapConfig.model_validate(tomllib.loads(supplies)).supplies
     assert strewn is not None
     assert [wave.time for wave in strewn.waves] == [0.0, 60.0]
-    assert run_command("map", "show", "--config", "fort.toml", "--seed", "1", cwd=tmp_path).returncode == 0
+    show = ("map", "show", "--config", "fort.toml", "--seed", "1", "--width", "300")
+    assert run_command(*show, cwd=tmp_path).returncode == 0
 
 
 def test_the_page_of_maps_tells_the_benchmark_and_the_sizes_of_the_hundreds() -> None:

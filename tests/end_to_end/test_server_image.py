@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import grpc
@@ -112,7 +113,9 @@ def start(engine: ContainerEngine, address: str, folder: Path) -> None:
 def kernels(folder: Path) -> Path:
     """Return a cache with the code that is compiled here, to which the image's user can add."""
     precompile()
-    kept = shutil.copytree(cache_root(), folder / "cache" / "kernels", copy_function=os.link)
+    kept = folder / "cache" / "kernels"
+    with suppress(shutil.Error):  # of code that another process removes meanwhile, because it is old
+        shutil.copytree(cache_root(), kept, copy_function=os.link)
     for each in (kept.parent, kept, *kept.iterdir()):
         each.chmod(0o777)
     return kept.parent
