@@ -1,7 +1,12 @@
-"""The documentation's pages, as tests read them."""
+"""The documentation's pages, as tests read them and run their commands."""
 
 import re
+import shlex
+from contextlib import chdir, redirect_stdout
+from io import StringIO
 from pathlib import Path
+
+from tests.commands import run_command
 
 ROOT = Path(__file__).parents[2]
 
@@ -9,3 +14,27 @@ ROOT = Path(__file__).parents[2]
 def blocks(page: Path, language: str) -> list[str]:
     """Return the contents of a page's blocks of code in one language, in order."""
     return re.findall(rf"```{language}\n(.*?)```", page.read_text("utf-8"), re.DOTALL)
+
+
+def run_code(code: str, folder: Path) -> str:
+    """Run Python in a folder and in this process, which has much of it imported; return what it prints."""
+    with chdir(folder), redirect_stdout(StringIO()) as said:
+        exec(compile(code, "page", "exec"), {"__name__": "__main__"})  # noqa: S102
+    return said.getvalue()
+
+
+def run_line(line: str, folder: Path, *more: str) -> str:
+    """Run a line that calls `wildscav` in a folder, as a shell does, and return what it prints.
+
+    Args:
+        line: With commands in `$(…)`, and names with `*`.
+        folder: Where it runs.
+        more: Further arguments.
+    """
+    line = re.sub(r"\$\((.*?)\)", lambda found: run_line(found[1], folder).strip(), line)
+    words = []
+    for word in shlex.split(line, comments=True)[1:]:
+        words += sorted(map(str, folder.glob(word))) if "*" in word else [word]
+    done = run_command(*words, *more, cwd=folder)
+    assert done.returncode == 0, f"{line}\n{done.stdout}{done.stderr}"
+    return done.stdout

@@ -1,4 +1,4 @@
-"""The walls between the parts stand."""
+"""The walls between the parts stand, besides the import contracts, which `make check` asks for."""
 
 import runpy
 import subprocess
@@ -10,41 +10,24 @@ import pytest
 ROOT = Path(__file__).parents[2]
 
 
-def test_the_import_contracts_hold() -> None:
-    done = subprocess.run(
-        [str(Path(sys.executable).parent / "lint-imports"), "--no-cache"],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        timeout=120,
-    )
-
-    assert done.returncode == 0, done.stdout
-    assert "0 broken" in done.stdout
-
-
 @pytest.mark.parametrize(
-    ("module", "stranger"),
+    ("module", "strangers"),
     [
-        ("wildscav.sdk", "numba"),
-        ("wildscav.sdk", "wildscav_engine"),
-        ("wildscav.sdk", "pydantic"),
-        ("wildscav_evaluator.cli.commands.evaluate", "numba"),
-        ("wildscav_leaderboard.cli.leaderboard", "numba"),
-        ("wildscav_leaderboard.cli.leaderboard", "sqlalchemy"),
-        ("wildscav_leaderboard.hosting.app", "numba"),
-        ("wildscav_leaderboard.hosting.app", "scipy"),
-        ("wildscav_leaderboard.hosting.app", "grpc"),
-        ("wildscav_engine.simulation.match", "numba"),
-        ("wildscav_engine.sensors", "numba"),
-        ("wildscav_evaluator.cli.sessions.evaluate", "wildscav_leaderboard"),
-        ("wildscav_evaluator.cli.sessions.evaluate", "rerun"),
+        ("wildscav.sdk", {"numba", "pydantic", "wildscav_engine"}),
+        ("wildscav_engine.simulation.match", {"numba"}),
+        ("wildscav_engine.sensors", {"numba"}),
+        ("wildscav_evaluator.cli.commands.evaluate", {"numba"}),
+        ("wildscav_evaluator.cli.sessions.evaluate", {"rerun", "wildscav_leaderboard"}),
+        ("wildscav_leaderboard.cli.leaderboard", {"numba", "sqlalchemy"}),
+        ("wildscav_leaderboard.hosting.app", {"grpc", "numba", "scipy"}),
     ],
 )
-def test_importing_one_does_not_load_the_other(module: str, stranger: str) -> None:
-    code = f"import sys, {module}; sys.exit({stranger!r} in sys.modules)"
+def test_importing_a_module_does_not_load_what_only_others_need(module: str, strangers: set[str]) -> None:
+    code = f"import sys, {module}; sys.exit(' '.join({strangers} & set(sys.modules)) or 0)"
 
-    assert subprocess.run([sys.executable, "-c", code], timeout=300).returncode == 0
+    done = subprocess.run([sys.executable, "-c", code], stderr=subprocess.PIPE, text=True, timeout=300)
+
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_the_platform_folder_does_not_hide_the_standard_library() -> None:

@@ -4,18 +4,18 @@ import ast
 import re
 import shlex
 import subprocess
-import sys
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import pytest
 import typer
 from tests.commands import run_command
-from tests.end_to_end.pages import blocks
+from tests.end_to_end.pages import blocks, run_code
 
+from wildscav.cli import main
 from wildscav_engine.maps.catalogue import BENCHMARK, SIZES
 from wildscav_engine.specs.map_spec import MapConfig
-from wildscav_inspect import map as map_commands
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
@@ -33,9 +33,7 @@ HOMES = (
 
 def test_the_researchers_lines_run_as_they_stand(tmp_path: Path) -> None:
     (code,) = blocks(ROOT / "README.md", "python")
-    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.endswith("(10, 10)\n")
+    assert run_code(code, tmp_path).endswith("(10, 10)\n")
 
 
 def test_every_extra_that_the_pages_install_is_one_and_the_readme_says_where_from() -> None:
@@ -117,15 +115,15 @@ def test_the_page_of_maps_tells_every_field_with_its_default() -> None:
 def test_the_code_and_the_config_of_the_page_of_maps_work(tmp_path: Path) -> None:
     page = ROOT / "docs" / "maps.md"
     code = "\n".join(blocks(page, "python"))
-    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
-    assert (done.returncode, done.stdout) == (0, "2 60\nTrue True\n"), done.stderr
+    assert run_code(code, tmp_path) == "2 60\nTrue True\n"
     config, supplies = blocks(page, "toml")
     (tmp_path / "fort.toml").write_text(config, "utf-8")
     assert len(MapConfig.model_validate(tomllib.loads(config)).placements) == 3
     strewn = MapConfig.model_validate(tomllib.loads(supplies)).supplies
     assert strewn is not None
     assert [wave.time for wave in strewn.waves] == [0.0, 60.0]
-    assert run_command("map", "show", "--config", "fort.toml", "--seed", "1", cwd=tmp_path).returncode == 0
+    show = ("map", "show", "--config", "fort.toml", "--seed", "1", "--width", "300")
+    assert run_command(*show, cwd=tmp_path).returncode == 0
 
 
 def test_the_page_of_maps_tells_the_benchmark_and_the_sizes_of_the_hundreds() -> None:
@@ -142,18 +140,25 @@ def test_the_page_of_maps_tells_the_benchmark_and_the_sizes_of_the_hundreds() ->
     assert "| " + " | ".join(str(size) for size in SIZES) + " |" in text
 
 
-def test_the_map_commands_of_the_pages_have_the_options_named() -> None:
-    group = typer.main.get_command(map_commands.app)
-    lines = [
-        line
-        for page in PAGES
-        for text in blocks(page, "console")
-        for line in text.splitlines()
-        if line.startswith("wildscav map ")
-    ]
-    assert len(lines) > 5
-    for line in lines:
-        _, _, name, *words = shlex.split(line, comments=True)
-        command = group.commands[name]  # type: ignore[attr-defined]
-        options = {option for parameter in command.params for option in parameter.opts}
-        assert {word for word in words if re.match(r"--?[a-z]", word)} <= options, line
+def commands_of(page: Path) -> list[list[str]]:
+    """The words of every command of a page but those within others, without where its output goes."""
+    text = "\n".join(blocks(page, "console")).replace("\\\n", " ")
+    lines = re.findall(r"^wildscav .*", re.sub(r"\$\(.*?\)", "said", text), re.MULTILINE)
+    found = [shlex.split(line, comments=True)[1:] for line in lines]
+    return [words[: words.index(">")] if ">" in words else words for words in found]
+
+
+COMMANDS = {" ".join(words): words for page in PAGES for words in commands_of(page)}
+OF_THE_SHELL = ("--install-completion", "--show-completion")  # which act when they are read
+
+
+@pytest.mark.parametrize(
+    "words", [words for words in COMMANDS.values() if words[0] not in OF_THE_SHELL], ids=" ".join
+)
+def test_every_command_of_the_pages_takes_what_it_is_given(words: list[str]) -> None:
+    command: Any = typer.main.get_command(main.app)
+    while hasattr(command, "get_command"):
+        name, *words = words
+        command = command.get_command(None, name)
+    with command.make_context(name, words) as context:
+        assert not context.args

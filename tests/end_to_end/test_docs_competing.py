@@ -12,14 +12,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import typer
 from tests.end_to_end.pages import blocks
 from tests.leaderboard.agents import write_agent
 from tests.leaderboard.cli.competing.season_site import Competitor, Site, competitor, season_site
 from tests.leaderboard.seasons_made import make_season
 from tests.ports import free_ports
 
-from wildscav.cli import main
 from wildscav_leaderboard.submissions.states import STATES
 
 __all__ = ["competitor"]
@@ -39,21 +37,6 @@ def lines(block: str) -> list[list[str]]:
     """The commands of a block, as words."""
     found = [shlex.split(line, comments=True) for line in block.splitlines()]
     return [words for words in found if words[:1] == ["wildscav"]]
-
-
-EVERY = [words for block in blocks(PAGE, "console") for words in lines(block)]
-
-
-@pytest.mark.parametrize("words", EVERY, ids=" ".join)
-def test_every_command_of_the_page_takes_what_it_is_given(words: list[str]) -> None:
-    arguments = words[1 : words.index(">") if ">" in words else None]
-    command: Any = typer.main.get_command(main.app)
-    name = "wildscav"
-    while hasattr(command, "get_command"):
-        name, *arguments = arguments
-        command = command.get_command(None, name)
-    with command.make_context(name, arguments) as context:
-        assert not context.args
 
 
 def test_the_states_and_the_variables_told_are_those_that_there_are() -> None:

@@ -1,9 +1,9 @@
 """What the page of environments says is true."""
 
 import re
-import subprocess
-import sys
 from pathlib import Path
+
+from tests.end_to_end.pages import run_code
 
 from wildscav_engine.envs.registry import VERSION, env_id, zoo_id
 from wildscav_engine.envs.settings.config import EnvConfig
@@ -17,9 +17,7 @@ TEXT = (ROOT / "docs" / "environments.md").read_text("utf-8")
 
 def test_the_code_of_the_page_works(tmp_path: Path) -> None:
     code = "\n".join(re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL))
-    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.splitlines() == [
+    assert run_code(code, tmp_path).splitlines() == [
         "['body', 'depth', 'position', 'target', 'time', 'to_target', 'velocity', 'view'] (10, 10)",
         "['agent_0', 'agent_1', 'agent_2', 'agent_3'] (1, 13)",
         "(8, 10, 10) (8,)",

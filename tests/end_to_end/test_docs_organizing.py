@@ -41,14 +41,6 @@ def test_every_command_of_a_season_is_on_the_page() -> None:
     assert told == season_commands()
 
 
-@pytest.mark.parametrize("line", sorted({*LINES, *INLINE}))
-def test_every_command_on_the_page_has_the_options_that_it_is_given(line: str) -> None:
-    _, _, name, *arguments = words(line)
-    command = typer.main.get_command(main.app).get_command(None, "season").get_command(None, name)  # type: ignore[attr-defined]
-    if arguments:
-        command.make_context(name, arguments)
-
-
 def test_the_commands_run_in_their_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     for line in LINES:

@@ -3,8 +3,6 @@
 import ast
 import importlib.util
 import re
-import shlex
-import subprocess
 import sys
 import tomllib
 from dataclasses import fields
@@ -13,12 +11,11 @@ from typing import Any, Literal, get_args, get_origin
 
 import numpy as np
 import pytest
-import typer
 from annotated_types import Ge, Gt, Le
 from tests.builders import box, flat_world, make_match, place
+from tests.end_to_end.pages import run_code
 from tests.platform.helpers.seats import ended, host, serving, small_spec, start_agent
 
-from wildscav.cli.main import app
 from wildscav_engine.extensions import BUILT_IN
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.sensors import SENSORS, DepthCamera
@@ -103,23 +100,9 @@ def test_the_page_tells_the_labels_of_segmentation() -> None:
 
 
 def test_the_code_and_the_manifests_of_the_page_work(tmp_path: Path) -> None:
-    done = subprocess.run(
-        [sys.executable, "-c", blocks("python")[0]], cwd=tmp_path, capture_output=True, text=True
-    )
-    assert (done.returncode, done.stdout) == (0, "(2, 36, 64)\n(3, 36, 64) float32\n"), done.stderr
+    assert run_code(blocks("python")[0], tmp_path) == "(2, 36, 64)\n(3, 36, 64) float32\n"
     asked = Manifest.model_validate(tomllib.loads(blocks("toml")[0])).sensors
     assert set(asked) == {"depth", "lidar", "segmentation"}
-
-
-def test_the_look_commands_of_the_pages_have_the_options_named() -> None:
-    command = typer.main.get_command(app).get_command(None, "look")  # type: ignore[attr-defined]
-    options = {option for parameter in command.params for option in parameter.opts}
-    text = TEXT + (ROOT / "README.md").read_text("utf-8")
-    lines = re.findall(r"^wildscav look .*$", text, re.MULTILINE)
-    assert len(lines) >= 5
-    for line in lines:
-        words = shlex.split(line, comments=True)[2:]
-        assert {word for word in words if re.match(r"--?[a-z]", word)} <= options, line
 
 
 def test_the_pictures_of_the_page_are_small() -> None:

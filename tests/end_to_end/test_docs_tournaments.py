@@ -1,16 +1,11 @@
 """What the page of tournaments says is true: its numbers, files and fields exist, and its commands run."""
 
 import inspect
-import os
 import re
-import shlex
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
-import typer
-from tests.end_to_end.pages import blocks
+from tests.end_to_end.pages import blocks, run_code, run_line
 
 from wildscav_engine.record import read_record
 from wildscav_evaluator.bounds import FEWEST_ENTRANTS, MOST_ENTRANTS, MOST_MATCHES, MOST_PLAYERS
@@ -42,16 +37,6 @@ def folder(tmp_path: Path) -> Path:
     (toml,) = blocks(PAGE, "toml")
     (tmp_path / "arena.toml").write_text(toml)
     return tmp_path
-
-
-def run(line: str, folder: Path, **variables: str) -> str:
-    """Run a line of the page in a shell, and return what it prints."""
-    environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}", **variables}
-    done = subprocess.run(
-        ["bash", "-c", line], cwd=folder, env=environment, capture_output=True, text=True, timeout=500
-    )
-    assert done.returncode == 0, f"{line}\n{done.stdout}{done.stderr}"
-    return done.stdout
 
 
 def test_the_numbers_of_the_text_are_those_of_the_code() -> None:
@@ -90,50 +75,43 @@ def test_every_field_of_the_file_of_a_tournament_is_told() -> None:
 
 def test_the_code_of_the_page_prints_what_it_says(tmp_path: Path) -> None:
     (code,) = blocks(PAGE, "python")
-    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    assert [done.stdout] == blocks(PAGE, "text")
+    assert [run_code(code, tmp_path)] == blocks(PAGE, "text")
 
 
-def test_the_commands_have_the_options_and_the_suite_the_tracks_named(folder: Path) -> None:
-    app = typer.Typer()
-    app.command()(tournament)
-    options = {option for parameter in typer.main.get_command(app).params for option in parameter.opts}
-    lines = [shlex.split(line) for line in LINES if line.startswith("wildscav tournament ")]
-    assert len(lines) >= 5
-    for words in lines:
-        assert {word for word in words if word.startswith("-")} <= options
-
+def test_the_suite_has_the_tracks_named(folder: Path) -> None:
     suite = read_suite(folder / "arena.toml")
     assert len(suite.matches("battle", 0)) == 4
     assert len(suite.matches("royale", 0)) == 2
 
 
 @pytest.mark.slow
-def test_robots_alone_play_the_tournament_on_the_own_suite(folder: Path) -> None:
-    (line,) = (line for line in LINES if line.endswith("--out out/arena"))
-    printed = run(line, folder, WILDSCAV_SANDBOX="process")
-    out = folder / "out" / "arena"
-
-    assert "battle · 4 entrants · 12 matches · suite arena@" in printed
-    assert "time of the agents" not in printed
-    assert (out / "replays" / "battle-000.rrd").exists(), "a match without agents has a replay, too"
-    table = TEXT[TEXT.index("| file | |") :].split("\n\n")[0]
-    assert set(re.findall(r"^\| `([\w.]+)`", table, re.MULTILINE)) == {TOURNAMENT_FILE, STANDINGS_PICTURE}
-    assert all((out / name).exists() for name in (TOURNAMENT_FILE, STANDINGS_PICTURE))
-    assert read_record(out / "records" / "battle-000.wsr").spec.track == "battle"
-
-
-@pytest.mark.slow
 def test_the_commands_of_the_page_run_in_their_order(folder: Path) -> None:
-    printed = {line: run(line, folder) for line in LINES}
+    """The matches of its first commands last two seconds, and those of its own suite five."""
+    suite = folder / "arena.toml"
+    suite.write_text(suite.read_text().replace("time_limit = 10", "time_limit = 5"))
+    short = "[tracks.{}]\nmaps = 1\nmatch = {{ time_limit = 2 }}\n"
+    tracks = [short.format(track) for track in ("battle", "capture", "gathering")]
+    (folder / "short.toml").write_text('name = "short"\nmap = { size = 40, houses = 0 }\n' + "".join(tracks))
+    printed = {}
+    for line in LINES:
+        is_long = line.startswith("wildscav tournament") and "--suite" not in line
+        printed[line] = run_line(line, folder, *(("--suite=short.toml", "--rounds=1") if is_long else ()))
 
-    assert "12 matches" in printed[LINES[0]]
     assert "all agree" in printed["wildscav rescore out/arena"]
     assert any("is the one committed to" in text for line, text in printed.items() if "secret check" in line)
-    assert "all agree" in run("wildscav rescore out/final", folder)
+    assert "all agree" in run_line("wildscav rescore out/final", folder)
     assert sorted(path.name[:5] for path in (folder / "out" / "tournaments").iterdir()) == [
         "0001-",
         "0002-",
         "0003-",
     ]
+
+    (of_robots,) = (text for line, text in printed.items() if line.endswith("--out out/arena"))
+    out = folder / "out" / "arena"
+    assert "battle · 4 entrants · 12 matches · suite arena@" in of_robots
+    assert "time of the agents" not in of_robots
+    assert (out / "replays" / "battle-000.rrd").exists(), "a match without agents has a replay, too"
+    table = TEXT[TEXT.index("| file | |") :].split("\n\n")[0]
+    assert set(re.findall(r"^\| `([\w.]+)`", table, re.MULTILINE)) == {TOURNAMENT_FILE, STANDINGS_PICTURE}
+    assert all((out / name).exists() for name in (TOURNAMENT_FILE, STANDINGS_PICTURE))
+    assert read_record(out / "records" / "battle-000.wsr").spec.track == "battle"

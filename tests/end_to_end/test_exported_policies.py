@@ -121,7 +121,9 @@ def test_the_page_goes_from_training_to_a_score(tmp_path: Path, monkeypatch: pyt
     exec(code.replace("20_000", "1_000").replace("range(25)", "range(1)"), names)  # noqa: S102
     (commands,) = re.findall(r"```console\n(wildscav init navigator.*?)```", page, re.DOTALL)
     shorter = {"check": ["--sandbox", "process"], "play": ["--sandbox", "process", "--time-limit", "5"]}
-    shorter["evaluate"] = ["--sandbox", "process", "--suite", "quick", "--seed", "1"]
+    shorter["evaluate"] = ["--sandbox", "process", "--suite", "short.toml"]
+    match = "[tracks.navigation]\nmaps = 1\nmatch = { time_limit = 5 }\n"
+    (tmp_path / "short.toml").write_text(f'name = "short"\nmap = {{ size = 60, houses = 1 }}\n{match}')
     for line in commands.splitlines():
         words = line.split()
         command = [sys.executable, "-m", "wildscav.cli.main", *words[1:], *shorter.get(words[1], [])]

@@ -1,6 +1,7 @@
 """Tests mirror the packages, and each helper has one name."""
 
 import ast
+import functools
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -24,8 +25,13 @@ OF_THE_WHOLE_ENGINE = "versions"
 FILES = sorted(TESTS.rglob("*.py"))
 
 
-def imported(file: Path) -> Iterator[str]:
-    """Yield the full names of all that a file imports."""
+@functools.cache
+def imported(file: Path) -> tuple[str, ...]:
+    """Return the full names of all that a file imports."""
+    return tuple(_imported(file))
+
+
+def _imported(file: Path) -> Iterator[str]:
     for node in ast.walk(ast.parse(file.read_text("utf-8"))):
         if isinstance(node, ast.Import):
             yield from (name.name for name in node.names)

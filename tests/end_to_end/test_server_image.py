@@ -2,10 +2,12 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import grpc
@@ -18,10 +20,12 @@ from tests.ports import free_ports
 from wildscav.proto.match_pb2 import GetMatchRequest, GetMatchResponse, HostMatchRequest
 from wildscav.proto.match_pb2_grpc import ArenaStub
 from wildscav.wire.matches import decode_seat_address
+from wildscav_engine.compilation.cache_folders import cache_root
 from wildscav_engine.record import verify_record
 from wildscav_engine.record.format import decode
 from wildscav_evaluator.sandbox.containers.container_engine import OWNER, ContainerEngine, call, find_engine
 from wildscav_server import leftovers
+from wildscav_server.hosting.precompile import precompile
 
 pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[2]
@@ -34,7 +38,7 @@ EVERYWHERE = "0.0.0.0:50051"  # where the image listens unless told otherwise
 # Less than Podman sets for itself, which may be more than it may set here.
 LIMITS = ("--ulimit", "nofile=4096:4096", "--ulimit", "nproc=4096:4096")
 BUILD_PATIENCE = 400.0  # s, to fetch and install packages
-START_PATIENCE = 400.0  # s, to compile all kernels
+START_PATIENCE = 400.0  # s, to load all kernels, or to compile them for other releases
 
 
 @pytest.fixture
@@ -93,7 +97,8 @@ def start(engine: ContainerEngine, address: str, folder: Path) -> None:
         *("run", "--detach", "--name", CONTAINER, "--pull", "never"),
         *("--label", f"{OWNER}={leftovers.owner()}"),
         *("--read-only", "--cap-drop", "all", "--security-opt", "no-new-privileges", "--tmpfs", "/tmp"),  # noqa: S108
-        *("--volume", f"{folder}/token:/run/secrets/organizer_token:ro", "--volume", "/var/cache/wildscav"),
+        *("--volume", f"{folder}/token:/run/secrets/organizer_token:ro"),
+        *("--volume", f"{kernels(folder)}:/var/cache/wildscav"),
         *("--network", "host", *LIMITS),
         *(IMAGE, *(address if word == EVERYWHERE else word for word in command)),
     )
@@ -102,7 +107,18 @@ def start(engine: ContainerEngine, address: str, folder: Path) -> None:
     while "listening on" not in logs(engine):  # which it says when all its workers do
         assert asked(engine, "{{.State.Running}}") == "true", logs(engine)
         assert time.monotonic() < end, logs(engine)
-        time.sleep(2.0)  # asking costs processor time, which compiling needs
+        time.sleep(1.0)  # asking costs processor time, which it needs
+
+
+def kernels(folder: Path) -> Path:
+    """Return a cache with the code that is compiled here, to which the image's user can add."""
+    precompile()
+    kept = folder / "cache" / "kernels"
+    with suppress(shutil.Error):  # of code that another process removes meanwhile, because it is old
+        shutil.copytree(cache_root(), kept, copy_function=os.link)
+    for each in (kept.parent, kept, *kept.iterdir()):
+        each.chmod(0o777)
+    return kept.parent
 
 
 def asked(engine: ContainerEngine, about: str) -> str:

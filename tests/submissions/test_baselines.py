@@ -32,7 +32,7 @@ FLAT = MapSpec(config=MapConfig(size=100, houses=0, relief=0, water=0, vegetatio
 
 @pytest.fixture(scope="module")
 def workers() -> Iterator[Workers]:
-    with Workers(2) as pool:
+    with Workers(1) as pool:
         pool.precompile()
         yield pool
 
@@ -80,8 +80,8 @@ def test_they_import_the_sdk_and_the_standard_library_alone_or_numpy(name: str) 
 @pytest.mark.slow
 @pytest.mark.parametrize("track", TRACKS)
 def test_the_same_match_is_played_the_same_way(workers: Workers, tmp_path: Path, track: str) -> None:
-    first = [jobs(name, track, 0, tmp_path / "first")[0] for name in NAMES]
-    second = [jobs(name, track, 0, tmp_path / "second")[0] for name in NAMES]
+    spec = suite(track, "quick", 0)[0].model_copy(update={"time_limit": 15.0})
+    first, second = ([job(name, spec, tmp_path / each) for name in NAMES] for each in ("first", "second"))
 
     play(workers, first + second)
 

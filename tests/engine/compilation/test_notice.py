@@ -25,12 +25,6 @@ PATIENT = USE.replace("notice.MOMENT = notice.PAUSE = 0.0", "notice.MOMENT = 1e9
 TELLING = USE.replace(
     "sine(90", "told = []; context = notice.telling(told.append); context.__enter__(); sine(90"
 )
-FIRST_STEP = """
-import gymnasium
-env = gymnasium.make("wildscav_engine:WildScav/Navigation-v1", level="easy")
-env.reset(seed=1)
-env.step(env.action_space.sample())
-"""
 BEGINS = "wildscav: compiling parts of the engine that this machine has not used yet, for up to a minute"
 
 
@@ -50,17 +44,13 @@ def said_by(process: "subprocess.Popen[str]") -> list[str]:
     return said.splitlines()
 
 
-def test_one_line_says_that_something_is_compiled_and_one_that_it_is_done(tmp_path: Path) -> None:
-    begins, ends = said_by(start(USE, tmp_path))
-    assert begins == BEGINS
+def test_of_processes_that_compile_one_says_so_and_that_it_is_done(tmp_path: Path) -> None:
+    both = [said_by(process) for process in [start(USE, tmp_path) for _ in range(2)]]
+    (begins, ends) = max(both, key=len)
+    assert (begins, [lines.count(BEGINS) for lines in both].count(1)) == (BEGINS, 1)
     assert ends.startswith("wildscav: compiled, after ")
     assert said_by(start(USE, tmp_path)) == []  # it is kept
     assert not list(tmp_path.rglob("telling-*.lock"))
-
-
-def test_of_processes_that_compile_at_once_one_speaks(tmp_path: Path) -> None:
-    said = [said_by(process) for process in [start(USE, tmp_path) for _ in range(2)]]
-    assert [line for lines in said for line in lines].count(BEGINS) == 1
 
 
 @pytest.mark.parametrize(
@@ -90,9 +80,3 @@ def test_in_a_terminal_lines_tell_how_far_it_is(tmp_path: Path) -> None:
     assert lines[0] == BEGINS
     assert len(lines) > 2
     assert all(" kernels, " in line for line in lines[1:-1])
-
-
-@pytest.mark.slow
-def test_the_first_step_of_an_environment_says_so_and_the_next_process_says_nothing(tmp_path: Path) -> None:
-    assert said_by(start(FIRST_STEP, tmp_path))[0] == BEGINS
-    assert said_by(start(FIRST_STEP, tmp_path)) == []

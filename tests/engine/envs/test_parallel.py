@@ -29,26 +29,14 @@ def test_every_track_passes_pettingzoos_own_tests(track: str) -> None:
     api_test(aec_env(track, **options), 30)
 
 
-def pass_pettingzoos_own_tests(track: str, mode: str, flat: bool) -> None:
-    options = many_options(track, sensors={}, action_mode=mode, flat=flat)
-    parallel_api_test(parallel_env(track, **options), 20)
-    parallel_seed_test(lambda: parallel_env(track, **options), 20)
-    api_test(aec_env(track, **options), 20)
-    seed_test(lambda: aec_env(track, **options), 20)
-
-
 @pytest.mark.parametrize("flat", [False, True], ids=["dict", "flat"])
 @pytest.mark.parametrize("mode", MODES)
 def test_every_action_mode_passes_pettingzoos_own_tests(mode: str, flat: bool) -> None:
-    pass_pettingzoos_own_tests("battle", mode, flat)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("flat", [False, True], ids=["dict", "flat"])
-@pytest.mark.parametrize("mode", MODES)
-@pytest.mark.parametrize("track", [track for track in TRACK_NAMES if track != "battle"])
-def test_every_mode_of_every_track_passes_pettingzoos_own_tests(track: str, mode: str, flat: bool) -> None:
-    pass_pettingzoos_own_tests(track, mode, flat)
+    options = many_options("battle", sensors={}, action_mode=mode, flat=flat)
+    parallel_api_test(parallel_env("battle", **options), 20)
+    parallel_seed_test(lambda: parallel_env("battle", **options), 20)
+    api_test(aec_env("battle", **options), 20)
+    seed_test(lambda: aec_env("battle", **options), 20)
 
 
 def test_a_mask_in_one_row_allows_what_the_tuple_allows() -> None:

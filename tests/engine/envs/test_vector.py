@@ -94,7 +94,7 @@ def _first_two(part: Any) -> Any:
 
 
 @pytest.mark.parametrize("track", TRACK_NAMES)
-def test_neither_the_number_of_environments_nor_of_threads_matters(track: str) -> None:
+def test_the_number_of_environments_does_not_matter(track: str) -> None:
     two = told_by(track, 2)
     assert told_by(track, 5) == two
 
@@ -223,16 +223,14 @@ def test_a_copy_plays_on_as_the_original(copied: Callable[[VectorArena], VectorA
         assert digest(other.step(action)) == digest(env.step(action))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("track", TRACK_NAMES)
-def test_threads_and_processes_do_not_matter(track: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    alone = told_by(track, 4)
+def test_threads_and_processes_do_not_matter(monkeypatch: pytest.MonkeyPatch) -> None:
+    alone = told_by("battle", 4)
     monkeypatch.setattr("wildscav_engine.simulation.batch.LEAST_AGENTS", 1)
     monkeypatch.setattr("wildscav_engine.sensors.optics.optical.MIN_THREAD_TIME", 1)
-    assert told_by(track, 4, threads=2) == alone
+    assert told_by("battle", 4, threads=2) == alone
     code = (
         f"from hashlib import sha256; from {__name__} import told_by; "
-        f"print(sha256(repr(told_by({track!r}, 4)).encode()).hexdigest())"
+        "print(sha256(repr(told_by('battle', 4)).encode()).hexdigest())"
     )
     from hashlib import sha256
 

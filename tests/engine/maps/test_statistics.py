@@ -1,4 +1,4 @@
-"""The guarantees of maps, checked on two hundred random ones; and that no two are alike."""
+"""The guarantees of maps, checked on a hundred random ones; and that no two are alike."""
 
 from itertools import combinations
 
@@ -48,16 +48,15 @@ def great_config(seed: int) -> MapConfig:
     )
 
 
-@pytest.mark.parametrize("batch", range(9))
+@pytest.mark.parametrize("batch", range(5))
 def test_small_maps_keep_their_promises(batch: int) -> None:
     for seed in range(batch * BATCH, (batch + 1) * BATCH):
         check_promises(generate_map(small_config(seed), seed))
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("batch", range(4))
-def test_great_maps_keep_their_promises(batch: int) -> None:
-    for seed in range(5 * batch, 5 * batch + 5):
+def test_great_maps_keep_their_promises() -> None:
+    for seed in range(8):
         check_promises(generate_map(great_config(seed), seed))
 
 

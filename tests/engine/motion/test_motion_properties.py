@@ -98,8 +98,8 @@ def test_nobody_leaves_the_map_along_what_stands_at_its_edge(steepness: float) -
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(12))
-def test_nothing_bad_happens_in_a_million_frames_on_random_maps(seed: int) -> None:
+@pytest.mark.parametrize("seed", range(4))
+def test_nothing_bad_happens_in_many_frames_on_random_maps(seed: int) -> None:
     config = random_map_config(seed, steepest=1.8)
     try:
         game_map = generate_map(config, seed)

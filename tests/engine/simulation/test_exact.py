@@ -95,13 +95,12 @@ def others() -> list[pytest.ParameterSet]:
 
     has = " ".join(feature for feature in __cpu_dispatch__ if __cpu_features__.get(feature))
     return [
-        pytest.param({}, id="another process"),
         pytest.param(
             {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""},
             id="a generic processor",
             marks=pytest.mark.slow,  # everything is compiled anew for it
         ),
-        pytest.param({"NPY_DISABLE_CPU_FEATURES": has}, id="NumPy without AVX2 and AVX-512"),
+        pytest.param({"NPY_DISABLE_CPU_FEATURES": has}, id="another process without AVX2 and AVX-512"),
     ]
 
 

@@ -1,8 +1,6 @@
 """``wildscav map`` as its user meets it."""
 
 import json
-import subprocess
-import sys
 from functools import partial
 from pathlib import Path
 
@@ -18,13 +16,6 @@ NAME = "seed-3-size-60-houses-2"  # what it is called
 def wildscav_map(tmp_path: Path) -> Run:
     """Runs the command in this process, which has the engine loaded, with the temporary folder as its own."""
     return partial(run_command, "map", cwd=tmp_path, columns=200)
-
-
-def test_the_command_draws_in_a_process_of_its_own(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "wildscav.cli.main", "map", "show", *map(str, SMALL), "--width", "300"]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert [path.name for path in tmp_path.iterdir()] == [f"{NAME}.png"]
 
 
 def test_show_writes_a_picture(wildscav_map: Run, tmp_path: Path) -> None:
@@ -124,7 +115,7 @@ def test_what_cannot_be_is_one_line_with_the_field_and_its_range(
 
 def test_a_folder_that_is_missing_is_named(wildscav_map: Run, tmp_path: Path) -> None:
     for arguments in (
-        ("show", "-o", tmp_path / "none" / "a.png"),
+        ("show", "--width", 300, "-o", tmp_path / "none" / "a.png"),
         ("info", "--config", tmp_path / "none.json"),
     ):
         done = wildscav_map(arguments[0], *SMALL, *arguments[1:])

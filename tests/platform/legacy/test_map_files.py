@@ -88,11 +88,10 @@ def standing_places(game_map: GameMap, count: int, seed: int) -> Numbers:
     return chosen
 
 
-@pytest.mark.parametrize("map_id", [103, pytest.param(1, marks=pytest.mark.slow)])
-def test_depth_over_the_mesh_is_the_engines(map_id: int, tmp_path: Path) -> None:
-    game_map = load_map(map_id)
+def test_depth_over_the_mesh_is_the_engines(tmp_path: Path) -> None:
+    game_map = load_map(103)
     mesh = Mesh(game_map, tmp_path)
-    dice = np.random.default_rng(map_id)
+    dice = np.random.default_rng(103)
     eyes = standing_places(game_map, POSES, seed=1) + EYE
     yaws, pitches = dice.uniform(-180, 180, POSES), dice.uniform(-30, 30, POSES)
     ours = DepthCamera(WIDTH, HEIGHT, FAR).render(game_map, eyes, yaws, pitches)
@@ -101,9 +100,8 @@ def test_depth_over_the_mesh_is_the_engines(map_id: int, tmp_path: Path) -> None
     assert same.mean() >= 0.995
 
 
-@pytest.mark.parametrize("map_id", [103, pytest.param(1, marks=pytest.mark.slow)])
-def test_line_of_sight_over_the_mesh_is_the_engines(map_id: int, tmp_path: Path) -> None:
-    game_map = load_map(map_id)
+def test_line_of_sight_over_the_mesh_is_the_engines(tmp_path: Path) -> None:
+    game_map = load_map(103)
     mesh = Mesh(game_map, tmp_path)
     match = Match(MatchSpec(track="battle", map=game_map.spec, seats=("submission",) * 2), game_map)
     everywhere = np.concatenate([game_map.indoor, game_map.outdoor])

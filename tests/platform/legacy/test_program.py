@@ -68,24 +68,6 @@ def test_other_arguments_are_refused(arguments: list[str], why: str) -> None:
         read_address(arguments)
 
 
-@pytest.mark.slow
-def test_a_session_in_a_process_of_its_own(start: Start) -> None:
-    competitor = Competitor()
-    process = start(competitor.port)
-    competitor.wait()
-    competitor.begin(command(timeout=1))
-    competitor.act(times=10)
-    assert competitor.is_over
-    competitor.close()
-    _, said = process.communicate(timeout=120)
-    assert process.returncode == 0
-    assert f"connected to the client on 127.0.0.1:{competitor.port}" in said
-    assert "episode 1: map 103, navigation, 1 agent, at most 1 s" in said
-    assert "episode 1: time up after 50 frames" in said
-    assert "closed by the client after 1 episode" in said
-    competitor.die()
-
-
 def test_a_client_that_dies_ends_the_engine(start: Start) -> None:
     competitor = Competitor()
     process = start(competitor.port)

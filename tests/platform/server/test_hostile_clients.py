@@ -26,7 +26,7 @@ from wildscav_server.hosting.precompile import precompile
 from wildscav_server.match_server import MatchServer
 from wildscav_server.time_limits import Clock
 
-FEW, MANY = 100, 10_000  # attacks in all; another number by WILDSCAV_ATTACKS
+FEW, MANY = 100, 2_500  # attacks in all; another number by WILDSCAV_ATTACKS
 CAMPAIGN = 2_500  # attacks that hypothesis draws at a time: it remembers each of them, 10 kB
 GROWTH = 40e6  # bytes that may come on top: what the allocator and the tests keep
 
@@ -82,7 +82,7 @@ def test_no_sequence_of_messages_harms_the_server_or_another_match(tmp_path: Pat
 
 
 @pytest.mark.slow
-def test_no_sequence_of_many_thousands_harms_the_server_or_another_match(tmp_path: Path) -> None:
+def test_no_sequence_of_thousands_harms_the_server_or_another_match(tmp_path: Path) -> None:
     besiege(tmp_path, int(os.environ.get("WILDSCAV_ATTACKS", MANY)), at_once=100)
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from urllib.request import ProxyHandler, build_opener
 
 import pytest
+from tests.commands import run_command
 
 COMMAND = (sys.executable, "-m", "wildscav.cli.main", "human", "--no-browser")
 
@@ -19,7 +20,7 @@ COMMAND = (sys.executable, "-m", "wildscav.cli.main", "human", "--no-browser")
     ],
 )
 def test_what_is_not_possible_is_one_line(options: tuple[str, ...], message: str) -> None:
-    done = subprocess.run([*COMMAND, *options], capture_output=True, text=True)
+    done = run_command("human", "--no-browser", *options)
     assert done.returncode == 2
     assert done.stderr.startswith(f"wildscav: {message}")
     assert done.stderr.count("\n") == 1

@@ -171,24 +171,7 @@ def test_a_dry_map_has_no_water() -> None:
     assert np.all(np.isneginf(water_of_cells(terrain.heights, terrain.water_level)))
 
 
-def test_the_same_seed_gives_the_same_bytes() -> None:
-    assert heights_of(3, size=120).tobytes() == heights_of(3, size=120).tobytes()
-    assert heights_of(3, size=120).tobytes() != heights_of(4, size=120).tobytes()
-
-
-def test_seeds_differ_in_structure_not_only_in_noise() -> None:
-    # Means over 50 × 50 m show the uplands and lowlands. Those of two seeds are uncorrelated.
-    blocks = [
-        heights_of(seed, size=400)[:200, :200].reshape(8, 25, 8, 25).mean(axis=(1, 3)).ravel()
-        for seed in range(16)
-    ]
-    alike = np.corrcoef(blocks)[np.triu_indices(16, 1)]
-
-    assert abs(alike.mean()) < 0.1
-    assert (np.abs(alike) < 0.5).mean() > 0.75
-
-
-@pytest.mark.parametrize("size", [40, 60, 62, 2000])
+@pytest.mark.parametrize("size", [40, 62, 1000])
 def test_any_size_is_made(size: int) -> None:
     terrain = make_terrain(MapConfig(size=size), 1)
 

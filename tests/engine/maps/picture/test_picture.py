@@ -17,7 +17,7 @@ from wildscav_engine.maps.picture import draw_map
 from wildscav_engine.maps.picture.draw import INDOOR_DOT
 from wildscav_engine.maps.picture.paint import STOREYS, contour_interval
 from wildscav_engine.maps.picture.raster import raster
-from wildscav_engine.maps.picture.sheet import BASE_WIDTH, lay_out, round_length
+from wildscav_engine.maps.picture.sheet import lay_out, round_length
 from wildscav_engine.maps.picture.top_view import (
     TopView,
     Window,
@@ -30,6 +30,7 @@ from wildscav_engine.specs.map_spec import MapConfig
 
 SIZE = 40  # m, of the worlds made by hand
 WHOLE = Window(-SIZE / 2, SIZE / 2, 0.5, 2 * SIZE, 2 * SIZE)
+WIDTH = 500  # pixels of a sheet that shows dots apart from each other
 HOUSE = House(center=(0.0, 0.0), size=(10.0, 10.0), yaw=0.0, ground=0.0, storeys=2, storey_height=3.0)
 
 
@@ -120,43 +121,40 @@ def test_flat_roofs_have_the_colour_of_their_storeys(storeys: int) -> None:
 
 def test_a_picture_is_as_wide_as_asked_and_the_same_each_time() -> None:
     game_map = generate_map(MapConfig(size=60, houses=2), 3)
-    for width in (300, 700):
-        picture = draw_map(game_map, width=width)
-        assert (picture.width, picture.mode) == (width, "RGB")
-        assert picture.tobytes() == draw_map(game_map, width=width).tobytes()
+    picture = draw_map(game_map, width=310)
+    assert (picture.width, picture.mode) == (310, "RGB")
+    assert picture.tobytes() == draw_map(game_map, width=310).tobytes()
 
 
 def test_a_part_of_a_map_is_drawn_larger() -> None:
     game_map = house_map()
-    layout = lay_out(600, 1.0)
+    layout = lay_out(300, 1.0)
     for span, share in ((40.0, 1 / 16), (20.0, 1 / 4)):
-        pixels = np.asarray(draw_map(game_map, width=600, center=(0, 0), span=span)).astype(int)
+        pixels = np.asarray(draw_map(game_map, width=300, center=(0, 0), span=span)).astype(int)
         roof = np.abs(pixels - STOREYS[1].astype(int)).max(axis=2) < 8
         assert roof.sum() == pytest.approx(share * layout.columns * layout.rows, rel=0.1)
 
 
 @pytest.mark.parametrize(("storey", "shown"), [(None, [(2, 2), (-2, -2)]), (1, [(2, 2)]), (2, [(-2, -2)])])
 def test_locations_are_dots_where_they_are(storey: int | None, shown: list[tuple[float, float]]) -> None:
-    picture = draw_map(house_map(), width=BASE_WIDTH, locations=True, storey=storey)
-    layout = lay_out(BASE_WIDTH, 1.0)
-    pixels = np.asarray(picture)[layout.top : layout.top + layout.rows, layout.left : -40]
+    picture = draw_map(house_map(), width=WIDTH, locations=True, storey=storey)
+    layout = lay_out(WIDTH, 1.0)
+    pixels = np.asarray(picture)[
+        layout.top : layout.top + layout.rows, layout.left : layout.left + layout.columns
+    ]
     marked = (np.abs(pixels.astype(int) - INDOOR_DOT).max(axis=2) < 3).astype(np.uint8)
     for x, z in ((2, 2), (-2, -2)):
         row, column = ((SIZE / 2 - z) / SIZE * layout.rows, (x + SIZE / 2) / SIZE * layout.columns)
-        dot = marked[int(row) - 3 : int(row) + 4, int(column) - 3 : int(column) + 4]
+        dot = marked[int(row) - 1 : int(row) + 2, int(column) - 1 : int(column) + 2]
         assert bool(dot.all()) == ((x, z) in shown)
-    assert marked.sum() < 150 * len(shown)
+    assert marked.sum() < 60 * len(shown)
 
 
-@pytest.mark.parametrize(
-    ("storey", "shown"), [(None, True), (1, False), pytest.param(2, False, marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize(("storey", "shown"), [(None, True), (1, False), (2, False)])
 def test_locations_on_a_roof_go_with_the_roof(storey: int | None, shown: bool) -> None:
     game_map = replace(house_map(), outdoor=np.array([(0.0, 6.2, 0.0), (12.0, 0.0, 12.0)]))
     without = replace(game_map, outdoor=game_map.outdoor[1:])
-    pictures = [
-        draw_map(each, width=BASE_WIDTH, locations=True, storey=storey) for each in (game_map, without)
-    ]
+    pictures = [draw_map(each, width=300, locations=True, storey=storey) for each in (game_map, without)]
     assert (pictures[0].tobytes() != pictures[1].tobytes()) == shown
 
 

@@ -79,14 +79,6 @@ def test_houses_stand_apart_on_dry_ground_of_the_map(seed: int, density: str, si
             assert gap_between(footprint, other) >= CLOSE_GAP
 
 
-def test_the_same_seed_settles_the_same_place_and_another_seed_another() -> None:
-    first, again, other = (settled(seed, size=300, houses=12, density="high") for seed in (5, 5, 6))
-
-    assert first.sites == again.sites
-    assert first.lanes.tobytes() == again.lanes.tobytes()
-    assert first.sites != other.sites
-
-
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_houses_stand_closer_where_density_is_high(seed: int) -> None:
     high, low = (settled(seed, size=500, houses=15, density=density).sites for density in ("high", "low"))

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from tests.builders import random_map_config
 
 from wildscav_engine.maps import GameMap, House, MapError, generate_map
 from wildscav_engine.maps.ground.terrain import (
@@ -83,23 +82,11 @@ def test_every_room_of_a_small_steep_village_is_reached(density: str, seed: int)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("ten", range(10))
+@pytest.mark.parametrize("ten", range(2))
 def test_every_room_of_many_steep_villages_is_reached(ten: int) -> None:
     for seed in range(10 * ten, 10 * ten + 10):
         density = ("low", "high")[seed % 2]
         check_houses(generate_map(CROWDED.model_copy(update={"density": density}), seed))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("hundred", range(2))
-def test_every_room_of_any_map_is_reached(hundred: int) -> None:
-    for seed in range(100 * hundred, 100 * hundred + 100):
-        config = random_map_config(seed, steepest=2.0).model_copy(update={"ruggedness": 1.0})
-        try:
-            game_map = generate_map(config, seed)
-        except MapError:  # steep and wet, and more houses than fit
-            continue
-        check_houses(game_map)
 
 
 @pytest.mark.parametrize(("gap", "fits"), [(20.0, 4.1), (40.0, 20.9), (87.0, 100.0)])

@@ -63,9 +63,8 @@ def test_every_path_between_places_of_any_map_is_walked_to_its_end(config: MapCo
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("hundred", [0, 1])
-def test_paths_on_two_hundred_random_maps_are_walked_to_their_ends(hundred: int) -> None:
-    for seed in range(100 * hundred, 100 * hundred + 100):
+def test_paths_on_random_maps_are_walked_to_their_ends() -> None:
+    for seed in range(50):
         config = random_map_config(seed, steepest=1.6)
         game_map = try_map(config, seed)
         if game_map:

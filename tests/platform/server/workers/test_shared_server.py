@@ -69,10 +69,7 @@ async def reason(call: Awaitable[Any]) -> str:
     return reason_of(caught.value)
 
 
-@pytest.mark.parametrize(
-    "listen", ["unix:{}/match.sock", pytest.param("127.0.0.1:0", marks=pytest.mark.slow)]
-)
-def test_matches_are_played_by_the_workers_in_turn_and_joined_there(tmp_path: Path, listen: str) -> None:
+def test_matches_are_played_by_the_workers_in_turn_and_joined_there(tmp_path: Path) -> None:
     async def play(server: SharedServer, address: str, arena: ArenaStub) -> None:
         hosted = [await arena.HostMatch(request()) for _ in range(2)]
         assert {decode_seat_address(one, address) for one in hosted} == {
@@ -86,7 +83,7 @@ def test_matches_are_played_by_the_workers_in_turn_and_joined_there(tmp_path: Pa
             assert answer.conduct[0].status == "finished"
             assert answer.record
 
-    shared(listen.format(tmp_path), play)
+    shared(f"unix:{tmp_path}/match.sock", play)
 
 
 @pytest.mark.slow

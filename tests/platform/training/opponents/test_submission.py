@@ -253,8 +253,6 @@ def test_errors_of_an_agent_name_it(tmp_path: Path, body: str, message: str) -> 
 
 
 def test_the_old_name_of_the_package_still_works_and_warns() -> None:
-    with pytest.warns(
-        DeprecationWarning, match="is called wildscav_training.opponents now"
-    ):
+    with pytest.warns(DeprecationWarning, match="is called wildscav_training.opponents now"):
         from wildscav.opponents import submission as moved
     assert moved is submission
