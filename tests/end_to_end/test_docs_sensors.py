@@ -24,7 +24,7 @@ from wildscav_engine.extensions import BUILT_IN
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.sensors import SENSORS, DepthCamera
 from wildscav_engine.sensors.base import Sensor
-from wildscav_engine.sensors.segmentation import FIRST_AGENT, FIRST_BOX, FIRST_SOLID
+from wildscav_engine.sensors.optics.segmentation import FIRST_AGENT, FIRST_BOX, FIRST_SOLID
 from wildscav_evaluator.submissions.submission import Manifest
 
 ROOT = Path(__file__).parents[2]
