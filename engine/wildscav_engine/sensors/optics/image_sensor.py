@@ -150,8 +150,9 @@ class ImageSensor(Sensor):
         Returns:
             Whether all numbers of the cameras are finite; if not, nothing is written.
         """
-        if type(self).render_into is ImageSensor.render_into:
-            raise NotImplementedError(f"{type(self).__name__} has neither write_images nor render_into")
+        kind = type(self)
+        if (kind.write_images, kind.render_into) == (ImageSensor.write_images, ImageSensor.render_into):
+            raise NotImplementedError(f"{kind.__name__} has neither write_images nor render_into")
         parts = (slice(row, row + 1) for row in items_of(turns, len(images)))
         return all(
             self.render_into(
