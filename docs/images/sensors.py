@@ -25,7 +25,7 @@ from wildscav_engine.sensors import (
 )
 from wildscav_engine.sensors.display.legend import draw_reading
 from wildscav_engine.sensors.optics.dynamic_objects import placed_objects
-from wildscav_engine.sensors.optics.optical import OpticalSensor
+from wildscav_engine.sensors.optics.image_sensor import ImageSensor
 from wildscav_engine.specs.body import EYE_HEIGHT
 from wildscav_engine.specs.map_spec import MapConfig
 
@@ -85,7 +85,7 @@ def _photograph(
 
 
 def _look(
-    sensor: OpticalSensor,
+    sensor: ImageSensor,
     game_map: GameMap,
     objects: DynamicObjects,
     place: tuple[float, float, float, float],

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from wildscav_engine.geometry.world import World
     from wildscav_engine.maps import GameMap
     from wildscav_engine.maps.viewpoints import Viewpoint
-    from wildscav_engine.sensors.optics.optical import OpticalSensor
+    from wildscav_engine.sensors.optics.image_sensor import ImageSensor
 
 WIDTH, ASPECT = 960, 9 / 16  # default width in pixels; height divided by width
 Place = tuple[float, float, float]
@@ -91,7 +91,7 @@ def look(
 
 
 def _picture(
-    sensor: "OpticalSensor",
+    sensor: "ImageSensor",
     game_map: "GameMap",
     view: "Viewpoint",
     agents: Sequence[Coordinates],
@@ -132,7 +132,7 @@ def _print_saved(saved: str, view: "Viewpoint") -> None:
     )
 
 
-def _sensor(name: str, size: dict[str, Any], options: Sequence[str], has_objects: bool) -> "OpticalSensor":
+def _sensor(name: str, size: dict[str, Any], options: Sequence[str], has_objects: bool) -> "ImageSensor":
     """Return the sensor with its options, and with a default size that suits a picture.
 
     Args:
@@ -145,9 +145,9 @@ def _sensor(name: str, size: dict[str, Any], options: Sequence[str], has_objects
         UserError: No such sensor makes images, or it has no such option or value.
     """
     from wildscav_engine.sensors import SENSORS, parse_sensor
-    from wildscav_engine.sensors.optics.optical import OpticalSensor
+    from wildscav_engine.sensors.optics.image_sensor import ImageSensor
 
-    images = [each for each, kind in SENSORS.items() if issubclass(kind, OpticalSensor)]
+    images = [each for each, kind in SENSORS.items() if issubclass(kind, ImageSensor)]
     if name not in images:
         why = "makes no image" if name in SENSORS else "does not exist"
         raise UserError(f"sensor {name!r} {why}; sensors that do are {', '.join(images)}", exit_code=2)
@@ -162,7 +162,7 @@ def _sensor(name: str, size: dict[str, Any], options: Sequence[str], has_objects
         sensor = parse_sensor(name, _defaults(sensor, given, has_objects) | given)
     except ValueError as error:
         raise UserError(str(error), exit_code=2) from None
-    if not isinstance(sensor, OpticalSensor):
+    if not isinstance(sensor, ImageSensor):
         raise TypeError(f"{name} makes no image")
     return sensor
 

@@ -1,24 +1,19 @@
-"""The sensors of agents, one file for each. ``extensions.py`` lists them."""
+"""The sensors of agents: images in ``optics``, numbers in ``state``. ``extensions.py`` lists them."""
 
 from collections.abc import Mapping
 
 from wildscav_engine.extensions import Registry
 from wildscav_engine.sensors.base import Sensor
-from wildscav_engine.sensors.camera import ColorCamera
-from wildscav_engine.sensors.compass import Compass
-from wildscav_engine.sensors.depth import DepthCamera
-from wildscav_engine.sensors.hot_spot import HotSpotSensor
-from wildscav_engine.sensors.lidar import Lidar
-from wildscav_engine.sensors.nearby_supplies import NearbySupplies
-from wildscav_engine.sensors.normals import NormalCamera
-from wildscav_engine.sensors.safe_zone import SafeZone
-from wildscav_engine.sensors.segmentation import SegmentationCamera
-from wildscav_engine.sensors.sights import Sights
-from wildscav_engine.sensors.teammates import Teammates
-from wildscav_engine.sensors.to_hot_spot import ToHotSpot
-from wildscav_engine.sensors.to_supplies import ToSupplies
-from wildscav_engine.sensors.to_waves import ToWaves
-from wildscav_engine.sensors.visible_agents import VisibleAgents
+from wildscav_engine.sensors.optics.camera import ColorCamera
+from wildscav_engine.sensors.optics.depth import DepthCamera
+from wildscav_engine.sensors.optics.lidar import Lidar
+from wildscav_engine.sensors.optics.normals import NormalCamera
+from wildscav_engine.sensors.optics.segmentation import SegmentationCamera
+from wildscav_engine.sensors.state.agents import Teammates, VisibleAgents
+from wildscav_engine.sensors.state.places import Compass, HotSpotSensor, ToHotSpot, ToWaves
+from wildscav_engine.sensors.state.safe_zone import SafeZone
+from wildscav_engine.sensors.state.sights import Sights
+from wildscav_engine.sensors.state.supplies import NearbySupplies, ToSupplies
 
 SENSORS: Registry[type[Sensor]] = Registry("wildscav.sensors")
 

@@ -1,4 +1,4 @@
-"""The base class of all sensors. A sensor is an object whose fields are its options."""
+"""The base classes of sensors. A sensor is an object whose fields are its options."""
 
 import functools
 from abc import ABC, abstractmethod
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
     from wildscav_engine.maps.game_map import GameMap
     from wildscav_engine.simulation.match_view import MatchView
+    from wildscav_engine.simulation.state import State
+    from wildscav_engine.simulation.systems.visibility import Seen
 
 CONFIG = ConfigDict(extra="forbid", allow_inf_nan=False)
 
@@ -84,6 +86,68 @@ class Sensor(ABC):
         """
         choices = [(field.name, choice) for field in fields(cls) for choice in _choices(field.type)]  # type: ignore[arg-type]
         return [cls(), *(cls(**{name: choice}) for name, choice in choices)]
+
+
+class StateSensor(Sensor):
+    """A sensor of numbers that needs only the state and what is seen, not the map of a match.
+
+    So one call reads all matches of a vector environment. A reading is a row of ``scalars``; or a table of
+    such rows, whose unused rows are 0, if the sensor has the option ``limit``, their number.
+    """
+
+    scalars: ClassVar[tuple[Column, ...]]
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """The columns of a row."""
+        return self.scalars
+
+    @property
+    def space(self) -> "Box":
+        """(columns,), or (limit, columns)."""
+        row, limit = row_space(self.columns), getattr(self, "limit", None)
+        if limit is None:
+            return row
+        return type(row)(np.tile(row.low, (limit, 1)), np.tile(row.high, (limit, 1)), dtype=np.float32)
+
+    @abstractmethod
+    def read_batch(self, state: "State", seen: "Seen", seats: NDArray[np.int64]) -> NDArray[np.float32]:
+        """Return (B, len(seats), *space.shape) readings of the same seats in all matches.
+
+        Args:
+            state: The state of B matches.
+            seen: What each agent of them sees now.
+            seats: The numbers of the seats, which all matches have.
+        """
+
+    def read(self, match: "MatchView", seats: Sequence[int]) -> NDArray[np.float32]:
+        """Return (len(seats), *space.shape) readings of some seats of a match.
+
+        Raises:
+            ValueError: The match has no such seat.
+        """
+        readings: NDArray[np.float32] = self.read_batch(match.state, match.seen, rows_of(match, seats))[0]
+        return readings
+
+
+def row_space(columns: Sequence[Column]) -> "Box":
+    """Return the space of one row of numbers."""
+    from gymnasium.spaces import Box
+
+    low = np.array([column.low for column in columns], np.float32)
+    return Box(low, np.array([column.high for column in columns], np.float32), dtype=np.float32)
+
+
+def rows_of(match: "MatchView", seats: Sequence[int]) -> NDArray[np.int64]:
+    """Return seats as row indices of the state's arrays.
+
+    Raises:
+        ValueError: The match has no such seat.
+    """
+    for seat in seats:
+        if not 0 <= seat < match.seats:
+            raise ValueError(f"there is no seat {seat}; the seats are 0 to {match.seats - 1}")
+    return np.array(seats, np.int64)
 
 
 def _choices(kind: object) -> tuple[object, ...]:
@@ -143,31 +207,3 @@ def sensor(kind: type[SensorType]) -> type[SensorType]:
 
     setattr(made, "__init__", __init__)  # noqa: B010
     return cast(type[SensorType], made)
-
-
-def row_space(columns: Sequence[Column]) -> "Box":
-    """Return the space of one row of numbers."""
-    from gymnasium.spaces import Box
-
-    low = np.array([column.low for column in columns], np.float32)
-    return Box(low, np.array([column.high for column in columns], np.float32), dtype=np.float32)
-
-
-def table_space(limit: int, columns: Sequence[Column]) -> "Box":
-    """Return the space of a table with ``limit`` rows."""
-    from gymnasium.spaces import Box
-
-    row = row_space(columns)
-    return Box(np.tile(row.low, (limit, 1)), np.tile(row.high, (limit, 1)), dtype=np.float32)
-
-
-def rows_of(match: "MatchView", seats: Sequence[int]) -> NDArray[np.int64]:
-    """Return seats as row indices of the state's arrays.
-
-    Raises:
-        ValueError: The match has no such seat.
-    """
-    for seat in seats:
-        if not 0 <= seat < match.seats:
-            raise ValueError(f"there is no seat {seat}; the seats are 0 to {match.seats - 1}")
-    return np.array(seats, np.int64)

@@ -7,56 +7,39 @@ and the tables of the documentation. In environments, one call reads it for all 
 
 import functools
 from abc import abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from types import FunctionType
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.sensors.base import Column, Sensor, row_space, rows_of
-from wildscav_engine.simulation.state import Agents, Matches, State
+from wildscav_engine.sensors.base import StateSensor
+from wildscav_engine.simulation.state import Agents, Matches
 
 if TYPE_CHECKING:
-    from gymnasium.spaces import Box
-
-    from wildscav_engine.simulation.match_view import MatchView
+    from wildscav_engine.simulation.state import State
+    from wildscav_engine.simulation.systems.visibility import Seen
 
 # Writes one seat's numbers; takes the agents and matches of a batch, a match, a seat, and the row to write.
 Write = Callable[[Agents, Matches, int, int, NDArray[np.float32]], None]
 
 
-class ScalarSensor(Sensor):
+class ScalarSensor(StateSensor):
     """A few numbers about an agent."""
-
-    scalars: ClassVar[tuple[Column, ...]]
 
     @staticmethod
     @abstractmethod
     def kernel() -> Write:
         """Return the kernel that writes the numbers of one seat into a row of zeros, in order."""
 
-    @property
-    def columns(self) -> tuple[Column, ...]:
-        """The columns of a reading."""
-        return self.scalars
-
-    @property
-    def space(self) -> "Box":
-        """The space of a reading, of shape (columns,)."""
-        return row_space(self.scalars)
-
-    def read(self, match: "MatchView", seats: Sequence[int]) -> NDArray[np.float32]:
-        """Return (len(seats), columns) readings of some seats of a match.
-
-        Raises:
-            ValueError: The match has no such seat.
-        """
-        readings: NDArray[np.float32] = self.read_all(match.state, rows_of(match, seats))[0]
-        return readings
-
-    def read_all(self, state: State, seats: NDArray[np.int64]) -> NDArray[np.float32]:
+    def read_batch(
+        self,
+        state: "State",
+        seen: "Seen",  # noqa: ARG002
+        seats: NDArray[np.int64],
+    ) -> NDArray[np.float32]:
         """Return (B, len(seats), columns) readings of the same seats in all matches."""
         readings = np.zeros((len(state.matches.frame), len(seats), len(self.scalars)), np.float32)
         reader_of(self.kernel())(state.agents, state.matches, seats, readings)

@@ -54,7 +54,7 @@ def chosen(track: str, **more: Any) -> dict[str, Any]:
 def test_rows_are_single_environments_in_every_autoreset_mode(
     track: str, mode: AutoresetMode, threads: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("wildscav_engine.sensors.optics.optical.MIN_THREAD_TIME", 1)
+    monkeypatch.setattr("wildscav_engine.sensors.optics.image_sensor.MIN_THREAD_TIME", 1)
     ours = made(track, mode, threads=threads)
     singles = [lambda: gymnasium.make(env_id(track), **chosen(track))] * ENVS
     theirs = SyncVectorEnv(singles, autoreset_mode=mode)
@@ -139,7 +139,7 @@ class Gaze(PinholeCamera):
 def test_threads_that_share_images_of_what_moves_change_no_bit(
     kind: type[Sensor], chosen: dict[str, Any], method: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("wildscav_engine.sensors.optics.optical.MIN_THREAD_TIME", 1)
+    monkeypatch.setattr("wildscav_engine.sensors.optics.image_sensor.MIN_THREAD_TIME", 1)
     monkeypatch.setitem(SENSORS._made, Gaze.name, Gaze)
     monkeypatch.setattr(SENSORS, "_built_in", {**SENSORS._built_in, Gaze.name: "its:Gaze"})
     names: set[str] = set()
@@ -226,7 +226,7 @@ def test_a_copy_plays_on_as_the_original(copied: Callable[[VectorArena], VectorA
 def test_threads_and_processes_do_not_matter(monkeypatch: pytest.MonkeyPatch) -> None:
     alone = told_by("battle", 4)
     monkeypatch.setattr("wildscav_engine.simulation.batch.LEAST_AGENTS", 1)
-    monkeypatch.setattr("wildscav_engine.sensors.optics.optical.MIN_THREAD_TIME", 1)
+    monkeypatch.setattr("wildscav_engine.sensors.optics.image_sensor.MIN_THREAD_TIME", 1)
     assert told_by("battle", 4, threads=2) == alone
     code = (
         f"from hashlib import sha256; from {__name__} import told_by; "

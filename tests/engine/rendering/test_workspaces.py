@@ -9,7 +9,7 @@ from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.trace import Scene, scene_of
 from wildscav_engine.rendering.tracing.workspace import LARGEST_CACHED, Size
 from wildscav_engine.sensors import DepthCamera
-from wildscav_engine.sensors.optics.shown_maps import ShownMaps
+from wildscav_engine.sensors.optics.image_sensor import NO_DYNAMIC_OBJECTS, ShownMaps
 
 LARGE = Size(256, LARGEST_CACHED // 256 + 2, 0.5)
 SMALL = Size(4, 4, 0.5)
@@ -51,7 +51,8 @@ def test_small_images_of_two_maps_in_one_call_are_those_of_each_alone() -> None:
     cameras = Cameras(eyes, np.zeros(3), np.zeros(3), np.full(3, -2, np.int32), *camera.lens)
     images = np.empty((3, 9, 16), np.float32)
     order = [maps[0], maps[1], maps[0]]
-    assert camera.render_maps_into(ShownMaps(order), cameras, images)
+    nothing, in_first = NO_DYNAMIC_OBJECTS.sets, np.zeros(3, np.int64)
+    assert camera.render_matches_into(ShownMaps(order), nothing, in_first, cameras, images)
     alone = [camera.render(one, eyes[:1], [0.0], [0.0])[0] for one in order]
     assert images.tobytes() == np.stack(alone).tobytes()
     assert (images[0] != images[1]).any()

@@ -10,7 +10,7 @@ from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.palette import of_seat
 from wildscav_engine.sensors import ColorCamera
 from wildscav_engine.sensors.optics.dynamic_objects import dynamic_objects_of
-from wildscav_engine.sensors.optics.shown_maps import ShownMaps
+from wildscav_engine.sensors.optics.image_sensor import ShownMaps
 from wildscav_engine.simulation.match import Match
 
 CAMERA = ColorCamera(width=64, height=36)

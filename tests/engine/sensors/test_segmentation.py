@@ -6,7 +6,7 @@ from tests.builders import act, box, flat_world, make_match, place
 
 from wildscav_engine.geometry.world import Kind, Solid
 from wildscav_engine.sensors import SegmentationCamera
-from wildscav_engine.sensors.segmentation import FIRST_AGENT, FIRST_BOX, FIRST_SOLID
+from wildscav_engine.sensors.optics.segmentation import FIRST_AGENT, FIRST_BOX, FIRST_SOLID
 from wildscav_engine.simulation.match import Match
 
 KINDS = SegmentationCamera(width=65, height=37)

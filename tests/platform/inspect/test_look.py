@@ -16,7 +16,7 @@ from wildscav_engine.maps.viewpoints import viewpoint_of
 from wildscav_engine.sensors import SENSORS, ColorCamera, DepthCamera
 from wildscav_engine.sensors.display.colors import distance_colors
 from wildscav_engine.sensors.optics.dynamic_objects import placed_objects
-from wildscav_engine.sensors.optics.optical import OpticalSensor
+from wildscav_engine.sensors.optics.image_sensor import ImageSensor
 from wildscav_engine.specs.body import EYE_HEIGHT
 from wildscav_engine.specs.map_spec import MapConfig
 
@@ -24,7 +24,7 @@ BARE = ("--seed", 3, "--size", 40, "--houses", 0, "--vegetation", 0, "--water", 
 BARE_MAP = generate_map(MapConfig(size=40, houses=0, vegetation=0.0, water=0.0), 3)
 HOUSES = ("--seed", 3, "--size", 60, "--houses", 2)
 TINY = ("--width", 32, "--height", 18)
-IMAGES = [name for name, kind in SENSORS.items() if issubclass(kind, OpticalSensor)]
+IMAGES = [name for name, kind in SENSORS.items() if issubclass(kind, ImageSensor)]
 
 
 @pytest.fixture
@@ -42,7 +42,7 @@ def pixels(path: Path) -> NDArray[np.uint8]:
 @pytest.mark.parametrize("name", IMAGES)
 def test_every_sensor_that_makes_an_image_gives_a_picture(look: Run, tmp_path: Path, name: str) -> None:
     sensor = SENSORS[name]()
-    assert isinstance(sensor, OpticalSensor)
+    assert isinstance(sensor, ImageSensor)
     size = TINY if name != "lidar" else ()
     height, width = (18, 32) if size else sensor.shape[:2]
 

@@ -15,13 +15,15 @@ from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
 from wildscav_engine.parallel.threads import SharedWork, share
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.dynamic_objects import ObjectSets
-from wildscav_engine.sensors.base import Sensor
-from wildscav_engine.sensors.batched import BatchedSensor
-from wildscav_engine.sensors.optics.batched import BatchedOpticalSensor
+from wildscav_engine.sensors.base import Sensor, StateSensor
 from wildscav_engine.sensors.optics.dynamic_objects import objects_of_matches
-from wildscav_engine.sensors.optics.optical import FROM_SOLES, MovingOption, OpticalSensor
-from wildscav_engine.sensors.optics.shown_maps import ShownMaps
-from wildscav_engine.sensors.scalars import ScalarSensor
+from wildscav_engine.sensors.optics.image_sensor import (
+    FROM_SOLES,
+    NO_DYNAMIC_OBJECTS,
+    ImageSensor,
+    ShownMaps,
+    in_one_match,
+)
 from wildscav_engine.tracks import TRACKS
 
 if TYPE_CHECKING:
@@ -106,12 +108,11 @@ class SensorReader:
     """Reads the chosen sensors of some seats of all matches of a batch."""
 
     def __init__(self, sensors: Mapping[str, Sensor], seats: Sequence[int], threads: int) -> None:
-        self._optical = [sensor for sensor in sensors.values() if isinstance(sensor, OpticalSensor)]
+        self._images = [sensor for sensor in sensors.values() if isinstance(sensor, ImageSensor)]
         self._together = {
             name: sensor
             for name, sensor in sensors.items()
-            if isinstance(sensor, BatchedOpticalSensor)
-            or (isinstance(sensor, OpticalSensor) and _sees_map_only(sensor))
+            if isinstance(sensor, ImageSensor) and (_reads_many(sensor) or _sees_map_only(sensor))
         }
         self._others = {name: sensor for name, sensor in sensors.items() if name not in self._together}
         self._lenses = {name: sensor.lens for name, sensor in self._together.items()}
@@ -127,7 +128,7 @@ class SensorReader:
         self._shown = ShownMaps([game_map for game_map in maps for _ in self._seats])
         self._viewers = np.tile(np.array(self._seats, np.int32), len(maps))
         for game_map in maps:
-            for sensor in self._optical:
+            for sensor in self._images:
                 sensor.prepare(game_map)  # in advance, because all threads would do it
 
     def begin(self, batch: "Batch", view: Callable[[int], MatchInBatch], found: Readings) -> None:
@@ -139,10 +140,7 @@ class SensorReader:
         if self._together:
             self._begin_together(batch, found)
         for name, sensor in self._others.items():
-            if isinstance(sensor, ScalarSensor):
-                found[name] = sensor.read_all(batch.state, self._rows)
-                continue
-            if isinstance(sensor, BatchedSensor):
+            if isinstance(sensor, StateSensor):
                 found[name] = sensor.read_batch(batch.state, batch.seen, self._rows)
                 continue
             readings = self._read_each(sensor, [view(match) for match in range(len(batch.specs))])
@@ -163,7 +161,7 @@ class SensorReader:
             return True
 
         least = len(matches)
-        if isinstance(sensor, OpticalSensor):
+        if isinstance(sensor, ImageSensor):
             least = -(-sensor.min_images_per_thread // len(self._seats))
         share(read, len(matches), self._threads, least)
         return [readings[match] for match in range(len(matches))]
@@ -177,18 +175,22 @@ class SensorReader:
         for name, sensor in self._together.items():
             cameras = Cameras(eyes, yaws, pitches, self._viewers, *self._lenses[name])
             images = np.empty((len(yaws), *sensor.shape), sensor.dtype)
-            if not isinstance(sensor, BatchedOpticalSensor) or _sees_map_only(sensor):
-                render = partial(sensor.render_maps_into, self._shown, cameras, images)
+            if _sees_map_only(sensor):
+                shown = NO_DYNAMIC_OBJECTS.sets, in_one_match(len(images))
             else:
                 if objects is None:
                     objects = self._objects = objects_of_matches(batch.state, self._objects)
-                render = partial(sensor.render_matches_into, self._shown, objects, matches, cameras, images)
+                shown = objects, matches
+            render = partial(sensor.render_matches_into, self._shown, *shown, cameras, images)
             self._begun.append(SharedWork(render, len(images), self._threads, sensor.min_images_per_thread))
             found[name] = images.reshape(-1, count, *sensor.shape)
 
 
-def _sees_map_only(sensor: OpticalSensor) -> bool:
+def _reads_many(sensor: ImageSensor) -> bool:
+    """Return whether one call of a sensor makes the images of many matches, each with what moves in it."""
+    return type(sensor).write_images is not ImageSensor.write_images
+
+
+def _sees_map_only(sensor: ImageSensor) -> bool:
     """Return whether a sensor sees only the map of a match."""
-    if isinstance(sensor, MovingOption):
-        return not sensor.moving
-    return type(sensor).moving_in is OpticalSensor.moving_in
+    return type(sensor).moving_in is ImageSensor.moving_in and not sensor.sees_objects

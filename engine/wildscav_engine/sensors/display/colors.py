@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import Kind
-from wildscav_engine.sensors.optics.optical import OpticalSensor
+from wildscav_engine.sensors.optics.image_sensor import ImageSensor
 
 Colors = NDArray[np.uint8]  # (H, W, 3) red, green, blue
 
@@ -42,7 +42,7 @@ KIND_COLORS: dict[int, tuple[int, int, int]] = {
 HUE_STEP = 0.6180339887498949  # of a turn, the golden ratio: no hue occurs twice
 
 
-def reading_colors(sensor: OpticalSensor, reading: NDArray[Any]) -> Colors:
+def reading_colors(sensor: ImageSensor, reading: NDArray[Any]) -> Colors:
     """Return one reading of a sensor as an image; its dtype and shape tell what kind of reading it is.
 
     Args:

@@ -13,8 +13,8 @@ from wildscav_engine.sensors.display.colors import (
     normal_colors,
     reading_colors,
 )
-from wildscav_engine.sensors.lidar import Lidar
-from wildscav_engine.sensors.optics.optical import OpticalSensor
+from wildscav_engine.sensors.optics.image_sensor import ImageSensor
+from wildscav_engine.sensors.optics.lidar import Lidar
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -36,7 +36,7 @@ AXES = {
 }
 
 
-def draw_reading(sensor: OpticalSensor, reading: NDArray[Any], *, legend: bool = True) -> "Image":
+def draw_reading(sensor: ImageSensor, reading: NDArray[Any], *, legend: bool = True) -> "Image":
     """Return one reading as an image in red, green and blue.
 
     Args:
@@ -59,7 +59,7 @@ def draw_reading(sensor: OpticalSensor, reading: NDArray[Any], *, legend: bool =
     return _with_scale(image, sensor.lens[1])
 
 
-def _enlarged(sensor: OpticalSensor, colors: Colors) -> Colors:
+def _enlarged(sensor: ImageSensor, colors: Colors) -> Colors:
     """Enlarge each pixel to a block, for the legend or because rings are farther apart than columns."""
     times = max(1, min(-(-MIN_WIDTH // colors.shape[1]), MAX_ROWS // colors.shape[0]))
     tall = times

@@ -10,7 +10,7 @@ from pydantic import Field
 
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.sensors.base import sensor
-from wildscav_engine.sensors.optics.optical import OpticalSensor
+from wildscav_engine.sensors.optics.image_sensor import ImageSensor
 
 
 @lru_cache(maxsize=64)
@@ -20,7 +20,7 @@ def _half_width(field_of_view: float) -> float:
 
 
 @sensor
-class PinholeCamera(OpticalSensor):
+class PinholeCamera(ImageSensor):
     """A camera with its resolution, field of view and range."""
 
     width: Annotated[int, Field(ge=1, le=1920)] = 38  # pixels

@@ -14,9 +14,9 @@ from wildscav_engine.sensors.display.colors import (
     reading_colors,
 )
 from wildscav_engine.sensors.display.legend import draw_reading
-from wildscav_engine.sensors.optics.optical import OpticalSensor
+from wildscav_engine.sensors.optics.image_sensor import ImageSensor
 
-IMAGES = [kind() for kind in SENSORS.values() if issubclass(kind, OpticalSensor)]
+IMAGES = [kind() for kind in SENSORS.values() if issubclass(kind, ImageSensor)]
 
 
 def test_near_is_bright_and_far_is_dark() -> None:
@@ -78,7 +78,7 @@ def test_pictures_keep_their_colours() -> None:
 
 @pytest.mark.parametrize("sensor", IMAGES, ids=lambda sensor: sensor.name)
 @pytest.mark.parametrize("legend", [True, False])
-def test_every_sensor_that_makes_images_can_be_drawn(sensor: OpticalSensor, legend: bool) -> None:
+def test_every_sensor_that_makes_images_can_be_drawn(sensor: ImageSensor, legend: bool) -> None:
     (reading,) = sensor.read(make_match(), [0])
     colors = reading_colors(sensor, reading)
     assert (colors.dtype, colors.shape) == (np.uint8, (*sensor.shape[:2], 3))

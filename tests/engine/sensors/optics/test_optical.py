@@ -1,6 +1,7 @@
 """Images from any place: what is asked for is checked, and how many share the work changes nothing."""
 
 import copy
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -8,10 +9,10 @@ import pytest
 from numba.core.errors import NumbaError
 
 from wildscav_engine.maps import generate_map
+from wildscav_engine.parallel.turns import ALONE
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.sensors import DepthCamera, Lidar, NormalCamera, parse_sensors
-from wildscav_engine.sensors.optics.optical import OpticalSensor
-from wildscav_engine.sensors.optics.shown_maps import ShownMaps
+from wildscav_engine.sensors.optics.image_sensor import NO_DYNAMIC_OBJECTS, ImageSensor, ShownMaps
 from wildscav_engine.specs.map_spec import MapConfig
 
 COUNTRY = generate_map(MapConfig(size=60, houses=2), 3)
@@ -42,9 +43,9 @@ def test_what_cannot_be_looked_from_is_named_in_one_line(wrong: dict[str, Any], 
 @pytest.mark.parametrize("sensor", [DepthCamera(), NormalCamera(), Lidar(azimuths=30)])
 @pytest.mark.parametrize("threads", [2, 3, 50])
 def test_threads_and_batches_change_no_bit(
-    sensor: OpticalSensor, threads: int, monkeypatch: pytest.MonkeyPatch
+    sensor: ImageSensor, threads: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("wildscav_engine.sensors.optics.optical.MIN_THREAD_TIME", 1)
+    monkeypatch.setattr("wildscav_engine.sensors.optics.image_sensor.MIN_THREAD_TIME", 1)
     eyes = COUNTRY.outdoor[:: len(COUNTRY.outdoor) // 9][:7] + np.array((0, 1.5, 0))
     yaws, pitches = np.linspace(-170, 170, 7), np.linspace(-40, 40, 7)
 
@@ -65,7 +66,7 @@ def test_an_error_of_our_own_is_not_hidden_behind_a_slower_way(monkeypatch: pyte
         def trace(*_: object, error: Exception = error) -> bool:
             raise error
 
-        monkeypatch.setattr("wildscav_engine.sensors.depth.depths_tracer", lambda trace=trace: trace)
+        monkeypatch.setattr("wildscav_engine.sensors.optics.depth.depths_tracer", lambda trace=trace: trace)
         with pytest.raises(type(error), match="a bug"):
             DepthCamera(5, 4).render(COUNTRY, **FINE)
         lists = {name: array.tolist() for name, array in FINE.items()}
@@ -112,7 +113,7 @@ def test_a_wider_view_shows_things_smaller() -> None:
 @pytest.mark.parametrize(
     "sensor", [DepthCamera(9, 7), NormalCamera(9, 7), DepthCamera(300, 220), Lidar(azimuths=30)]
 )
-def test_images_of_many_maps_are_those_of_each_map(sensor: OpticalSensor) -> None:
+def test_images_of_many_maps_are_those_of_each_map(sensor: ImageSensor) -> None:
     other = generate_map(MapConfig(size=40, houses=0), 1)
     maps = [COUNTRY, other, COUNTRY, other, other]
     eyes = np.stack([game_map.outdoor[place] for place, game_map in enumerate(maps)]) + np.array((0, 1.5, 0))
@@ -125,9 +126,10 @@ def test_images_of_many_maps_are_those_of_each_map(sensor: OpticalSensor) -> Non
     cameras = Cameras(eyes, turns, level, np.zeros(5, np.int32), *sensor.lens)
     together = np.empty((5, *sensor.shape), sensor.dtype)
 
-    for kind in (type(sensor), OpticalSensor):  # with a kernel of its own, and as any sensor
+    things = NO_DYNAMIC_OBJECTS.sets, np.zeros(5, np.int64)
+    for write in (sensor.render_matches_into, partial(ImageSensor.write_images, sensor)):  # at once, in turn
         together.fill(77)
-        assert kind.render_maps_into(sensor, ShownMaps(maps), cameras, together)
+        assert write(ShownMaps(maps), *things, cameras, together, ALONE)
         assert together.tobytes() == np.stack(alone).tobytes()
 
 

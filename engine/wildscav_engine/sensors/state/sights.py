@@ -15,8 +15,7 @@ from pydantic import Field
 
 from wildscav_engine.arithmetic.elementary_functions import arctangent, cosine, logarithm, wrap
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.sensors.base import Column, sensor
-from wildscav_engine.sensors.batched import TableSensor
+from wildscav_engine.sensors.base import Column, StateSensor, sensor
 from wildscav_engine.simulation.systems.visibility import AGENT_LIMIT
 from wildscav_engine.specs.body import BODY_RADIUS, EYE_HEIGHT
 
@@ -26,22 +25,10 @@ if TYPE_CHECKING:
 
 CHEST_HEIGHT = 1.1  # m above the soles
 WIDEST = 5.3  # ln °, above ln(1 + 180)
-COLUMNS = (
-    Column("present", "0 or 1", 0, 1, "whether the row describes an enemy"),
-    Column("right", "ln degrees", -WIDEST, WIDEST, "how far its chest is to the right of the view"),
-    Column("below", "ln degrees", -WIDEST, WIDEST, "how far its chest is below the view"),
-    Column("right soon", "ln degrees", -WIDEST, WIDEST, "how far to the right it will be"),
-    Column("below soon", "ln degrees", -WIDEST, WIDEST, "how far below it will be"),
-    Column("half width", "ln degrees", 0, WIDEST, "half the width of its body"),
-    Column("faces", "of 1", -1, 1, "1 if it looks at the agent, -1 if it looks away"),
-    Column("log distance", "ln m", 0, 10, "logarithm of 1 m + its distance"),
-    Column("health", "hp", 0, 10_000, "its health"),
-    Column("invincible", "0 or 1", 0, 1, "whether it is invincible now"),
-)
 
 
 @sensor
-class Sights(TableSensor):
+class Sights(StateSensor):
     """The nearest enemies in sight, relative to the view."""
 
     name: ClassVar[str] = "sights"
@@ -49,7 +36,18 @@ class Sights(TableSensor):
         "enemies in sight: present; right of and below the view, now and soon, and half width, ln degrees; "
         "faces, of 1; log distance, ln m; health, hp; invincible"
     )
-    table: ClassVar[tuple[Column, ...]] = COLUMNS
+    scalars: ClassVar[tuple[Column, ...]] = (
+        Column("present", "0 or 1", 0, 1, "whether the row describes an enemy"),
+        Column("right", "ln degrees", -WIDEST, WIDEST, "how far its chest is to the right of the view"),
+        Column("below", "ln degrees", -WIDEST, WIDEST, "how far its chest is below the view"),
+        Column("right soon", "ln degrees", -WIDEST, WIDEST, "how far to the right it will be"),
+        Column("below soon", "ln degrees", -WIDEST, WIDEST, "how far below it will be"),
+        Column("half width", "ln degrees", 0, WIDEST, "half the width of its body"),
+        Column("faces", "of 1", -1, 1, "1 if it looks at the agent, -1 if it looks away"),
+        Column("log distance", "ln m", 0, 10, "logarithm of 1 m + its distance"),
+        Column("health", "hp", 0, 10_000, "its health"),
+        Column("invincible", "0 or 1", 0, 1, "whether it is invincible now"),
+    )
 
     limit: Annotated[int, Field(ge=1, le=AGENT_LIMIT)] = 2  # rows
     lead: Annotated[float, Field(ge=0, le=2)] = 0.1  # s
@@ -57,7 +55,7 @@ class Sights(TableSensor):
     def read_batch(self, state: "State", seen: "Seen", seats: NDArray[np.int64]) -> NDArray[np.float32]:
         """Return (B, len(seats), limit, 10)."""
         agents = state.agents
-        readings = np.zeros((len(seen.agents), len(seats), self.limit, len(COLUMNS)), np.float32)
+        readings = np.zeros((len(seen.agents), len(seats), self.limit, len(self.scalars)), np.float32)
         _write_sights(
             *(seen.agents, seen.agent_count, agents.team, agents.position, agents.velocity, agents.yaw),
             *(agents.pitch, agents.health, agents.invincible_left, seats, self.lead, readings),

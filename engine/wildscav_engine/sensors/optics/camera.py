@@ -15,17 +15,15 @@ from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.dynamic_objects import ObjectSets
 from wildscav_engine.rendering.shading.render import render_pictures
 from wildscav_engine.sensors.base import sensor
-from wildscav_engine.sensors.optics.batched import BatchedOpticalSensor
-from wildscav_engine.sensors.optics.optical import SeesObjects
+from wildscav_engine.sensors.optics.image_sensor import ShownMaps
 from wildscav_engine.sensors.optics.pinhole import PinholeCamera
-from wildscav_engine.sensors.optics.shown_maps import ShownMap, ShownMaps
 
 if TYPE_CHECKING:
     from wildscav_engine.maps.game_map import GameMap
 
 
 @sensor
-class ColorCamera(SeesObjects, BatchedOpticalSensor, PinholeCamera):
+class ColorCamera(PinholeCamera):
     """Images in red, green and blue."""
 
     width: Annotated[int, Field(ge=1, le=1920)] = 160  # pixels
@@ -41,6 +39,11 @@ class ColorCamera(SeesObjects, BatchedOpticalSensor, PinholeCamera):
     channels: ClassVar[tuple[int, ...]] = (3,)
 
     @property
+    def sees_objects(self) -> bool:
+        """Always."""
+        return True
+
+    @property
     def bounds(self) -> tuple[float, float]:
         """0 and 255."""
         return 0, 255
@@ -52,7 +55,7 @@ class ColorCamera(SeesObjects, BatchedOpticalSensor, PinholeCamera):
 
     def write_images(
         self,
-        shown: ShownMap | ShownMaps,
+        shown: ShownMaps,
         objects: ObjectSets,
         matches: NDArray[np.int64],
         cameras: Cameras,

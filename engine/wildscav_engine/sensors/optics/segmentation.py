@@ -18,10 +18,8 @@ from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.dynamic_objects import ObjectSets
 from wildscav_engine.rendering.labels import FIRST_AGENT, FIRST_BOX, FIRST_SOLID, write_labels
 from wildscav_engine.sensors.base import Sensor, sensor
-from wildscav_engine.sensors.optics.batched import BatchedOpticalSensor
-from wildscav_engine.sensors.optics.optical import SeesObjects
+from wildscav_engine.sensors.optics.image_sensor import ShownMaps
 from wildscav_engine.sensors.optics.pinhole import PinholeCamera
-from wildscav_engine.sensors.optics.shown_maps import ShownMap, ShownMaps
 
 __all__ = ["FIRST_AGENT", "FIRST_BOX", "FIRST_SOLID", "SegmentationCamera"]
 
@@ -29,7 +27,7 @@ MAX_LABEL = 2**31 - 1
 
 
 @sensor
-class SegmentationCamera(SeesObjects, BatchedOpticalSensor, PinholeCamera):
+class SegmentationCamera(PinholeCamera):
     """Labels of the objects in each pixel."""
 
     label: Literal["kind", "instance"] = "kind"
@@ -48,13 +46,18 @@ class SegmentationCamera(SeesObjects, BatchedOpticalSensor, PinholeCamera):
         return np.uint8 if self.label == "kind" else np.int32
 
     @property
+    def sees_objects(self) -> bool:
+        """Always."""
+        return True
+
+    @property
     def bounds(self) -> tuple[float, float]:
         """The least and the greatest label."""
         return 0, max(Kind) if self.label == "kind" else MAX_LABEL
 
     def write_images(
         self,
-        shown: ShownMap | ShownMaps,
+        shown: ShownMaps,
         objects: ObjectSets,
         matches: NDArray[np.int64],
         cameras: Cameras,

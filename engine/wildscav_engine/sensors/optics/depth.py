@@ -21,10 +21,8 @@ from wildscav_engine.rendering.trace import depths_tracer, trace_static_depths
 from wildscav_engine.rendering.tracing.solids import Solids
 from wildscav_engine.rendering.tracing.workspace import Size
 from wildscav_engine.sensors.base import sensor
-from wildscav_engine.sensors.optics.batched import BatchedOpticalSensor
-from wildscav_engine.sensors.optics.optical import MovingOption, are_ready
+from wildscav_engine.sensors.optics.image_sensor import ShownMaps, are_ready
 from wildscav_engine.sensors.optics.pinhole import PinholeCamera
-from wildscav_engine.sensors.optics.shown_maps import ShownMap, ShownMaps
 
 if TYPE_CHECKING:
     from wildscav_engine.maps.game_map import GameMap
@@ -34,7 +32,7 @@ DEPTH = np.dtype(np.float32)
 
 
 @sensor
-class DepthCamera(MovingOption, BatchedOpticalSensor, PinholeCamera):
+class DepthCamera(PinholeCamera):
     """Depth maps in metres."""
 
     name: ClassVar[str] = "depth"
@@ -86,7 +84,7 @@ class DepthCamera(MovingOption, BatchedOpticalSensor, PinholeCamera):
 
     def write_images(
         self,
-        shown: ShownMap | ShownMaps,
+        shown: ShownMaps,
         objects: ObjectSets,
         matches: NDArray[np.int64],
         cameras: Cameras,

@@ -15,14 +15,12 @@ from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.dynamic_objects import ObjectSets
 from wildscav_engine.rendering.normals import write_normals
 from wildscav_engine.sensors.base import sensor
-from wildscav_engine.sensors.optics.batched import BatchedOpticalSensor
-from wildscav_engine.sensors.optics.optical import MovingOption
+from wildscav_engine.sensors.optics.image_sensor import ShownMaps
 from wildscav_engine.sensors.optics.pinhole import PinholeCamera
-from wildscav_engine.sensors.optics.shown_maps import ShownMap, ShownMaps
 
 
 @sensor
-class NormalCamera(MovingOption, BatchedOpticalSensor, PinholeCamera):
+class NormalCamera(PinholeCamera):
     """Unit normals."""
 
     name: ClassVar[str] = "normals"
@@ -39,7 +37,7 @@ class NormalCamera(MovingOption, BatchedOpticalSensor, PinholeCamera):
 
     def write_images(
         self,
-        shown: ShownMap | ShownMaps,
+        shown: ShownMaps,
         objects: ObjectSets,
         matches: NDArray[np.int64],
         cameras: Cameras,

@@ -18,9 +18,7 @@ from wildscav_engine.rendering.cameras import Cameras, are_finite
 from wildscav_engine.rendering.dynamic_objects import ObjectSets
 from wildscav_engine.rendering.panorama import Panorama
 from wildscav_engine.sensors.base import Sensor, sensor
-from wildscav_engine.sensors.optics.batched import BatchedOpticalSensor
-from wildscav_engine.sensors.optics.optical import MovingOption, select_cameras
-from wildscav_engine.sensors.optics.shown_maps import ShownMap, ShownMaps
+from wildscav_engine.sensors.optics.image_sensor import ImageSensor, ShownMaps, select_cameras
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -30,7 +28,7 @@ Elevation = Annotated[float, Field(ge=-90, le=90)]
 
 
 @sensor
-class Lidar(MovingOption, BatchedOpticalSensor):
+class Lidar(ImageSensor):
     """Distances in all horizontal directions in metres."""
 
     name: ClassVar[str] = "lidar"
@@ -78,7 +76,7 @@ class Lidar(MovingOption, BatchedOpticalSensor):
 
     def write_images(
         self,
-        shown: ShownMap | ShownMaps,
+        shown: ShownMaps,
         objects: ObjectSets,
         matches: NDArray[np.int64],
         cameras: Cameras,

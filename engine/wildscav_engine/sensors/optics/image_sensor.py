@@ -1,8 +1,8 @@
-"""The base class of sensors that cast rays from the eyes of agents or from any other place."""
+"""The base class of sensors that make images from the eyes of agents or from any other place."""
 
 from abc import abstractmethod
 from collections.abc import Sequence
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 
 import numpy as np
@@ -11,10 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 from wildscav_engine.parallel.threads import share
 from wildscav_engine.parallel.turns import ALONE, Turns, items_of
 from wildscav_engine.rendering.cameras import Cameras
+from wildscav_engine.rendering.dynamic_objects import ObjectSets
+from wildscav_engine.rendering.shading.appearance import Appearance, Appearances
+from wildscav_engine.rendering.trace import Scene, Scenes
 from wildscav_engine.rendering.tracing.solids import Solids, gather_solids
+from wildscav_engine.rendering.tracing.workspace import LARGEST_CACHED
 from wildscav_engine.sensors.base import Sensor, rows_of
 from wildscav_engine.sensors.optics.dynamic_objects import as_dynamic_objects, dynamic_objects_of
-from wildscav_engine.sensors.optics.shown_maps import ShownMaps
 from wildscav_engine.specs.body import EYE_HEIGHT
 
 if TYPE_CHECKING:
@@ -33,8 +36,47 @@ NO_DYNAMIC_OBJECTS = as_dynamic_objects(gather_solids([]))
 FROM_SOLES = np.array([[-0.0, EYE_HEIGHT, -0.0]])  # (1, 3) m, to the eyes; adding -0.0 changes no bit
 
 
-class OpticalSensor(Sensor):
-    """A sensor that casts rays from any position, or from the eyes of agents, whose own bodies it omits."""
+class ShownMaps:
+    """The maps that N images show, possibly with repetitions, or one map that all of them show.
+
+    What kernels need of them is collected once, for many readings. Nobody changes it while they are used.
+
+    Attributes:
+        maps: The maps, which have been prepared for the sensors that are read.
+    """
+
+    def __init__(self, maps: "Sequence[GameMap]") -> None:
+        """Collect maps."""
+        self.maps = maps
+
+    def __reduce__(self) -> tuple[type["ShownMaps"], tuple[Any]]:
+        """Copy and pickle only the maps: what kernels need is addresses."""
+        return ShownMaps, (self.maps,)
+
+    def map_of(self, image: int) -> "GameMap":
+        """Return the map that an image shows."""
+        return self.maps[image if len(self.maps) > 1 else 0]
+
+    @cached_property
+    def scenes(self) -> Scene | Scenes:
+        """What rays are traced in."""
+        return self.maps[0].scene if len(self.maps) == 1 else Scenes([one.scene for one in self.maps])
+
+    @cached_property
+    def appearances(self) -> Appearance | Appearances:
+        """What pictures show."""
+        if len(self.maps) == 1:
+            return self.maps[0].appearance
+        return Appearances([one.appearance for one in self.maps])
+
+
+class ImageSensor(Sensor):
+    """A sensor that casts rays from any position, or from the eyes of agents, whose own bodies it omits.
+
+    It makes images by ``write_images``, which makes those of all matches of a vector environment in one call,
+    or by ``render_into``, those of one map. Each does what the other one does; a kind of sensor replaces at
+    least one of them.
+    """
 
     dtype: ClassVar[type[np.generic]]
     ray_time: ClassVar[int] = 10  # approximate ns per ray, which decides how threads share images
@@ -63,44 +105,6 @@ class OpticalSensor(Sensor):
         low, high = self.bounds
         return Box(dtype(low), dtype(high), self.shape, dtype)
 
-    @abstractmethod
-    def render_into(
-        self, game_map: "GameMap", moving: Solids, cameras: Cameras, images: NDArray[Any]
-    ) -> bool:
-        """Render the images of some cameras.
-
-        Args:
-            game_map: The map, whose scene has been prepared.
-            moving: The dynamic objects.
-            cameras: N cameras.
-            images: (N, *shape), written.
-
-        Returns:
-            Whether all numbers of the cameras are finite; if not, nothing is written.
-        """
-
-    def render_maps_into(
-        self, shown: ShownMaps, cameras: Cameras, images: NDArray[Any], turns: Turns = ALONE
-    ) -> bool:
-        """Render the images of some cameras on maps without dynamic objects.
-
-        Args:
-            shown: Their maps.
-            cameras: N cameras.
-            images: (N, *shape), written.
-            turns: In which order to render them, with other threads.
-
-        Returns:
-            Whether all numbers of the cameras are finite.
-        """
-        parts = (slice(row, row + 1) for row in items_of(turns, len(images)))
-        return all(
-            self.render_into(
-                shown.map_of(part.start), NO_DYNAMIC_OBJECTS, select_cameras(cameras, part), images[part]
-            )
-            for part in parts
-        )
-
     def prepare(self, game_map: "GameMap") -> None:
         """Compute in advance what images of a map are made from; it takes longer than one image."""
         _ = game_map.scene
@@ -115,9 +119,95 @@ class OpticalSensor(Sensor):
         """The least number of images that are worth waking a thread for."""
         return -(-MIN_THREAD_TIME // (IMAGE_TIME + self.rays * self.ray_time))
 
-    def moving_in(self, match: "MatchView") -> Solids:  # noqa: ARG002
-        """Return the dynamic objects that the sensor sees in a match; none by default."""
-        return NO_DYNAMIC_OBJECTS
+    @property
+    def sees_objects(self) -> bool:
+        """Whether agents and supply boxes are visible; by default, as the option ``moving`` says, if any."""
+        return bool(getattr(self, "moving", False))
+
+    def moving_in(self, match: "MatchView") -> Solids:
+        """Return the dynamic objects that the sensor sees in a match."""
+        return dynamic_objects_of(match) if self.sees_objects else NO_DYNAMIC_OBJECTS
+
+    def write_images(
+        self,
+        shown: ShownMaps,
+        objects: ObjectSets,
+        matches: NDArray[np.int64],
+        cameras: Cameras,
+        images: NDArray[Any],
+        turns: Turns,
+    ) -> bool:
+        """Render the images of cameras in different matches.
+
+        Args:
+            shown: The map of each camera, or one for all.
+            objects: The dynamic objects of some matches.
+            matches: (N,) the index in ``objects`` of the match that each camera is in.
+            cameras: N cameras.
+            images: (N, *shape), written.
+            turns: In which order to render them, with other threads.
+
+        Returns:
+            Whether all numbers of the cameras are finite; if not, nothing is written.
+        """
+        kind = type(self)
+        if (kind.write_images, kind.render_into) == (ImageSensor.write_images, ImageSensor.render_into):
+            raise NotImplementedError(f"{kind.__name__} has neither write_images nor render_into")
+        parts = (slice(row, row + 1) for row in items_of(turns, len(images)))
+        return all(
+            self.render_into(
+                shown.map_of(part.start),
+                objects.solids_of(matches[part.start]),
+                select_cameras(cameras, part),
+                images[part],
+            )
+            for part in parts
+        )
+
+    def render_into(
+        self, game_map: "GameMap", moving: Solids, cameras: Cameras, images: NDArray[Any]
+    ) -> bool:
+        """Render the images of some cameras on one map, whose scene has been prepared.
+
+        Args:
+            game_map: The map.
+            moving: The dynamic objects.
+            cameras: N cameras.
+            images: (N, *shape), written.
+
+        Returns:
+            Whether all numbers of the cameras are finite; if not, nothing is written.
+        """
+        objects = as_dynamic_objects(moving).sets
+        return self.write_images(
+            ShownMaps((game_map,)), objects, in_one_match(len(images)), cameras, images, ALONE
+        )
+
+    def render_matches_into(
+        self,
+        shown: ShownMaps,
+        objects: ObjectSets,
+        matches: NDArray[np.int64],
+        cameras: Cameras,
+        images: NDArray[Any],
+        turns: Turns = ALONE,
+    ) -> bool:
+        """Do the same as ``write_images``, with large images one after another."""
+        if self.rays <= LARGEST_CACHED:
+            return self.write_images(shown, objects, matches, cameras, images, turns)
+        # What one of them is traced in is large, so only one is used at a time.
+        parts = (slice(row, row + 1) for row in items_of(turns, len(images)))
+        return all(
+            self.write_images(
+                ShownMaps((shown.map_of(part.start),)),
+                objects,
+                matches[part],
+                select_cameras(cameras, part),
+                images[part],
+                ALONE,
+            )
+            for part in parts
+        )
 
     def read(self, match: "MatchView", seats: Sequence[int]) -> NDArray[Any]:
         """Return the images of some agents, (len(seats), *shape).
@@ -229,6 +319,12 @@ def _no_viewers(count: int) -> NDArray[np.int32]:
     return np.full(count, NO_VIEWER, np.int32)
 
 
+@lru_cache(maxsize=64)
+def in_one_match(count: int) -> NDArray[np.int64]:
+    """Return the indices of the matches of ``count`` cameras that are all in the first one."""
+    return np.zeros(count, np.int64)
+
+
 def _seats_of(viewers: ArrayLike, count: int) -> NDArray[np.int32]:
     """Return (count,) the seats of the viewers.
 
@@ -245,24 +341,6 @@ def _seats_of(viewers: ArrayLike, count: int) -> NDArray[np.int32]:
             f"viewers hold {seats[(seats < 0) | (seats > MAX_SEAT)][0]}, must be seats, 0 or more"
         )
     return seats.astype(np.int32)
-
-
-class SeesObjects(OpticalSensor):
-    """A sensor that always sees agents and supply boxes."""
-
-    def moving_in(self, match: "MatchView") -> Solids:
-        """Return the living agents and the supply boxes of the match."""
-        return dynamic_objects_of(match)
-
-
-class MovingOption(OpticalSensor):
-    """A sensor with the option ``moving``: whether it also sees agents and supply boxes."""
-
-    moving: bool
-
-    def moving_in(self, match: "MatchView") -> Solids:
-        """Return the agents and supply boxes if the option says so."""
-        return dynamic_objects_of(match) if self.moving else NO_DYNAMIC_OBJECTS
 
 
 def select_cameras(cameras: Cameras, part: slice) -> Cameras:

@@ -1,0 +1,211 @@
+"""Other agents as arrays: those in sight, and teammates anywhere."""
+
+from typing import TYPE_CHECKING, Annotated, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.sensors.base import Column, StateSensor, sensor
+from wildscav_engine.simulation.systems.visibility import AGENT_LIMIT, insert_nearest
+
+if TYPE_CHECKING:
+    from wildscav_engine.simulation.state import State
+    from wildscav_engine.simulation.systems.visibility import Seen
+
+MAX_SUPPLIES = 2.0**31  # carried: the bound of a 32-bit count
+# Seats and teams are numbers below 1000; rules allow 10,000 hp at most.
+INF = np.inf
+MOTION_COLUMNS = (
+    Column("x", "m", -INF, INF, "position east of the agent's soles"),
+    Column("y", "m", -INF, INF, "position above the agent's soles"),
+    Column("z", "m", -INF, INF, "position north of the agent's soles"),
+    Column("distance", "m", 0, INF, "distance from the agent's soles"),
+    Column("velocity_x", "m/s", -INF, INF, "its velocity to the east"),
+    Column("velocity_y", "m/s", -INF, INF, "its velocity upwards"),
+    Column("velocity_z", "m/s", -INF, INF, "its velocity to the north"),
+    Column("yaw", "degrees", -180, 180, "where it faces: 0 is north, 90 is east"),
+)
+
+
+@kernel
+def _write_motion(
+    position: NDArray[np.float64],
+    velocity: NDArray[np.float64],
+    yaw: NDArray[np.float64],
+    reader: int,
+    other: int,
+    row: NDArray[np.float32],
+) -> None:
+    """Write (8,) ``MOTION_COLUMNS`` of one seat as another one reads them."""
+    x = position[other, 0] - position[reader, 0]
+    y = position[other, 1] - position[reader, 1]
+    z = position[other, 2] - position[reader, 2]
+    row[0], row[1], row[2] = x, y, z
+    row[3] = np.sqrt(x * x + y * y + z * z)
+    for axis in range(3):
+        row[4 + axis] = velocity[other, axis]
+    row[7] = yaw[other]
+
+
+@sensor
+class VisibleAgents(StateSensor):
+    """The nearest agents in sight: what ``agents`` of an observation lists.
+
+    Each row describes one agent, nearest first. Its columns are 1; its seat; its team; its position relative
+    to the agent's soles in the axes of the world (x east, y up, z north, m); its distance (m); its velocity
+    (x, y, z, m/s); its yaw (degrees in (-180, 180], 0 looks along +z, clockwise); its health (hp); and 1 if
+    it is invincible. Unused rows are 0. ``visibility.py`` decides which agents are in sight.
+    """
+
+    name: ClassVar[str] = "visible_agents"
+    title: ClassVar[str] = (
+        "agents in sight: present, seat, team, position from the soles, m, distance, m, velocity, m/s, "
+        "yaw, degrees, health, hp, invincible"
+    )
+    scalars: ClassVar[tuple[Column, ...]] = (
+        Column("present", "0 or 1", 0, 1, "whether the row describes an agent"),
+        Column("seat", "", 0, 999, "its seat"),
+        Column("team", "", 0, 999, "its team"),
+        *MOTION_COLUMNS,
+        Column("health", "hp", 0, 10_000, "its health"),
+        Column("invincible", "0 or 1", 0, 1, "whether it is invincible now"),
+    )
+
+    limit: Annotated[int, Field(ge=1, le=AGENT_LIMIT)] = AGENT_LIMIT  # rows
+
+    def read_batch(self, state: "State", seen: "Seen", seats: NDArray[np.int64]) -> NDArray[np.float32]:
+        """Return (B, len(seats), limit, 13)."""
+        agents = state.agents
+        readings = np.zeros((len(seen.agents), len(seats), self.limit, len(self.scalars)), np.float32)
+        _write_agents(
+            *(seen.agents, seen.agent_count, agents.team, agents.position, agents.velocity, agents.yaw),
+            *(agents.health, agents.invincible_left, seats, readings),
+        )
+        return readings
+
+
+@kernel
+def _write_agents(
+    others: NDArray[np.int32],
+    count: NDArray[np.int32],
+    team: NDArray[np.int32],
+    position: NDArray[np.float64],
+    velocity: NDArray[np.float64],
+    yaw: NDArray[np.float64],
+    health: NDArray[np.int32],
+    invincible_left: NDArray[np.int32],
+    seats: NDArray[np.int64],
+    readings: NDArray[np.float32],
+) -> None:
+    """Write what some seats, (S,), of all matches see of other agents, into zeros (B, S, limit, columns).
+
+    Everything else is as in ``Seen`` and ``Agents``.
+    """
+    for match in range(readings.shape[0]):
+        for reader in range(seats.shape[0]):
+            seat = seats[reader]
+            for place in range(min(readings.shape[2], count[match, seat])):
+                other, row = others[match, seat, place], readings[match, reader, place]
+                row[0], row[1], row[2] = 1.0, other, team[match, other]
+                _write_motion(position[match], velocity[match], yaw[match], seat, other, row[3:11])
+                row[11] = health[match, other]
+                row[12] = invincible_left[match, other] > 0
+
+
+@sensor
+class Teammates(StateSensor):
+    """The nearest teammates: agents know their positions and condition, in sight or not.
+
+    Each row describes one teammate, nearest first; at equal distance, the lower seat comes first. Its columns
+    are 1; its seat; its position, distance, velocity and yaw as in ``visible_agents``; its health (hp, 0 if
+    dead); 1 if it is invincible; and the supplies that it carries. Unused rows are 0.
+    """
+
+    name: ClassVar[str] = "teammates"
+    title: ClassVar[str] = (
+        "teammates: present, seat, position from the soles, m, distance, m, velocity, m/s, yaw, degrees, "
+        "health, hp, invincible, supplies"
+    )
+    scalars: ClassVar[tuple[Column, ...]] = (
+        Column("present", "0 or 1", 0, 1, "whether the row describes a teammate"),
+        Column("seat", "", 0, 999, "its seat"),
+        *MOTION_COLUMNS,
+        Column("health", "hp", 0, 10_000, "its health; 0 if it is dead"),
+        Column("invincible", "0 or 1", 0, 1, "whether it is invincible now"),
+        Column("supplies", "", 0, MAX_SUPPLIES, "supplies that it carries"),
+    )
+
+    limit: Annotated[int, Field(ge=1, le=64)] = 7  # rows
+
+    def read_batch(
+        self,
+        state: "State",
+        seen: "Seen",  # noqa: ARG002
+        seats: NDArray[np.int64],
+    ) -> NDArray[np.float32]:
+        """Return (B, len(seats), limit, 13)."""
+        agents = state.agents
+        readings = np.zeros((len(agents.team), len(seats), self.limit, len(self.scalars)), np.float32)
+        _write_teammates(
+            *(state.matches.seats, agents.team, agents.position, agents.velocity, agents.yaw, agents.health),
+            *(agents.invincible_left, agents.supplies, seats),
+            *(np.empty(self.limit), np.empty(self.limit, np.int32), readings),
+        )
+        return readings
+
+
+@kernel
+def _write_teammates(
+    seats_of_match: NDArray[np.int64],
+    team: NDArray[np.int32],
+    position: NDArray[np.float64],
+    velocity: NDArray[np.float64],
+    yaw: NDArray[np.float64],
+    health: NDArray[np.int32],
+    invincible_left: NDArray[np.int32],
+    supplies: NDArray[np.int32],
+    seats: NDArray[np.int64],
+    squares: NDArray[np.float64],
+    nearest: NDArray[np.int32],
+    readings: NDArray[np.float32],
+) -> None:
+    """Write where the teammates of some seats, (S,), of all matches are, into zeros (B, S, limit, columns).
+
+    Everything else is as in ``Matches`` and ``Agents``, except scratch (limit,) for the squared distances of
+    the nearest teammates in m², and for their seats.
+    """
+    for match in range(readings.shape[0]):
+        for reader in range(seats.shape[0]):
+            seat = seats[reader]
+            count = _find_teammates(
+                team[match, : seats_of_match[match]], position[match], seat, squares, nearest
+            )
+            for place in range(count):
+                mate, row = nearest[place], readings[match, reader, place]
+                row[0], row[1] = 1.0, mate
+                _write_motion(position[match], velocity[match], yaw[match], seat, mate, row[2:10])
+                row[10] = health[match, mate]
+                row[11] = invincible_left[match, mate] > 0
+                row[12] = supplies[match, mate]
+
+
+@kernel
+def _find_teammates(
+    team: NDArray[np.int32],
+    position: NDArray[np.float64],
+    seat: int,
+    squares: NDArray[np.float64],
+    nearest: NDArray[np.int32],
+) -> int:
+    """Find the nearest teammates of a seat, in sight or not, and return their number."""
+    count = 0
+    for mate in range(team.shape[0]):
+        if mate == seat or team[mate] != team[seat]:
+            continue
+        x = position[mate, 0] - position[seat, 0]
+        y = position[mate, 1] - position[seat, 1]
+        z = position[mate, 2] - position[seat, 2]
+        count = insert_nearest(x * x + y * y + z * z, mate, count, squares, nearest)
+    return count
