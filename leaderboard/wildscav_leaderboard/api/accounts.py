@@ -1,6 +1,10 @@
-"""Routes of accounts and tokens."""
+"""Accounts and tokens: what is shown of them, and the routes."""
+
+from collections import Counter
+from datetime import datetime
 
 from fastapi import APIRouter
+from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 
 from wildscav_leaderboard.access.logins import log_in
@@ -17,15 +21,47 @@ from wildscav_leaderboard.access.requests import (
     Reading,
 )
 from wildscav_leaderboard.accounts import passwords, service
-from wildscav_leaderboard.presentation.documents import (
+from wildscav_leaderboard.accounts.service import Caller
+from wildscav_leaderboard.api.documents import (
     AccountView,
     NewAccount,
     NewAccountView,
     NewToken,
     NewTokenView,
+    QuotaView,
     TokenView,
 )
-from wildscav_leaderboard.presentation.people import account_view
+from wildscav_leaderboard.api.teams import team_view
+from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.submissions.models import Submission
+from wildscav_leaderboard.submissions.quotas import active_of, day_after, used_today
+from wildscav_leaderboard.teams.models import Team
+from wildscav_leaderboard.teams.service import team_of
+
+
+def quota_view(session: Session, season: Season, team: Team, now: datetime) -> QuotaView:
+    """Return what a team has used of its quota."""
+    quotas, used = season.settings.quotas, used_today(session, Submission.team_id == team.id, now)
+    return QuotaView(
+        per_day=quotas.per_day,
+        used_today=used,
+        left_today=max(0, quotas.per_day - used),
+        resets=day_after(now),
+        active_per_track=quotas.active,
+        active=Counter(track for one in active_of(session, team.id) for track in one.playing),
+        archive=quotas.archive,
+    )
+
+
+def account_view(session: Session, season: Season, caller: Caller, now: datetime) -> AccountView:
+    """Return whoever asks."""
+    team = team_of(session, caller.account)
+    return AccountView.about(
+        caller.account,
+        team=None if team is None else team_view(session, team),
+        quota=None if team is None else quota_view(session, season, team, now),
+    )
+
 
 router = APIRouter(tags=["accounts"])
 

@@ -1,10 +1,13 @@
-"""Routes of the organizers: how the season is doing, and one for each act."""
+"""What organizers see and do, and the routes."""
 
 import inspect
 from collections.abc import Callable
+from datetime import datetime
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Query
+from sqlalchemy import select
+from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.access.requests import (
     CurrentDatabase,
@@ -15,14 +18,70 @@ from wildscav_leaderboard.access.requests import (
     Reading,
     organizing_program,
 )
+from wildscav_leaderboard.accounts.models import Account
+from wildscav_leaderboard.api.documents import AuditEntryView, SubmissionView, View
+from wildscav_leaderboard.api.submissions import submission_view
 from wildscav_leaderboard.organizing.acts import ACTS, NewKey
 from wildscav_leaderboard.organizing.status import audit_entries
 from wildscav_leaderboard.organizing.status import status as status_of
-from wildscav_leaderboard.presentation.documents import AuditEntryView, SubmissionView
-from wildscav_leaderboard.presentation.organizing import AccountRow, StatusView, account_rows
-from wildscav_leaderboard.presentation.submissions import submission_view
 from wildscav_leaderboard.seasons.acts import Act, Doing
 from wildscav_leaderboard.submissions.models import Submission
+from wildscav_leaderboard.teams.models import Member, Team
+
+
+class AttemptView(View):
+    """An attempt at a piece of work."""
+
+    id: int
+    kind: str
+    number: int  # of this piece of work, from 1
+    submission_id: int | None
+    match_id: int | None
+    started: datetime
+    deadline: datetime
+    ended: datetime | None
+    outcome: str | None
+    detail: str
+
+
+class StatusView(View):
+    """How the season is doing."""
+
+    conductor: str | None  # who conducts; None if nobody does
+    sandbox: str | None
+    executor: str | None
+    at_once: int | None  # matches
+    paused: str | None  # why
+    failed: str | None  # why nothing can be played
+    teams: int
+    submissions: dict[str, int]  # by state
+    matches: dict[str, int]  # by state
+    missing: dict[str, int]  # entrants without whom a ladder makes no matches, by track
+    changes: list[str]  # of the rules, which are not in force yet
+    attempts: list[AttemptView]  # that have not ended
+    faults: list[AttemptView]  # of the platform, in the last day, the latest first
+
+
+class AccountRow(View):
+    """An account, as organizers see it."""
+
+    name: str
+    role: str
+    team: str | None
+    created: datetime
+    disabled: str | None  # why it may not be used
+
+
+def account_rows(session: Session) -> list[AccountRow]:
+    """Return all accounts, by their names."""
+    wanted = (
+        select(Account, Team.name)
+        .outerjoin(Member, Member.account_id == Account.id)
+        .outerjoin(Team, Team.id == Member.team_id)
+        .order_by(Account.name)
+    )
+    return [AccountRow.about(one, team=team) for one, team in session.execute(wanted)]
+
 
 MOST = 200  # entries of the audit log in an answer
 

@@ -1,13 +1,15 @@
-"""Routes of submissions."""
+"""Submissions as they are shown, to everyone and to their own team and the organizers, and the routes."""
 
-from pathlib import Path
+from collections.abc import Sequence
+from contextlib import suppress
+from datetime import datetime
 from typing import Annotated
 
 import anyio.to_thread
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import PlainTextResponse
+from sqlalchemy.orm import Session
 
-from wildscav.terminal.console import printable
 from wildscav_leaderboard.access.requests import (
     AnyProgram,
     CurrentDatabase,
@@ -18,27 +20,108 @@ from wildscav_leaderboard.access.requests import (
     Reading,
 )
 from wildscav_leaderboard.access.uploads import check_upload_wanted, take_upload, uploaded
-from wildscav_leaderboard.organizing.team_acts import do_team_act
-from wildscav_leaderboard.presentation.boards import opponent_views
-from wildscav_leaderboard.presentation.documents import (
+from wildscav_leaderboard.accounts.service import Caller
+from wildscav_leaderboard.api.accounts import quota_view
+from wildscav_leaderboard.api.boards import opponent_views
+from wildscav_leaderboard.api.documents import (
     REFUSALS,
     HandedIn,
     OpponentView,
     SubmissionList,
     SubmissionView,
+    TransitionView,
 )
-from wildscav_leaderboard.presentation.people import quota_view
-from wildscav_leaderboard.presentation.submissions import submission_view, submission_views
+from wildscav_leaderboard.api.matches import shown_log
+from wildscav_leaderboard.boards.progress import progress_of, totals_of
+from wildscav_leaderboard.organizing.team_acts import do_team_act
 from wildscav_leaderboard.seasons.folder import Season
-from wildscav_leaderboard.seasons.refusals import NotFoundError
-from wildscav_leaderboard.submissions import service
-from wildscav_leaderboard.submissions.listing import MOST, is_own, list_submissions, listed_for
+from wildscav_leaderboard.seasons.refusals import NotFoundError, TooMuchError
+from wildscav_leaderboard.submissions import service, states
+from wildscav_leaderboard.submissions.listing import MOST, is_own, list_submissions, listed_for, team_names
 from wildscav_leaderboard.submissions.models import Submission
+from wildscav_leaderboard.submissions.queue import expected_wait, mean_time, queue, validations
+from wildscav_leaderboard.submissions.quotas import replaced_by
+from wildscav_leaderboard.submissions.service import history_of
+from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.teams.service import find_team, own_team
+
+
+def submission_views(
+    session: Session, submissions: Sequence[Submission], caller: Caller | None, now: datetime
+) -> list[SubmissionView]:
+    """Return submissions for a list, without their history."""
+    teams = team_names(session, submissions)
+    waits = any(one.state in states.ON_THE_WAY for one in submissions)
+    positions = {one.id: number for number, one in enumerate(queue(session), 1)} if waits else {}
+    each, at_once = mean_time(session) if waits else 0.0, validations(session)
+    places = [(one, positions.get(one.id)) for one in submissions]
+    return [
+        _view(session, one, teams[one.team_id], caller, place, expected_wait(one, place, each, at_once, now))
+        for one, place in places
+    ]
+
+
+def submission_view(
+    session: Session,
+    season: Season,
+    submission: Submission,
+    caller: Caller | None,
+    now: datetime,
+    *,
+    with_progress: bool = True,
+) -> SubmissionView:
+    """Return a submission with its history, and unless somebody else shows it, its progress on its tracks."""
+    (view,) = submission_views(session, [submission], caller, now)
+    history = [TransitionView.model_validate(one) for one in history_of(session, submission)]
+    own = is_own(session, caller, submission)
+    if not own:
+        history = [one.model_copy(update={"detail": ""}) for one in history]
+    replaces = {}
+    if own and submission.state in states.ON_THE_WAY:
+        with suppress(TooMuchError):
+            pairs = replaced_by(session, season.settings.quotas, submission)
+            replaces = {track: one.id for track, one in reversed(pairs)}
+    validation = ""
+    if own and submission.state == states.VALIDATING:
+        with suppress(OSError):
+            validation = season.validation_file(submission.id).read_text("utf-8")
+    return view.model_copy(
+        update={
+            "history": history,
+            "replaces": replaces,
+            "validation": validation,
+            "progress": progress_of(session, season, submission) if with_progress else [],
+            "totals": totals_of(session, submission) if own else [],
+        }
+    )
+
+
+def _view(
+    session: Session,
+    one: Submission,
+    team: Team,
+    caller: Caller | None,
+    position: int | None,
+    wait: float | None,
+) -> SubmissionView:
+    own = is_own(session, caller, one)
+    return SubmissionView.about(
+        one,
+        team=team.name,
+        team_title=team.title,
+        message=one.message if own else "",
+        replaces={},
+        queue_position=position,
+        expected_wait=wait,
+        # Why a submission was replaced or disqualified is for everyone; why its code failed is not.
+        reason=one.reason if own or one.state in ("disabled", "cancelled") else None,
+        last_lines=one.last_lines if own else [],
+        command=one.command if own else None,
+    )
+
 
 router = APIRouter(tags=["submissions"])
 Limit = Annotated[int, Query(ge=1, le=MOST)]
-LARGEST_LOG = 1 << 20  # bytes
 
 
 @router.post(
@@ -138,17 +221,3 @@ def _sections(season: Season, submission: int) -> list[str]:
     folder = season.submission_folder(submission) / "logs"
     logs = [path for path in sorted(folder.glob("*.log")) if path.stat().st_size]
     return [f"── {path.stem} ──\n{shown_log(path)}\n" for path in logs]
-
-
-def shown_log(path: Path) -> str:
-    """Return what an agent printed, without characters that could control a terminal.
-
-    Raises:
-        NotFoundError: It is gone.
-    """
-    try:
-        with path.open("rb") as file:
-            content = file.read(LARGEST_LOG)
-    except FileNotFoundError:
-        raise NotFoundError("this log is no longer in the season's files") from None
-    return printable(content.decode("utf-8", "replace"), keep="\n\t")

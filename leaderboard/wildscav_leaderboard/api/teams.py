@@ -1,6 +1,8 @@
-"""Routes of teams and their webhooks."""
+"""Teams and their webhooks: how they are shown, and the routes."""
 
 from fastapi import APIRouter
+from sqlalchemy import case, func, select
+from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.access.requests import (
     CurrentDatabase,
@@ -10,7 +12,8 @@ from wildscav_leaderboard.access.requests import (
     Number,
     Reading,
 )
-from wildscav_leaderboard.presentation.documents import (
+from wildscav_leaderboard.accounts.models import Account
+from wildscav_leaderboard.api.documents import (
     Key,
     KeyView,
     NewTeam,
@@ -21,9 +24,40 @@ from wildscav_leaderboard.presentation.documents import (
     TeamView,
     WebhookView,
 )
-from wildscav_leaderboard.presentation.people import team_rows, team_view
+from wildscav_leaderboard.submissions import states
+from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.teams import service
+from wildscav_leaderboard.teams.models import Member, Team
 from wildscav_leaderboard.webhooks import service as webhooks
+
+
+def team_view(session: Session, team: Team) -> TeamView:
+    """Return a team as it is shown to everyone."""
+    return TeamView.about(team, members=service.members_of(session, team))
+
+
+def team_rows(session: Session) -> list[TeamRow]:
+    """Return all teams with what they handed in, by their titles."""
+    members: dict[int, list[str]] = {}
+    for team, name in session.execute(
+        select(Member.team_id, Account.name)
+        .join(Account, Account.id == Member.account_id)
+        .order_by(Member.joined)
+    ):
+        members.setdefault(team, []).append(name)
+    is_active = func.sum(case((Submission.state == states.ACTIVE, 1), else_=0))
+    counted = select(Submission.team_id, func.count(), is_active).group_by(Submission.team_id)
+    counts = {team: (count, active) for team, count, active in session.execute(counted)}
+    return [
+        TeamRow.about(
+            team,
+            members=members.get(team.id, []),
+            submissions=counts.get(team.id, (0, 0))[0],
+            active=counts.get(team.id, (0, 0))[1],
+        )
+        for team in session.scalars(select(Team).order_by(Team.title, Team.id))
+    ]
+
 
 router = APIRouter(tags=["teams"])
 

@@ -4,9 +4,9 @@ import time
 from collections.abc import Iterator
 
 from wildscav.errors import UserError
+from wildscav_leaderboard.api.documents import SubmissionView
 from wildscav_leaderboard.client.errors import AnswerError, UnreachableError
 from wildscav_leaderboard.client.season import SeasonClient
-from wildscav_leaderboard.presentation.documents import SubmissionView
 from wildscav_leaderboard.submissions.states import ACTIVE, FINAL
 
 PAUSE = 1.0  # s between two questions

@@ -8,11 +8,7 @@ from urllib.parse import quote
 from pydantic import TypeAdapter, ValidationError
 
 from wildscav.version import __version__
-from wildscav_leaderboard.boards.documents import BoardDocument
-from wildscav_leaderboard.client.connection import Connection, Query
-from wildscav_leaderboard.client.downloads import store_record
-from wildscav_leaderboard.client.errors import NoSeasonError
-from wildscav_leaderboard.presentation.documents import (
+from wildscav_leaderboard.api.documents import (
     AccountView,
     HandedIn,
     KeyView,
@@ -26,6 +22,10 @@ from wildscav_leaderboard.presentation.documents import (
     SubmissionView,
     TeamView,
 )
+from wildscav_leaderboard.boards.documents import BoardDocument
+from wildscav_leaderboard.client.connection import Connection, Query
+from wildscav_leaderboard.client.downloads import store_record
+from wildscav_leaderboard.client.errors import NoSeasonError
 
 T = TypeVar("T")
 N = TypeVar("N", SubmissionView, MatchView)

@@ -16,8 +16,7 @@ from wildscav_evaluator.cache import cache_folder
 from wildscav_leaderboard.access.body_limit import BodyLimit
 from wildscav_leaderboard.access.headers import SecurityHeaders
 from wildscav_leaderboard.access.rate_limits import AddressLimit
-from wildscav_leaderboard.api.errors import answer, as_json
-from wildscav_leaderboard.api.routers import PREFIX, api_router
+from wildscav_leaderboard.api.routers import PREFIX, answer, api_router, as_json
 from wildscav_leaderboard.database.connection import READERS, Database
 from wildscav_leaderboard.hosting.broken_requests import BrokenRequests
 from wildscav_leaderboard.hosting.head_requests import HeadRequests

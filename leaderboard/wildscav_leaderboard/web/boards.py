@@ -9,12 +9,12 @@ from markupsafe import Markup
 from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Number, Reading, check_organizer
+from wildscav_leaderboard.api.boards import head_to_head_view, ladder_of, ranked_teams
 from wildscav_leaderboard.boards.documents import SuiteBoard
 from wildscav_leaderboard.boards.history import team_histories
 from wildscav_leaderboard.boards.kept import board_updated, earlier_editions, read_board
 from wildscav_leaderboard.boards.models import HIDDEN, PUBLIC, SEASON, audience_of
 from wildscav_leaderboard.matches.visibility import shown_until
-from wildscav_leaderboard.presentation.boards import head_to_head_view, ladder_of, ranked_teams
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.refusals import UnknownCallerError
 from wildscav_leaderboard.teams.service import team_of

@@ -10,13 +10,13 @@ from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.access.requests import CurrentDatabase, Now, Number, OrganizingBrowser, check_form
 from wildscav_leaderboard.accounts.service import Caller, invitations
+from wildscav_leaderboard.api.organizing import account_rows
+from wildscav_leaderboard.api.season import announcement_views
+from wildscav_leaderboard.api.submissions import submission_views
+from wildscav_leaderboard.api.teams import team_rows
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.organizing.acts import ACTS, given_up
 from wildscav_leaderboard.organizing.status import audit_entries, nodes, status
-from wildscav_leaderboard.presentation.organizing import account_rows
-from wildscav_leaderboard.presentation.people import team_rows
-from wildscav_leaderboard.presentation.season import announcement_views
-from wildscav_leaderboard.presentation.submissions import submission_views
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.acts import Doing
 from wildscav_leaderboard.seasons.refusals import RefusalError

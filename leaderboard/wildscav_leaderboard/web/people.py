@@ -25,8 +25,8 @@ from wildscav_leaderboard.access.same_site import SameSite
 from wildscav_leaderboard.accounts import passwords, service
 from wildscav_leaderboard.accounts.models import Account
 from wildscav_leaderboard.accounts.service import Caller
+from wildscav_leaderboard.api.accounts import account_view
 from wildscav_leaderboard.database.connection import Database
-from wildscav_leaderboard.presentation.people import account_view
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import RefusalError
 from wildscav_leaderboard.teams import service as teams

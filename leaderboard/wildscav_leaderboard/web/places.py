@@ -7,14 +7,14 @@ from datetime import datetime
 from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.accounts.service import Caller
+from wildscav_leaderboard.api.boards import opponent_views
+from wildscav_leaderboard.api.documents import OpponentView, SubmissionView
 from wildscav_leaderboard.boards.documents import ProgressView, Row
 from wildscav_leaderboard.boards.history import histories_of
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.models import BoardPoint
 from wildscav_leaderboard.boards.progress import progress_of
 from wildscav_leaderboard.matches.visibility import shown_until
-from wildscav_leaderboard.presentation.boards import opponent_views
-from wildscav_leaderboard.presentation.documents import OpponentView, SubmissionView
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.states import ACTIVE

@@ -9,6 +9,11 @@ from sqlalchemy.orm import Session
 
 from wildscav_evaluator.output.results import metric_infos
 from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Now, Number, Reading, Renders
+from wildscav_leaderboard.api.documents import MatchView
+from wildscav_leaderboard.api.matches import match_views
+from wildscav_leaderboard.api.season import counts_view, season_view
+from wildscav_leaderboard.api.submissions import submission_view, submission_views
+from wildscav_leaderboard.api.teams import team_view
 from wildscav_leaderboard.boards.documents import BoardDocument
 from wildscav_leaderboard.boards.history import histories_of_team
 from wildscav_leaderboard.boards.kept import read_board
@@ -17,11 +22,6 @@ from wildscav_leaderboard.matches.service import list_matches
 from wildscav_leaderboard.matches.visibility import perhaps_shown, shown_until
 from wildscav_leaderboard.organizing.team_acts import acts_on
 from wildscav_leaderboard.playing.permission import tracks_of
-from wildscav_leaderboard.presentation.documents import MatchView
-from wildscav_leaderboard.presentation.matches import match_views
-from wildscav_leaderboard.presentation.people import team_view
-from wildscav_leaderboard.presentation.season import counts_view, season_view
-from wildscav_leaderboard.presentation.submissions import submission_view, submission_views
 from wildscav_leaderboard.spectating.render_cache import RenderCache
 from wildscav_leaderboard.submissions.listing import is_own, list_submissions, listed_for
 from wildscav_leaderboard.submissions.service import find_submission

@@ -19,8 +19,8 @@ from wildscav_leaderboard.access.requests import (
     check_form,
 )
 from wildscav_leaderboard.access.uploads import check_upload_wanted, take_upload, uploaded
+from wildscav_leaderboard.api.accounts import account_view
 from wildscav_leaderboard.organizing.team_acts import do_team_act
-from wildscav_leaderboard.presentation.people import account_view
 from wildscav_leaderboard.seasons.in_force import sandbox_of
 from wildscav_leaderboard.seasons.refusals import RefusalError
 from wildscav_leaderboard.submissions.quotas import active_of

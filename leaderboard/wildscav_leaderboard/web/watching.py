@@ -10,12 +10,12 @@ from sqlalchemy.orm import Session
 
 from wildscav_evaluator.output.results import metric_infos
 from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Now, Number, Reading, Renders
+from wildscav_leaderboard.api.documents import MatchView, SeatView
+from wildscav_leaderboard.api.matches import match_views
 from wildscav_leaderboard.matches.models import FINISHED, PLAYING, VOID, WAITING
 from wildscav_leaderboard.matches.service import find_match, list_matches
 from wildscav_leaderboard.matches.visibility import record_path, seen_by
 from wildscav_leaderboard.playing.permission import open_tracks, refused_why
-from wildscav_leaderboard.presentation.documents import MatchView, SeatView
-from wildscav_leaderboard.presentation.matches import match_views
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import ForbiddenError
 from wildscav_leaderboard.spectating import rerun_viewer

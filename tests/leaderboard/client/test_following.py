@@ -9,10 +9,10 @@ import pytest
 from tests.leaderboard.client.strange_servers import Answer, http_server
 
 from wildscav.errors import UserError
+from wildscav_leaderboard.api.documents import SubmissionView
 from wildscav_leaderboard.client import following
 from wildscav_leaderboard.client.connection import Connection
 from wildscav_leaderboard.client.season import SeasonClient
-from wildscav_leaderboard.presentation.documents import SubmissionView
 
 NOON = datetime(2030, 6, 1, 12, tzinfo=UTC)
 FIRST = SubmissionView(

@@ -13,13 +13,13 @@ from tests.leaderboard.played_seasons import enter, play_everything
 from tests.leaderboard.seasons_made import NOON, team_with_member
 
 from wildscav.errors import UserError
+from wildscav_leaderboard.api.matches import match_views
 from wildscav_leaderboard.boards.documents import SuiteBoard
 from wildscav_leaderboard.boards.history import history
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import LADDER, Match
 from wildscav_leaderboard.organizing.acts import freeze
-from wildscav_leaderboard.presentation.matches import match_views
 from wildscav_leaderboard.publishing.export import export
 from wildscav_leaderboard.publishing.service import board_lines
 from wildscav_leaderboard.seasons.acts import Doing

@@ -11,9 +11,9 @@ from tests.leaderboard.seasons_made import NOON, checked, make_season, submitted
 from wildscav_leaderboard.access.uploads import take_upload
 from wildscav_leaderboard.accounts.models import Account
 from wildscav_leaderboard.accounts.service import find_account
+from wildscav_leaderboard.api.accounts import quota_view
+from wildscav_leaderboard.api.submissions import submission_view
 from wildscav_leaderboard.database.connection import Database
-from wildscav_leaderboard.presentation.people import quota_view
-from wildscav_leaderboard.presentation.submissions import submission_view
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import RefusalError, TooMuchError
 from wildscav_leaderboard.seasons.state import NODES, write_state

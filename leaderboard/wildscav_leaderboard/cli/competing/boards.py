@@ -11,8 +11,8 @@ from wildscav.terminal.suggestions import did_you_mean
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from wildscav_leaderboard.api.documents import SeasonView
     from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard, Row, SuiteBoard
-    from wildscav_leaderboard.presentation.documents import SeasonView
 
 LEGEND = "Teams whose ranks overlap cannot be told apart with 95 % confidence."
 

@@ -10,8 +10,8 @@ from wildscav.terminal.console import console, error_console, printable, telling
 from wildscav_leaderboard.cli.competing import texts
 
 if TYPE_CHECKING:
+    from wildscav_leaderboard.api.documents import SubmissionView, TransitionView
     from wildscav_leaderboard.client.season import SeasonClient
-    from wildscav_leaderboard.presentation.documents import SubmissionView, TransitionView
 
 FAULTS = {"agent": "the agent's", "platform": "the platform's; it is not charged"}
 

@@ -14,9 +14,9 @@ from wildscav_leaderboard.cli.competing import texts
 from wildscav_leaderboard.cli.competing.connected import TOKEN_VARIABLE
 
 if TYPE_CHECKING:
+    from wildscav_leaderboard.api.documents import AccountView, SeasonView
     from wildscav_leaderboard.client.logins import Logins
     from wildscav_leaderboard.client.season import SeasonClient
-    from wildscav_leaderboard.presentation.documents import AccountView, SeasonView
 
 LONGEST_LABEL = 60  # characters
 Url = Annotated[

@@ -13,7 +13,7 @@ from wildscav_leaderboard.cli.competing import texts
 from wildscav_leaderboard.cli.competing.connected import SeasonUrl, season_client
 
 if TYPE_CHECKING:
-    from wildscav_leaderboard.presentation.documents import MatchView
+    from wildscav_leaderboard.api.documents import MatchView
 
 
 def matches(

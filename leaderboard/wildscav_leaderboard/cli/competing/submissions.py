@@ -14,8 +14,8 @@ from wildscav_leaderboard.cli.competing.connected import SeasonUrl, season_clien
 from wildscav_leaderboard.cli.competing.course import check_end, failure, step, waited
 
 if TYPE_CHECKING:
+    from wildscav_leaderboard.api.documents import SubmissionView
     from wildscav_leaderboard.client.season import SeasonClient
-    from wildscav_leaderboard.presentation.documents import SubmissionView
 
 Number = Annotated[int, typer.Argument(help="Number of a submission.", min=1, show_default=False)]
 

@@ -15,8 +15,8 @@ from wildscav_leaderboard.cli.competing.connected import SeasonUrl, season_clien
 from wildscav_leaderboard.cli.competing.course import check_end, waited
 
 if TYPE_CHECKING:
+    from wildscav_leaderboard.api.documents import HandedIn, QuotaView, SubmissionView
     from wildscav_leaderboard.client.season import Progress, SeasonClient
-    from wildscav_leaderboard.presentation.documents import HandedIn, QuotaView, SubmissionView
 
 
 def submit(

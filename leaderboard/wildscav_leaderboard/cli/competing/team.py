@@ -11,7 +11,7 @@ from wildscav_leaderboard.cli.competing import texts
 from wildscav_leaderboard.cli.competing.connected import SeasonUrl, season_client
 
 if TYPE_CHECKING:
-    from wildscav_leaderboard.presentation.documents import QuotaView, TeamView
+    from wildscav_leaderboard.api.documents import QuotaView, TeamView
 
 app = typer.Typer(
     help="Make a team, join one, leave it. Submissions belong to teams, of one member or more.",

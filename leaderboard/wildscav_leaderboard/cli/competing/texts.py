@@ -11,8 +11,8 @@ from wildscav.terminal.console import console, counted, printable
 from wildscav.terminal.tables import FittingTable
 
 if TYPE_CHECKING:
+    from wildscav_leaderboard.api.documents import MatchView, QuotaView, SeatView, SubmissionView
     from wildscav_leaderboard.boards.documents import ProgressView, TotalsView
-    from wildscav_leaderboard.presentation.documents import MatchView, QuotaView, SeatView, SubmissionView
 
 STATE_STYLES = {
     "active": "green",

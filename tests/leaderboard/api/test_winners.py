@@ -4,9 +4,9 @@ from datetime import UTC, datetime
 
 import pytest
 
+from wildscav_leaderboard.api.documents import SeatView
+from wildscav_leaderboard.api.matches import judged
 from wildscav_leaderboard.matches.models import LADDER, SUITE, Match
-from wildscav_leaderboard.presentation.documents import SeatView
-from wildscav_leaderboard.presentation.matches import judged
 
 NOW = datetime(2030, 1, 1, tzinfo=UTC)
 TEAMS = ("Owls", "Foxes", "Newts")

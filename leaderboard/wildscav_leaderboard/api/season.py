@@ -1,21 +1,23 @@
-"""The season as it is shown."""
+"""The season as it is shown, and the routes."""
 
 from datetime import datetime
 
+from fastapi import APIRouter
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from wildscav_evaluator.output.results import CURRENT_VERSIONS
-from wildscav_leaderboard.database.connection import KEPT
-from wildscav_leaderboard.matches.models import FINISHED, Match, MatchResult
-from wildscav_leaderboard.matches.service import last_arrival
-from wildscav_leaderboard.presentation.documents import (
+from wildscav_leaderboard.access.requests import CurrentSeason, Reading
+from wildscav_leaderboard.api.documents import (
     AnnouncementView,
     CountsView,
     SeasonView,
     TrackView,
     ValidationView,
 )
+from wildscav_leaderboard.database.connection import KEPT
+from wildscav_leaderboard.matches.models import FINISHED, Match, MatchResult
+from wildscav_leaderboard.matches.service import last_arrival
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.in_force import sandbox_of
@@ -76,3 +78,19 @@ def _count_played(session: Session) -> int:
         count = session.scalar(select(func.count()).select_from(Match).filter_by(state=FINISHED)) or 0
         known = kept[MatchResult] = last, count
     return known[1]
+
+
+router = APIRouter(tags=["boards"])
+
+
+@router.get("/season")
+def season(current: CurrentSeason, session: Reading) -> SeasonView:
+    """Return the season: its dates, tracks, versions and announcements."""
+    more = {"counts": counts_view(session), "validation": validation_view(session, current)}
+    return season_view(session, current).model_copy(update=more)
+
+
+@router.get("/announcements")
+def announcements(session: Reading) -> list[AnnouncementView]:
+    """Return what the organizers announced, the latest first."""
+    return announcement_views(session)
