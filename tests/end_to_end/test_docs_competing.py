@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 from tests.end_to_end.pages import blocks
 from tests.leaderboard.agents import write_agent
-from tests.leaderboard.cli.competing.season_site import Competitor, Site, competitor, season_site
+from tests.leaderboard.competing.season_site import Competitor, Site, competitor, season_site
 from tests.leaderboard.seasons_made import make_season
 from tests.ports import free_ports
 

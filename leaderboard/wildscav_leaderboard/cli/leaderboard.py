@@ -47,7 +47,7 @@ def leaderboard(
     With --season, show the boards of a season; no account is needed for that.
     """
     if season or url is not None:
-        from wildscav_leaderboard.cli.competing.boards import show_boards
+        from wildscav_leaderboard.competing.boards import show_boards
 
         if url is not None and Path(url).exists():
             raise UserError(f"{url} is a file: name a database with --db {url}", exit_code=2)

@@ -5,14 +5,13 @@ import socket
 from pathlib import Path
 
 import pytest
-from tests.leaderboard.client.strange_servers import Answer, byte_server, http_server
+from tests.leaderboard.competing.strange_servers import Answer, byte_server, http_server
 from tests.platform.helpers.certificates import Authority
 
 from wildscav.errors import UserError
-from wildscav_leaderboard.client import connection as connections
-from wildscav_leaderboard.client.connection import Connection
-from wildscav_leaderboard.client.errors import AnswerError, NoSeasonError, UnreachableError
-from wildscav_leaderboard.client.season import SeasonClient
+from wildscav_leaderboard.competing import connection as connections
+from wildscav_leaderboard.competing.connection import AnswerError, Connection, NoSeasonError, UnreachableError
+from wildscav_leaderboard.competing.season_client import SeasonClient
 
 
 def refusal(url: str, token: str | None = None) -> UserError:

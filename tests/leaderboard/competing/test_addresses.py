@@ -3,7 +3,7 @@
 import pytest
 
 from wildscav.errors import UserError
-from wildscav_leaderboard.client.addresses import is_open_to_others, season_url
+from wildscav_leaderboard.competing.connection import is_open_to_others, season_url
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import typer
 from wildscav.errors import UserError
 
 if TYPE_CHECKING:
-    from wildscav_leaderboard.client.season import SeasonClient
+    from wildscav_leaderboard.competing.season_client import SeasonClient
 
 SEASON_VARIABLE, TOKEN_VARIABLE = "WILDSCAV_SEASON", "WILDSCAV_ACCOUNT_TOKEN"
 SeasonUrl = Annotated[
@@ -35,8 +35,8 @@ def season_client(named: str | None) -> "Iterator[SeasonClient]":
     Raises:
         UserError: No season is named, and nobody is logged in.
     """
-    from wildscav_leaderboard.client.connection import Connection
-    from wildscav_leaderboard.client.season import SeasonClient
+    from wildscav_leaderboard.competing.connection import Connection
+    from wildscav_leaderboard.competing.season_client import SeasonClient
 
     url, token = chosen(named)
     with Connection(url, token) as connection:
@@ -49,8 +49,8 @@ def chosen(named: str | None) -> tuple[str, str | None]:
     Raises:
         UserError: No season is named, and nobody is logged in.
     """
-    from wildscav_leaderboard.client.addresses import season_url
-    from wildscav_leaderboard.client.logins import Logins
+    from wildscav_leaderboard.competing.connection import season_url
+    from wildscav_leaderboard.competing.logins import Logins
 
     logins = Logins.read()
     named = named or os.environ.get(SEASON_VARIABLE)

@@ -1,5 +1,6 @@
-"""The command ``wildscav matches``."""
+"""The command ``wildscav matches``, and the records of matches for other commands."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -7,10 +8,10 @@ from rich.table import Table
 from rich.text import Text
 
 from wildscav.cli.shared_options import AsJson
-from wildscav.errors import UserError
-from wildscav.terminal.console import console, print_json
-from wildscav_leaderboard.cli.competing import texts
-from wildscav_leaderboard.cli.competing.connected import SeasonUrl, season_client
+from wildscav.errors import UserError, describe
+from wildscav.terminal.console import console, error_console, print_json
+from wildscav_leaderboard.competing import texts
+from wildscav_leaderboard.competing.connected import SeasonUrl, season_client
 
 if TYPE_CHECKING:
     from wildscav_leaderboard.api.documents import MatchView
@@ -79,3 +80,33 @@ def _show(one: "MatchView", url: str) -> None:
         cells = (seat.seat, seat.name, seat.team_title or "", seat.status or "", why)
         table.add_row(*texts.row(*cells, texts.figures(seat.metrics), latency))
     console.print(table)
+
+
+def fetched_record(match: int, season: str | None) -> Path:
+    """Return the path of a match's record, which is downloaded into the current folder unless it is there.
+
+    Args:
+        match: Number of the match.
+        season: Address of the season; None for the one of the latest login.
+
+    Raises:
+        UserError: There is no such match, its record is hidden, or it cannot be stored.
+    """
+    from wildscav_leaderboard.competing.season_client import is_stored
+
+    path = Path(f"match-{match}.wsr")
+    with season_client(season) as client:
+        found = client.match(match)
+        if found.record is None:
+            raise UserError(f"match {match} has no record yet: it is {found.state}")
+        try:
+            stored = is_stored(path, found.record)
+        except OSError as error:
+            raise UserError(describe(error)) from None
+        if not stored and path.exists():
+            raise UserError(f"{path} is another file, which the record would overwrite: move it away")
+        if not stored:
+            with error_console.status("downloading the record"):
+                client.download_record(match, found.record, path)
+            console.print(f"{path}: the record of match {match}", soft_wrap=True)
+    return path

@@ -8,10 +8,10 @@ from rich.text import Text
 from wildscav.cli.shared_options import AsJson
 from wildscav.errors import UserError
 from wildscav.terminal.console import LAYOUT, console, print_json, printable
-from wildscav_leaderboard.cli.competing.connected import SeasonUrl, season_client
+from wildscav_leaderboard.competing.connected import SeasonUrl, season_client
 
 if TYPE_CHECKING:
-    from wildscav_leaderboard.client.season import SeasonClient
+    from wildscav_leaderboard.competing.season_client import SeasonClient
 
 
 def logs(

@@ -7,18 +7,18 @@ from rich.text import Text
 
 from wildscav.errors import UserError
 from wildscav.terminal.console import console, error_console, printable, telling
-from wildscav_leaderboard.cli.competing import texts
+from wildscav_leaderboard.competing import texts
 
 if TYPE_CHECKING:
     from wildscav_leaderboard.api.documents import SubmissionView, TransitionView
-    from wildscav_leaderboard.client.season import SeasonClient
+    from wildscav_leaderboard.competing.season_client import SeasonClient
 
 FAULTS = {"agent": "the agent's", "platform": "the platform's; it is not charged"}
 
 
 def waited(client: "SeasonClient", one: "SubmissionView") -> "SubmissionView":
     """Show the states of a submission as they follow each other, and return the last one."""
-    from wildscav_leaderboard.client.following import follow
+    from wildscav_leaderboard.competing.season_client import follow
 
     shown = 0
     try:

@@ -5,9 +5,9 @@ import stat
 from collections.abc import Iterator
 
 import pytest
-from tests.leaderboard.cli.competing.season_site import PASSWORD, Competitor, Site, season_site
+from tests.leaderboard.competing.season_site import PASSWORD, Competitor, Site, season_site
 
-from wildscav_leaderboard.client.logins import Logins
+from wildscav_leaderboard.competing.logins import Logins
 
 
 @pytest.fixture(scope="module")

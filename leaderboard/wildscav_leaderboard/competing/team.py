@@ -7,8 +7,8 @@ import typer
 from wildscav.cli.shared_options import AsJson
 from wildscav.errors import UserError
 from wildscav.terminal.console import console, print_json
-from wildscav_leaderboard.cli.competing import texts
-from wildscav_leaderboard.cli.competing.connected import SeasonUrl, season_client
+from wildscav_leaderboard.competing import texts
+from wildscav_leaderboard.competing.connected import SeasonUrl, season_client
 
 if TYPE_CHECKING:
     from wildscav_leaderboard.api.documents import QuotaView, TeamView

@@ -5,6 +5,7 @@ import ssl
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from http import HTTPStatus
+from ipaddress import ip_address
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -12,8 +13,106 @@ import httpx
 
 from wildscav.errors import UserError
 from wildscav.version import __version__
-from wildscav_leaderboard.client.addresses import is_this_machine
-from wildscav_leaderboard.client.errors import AnswerError, NoSeasonError, UnreachableError, explained
+
+PORTS = {"http": 80, "https": 443}
+
+
+def season_url(text: str) -> str:
+    """Return the address of a season, such as ``https://season.example.org``.
+
+    Without a scheme, it is https; http for this machine.
+
+    Raises:
+        UserError: It is no address of a season.
+    """
+    text = text.strip()
+    scheme, _, rest = text.rpartition("://")
+    try:
+        parts = urlsplit(f"{scheme or 'https'}://{rest}")
+        host, port = parts.hostname, parts.port
+    except ValueError:
+        host = port = None
+    if not host or parts.scheme not in PORTS or not text.isprintable() or " " in text:
+        raise UserError(f"{text!r} is no address of a season, such as https://season.example.org", 2)
+    if parts.username is not None or parts.path.strip("/") or parts.query or parts.fragment:
+        raise UserError(
+            f"{text!r} is more than the address of a season: give only its host, such as "
+            f"{parts.scheme}://{host}",
+            exit_code=2,
+        )
+    chosen = parts.scheme if scheme or not is_this_machine(host) else "http"
+    shown = f"[{host}]" if ":" in host else host
+    return f"{chosen}://{shown}" + ("" if port in (None, PORTS[chosen]) else f":{port}")
+
+
+def is_this_machine(host: str) -> bool:
+    """Return whether a host is this machine's own."""
+    try:
+        return ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost" or host.endswith(".localhost")
+
+
+def is_open_to_others(url: str) -> bool:
+    """Return whether others on the way to an address can read what is sent there."""
+    parts = urlsplit(url)
+    return parts.scheme == "http" and not is_this_machine(parts.hostname or "")
+
+
+class AnswerError(UserError):
+    """The season refused a request.
+
+    Args:
+        message: Why, in the season's words.
+        status: The HTTP status.
+    """
+
+    def __init__(self, message: str, status: int) -> None:
+        super().__init__(message)
+        self.status = status
+
+    @property
+    def is_passing(self) -> bool:
+        """Whether the same request may succeed in a moment."""
+        return self.status in (HTTPStatus.TOO_MANY_REQUESTS, HTTPStatus.SERVICE_UNAVAILABLE)
+
+
+class UnreachableError(UserError):
+    """No answer came from a season's address."""
+
+
+class NoSeasonError(UserError):
+    """What answers at an address is not a season."""
+
+
+def explained(error: httpx.HTTPError, url: str) -> UserError:
+    """Return an error of a connection in our words."""
+    cause = _root(error)
+    if isinstance(cause, ssl.SSLCertVerificationError):
+        return UserError(
+            f"the certificate of {url} is not trusted: {cause.verify_message}; if it is the organizers' own, "
+            "name their certificate's file in SSL_CERT_FILE"
+        )
+    if isinstance(cause, ssl.SSLError):
+        return NoSeasonError(
+            f"{url} does not speak TLS ({cause.reason}): does its address begin with http://?"
+        )
+    if isinstance(error, httpx.TimeoutException):
+        return UnreachableError(f"{url} does not answer in time")
+    if isinstance(error, httpx.RemoteProtocolError | httpx.DecodingError):
+        return UnreachableError(f"{url} ended the connection, or does not speak HTTP: {error}")
+    reason = getattr(cause, "strerror", None) or str(error) or type(error).__name__
+    return UnreachableError(f"cannot reach {url}: {reason}")
+
+
+def _root(error: BaseException) -> BaseException:
+    """Return what caused an error in the first place."""
+    seen = [error]
+    while (cause := seen[-1].__cause__ or seen[-1].__context__) is not None and cause not in seen:
+        seen.append(cause)
+    known = (ssl.SSLError, OSError)
+    return next((one for one in reversed(seen) if isinstance(one, known)), error)
+
 
 API = "/api/v1"
 LARGEST_ANSWER = 64 << 20  # bytes of a document

@@ -9,13 +9,13 @@ from rich.text import Text
 from wildscav.cli.shared_options import AsJson
 from wildscav.errors import UserError
 from wildscav.terminal.console import console, print_json, printable
-from wildscav_leaderboard.cli.competing import texts
-from wildscav_leaderboard.cli.competing.connected import SeasonUrl, season_client
-from wildscav_leaderboard.cli.competing.course import check_end, failure, step, waited
+from wildscav_leaderboard.competing import texts
+from wildscav_leaderboard.competing.connected import SeasonUrl, season_client
+from wildscav_leaderboard.competing.course import check_end, failure, step, waited
 
 if TYPE_CHECKING:
     from wildscav_leaderboard.api.documents import SubmissionView
-    from wildscav_leaderboard.client.season import SeasonClient
+    from wildscav_leaderboard.competing.season_client import SeasonClient
 
 Number = Annotated[int, typer.Argument(help="Number of a submission.", min=1, show_default=False)]
 

@@ -23,7 +23,7 @@ def show_boards(named: str | None, track: str | None, *, as_json: bool) -> None:
     Raises:
         UserError: The season has no such track, or does not answer.
     """
-    from wildscav_leaderboard.cli.competing.connected import season_client
+    from wildscav_leaderboard.competing.connected import season_client
     from wildscav_leaderboard.results.standings import is_meant
 
     with season_client(named) as client:

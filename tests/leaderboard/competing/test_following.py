@@ -6,13 +6,13 @@ from datetime import UTC, datetime
 from typing import Any
 
 import pytest
-from tests.leaderboard.client.strange_servers import Answer, http_server
+from tests.leaderboard.competing.strange_servers import Answer, http_server
 
 from wildscav.errors import UserError
 from wildscav_leaderboard.api.documents import SubmissionView
-from wildscav_leaderboard.client import following
-from wildscav_leaderboard.client.connection import Connection
-from wildscav_leaderboard.client.season import SeasonClient
+from wildscav_leaderboard.competing import season_client
+from wildscav_leaderboard.competing.connection import Connection
+from wildscav_leaderboard.competing.season_client import SeasonClient
 
 NOON = datetime(2030, 6, 1, 12, tzinfo=UTC)
 FIRST = SubmissionView(
@@ -47,14 +47,14 @@ LATER: Answer = (429, {}, json.dumps({"error": "too many requests: try again in 
 
 @pytest.fixture(autouse=True)
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(following, "PAUSE", 0.0)
+    monkeypatch.setattr(season_client, "PAUSE", 0.0)
 
 
 def followed(*answers: Answer) -> Iterator[Any]:
     """What is seen of a submission whose season answers like this."""
     left = list(answers)
     with http_server(lambda _: left.pop(0)) as url, Connection(url, "token") as connection:
-        for seen in following.follow(SeasonClient(connection), FIRST):
+        for seen in season_client.follow(SeasonClient(connection), FIRST):
             yield seen.state if isinstance(seen, SubmissionView) else "?"
 
 
@@ -69,7 +69,7 @@ def test_a_season_that_is_down_or_busy_is_asked_again() -> None:
 
 
 def test_a_season_that_stays_away_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(following, "PATIENCE", 0.0)
+    monkeypatch.setattr(season_client, "PATIENCE", 0.0)
     with pytest.raises(UserError, match="is down: HTTP status 502"):
         list(followed(DOWN))
 

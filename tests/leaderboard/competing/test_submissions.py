@@ -8,10 +8,10 @@ from typing import Any
 
 import pytest
 from tests.leaderboard.agents import write_agent
-from tests.leaderboard.cli.competing.season_site import Competitor, season_site
+from tests.leaderboard.competing.season_site import Competitor, season_site
 
 from wildscav_leaderboard.api.documents import SubmissionView
-from wildscav_leaderboard.cli.competing import texts
+from wildscav_leaderboard.competing import texts
 from wildscav_leaderboard.seasons.settings import Quotas
 from wildscav_leaderboard.submissions.models import Submission
 

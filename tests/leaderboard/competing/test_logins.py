@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from wildscav.errors import UserError
-from wildscav_leaderboard.client.logins import FILE, Login, Logins
+from wildscav_leaderboard.competing.logins import FILE, Login, Logins
 
 FIRST, SECOND = "https://first.example.org", "https://second.example.org"
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 from tests.leaderboard.agents import write_agent
-from tests.leaderboard.cli.competing.season_site import Competitor
+from tests.leaderboard.competing.season_site import Competitor
 
 from wildscav.errors import UserError
 from wildscav_evaluator.check.season import SeasonRules

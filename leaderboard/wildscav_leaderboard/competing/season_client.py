@@ -1,12 +1,15 @@
-"""A season as its client sees it: one method for each thing that can be asked."""
+"""A season as its client sees it: one method for each question, downloads, and following."""
 
-from collections.abc import Callable, Iterator
+import os
+import time
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import TypeVar
 from urllib.parse import quote
 
 from pydantic import TypeAdapter, ValidationError
 
+from wildscav.errors import UserError, describe
 from wildscav.version import __version__
 from wildscav_leaderboard.api.documents import (
     AccountView,
@@ -23,9 +26,14 @@ from wildscav_leaderboard.api.documents import (
     TeamView,
 )
 from wildscav_leaderboard.boards.documents import BoardDocument
-from wildscav_leaderboard.client.connection import Connection, Query
-from wildscav_leaderboard.client.downloads import store_record
-from wildscav_leaderboard.client.errors import NoSeasonError
+from wildscav_leaderboard.competing.connection import (
+    AnswerError,
+    Connection,
+    NoSeasonError,
+    Query,
+    UnreachableError,
+)
+from wildscav_leaderboard.submissions.states import ACTIVE, FINAL
 
 T = TypeVar("T")
 N = TypeVar("N", SubmissionView, MatchView)
@@ -187,3 +195,73 @@ def _pieces(path: Path, progress: Progress) -> Iterator[bytes]:
         while piece := file.read(PIECE):
             yield piece
             progress(len(piece))
+
+
+def is_stored(path: Path, digest: str) -> bool:
+    """Return whether a file is the record with a digest.
+
+    Raises:
+        OSError: There is a file, but it cannot be read, or is no record.
+    """
+    from wildscav_evaluator.output.journal import file_digest
+
+    return path.exists() and file_digest(path) == digest
+
+
+def store_record(pieces: Iterable[bytes], digest: str, path: Path) -> None:
+    """Write the record of a match into a new file.
+
+    Raises:
+        UserError: It has another digest, is too large, or the file cannot be written.
+    """
+    fresh = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        _write(pieces, fresh)
+        if not is_stored(fresh, digest):
+            raise UserError("the download is not the record that the season names: its digest is another")
+        fresh.rename(path)
+    except OSError as error:
+        raise UserError(f"cannot store {path}: {error.strerror or describe(error)}") from None
+    finally:
+        fresh.unlink(missing_ok=True)
+
+
+def _write(pieces: Iterable[bytes], path: Path) -> None:
+    from wildscav_engine.record import FILE_LIMIT
+
+    size = 0
+    with path.open("wb") as file:
+        for piece in pieces:
+            size += file.write(piece)
+            if size > FILE_LIMIT:
+                raise UserError(f"the download has more than {FILE_LIMIT >> 20} MiB, as no record has")
+
+
+PAUSE = 1.0  # s between two questions
+PATIENCE = 900.0  # s without an answer
+
+
+def follow(client: SeasonClient, submission: SubmissionView) -> Iterator[SubmissionView | UserError]:
+    """Yield what becomes of a submission, until it has ended; an error where the season did not answer.
+
+    Raises:
+        UserError: The season refuses, or has not answered for a long time.
+    """
+    answered = time.monotonic()
+    yield submission
+    while submission.state not in (ACTIVE, *FINAL):
+        time.sleep(PAUSE)
+        try:
+            submission = client.submission(submission.id)
+        except UserError as error:
+            if not _passes(error) or time.monotonic() - answered > PATIENCE:
+                raise
+            yield error
+        else:
+            answered = time.monotonic()
+            yield submission
+
+
+def _passes(error: UserError) -> bool:
+    """Return whether it is worth to ask again."""
+    return isinstance(error, UnreachableError) or (isinstance(error, AnswerError) and error.is_passing)

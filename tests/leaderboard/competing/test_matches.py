@@ -2,7 +2,7 @@
 
 import json
 
-from tests.leaderboard.cli.competing.season_site import Competitor
+from tests.leaderboard.competing.season_site import Competitor
 
 from wildscav_engine.record import read_record
 from wildscav_leaderboard.accounts.models import ORGANIZER

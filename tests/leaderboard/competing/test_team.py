@@ -2,7 +2,7 @@
 
 import json
 
-from tests.leaderboard.cli.competing.season_site import Competitor
+from tests.leaderboard.competing.season_site import Competitor
 
 
 def test_a_team_is_made_joined_and_left(competitor: Competitor) -> None:

@@ -1,5 +1,6 @@
-"""The command ``wildscav submit``."""
+"""The command ``wildscav submit``, and the archive that a submission is handed in as."""
 
+import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,13 +11,14 @@ import typer
 from wildscav.cli.shared_options import AsJson
 from wildscav.errors import UserError
 from wildscav.terminal.console import console, counted, error_console, print_json
-from wildscav_leaderboard.cli.competing import texts
-from wildscav_leaderboard.cli.competing.connected import SeasonUrl, season_client
-from wildscav_leaderboard.cli.competing.course import check_end, waited
+from wildscav_leaderboard.competing import texts
+from wildscav_leaderboard.competing.connected import SeasonUrl, season_client
+from wildscav_leaderboard.competing.course import check_end, waited
 
 if TYPE_CHECKING:
+    from wildscav_evaluator.submissions.submission import Submission
     from wildscav_leaderboard.api.documents import HandedIn, QuotaView, SubmissionView
-    from wildscav_leaderboard.client.season import Progress, SeasonClient
+    from wildscav_leaderboard.competing.season_client import Progress, SeasonClient
 
 
 def submit(
@@ -48,7 +50,6 @@ def submit(
 ) -> None:
     """Hand in a submission for your team. `wildscav check` tells beforehand whether it will pass."""
     from wildscav_evaluator.cli.options.selection import load_named
-    from wildscav_leaderboard.client.archives import archive_of
 
     loaded = load_named(submission)
     with season_client(season) as client:
@@ -125,3 +126,35 @@ def _replaced(one: "SubmissionView") -> "Iterator[str]":
     """Yield what will leave each track for a submission."""
     for track, number in one.replaces.items():
         yield f"itself on {track}, for newer ones" if number == one.id else f"{number} on {track}"
+
+
+FOLDER_SUFFIX = ".tar.gz"
+
+
+@contextmanager
+def archive_of(named: Path, submission: "Submission", largest: int) -> Iterator[tuple[Path, str]]:
+    """Give the archive of a submission and its suffix; a folder is packed for as long as it is needed.
+
+    Args:
+        named: What the user named: a folder, an archive or a baseline.
+        submission: The submission in it.
+        largest: MiB that the archive may have.
+
+    Raises:
+        UserError: It is an image, which only its own machine has, or too large.
+        OSError: It cannot be packed.
+    """
+    from wildscav_evaluator.submissions.archives import SUFFIXES, is_archive
+    from wildscav_leaderboard.submissions.packing import pack
+
+    if submission.image is not None:
+        raise UserError(f"{named} is an image on this machine: submit a folder or an archive", exit_code=2)
+    if named.is_file() and is_archive(named):
+        if named.stat().st_size > largest << 20:
+            raise UserError(f"{named} has more than {largest} MiB, which is the most that the season takes")
+        yield named, next(suffix for suffix in SUFFIXES if named.name.lower().endswith(suffix))
+        return
+    with tempfile.TemporaryDirectory(prefix="wildscav-") as folder:
+        archive = Path(folder) / f"submission{FOLDER_SUFFIX}"
+        pack(submission.folder, archive, largest)
+        yield archive, FOLDER_SUFFIX

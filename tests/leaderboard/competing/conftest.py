@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 import pytest
-from tests.leaderboard.cli.competing.season_site import Site, competitor, season_site
+from tests.leaderboard.competing.season_site import Site, competitor, season_site
 
 __all__ = ["competitor"]
 

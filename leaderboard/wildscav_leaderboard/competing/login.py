@@ -10,13 +10,13 @@ import typer
 from wildscav.cli.shared_options import AsJson
 from wildscav.errors import UserError
 from wildscav.terminal.console import console, error_console, print_json, printable
-from wildscav_leaderboard.cli.competing import texts
-from wildscav_leaderboard.cli.competing.connected import TOKEN_VARIABLE
+from wildscav_leaderboard.competing import texts
+from wildscav_leaderboard.competing.connected import TOKEN_VARIABLE
 
 if TYPE_CHECKING:
     from wildscav_leaderboard.api.documents import AccountView, SeasonView
-    from wildscav_leaderboard.client.logins import Logins
-    from wildscav_leaderboard.client.season import SeasonClient
+    from wildscav_leaderboard.competing.logins import Logins
+    from wildscav_leaderboard.competing.season_client import SeasonClient
 
 LONGEST_LABEL = 60  # characters
 Url = Annotated[
@@ -56,10 +56,9 @@ def login(
 
     The token that the season gives is kept in a file that only you can read.
     """
-    from wildscav_leaderboard.client.addresses import is_open_to_others
-    from wildscav_leaderboard.client.connection import Connection
-    from wildscav_leaderboard.client.logins import Login, Logins
-    from wildscav_leaderboard.client.season import SeasonClient
+    from wildscav_leaderboard.competing.connection import Connection, is_open_to_others
+    from wildscav_leaderboard.competing.logins import Login, Logins
+    from wildscav_leaderboard.competing.season_client import SeasonClient
 
     _check_options(token, invitation, register=register)
     logins = Logins.read()
@@ -84,9 +83,9 @@ def login(
 
 def logout(url: Url = None, as_json: AsJson = False) -> None:
     """Log out of a season: its token is revoked and forgotten."""
-    from wildscav_leaderboard.client.connection import Connection
-    from wildscav_leaderboard.client.logins import Logins
-    from wildscav_leaderboard.client.season import SeasonClient
+    from wildscav_leaderboard.competing.connection import Connection
+    from wildscav_leaderboard.competing.logins import Logins
+    from wildscav_leaderboard.competing.season_client import SeasonClient
 
     logins = Logins.read()
     address = _address(url, logins)
@@ -115,7 +114,7 @@ def _check_options(token: str | None, invitation: str | None, *, register: bool)
 
 def _address(url: str | None, logins: "Logins") -> str:
     """Return the address of the season that is meant."""
-    from wildscav_leaderboard.client.addresses import season_url
+    from wildscav_leaderboard.competing.connection import season_url
 
     if url is not None:
         return season_url(url)
@@ -126,9 +125,8 @@ def _address(url: str | None, logins: "Logins") -> str:
 
 def _is_valid(logins: "Logins", address: str) -> bool:
     """Return whether the token of an earlier login can still be used."""
-    from wildscav_leaderboard.client.connection import Connection
-    from wildscav_leaderboard.client.errors import AnswerError
-    from wildscav_leaderboard.client.season import SeasonClient
+    from wildscav_leaderboard.competing.connection import AnswerError, Connection
+    from wildscav_leaderboard.competing.season_client import SeasonClient
 
     if address not in logins.seasons:
         return False

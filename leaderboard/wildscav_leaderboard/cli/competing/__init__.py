@@ -1,1 +1,0 @@
-"""The commands of competitors: log in, submit, and see what became of it."""
