@@ -8,12 +8,24 @@ from http import HTTPStatus
 from ipaddress import IPv6Address, IPv6Network
 
 from sqlalchemy import delete, select
+from sqlalchemy.orm import Mapped, mapped_column
 from starlette.responses import JSONResponse
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from wildscav_leaderboard.access.models import Use
+from wildscav_leaderboard.database.base import Base
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.seasons.refusals import TooMuchError
+
+
+class Use(Base):
+    """One use of something that may be used a few times in a minute."""
+
+    __tablename__ = "uses"
+
+    id: Mapped[int] = mapped_column(primary_key=True, init=False)
+    key: Mapped[str] = mapped_column(index=True)  # digest of what is used, and by whom
+    at: Mapped[datetime] = mapped_column(index=True)
+
 
 # In a minute:
 TRIES = 10  # of passwords that are wrong, by address

@@ -13,13 +13,10 @@ from starlette.exceptions import HTTPException
 from wildscav.errors import UserError
 from wildscav.version import __version__
 from wildscav_evaluator.cache import cache_folder
-from wildscav_leaderboard.access.body_limit import BodyLimit
-from wildscav_leaderboard.access.headers import SecurityHeaders
 from wildscav_leaderboard.access.rate_limits import AddressLimit
 from wildscav_leaderboard.api.routers import PREFIX, answer, api_router, as_json
 from wildscav_leaderboard.database.connection import READERS, Database
-from wildscav_leaderboard.hosting.broken_requests import BrokenRequests
-from wildscav_leaderboard.hosting.head_requests import HeadRequests
+from wildscav_leaderboard.hosting.middleware import BodyLimit, BrokenRequests, HeadRequests, SecurityHeaders
 from wildscav_leaderboard.hosting.rendering_ahead import RenderingAhead
 from wildscav_leaderboard.hosting.request_log import RequestLog
 from wildscav_leaderboard.hosting.web_counts import WebCounts
@@ -29,8 +26,7 @@ from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.spectating import rerun_viewer
 from wildscav_leaderboard.spectating.live import LiveMatches
 from wildscav_leaderboard.spectating.render_cache import RenderCache
-from wildscav_leaderboard.web.errors import as_page
-from wildscav_leaderboard.web.pages import add_pages
+from wildscav_leaderboard.web.pages import add_pages, as_page
 from wildscav_server.monitoring.logs import Log
 
 UPLOADS = frozenset({f"{PREFIX}/submissions", "/submit"})

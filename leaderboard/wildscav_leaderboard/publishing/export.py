@@ -1,26 +1,153 @@
 """A season as a folder of files, which any web server can serve, and `wildscav audit` reads as it is."""
 
+import csv
 import hashlib
+import io
 import shutil
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from sqlalchemy.orm import Session
 
+from wildscav.terminal.console import counted
+from wildscav_leaderboard.boards.documents import BoardDocument, LadderRow, Row, SuiteRow
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import MatchResult
-from wildscav_leaderboard.publishing.csv_tables import board_table, matches_table
 from wildscav_leaderboard.publishing.documents import (
     SEASON_FILE,
     BoardFile,
     Line,
     PublishedBoard,
     PublishedMatch,
+    PublishedSeason,
 )
-from wildscav_leaderboard.publishing.readme import readme
 from wildscav_leaderboard.publishing.service import Addresses, board_lines, published_season
 from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE, Season, place_for
 from wildscav_leaderboard.seasons.in_force import in_force
+
+PLACE = (
+    *("rank", "last_rank", "team", "team_title", "submission", "name", "version"),
+    *("matches", "planned", "faults", "since"),
+)
+RATING = ("rating", "deviation", "low", "high", "provisional", "wins", "mean_place")
+STATISTICS = ("mean", "std", "low", "high")
+MATCH = ("match", "kind", "number", "at", "record", "void")
+SEAT = ("seat", "entrant", "submission", "status", "fault")
+
+
+def board_table(board: BoardDocument) -> str:
+    """Return a board as CSV, a row for each team."""
+    metrics = [one.name for one in board.metrics]
+    if board.mode == "ladder":
+        columns: tuple[str, ...] = RATING
+    else:
+        columns = tuple(f"{name} {statistic}" for name in metrics for statistic in STATISTICS)
+    rows = [[*(getattr(row, name) for name in PLACE), *_values(row, metrics)] for row in board.rows]
+    return _text((*PLACE, *columns), rows)
+
+
+def _values(row: Row, metrics: Sequence[str]) -> list[object]:
+    if isinstance(row, LadderRow):
+        return [getattr(row, name) for name in RATING]
+    if not isinstance(row, SuiteRow) or not row.metrics:
+        return []
+    return [getattr(row.metrics[name], statistic) for name in metrics for statistic in STATISTICS]
+
+
+def matches_table(matches: Sequence[PublishedMatch]) -> str:
+    """Return matches as CSV, a row for each seat of an entrant."""
+    names = list(dict.fromkeys(name for match in matches for seat in match.seats for name in seat.metrics))
+    rows: list[list[object]] = []
+    for match in matches:
+        own: list[object] = [match.id, match.kind, match.number, match.at, match.record, match.void]
+        rows += [
+            [*own, *(getattr(seat, name) for name in SEAT), *(seat.metrics.get(name) for name in names)]
+            for seat in match.seats
+        ] or [own]
+    return _text((*MATCH, *SEAT, *names), rows)
+
+
+def _text(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    output = io.StringIO()
+    writer = csv.writer(output, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows([_cell(value) for value in row] for row in rows)
+    return output.getvalue()
+
+
+def _cell(value: object) -> object:
+    """Return a cell that no spreadsheet takes for a formula: people give names to teams and submissions."""
+    return f"'{value}" if isinstance(value, str) and value[:1] in "=+-@" and value else value
+
+
+TEXT = """# {title}
+
+What is published of the season `{name}` ({opens:%Y-%m-%d} to {closes:%Y-%m-%d}), as files. {state}
+
+`wildscav audit FOLDER` (or the address at which these files are served) checks all of it: it plays the
+records again, and computes every score, interval and rating anew. `sha256sum --check SHA256SUMS` shows
+whether a file was damaged on its way.
+
+| file | |
+|---|---|
+| `season.json` | the season: its dates, its tracks, the commitments to its secrets{secret} |
+| `boards/TRACK.json`, `boards/TRACK.csv` | the board of a track{season} |
+| `tracks/TRACK.ndjson` | for audits: the board, its submissions, and the matches that count, one a line |
+| `matches/TRACK.csv` | those matches for spreadsheets, a row for each seat |
+| `records/…/MATCH.wsr` | a match: `wildscav verify` plays it again, `wildscav replay` shows it |
+| `SHA256SUMS` | a digest of each file |
+
+| track | ranked by | suite | rounds |
+|---|---|---|---|
+{tracks}
+
+The secrets from which the seeds of all matches follow, and of those that decide the season, have the SHA-256
+
+    {commitment}  secret.txt
+    {final}  final-secret.txt
+
+{boards}, {matches}, {records}{hidden}.
+"""
+
+
+def readme(season: PublishedSeason, boards: int, matches: int, records: int, hidden: int) -> str:
+    """Return the page, in Markdown.
+
+    Args:
+        season: The season.
+        boards: Their number.
+        matches: Their number.
+        records: Their number.
+        hidden: The number of records that cannot be published yet.
+    """
+    tracks = [
+        f"| {track.name} | {'a ladder' if track.mode == 'ladder' else 'the suite'} | `{track.suite}` "
+        f"| {'' if track.mode == 'ladder' else track.rounds} |"
+        for track in season.tracks
+    ]
+    return TEXT.format(
+        title=_plain(season.title),
+        name=season.name,
+        opens=season.opens,
+        closes=season.closes,
+        state="It is final." if season.finalized else "The season is not finalized yet.",
+        season="; `TRACK-season`: as it was before final matches decided it" if season.finalized else "",
+        secret="" if season.secret.secret is None else ", and the secrets themselves",
+        tracks="\n".join(tracks),
+        commitment=season.secret.commitment,
+        final=season.final_secret.commitment,
+        boards=counted(boards, "board"),
+        matches=counted(matches, "match"),
+        records=counted(records, "record"),
+        hidden=f"; {hidden:,} more are hidden until the secret is opened" if hidden else "",
+    )
+
+
+def _plain(text: str) -> str:
+    """Return a text that Markdown shows as it is."""
+    return "".join(f"\\{letter}" if letter in "\\`*_{}[]()#+-.!|<>" else letter for letter in text)
+
 
 IN_FOLDER = Addresses(
     lines={"public": "tracks/{track}.ndjson", "season": "tracks/{track}-season.ndjson"},

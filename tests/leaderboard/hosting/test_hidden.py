@@ -21,7 +21,7 @@ from tests.leaderboard.hosting.clients import ask, copied_database, numbers_of
 from tests.leaderboard.hosting.route_table import TABLE
 from tests.leaderboard.spectating.served import served
 
-from wildscav_leaderboard.access.models import Use
+from wildscav_leaderboard.access.rate_limits import Use
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.matches.models import FINISHED, LADDER, SUITE, Match, MatchResult, MatchSeat

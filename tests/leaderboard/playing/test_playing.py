@@ -12,7 +12,7 @@ from tests.leaderboard.filled_season import COOKIE, FilledSeason
 from tests.leaderboard.hosting.clients import ask
 from tests.leaderboard.spectating.served import served
 
-from wildscav_leaderboard.access.models import Use
+from wildscav_leaderboard.access.rate_limits import Use
 from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.playing.tables import Tables
 from wildscav_leaderboard.seasons.settings import Play

@@ -13,7 +13,7 @@ from tests.platform.helpers.seats import HandPlayed, connected, ended, host, ser
 from wildscav.errors import AddressInUseError, SensorError, UserError
 from wildscav.proto.match_pb2 import ClientMessage, Join, Ready
 from wildscav.wire.errors import reason_of
-from wildscav_server.endpoints.pending_streams import PendingStreams
+from wildscav_server.endpoints.match_service import PendingStreams
 from wildscav_server.hosting.reports import SeatStatus
 from wildscav_server.http2.inbound import UNKNOWN_LIMIT
 from wildscav_server.match_server import MatchServer

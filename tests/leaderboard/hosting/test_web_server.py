@@ -13,7 +13,7 @@ from starlette.responses import PlainTextResponse
 from starlette.types import Receive, Scope, Send
 from tests.leaderboard.seasons_made import make_season
 
-from wildscav_leaderboard.hosting import guarded_connections
+from wildscav_leaderboard.hosting import web_server
 from wildscav_leaderboard.hosting.web_server import configured
 
 WHOLE = b"GET / HTTP/1.1\r\nHost: a\r\n\r\n"
@@ -59,7 +59,7 @@ def answers(connection: socket.socket) -> bool:
 def test_a_request_that_never_ends_is_ended(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, sent: bytes
 ) -> None:
-    monkeypatch.setattr(guarded_connections, "INTERVAL", 0.05)
+    monkeypatch.setattr(web_server, "INTERVAL", 0.05)
     with listening(tmp_path / "season") as there, socket.create_connection(there, timeout=30.0) as connection:
         connection.sendall(sent)
         with suppress(ConnectionResetError):
@@ -70,7 +70,7 @@ def test_a_request_that_never_ends_is_ended(
 def test_one_client_cannot_use_up_all_connections(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
-    monkeypatch.setattr(guarded_connections, name, 3)
+    monkeypatch.setattr(web_server, name, 3)
     with listening(tmp_path / "season") as there:
         opened = [socket.create_connection(there, timeout=30.0) for _ in range(5)]
         assert [answers(one) for one in opened] == [True, True, True, False, False]
@@ -79,7 +79,7 @@ def test_one_client_cannot_use_up_all_connections(
 
 
 def test_a_proxy_passes_on_the_requests_of_many(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(guarded_connections, "OF_ONE", 3)
+    monkeypatch.setattr(web_server, "OF_ONE", 3)
     with listening(tmp_path / "season", '[web]\nproxies = ["127.0.0.0/8"]\n') as there:
         opened = [socket.create_connection(there, timeout=30.0) for _ in range(5)]
         assert all(answers(one) for one in opened)
