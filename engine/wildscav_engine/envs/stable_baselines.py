@@ -12,34 +12,14 @@ from wildscav_engine.envs.spaces.columns import EVENTS
 from wildscav_engine.envs.vector import VectorArena
 
 
-class MatchesVecEnv(VecEnv):
-    """Matches that are played as one batch, and so are no environments of their own."""
-
-    _actions: Any = None
-
-    def step_async(self, actions: NDArray[Any]) -> None:
-        """Store the next actions."""
-        self._actions = actions
-
-    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
-        """Refuse, because the environments have no attributes of their own.
-
-        Raises:
-            NotImplementedError: Always.
-        """
-        raise NotImplementedError(f"{attr_name} cannot be set: pass options when creating the environment")
-
-    def env_is_wrapped(self, wrapper_class: type[Any], indices: Any = None) -> list[bool]:  # noqa: ARG002
-        """Return False for each environment, because the matches are not wrapped environments."""
-        return [False] * len(list(self._get_indices(indices)))
-
-
-class StableVector(MatchesVecEnv):
+class StableVector(VecEnv):
     """N matches with one learner each, played as one batch.
 
     With the seed s, row i plays the same episodes as the single environment with the seed s + i. Wrap it in a
     ``VecMonitor`` to log returns.
     """
+
+    _actions: Any = None
 
     def __init__(self, track: str, num_envs: int, **options: Unpack[EnvOptions]) -> None:
         """Create the environments.
@@ -75,6 +55,22 @@ class StableVector(MatchesVecEnv):
         if any(one != chosen[0] for one in chosen):
             raise ValueError("the environments share their options: give one dictionary")
         self.vector.set_options(**chosen[0])
+
+    def step_async(self, actions: NDArray[Any]) -> None:
+        """Store the next actions."""
+        self._actions = actions
+
+    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
+        """Refuse, because the environments have no attributes of their own.
+
+        Raises:
+            NotImplementedError: Always.
+        """
+        raise NotImplementedError(f"{attr_name} cannot be set: pass options when creating the environment")
+
+    def env_is_wrapped(self, wrapper_class: type[Any], indices: Any = None) -> list[bool]:  # noqa: ARG002
+        """Return False for each environment, because the matches are not wrapped environments."""
+        return [False] * len(list(self._get_indices(indices)))
 
     def step_wait(self) -> tuple[Any, NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:
         """Play one step. Environments whose episode ends are reset, with the last observation in the infos.

@@ -19,13 +19,7 @@ if TYPE_CHECKING:
 MOST_SEEDS, MOST_EPISODES = 100, 10_000
 SILENCE = 30.0  # s between two lines of progress where there is no terminal
 
-Algorithm = Annotated[
-    str,
-    typer.Option(
-        help="ppo (one file to read and to start from); sb3-ppo or a2c (Stable-Baselines3; A2C is the "
-        "synchronous form of A3C); rllib-ppo, rllib-appo or rllib-impala (RLlib)."
-    ),
-]
+Algorithm = Annotated[str, typer.Option(hidden=True)]  # there were several, once
 Preset = Annotated[
     str,
     typer.Option(help="Hyperparameters and environment: tuned (learns in few steps) or paper (the paper's)."),
@@ -78,13 +72,6 @@ Steps = Annotated[int, typer.Option(help="Steps of all learners together.", min=
 Seed = Annotated[int, typer.Option(help="Seed of the first run.", min=0, max=2**20)]
 Seeds = Annotated[int, typer.Option(help="Number of runs, each with a seed.", min=1, max=MOST_SEEDS)]
 AtOnce = Annotated[int, typer.Option(help="Runs at the same time, each in a process.", min=1, max=MOST_SEEDS)]
-Workers = Annotated[
-    int, typer.Option(help="RLlib: processes that play; 0 plays where it learns.", min=0, max=1000)
-]
-Address = Annotated[
-    str | None,
-    typer.Option(metavar="HOST:PORT", help="RLlib: the Ray cluster whose machines play, with --workers."),
-]
 Out = Annotated[Path, typer.Option(help="Folder of the results; each run has a folder in it.")]
 Resume = Annotated[bool, typer.Option("--resume", help="Continue what an interruption left in that folder.")]
 Episodes = Annotated[
@@ -113,8 +100,6 @@ def train(
     seed: Seed = 0,
     seeds: Seeds = 1,
     at_once: AtOnce = 1,
-    workers: Workers = 0,
-    address: Address = None,
     out: Out = Path("out/training"),
     resume: Resume = False,
     episodes: Episodes = 100,
@@ -126,9 +111,15 @@ def train(
     Each run learns on one processor core; it writes its figures for TensorBoard, and can be continued.
     """
     options = _environment(level, map_number, option)
-    first = _settings(algorithm, preset, track, options, changes, curriculum, steps, seed)
+    if algorithm != "ppo":
+        raise UserError(
+            f"--algorithm {algorithm} is gone: `wildscav train` learns by PPO; docs/training.md shows how "
+            "Stable-Baselines3, RLlib and TorchRL train in the same environments",
+            exit_code=2,
+        )
+    first = _settings(preset, track, options, changes, curriculum, steps, seed)
     first = _opposed(first, opponents, opponent_seats, easy_first=easy_first)
-    first = _started(_spread(first, workers, address), start_from)
+    first = _started(first, start_from)
     runs = [replace(first, seed=each) for each in range(seed, seed + seeds)]
     _check_folders(out, submission, resume=resume)
     results = _train_all(runs, out, episodes, min(at_once, seeds), resume=resume)
@@ -159,7 +150,6 @@ def _environment(level: str | None, map_number: int | None, option: list[str] | 
 
 
 def _settings(
-    algorithm: str,
     preset: str,
     track: str,
     options: Mapping[str, Any],
@@ -177,17 +167,14 @@ def _settings(
     from wildscav_engine.envs.batched import multi_agent_config
     from wildscav_engine.tracks import TRACKS
     from wildscav_training.cli.from_policy import read_option
-    from wildscav_training.learning.algorithms import ALGORITHMS
     from wildscav_training.learning.settings import TrainingSettings, changed, preset_settings
 
-    for name, value, known in (("algorithm", algorithm, tuple(ALGORITHMS)), ("track", track, tuple(TRACKS))):
-        if value not in known:
-            raise UserError(
-                f"--{name} is {value!r}{did_you_mean(value, known)}, must be one of {', '.join(known)}", 2
-            )
-    hyperparameters, all_options = preset_settings(preset, track, options, algorithm)
-    given = dict(read_option(text, "--set") for text in changes or [])
-    hyperparameters = changed(hyperparameters, given, algorithm)
+    if track not in TRACKS:
+        raise UserError(
+            f"--track is {track!r}{did_you_mean(track, TRACKS)}, must be one of {', '.join(TRACKS)}", 2
+        )
+    hyperparameters, all_options = preset_settings(preset, track, options)
+    hyperparameters = changed(hyperparameters, dict(read_option(text, "--set") for text in changes or []))
     try:
         multi_agent_config(track, all_options)
     except (TypeError, ValueError) as error:
@@ -195,7 +182,7 @@ def _settings(
     if curriculum is not None and not TRACKS[track].has_target:
         raise UserError(f"--curriculum is for tracks with a target, not for {track}", exit_code=2)
     stages = () if curriculum is None else _stages(curriculum)
-    return TrainingSettings(track, all_options, steps, seed, hyperparameters, stages, algorithm)
+    return TrainingSettings(track, all_options, steps, seed, hyperparameters, stages)
 
 
 def _opposed(
@@ -204,21 +191,14 @@ def _opposed(
     """Return the settings of a run with its opponents.
 
     Raises:
-        UserError: They are wrong, or the algorithm does not choose its opponents.
+        UserError: They are wrong.
     """
-    from wildscav_training.learning.algorithms import ALGORITHMS, OURS
     from wildscav_training.learning.opposition import read_opposition
 
     if names is None:
         if seats is not None or easy_first:
             raise UserError("--opponent-seats and --easy-first are for runs with --opponents", exit_code=2)
         return settings
-    if ALGORITHMS[settings.algorithm].library != OURS:
-        raise UserError(
-            f"--opponents is for --algorithm ppo, not for {settings.algorithm}; it plays robots with "
-            "--option opponents=[…]",
-            exit_code=2,
-        )
     if settings.options.get("opponents") is not None:
         raise UserError("--opponents and --option opponents=… are both given: take one", exit_code=2)
     found = read_opposition(names, settings.track, settings.options, seats, easy_first=easy_first)
@@ -229,42 +209,11 @@ def _started(settings: "TrainingSettings", path: Path | None) -> "TrainingSettin
     """Return the settings of a run that starts from weights, if a file is given.
 
     Raises:
-        UserError: It is not one of weights, or the algorithm always starts from nothing.
+        UserError: It is not one of weights.
     """
-    from wildscav_training.learning.algorithms import ALGORITHMS, OURS
     from wildscav_training.learning.start import read_start
 
-    if path is None:
-        return settings
-    if ALGORITHMS[settings.algorithm].library != OURS:
-        raise UserError(f"--start-from is for --algorithm ppo, not for {settings.algorithm}", exit_code=2)
-    return replace(settings, start=read_start(path))
-
-
-def _spread(settings: "TrainingSettings", workers: int, address: str | None) -> "TrainingSettings":
-    """Return the settings of a run with the processes that play for it.
-
-    Raises:
-        UserError: The algorithm plays in one process, the address is wrong, or the processes outnumber the
-            matches.
-    """
-    from wildscav_training.learning.algorithms import ALGORITHMS, RLLIB
-    from wildscav_training.learning.ray_clusters import check_address
-
-    if (workers or address) and ALGORITHMS[settings.algorithm].library != RLLIB:
-        names = ", ".join(name for name, one in ALGORITHMS.items() if one.library == RLLIB)
-        raise UserError(f"--workers and --address are for {names}, not for {settings.algorithm}", exit_code=2)
-    if address is not None:
-        if not workers:
-            raise UserError("--address needs --workers, the number of processes that play there", exit_code=2)
-        check_address(address)
-    matches = settings.hyperparameters.matches
-    if workers > matches:
-        raise UserError(
-            f"--workers is {workers}, must be at most {matches}, the matches at once (--set matches=…)",
-            exit_code=2,
-        )
-    return replace(settings, workers=workers, address=address)
+    return settings if path is None else replace(settings, start=read_start(path))
 
 
 def _stages(text: str) -> tuple[float, ...]:

@@ -37,9 +37,7 @@ def make_env(
         raise UserError(f"the options of the environment: {error}", exit_code=2) from None
     if not env.config.flat or env.config.action_mode not in MODES:
         modes = " or ".join(MODES)
-        raise UserError(
-            f"the algorithm {settings.algorithm} needs flat=true and action_mode {modes}", exit_code=2
-        )
+        raise UserError(f"training needs flat=true and action_mode {modes}", exit_code=2)
     return env
 
 

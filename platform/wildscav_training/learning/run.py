@@ -1,46 +1,21 @@
 """A training run from its first step to its score, with checkpoints on the way."""
 
 import time
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import closing, contextmanager
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 import torch
 from tensorboardX import SummaryWriter
 
-from wildscav_training.learning.algorithms import ALGORITHMS, RLLIB, STABLE
 from wildscav_training.learning.checkpoints import RESULT, WEIGHTS, RunFolder, write_json
 from wildscav_training.learning.evaluation import Score, evaluate
+from wildscav_training.learning.ppo import PPO
 from wildscav_training.learning.settings import TrainingSettings
 
 EVERY = 60.0  # s between two checkpoints
 Report = Callable[[Mapping[str, float]], None]  # gets the figures of each iteration
-
-
-class Learner(Protocol):
-    """A policy in training."""
-
-    steps: int  # of all learners so far
-    total: int  # rollouts of the run
-
-    @property
-    def rollouts(self) -> int:
-        """Rollouts so far."""
-
-    @property
-    def policy(self) -> Any:
-        """The layers one after the other, from rows (N, n) to scores (N, C)."""
-
-    def iterate(self) -> dict[str, float]:
-        """Play a rollout, learn from it, and return figures about both by name."""
-
-    def state(self) -> dict[str, Any]:
-        """Return everything that the next iteration depends on: tensors, numbers and lists of them."""
-
-    def restore(self, state: Mapping[str, Any]) -> None:
-        """Continue from what ``state`` returned."""
 
 
 class Result(NamedTuple):
@@ -75,18 +50,17 @@ def train(settings: TrainingSettings, folder: Path, report: Report, *, resume: b
     torch.set_num_threads(1)
     place = RunFolder(folder)
     place.begin(settings, resume=resume)
-    with learning(settings) as learner:
-        spent = _continue(learner, place) if place.has_checkpoint else (0.0, 0.0)
-        cpu, wall = _learn(learner, place, report, spent)
-        steps, policy = learner.steps, learner.policy
-    _save_layers(folder / WEIGHTS, policy)
-    scores = evaluate(policy, settings, episodes)
-    result = Result(settings.seed, steps, round(cpu, 1), round(wall, 1), scores)
+    learner = PPO(settings)
+    spent = _continue(learner, place) if place.has_checkpoint else (0.0, 0.0)
+    cpu, wall = _learn(learner, place, report, spent)
+    _save_layers(folder / WEIGHTS, learner.policy)
+    scores = evaluate(learner.policy, settings, episodes)
+    result = Result(settings.seed, learner.steps, round(cpu, 1), round(wall, 1), scores)
     write_json(folder / RESULT, result.as_json())
     return result
 
 
-def _continue(learner: Learner, place: RunFolder) -> tuple[float, float]:
+def _continue(learner: PPO, place: RunFolder) -> tuple[float, float]:
     """Restore a learner, and return the processor time and the time that were spent on it, s."""
     state = place.load()
     learner.restore(state["learner"])
@@ -95,14 +69,12 @@ def _continue(learner: Learner, place: RunFolder) -> tuple[float, float]:
     return cpu, wall
 
 
-def _learn(
-    learner: Learner, place: RunFolder, report: Report, spent: tuple[float, float]
-) -> tuple[float, float]:
+def _learn(learner: PPO, place: RunFolder, report: Report, spent: tuple[float, float]) -> tuple[float, float]:
     """Iterate to the end; return the processor time and the time spent in all sittings, s."""
-    cpu_start, wall_start = processor_seconds(learner) - spent[0], time.monotonic() - spent[1]
+    cpu_start, wall_start = time.process_time() - spent[0], time.monotonic() - spent[1]
 
     def now() -> tuple[float, float]:
-        return processor_seconds(learner) - cpu_start, time.monotonic() - wall_start
+        return time.process_time() - cpu_start, time.monotonic() - wall_start
 
     saved = time.monotonic()
     with _TensorBoard(place.path, learner.steps) as board:
@@ -143,34 +115,3 @@ def _save_layers(path: Path, policy: Any) -> None:
     linear = [module for module in policy if isinstance(module, torch.nn.Linear)]
     arrays = {f"weight_{layer}": module.weight.detach().numpy() for layer, module in enumerate(linear)}
     np.savez(path, **arrays, **{f"bias_{n}": module.bias.detach().numpy() for n, module in enumerate(linear)})
-
-
-@contextmanager
-def learning(settings: TrainingSettings) -> Iterator[Learner]:
-    """Yield the learner of a run, which knows nothing yet.
-
-    Raises:
-        UserError: The environment cannot be made, or is not one that the algorithm learns.
-    """
-    library = ALGORITHMS[settings.algorithm].library
-    if library == RLLIB:
-        from wildscav_training.learning.rllib_cluster import connected
-
-        with connected(settings.address, settings.workers):
-            from wildscav_training.learning.rllib_learner import RllibLearner
-
-            with closing(RllibLearner(settings)) as learner:
-                yield learner
-    elif library == STABLE:
-        from wildscav_training.learning.stable_learner import StableLearner
-
-        yield StableLearner(settings)
-    else:
-        from wildscav_training.learning.ppo import PPO
-
-        yield PPO(settings)
-
-
-def processor_seconds(learner: Learner) -> float:
-    """Return the processor time of this process, and of those that play for the learner, s."""
-    return time.process_time() + float(getattr(learner, "worker_seconds", 0.0))

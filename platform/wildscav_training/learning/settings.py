@@ -1,4 +1,4 @@
-"""What a training run is: its environment, its algorithm and the settings of that, and presets of both."""
+"""What a training run is: its environment, its hyperparameters, and presets of both."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
@@ -6,7 +6,7 @@ from typing import Any
 
 from wildscav.errors import UserError
 from wildscav.terminal.suggestions import did_you_mean
-from wildscav_training.learning.algorithms import ALGORITHMS, Hyperparameters
+from wildscav_training.learning.hyperparameters import PAPER, TUNED, Hyperparameters
 from wildscav_training.learning.opposition import Opposition
 from wildscav_training.learning.start import Start
 
@@ -40,25 +40,22 @@ class TrainingSettings:
     seed: int
     hyperparameters: Hyperparameters
     curriculum: tuple[float, ...] = ()  # m, the start range of each stage but the last, which has none
-    algorithm: str = "ppo"
     opposition: Opposition | None = None  # None: the opponents in the options
     start: Start | None = None  # None: the policy knows nothing
-    workers: int = 0  # processes of Ray that play; 0: the one that learns does. Not part of what a run is
-    address: str | None = None  # of a Ray cluster; None: this machine alone. Not part of what a run is
 
     def as_json(self) -> dict[str, Any]:
         """Return the settings as values for JSON."""
         own = {**asdict(self), "curriculum": list(self.curriculum), "options": dict(self.options)}
-        for name in ("opposition", "start", "workers", "address"):
+        for name in ("opposition", "start"):
             del own[name]
         numbers = asdict(self.hyperparameters) | {"layers": list(self.hyperparameters.layers)}
         opposition = {} if self.opposition is None else {"opposition": self.opposition.as_json()}
         start = {} if self.start is None else {"start": self.start.as_json()}
-        return {**own, "hyperparameters": numbers, **opposition, **start}
+        return {**own, "algorithm": "ppo", "hyperparameters": numbers, **opposition, **start}
 
 
 def preset_settings(
-    preset: str, track: str, options: Mapping[str, Any], algorithm: str = "ppo"
+    preset: str, track: str, options: Mapping[str, Any]
 ) -> tuple[Hyperparameters, dict[str, Any]]:
     """Return the hyperparameters of a preset, and its environment with some options changed.
 
@@ -66,10 +63,9 @@ def preset_settings(
         preset: A name in ``PRESETS``.
         track: The track.
         options: Options of the environment that differ from the preset's.
-        algorithm: A name in ``ALGORITHMS``.
 
     Raises:
-        UserError: There is no such preset, or it has no environment of this track or no such algorithm.
+        UserError: There is no such preset, or it has no environment of this track.
     """
     from wildscav_engine.envs import PRESETS as ENVIRONMENTS
 
@@ -89,26 +85,20 @@ def preset_settings(
             f"--preset paper is for the tracks of the paper's experiments, {', '.join(tracks)}, not {track}",
             exit_code=2,
         )
-    hyperparameters = getattr(ALGORITHMS[algorithm], preset)
-    if hyperparameters is None:
-        known = ", ".join(name for name, one in ALGORITHMS.items() if one.paper is not None)
-        raise UserError(f"--preset paper is for {known}, not for {algorithm}", exit_code=2)
-    return hyperparameters, {**base, **options}
+    return TUNED if preset == "tuned" else PAPER, {**base, **options}
 
 
-def changed(
-    hyperparameters: Hyperparameters, changes: Mapping[str, Any], algorithm: str = "ppo"
-) -> Hyperparameters:
-    """Return hyperparameters of an algorithm with some changed.
+def changed(hyperparameters: Hyperparameters, changes: Mapping[str, Any]) -> Hyperparameters:
+    """Return hyperparameters with some changed.
 
     Raises:
-        UserError: The algorithm has none of a name, or the value is wrong.
+        UserError: There is none of a name, or the value is wrong.
     """
-    known = {name: getattr(hyperparameters, name) for name in ALGORITHMS[algorithm].known}
+    known = asdict(hyperparameters)
     for name, value in changes.items():
         if name not in known:
             raise UserError(
-                f"--set: the algorithm {algorithm} has no {name!r}{did_you_mean(name, known)}; it has "
+                f"--set: there is no {name!r}{did_you_mean(name, known)}; the hyperparameters are "
                 f"{', '.join(known)}",
                 exit_code=2,
             )

@@ -4,13 +4,16 @@ import logging
 import os
 import re
 import secrets
+import socket
+from pathlib import Path
 
-from wildscav.errors import UserError
 from wildscav_evaluator.executors.base import ExecutorError
-from wildscav_training.learning import ray_clusters
 
 VERSIONS = re.compile(r"Ray: (\S+)\s+Python: (\S+)")
 CLIENT = "ray://"
+REACH_TIME = 5.0  # s for a connection to the address
+TOKEN_FILE = Path("~/.ray/auth_token")  # written by `ray start --head`
+TOKEN_VARIABLES = ("RAY_AUTH_TOKEN", "RAY_AUTH_TOKEN_PATH")
 
 
 def connect(address: str | None) -> None:
@@ -23,7 +26,7 @@ def connect(address: str | None) -> None:
         ExecutorError: There is no cluster, or it cannot be used; the message is one line.
     """
     os.environ["RAY_USAGE_STATS_ENABLED"] = "0"
-    ray_clusters.use_token()
+    _use_token()
     import ray
 
     where = address or os.environ.get("RAY_ADDRESS") or "auto"
@@ -40,6 +43,15 @@ def connect(address: str | None) -> None:
         raise ExecutorError(_reason(where, error)) from error
 
 
+def _use_token() -> None:
+    """Present this user's token to clusters if there is one; Ray asks for it by default but sends none.
+
+    A cluster that asks for no token ignores it. Ray reads this when it is imported.
+    """
+    if any(name in os.environ for name in TOKEN_VARIABLES) or TOKEN_FILE.expanduser().is_file():
+        os.environ.setdefault("RAY_AUTH_MODE", "token")
+
+
 def check_address(address: str) -> None:
     """Refuse an address where nothing listens, for which Ray would wait a minute.
 
@@ -48,10 +60,14 @@ def check_address(address: str) -> None:
     """
     if address == "auto":
         return
+    host, _, port = address.removeprefix(CLIENT).rpartition(":")
+    if not host or not port.isdecimal() or not 0 < int(port) < 65_536 or "/" in host:
+        allowed = f"HOST:PORT or {CLIENT}HOST:PORT"
+        raise ExecutorError(f"--address {address} is no address of a Ray cluster: must be {allowed}", 2)
     try:
-        ray_clusters.check_address(address, CLIENT)
-    except UserError as error:
-        raise ExecutorError(str(error), error.exit_code) from None
+        socket.create_connection((host.strip("[]"), int(port)), REACH_TIME).close()
+    except OSError as error:
+        raise ExecutorError(f"there is no Ray cluster at {address}: {error.strerror or error}") from None
 
 
 def _reason(where: str, error: Exception) -> str:

@@ -5,11 +5,11 @@ from typing import Any
 
 from tests.engine.envs.common import OPEN
 
-from wildscav_training.learning.algorithms import Hyperparameters
+from wildscav_training.learning.hyperparameters import Hyperparameters
 from wildscav_training.learning.settings import TrainingSettings
 
 SMALL = Hyperparameters(matches=4, rollout=16, minibatch=16, epochs=2, layers=(8,))
-FIELDS = ("curriculum", "seed", "algorithm", "opposition")
+FIELDS = ("curriculum", "seed", "opposition")
 OPTIONS: dict[str, Any] = {
     "map": OPEN.model_dump(mode="json"),
     "time_limit": 3.0,
@@ -32,6 +32,5 @@ def small(track: str = "navigation", steps: int = 256, **changes: Any) -> Traini
         seed=fields.get("seed", 0),
         hyperparameters=replace(SMALL, **changes),
         curriculum=fields.get("curriculum", ()),
-        algorithm=fields.get("algorithm", "ppo"),
         opposition=fields.get("opposition"),
     )
