@@ -19,6 +19,7 @@ from pathlib import Path
 from wildscav_engine.extensions import sources_of
 
 PACKAGE = Path(__file__).parent.parent
+OURS = "wildscav"  # how the names of all our packages begin; those of the platform lie in one folder
 BLOCKS = ("body", "orelse", "handlers", "finalbody", "cases")  # fields of a statement that contain statements
 KERNELS_OF = "KERNELS_OF"  # the name of the constant
 TYPE_CHECKING = ("TYPE_CHECKING", "typing.TYPE_CHECKING")
@@ -41,7 +42,7 @@ def sources_digest(file: Path) -> str:
 
 
 def closure(file: Path) -> set[Path]:
-    """Return a file and all files of the engine or its own package that it imports, even indirectly."""
+    """Return a file and all files that it imports, even indirectly, as ``imported_files`` finds them."""
     found: set[Path] = set()
     waiting = [file]
     while waiting:
@@ -65,7 +66,7 @@ def name_of(file: Path) -> str:
 
 @functools.cache
 def imported_files(file: Path) -> tuple[Path, ...]:
-    """Return the files that a file imports at run time from the engine or from its own package.
+    """Return the files that a file imports at run time from the engine, its own package or ours beside it.
 
     Imports in functions count. A file outside packages may also import files in its own folder.
     """
@@ -78,7 +79,7 @@ def imported_files(file: Path) -> tuple[Path, ...]:
         top = name.split(".")[0]
         if top == PACKAGE.name:
             found[_module_file(PACKAGE.parent, name)] = None
-        elif top == own:
+        elif own and (top == own or top.startswith(OURS)):
             found[_module_file(root, name)] = None
         elif not own:
             found[root / f"{name}.py"] = None

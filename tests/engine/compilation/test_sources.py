@@ -139,10 +139,11 @@ def test_what_plays_a_frame_depends_on_every_robot_though_they_are_found_by_name
 
 
 def test_kernels_of_other_packages_depend_on_the_engine_too() -> None:
-    encoding = ENGINE.parents[1] / "platform/wildscav_server/hosting/observation_encoding.py"
-    files = {sources.name_of(path) for path in sources.closure(encoding)}
+    messages = ENGINE.parents[1] / "platform/wildscav_training/opponents/seat_messages.py"
+    files = {sources.name_of(path) for path in sources.closure(messages)}
     assert {
-        "wildscav/server/hosting/observation_encoding.py",
+        "wildscav_training/opponents/seat_messages.py",
+        "wildscav_server/hosting/observation_encoding.py",
         "wildscav_engine/simulation/state.py",
         "wildscav_engine/compilation/kernel.py",
     } <= files

@@ -39,7 +39,7 @@ def what_grpc_reads(module: str, environment: dict[str, str]) -> str:
     "module",
     [
         "wildscav.sdk.connection",
-        "wildscav_server",
+        "wildscav_server.match_server",
         "wildscav_legacy.channel, grpc",
         pytest.param("wildscav_evaluator.matches.play", marks=pytest.mark.slow),
     ],

@@ -12,6 +12,7 @@ from tests.evaluator.sandbox.available import missing
 import wildscav
 import wildscav_engine
 import wildscav_evaluator
+import wildscav_server
 
 START = """
 import asyncio, socket, sys
@@ -50,6 +51,7 @@ def test_agents_cannot_import_the_engine_that_is_installed_beside_the_sdk(tmp_pa
     )
     shutil.copytree(Path(wildscav_engine.__file__).parent, packages / "wildscav_engine")
     (packages / "wildscav").symlink_to(Path(wildscav.__file__).parent)
+    shutil.copytree(Path(wildscav_server.__file__).parent, packages / "wildscav_server")
     others = [*site.getsitepackages(), str(Path(wildscav_evaluator.__file__).parents[1])]
     (packages / "others.pth").write_text("\n".join(others))
     (tmp_path / "code").mkdir()
