@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from wildscav_engine.maps import GameMap
 
-MOST_IDS = 999
+MAX_IDS = 999
 
 MapId = Annotated[
     int | None,
@@ -69,7 +69,7 @@ class MapCommand(TyperCommand):
             option = getattr(error, "option_name", "")  # of Typer's own error for an unknown option
             negative = [text for text in given if text.startswith(option) and text[1:].isdigit()]
             if option[1:].isdigit() and negative:
-                raise UserError(f"ID is {negative[0]}, must be 1 to {MOST_IDS}", exit_code=2) from None
+                raise UserError(f"ID is {negative[0]}, must be 1 to {MAX_IDS}", exit_code=2) from None
             raise
 
 
@@ -105,8 +105,8 @@ class MapOptions:
                 f"a map is named by its ID, or by --seed, --config and the fields of a config: {also}",
                 exit_code=2,
             )
-        if map_id is not None and not 1 <= map_id <= MOST_IDS:
-            raise UserError(f"ID is {map_id}, must be 1 to {MOST_IDS}", exit_code=2)
+        if map_id is not None and not 1 <= map_id <= MAX_IDS:
+            raise UserError(f"ID is {map_id}, must be 1 to {MAX_IDS}", exit_code=2)
         return _make(map_id, seed, config, fields)
 
 

@@ -32,7 +32,7 @@ FARTHEST = 1000.0  # m from the middle of the largest map to its edges
 IDENTIFIERS = {"game_mode", "map_id"}  # fields that cannot be clamped
 
 log = logging.getLogger("wildscav_legacy")
-MOST_AGENTS = 1000
+MAX_AGENTS = 1000
 
 
 class Number(NamedTuple):
@@ -114,9 +114,9 @@ def _setups(command: GMCommand) -> list[AgentSetup]:
     """
     setups = list(command.agent_setups)
     count = command.num_agents if command.HasField("num_agents") else len(setups)
-    if not max(1, len(setups)) <= count <= MOST_AGENTS:
+    if not max(1, len(setups)) <= count <= MAX_AGENTS:
         raise RefusedEpisodeError(
-            f"num_agents is {count}, must be {max(1, len(setups))} to {MOST_AGENTS}: "
+            f"num_agents is {count}, must be {max(1, len(setups))} to {MAX_AGENTS}: "
             f"there are {len(setups)} agent_setups"
         )
     ids = {setup.id for setup in setups}

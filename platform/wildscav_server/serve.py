@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from wildscav_server.monitoring.logs import LogFormat
 
 SHORTEST_TOKEN = 16  # characters
-MOST_WORKERS = 64
+MAX_WORKERS = 64
 
 
 class ServerOptions(NamedTuple):
@@ -59,7 +59,7 @@ def serve(
         typer.Option(
             help="Processes that play the matches, each with its own address. Default: one per core.",
             min=1,
-            max=MOST_WORKERS,
+            max=MAX_WORKERS,
             show_default=False,
         ),
     ] = None,
@@ -90,7 +90,7 @@ def serve(
     certificate = _certificate(tls_cert, tls_key, client_ca)
     addresses = listen or ["127.0.0.1:50051"]
     options = ServerOptions(addresses, token, certificate, insecure, log_format, metrics_port)
-    asyncio.run(_serve(options, workers or min(cores(), MOST_WORKERS)))
+    asyncio.run(_serve(options, workers or min(cores(), MAX_WORKERS)))
 
 
 def _certificate(chain: Path | None, key: Path | None, client_ca: Path | None) -> "Certificate | None":

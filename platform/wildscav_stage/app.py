@@ -30,9 +30,9 @@ from wildscav_stage.inputs import (
 from wildscav_stage.links import Base, Links
 from wildscav_stage.lobby import LobbyError
 from wildscav_stage.page import POLICY_VIOLATION, TOO_MANY, UNSUPPORTED, Allowance, OpenPage, PageClosedError
-from wildscav_stage.table import MOST_SPECTATORS, Table
+from wildscav_stage.table import MAX_SPECTATORS, Table
 
-MOST_COMMANDS = 10  # a second: whatever is told to everybody
+MAX_COMMANDS = 10  # a second: whatever is told to everybody
 STATIC = Path(__file__).parent / "static"
 NO_ACCESS = 4004  # close code for a link that is not valid
 PROBLEMS = {  # with links: a title and what to do, in HTML
@@ -78,7 +78,7 @@ class SpectatorPage(OpenPage):
     async def serve(self) -> None:
         """Serve the page until it is closed."""
         if not self._table.admit(self):
-            return await self._socket.close(TOO_MANY, f"{MOST_SPECTATORS} people watch already")
+            return await self._socket.close(TOO_MANY, f"{MAX_SPECTATORS} people watch already")
         self._gallery.watch(self, None)
         try:
             await self._serve(self._receive(), self._send_pictures())
@@ -120,7 +120,7 @@ class PlayerPage(OpenPage):
         super().__init__(socket)
         self._table, self._seat = table, seat
         self._chair = table.lobby.chairs[seat]
-        self._commands = Allowance(MOST_COMMANDS)
+        self._commands = Allowance(MAX_COMMANDS)
 
     async def serve(self) -> None:
         """Serve the page until it is closed, or another page takes its place."""

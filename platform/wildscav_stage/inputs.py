@@ -9,10 +9,10 @@ from wildscav.agent import Action
 from wildscav.errors import WildscavError
 
 FASTEST = 10.0  # m/s, of a person who walks
-MOST_TURN = 3600.0  # degrees in one message
+MAX_TURN = 3600.0  # degrees in one message
 LONGEST_TEXT = 100  # characters
 Share = Annotated[float, Field(ge=-1.0, le=1.0)]
-Turn = Annotated[float, Field(ge=-MOST_TURN, le=MOST_TURN)]
+Turn = Annotated[float, Field(ge=-MAX_TURN, le=MAX_TURN)]
 Count = Annotated[int, Field(ge=0, le=2**53)]
 
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from wildscav.agent import MatchInfo, Observation
     from wildscav_engine.simulation.match import Match
 
-MOST_BEHIND = 0.1  # s that the match may be behind real time before it stops catching up
+MAX_BEHIND = 0.1  # s that the match may be behind real time before it stops catching up
 LONGEST_NAME = 20  # characters
 HOST = 0  # the seat of whoever started the table
 
@@ -63,7 +63,7 @@ class Person:
             due = loop.time()
             while observation is not None:
                 self._note(observation)
-                due = max(due + self._info.step_time, loop.time() - MOST_BEHIND)
+                due = max(due + self._info.step_time, loop.time() - MAX_BEHIND)
                 await asyncio.sleep(max(0.0, due - loop.time()))
                 await self.clock_runs.wait()
                 action = self.controls.take(observation.yaw, self._info.frames_per_action)

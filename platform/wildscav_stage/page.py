@@ -11,9 +11,9 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from wildscav.errors import WildscavError
 
-MOST_UNSEEN = 2  # pictures on their way; more would wait in buffers, and be old when they are shown
-MOST_MESSAGES = 300  # a second, from a page
-MOST_WAITING = 200  # messages to a page that does not read them
+MAX_UNSEEN = 2  # pictures on their way; more would wait in buffers, and be old when they are shown
+MAX_MESSAGES = 300  # a second, from a page
+MAX_WAITING = 200  # messages to a page that does not read them
 LONGEST_REASON = 120  # bytes, of why a page is closed; the protocol allows 123
 # Why a page is closed, as the protocol and our pages know it.
 POLICY_VIOLATION, UNSUPPORTED = 1008, 1003
@@ -61,13 +61,13 @@ class OpenPage:
 
     def __init__(self, socket: WebSocket) -> None:
         self._socket = socket
-        self._messages: asyncio.Queue[dict[str, Any]] = asyncio.Queue(MOST_WAITING)
+        self._messages: asyncio.Queue[dict[str, Any]] = asyncio.Queue(MAX_WAITING)
         self._sending = asyncio.Lock()
         self._sent = self._seen = 0  # numbers of pictures
         self._has_seen = asyncio.Event()
         self._sent_at: dict[int, float] = {}  # when pictures that were not seen were sent, s
         self.round_trip: float | None = None  # s from sending a picture to hearing that it was shown
-        self._allowance = Allowance(MOST_MESSAGES)
+        self._allowance = Allowance(MAX_MESSAGES)
         self._dismissed: asyncio.Future[None] = asyncio.get_running_loop().create_future()
 
     def tell(self, message: dict[str, Any]) -> None:
@@ -118,7 +118,7 @@ class OpenPage:
         async with self._sending:
             # The length of the head, little-endian; the head, JSON; the picture, JPEG.
             await self._socket.send_bytes(struct.pack("<I", len(head)) + head + picture)
-        while self._sent - self._seen >= MOST_UNSEEN:
+        while self._sent - self._seen >= MAX_UNSEEN:
             self._has_seen.clear()
             await self._has_seen.wait()
 

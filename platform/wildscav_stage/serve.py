@@ -24,7 +24,7 @@ from wildscav_stage.rounds import Agents, Venue, playing
 from wildscav_stage.table import COUNTDOWN, Table
 
 LARGEST_MESSAGE = 4096  # bytes, from a page
-MOST_CONNECTIONS = 200  # open at one time, so that strangers cannot take all files that the match needs
+MAX_CONNECTIONS = 200  # open at one time, so that strangers cannot take all files that the match needs
 GRACE = 1  # s for open pages to be closed
 JOINING = EndpointSettings(connections=16)  # at one time, to where a submission or all people join
 
@@ -133,7 +133,7 @@ def _config(site: Site) -> uvicorn.Config:
         ws_max_size=LARGEST_MESSAGE,
         ws_per_message_deflate=False,
         server_header=False,
-        limit_concurrency=MOST_CONNECTIONS,
+        limit_concurrency=MAX_CONNECTIONS,
         timeout_graceful_shutdown=GRACE,
     )
 

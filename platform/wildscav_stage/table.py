@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from wildscav_server.hosting.hosted_match import HostedMatch
 
 SCORES_EVERY = 0.5  # s
-MOST_SPECTATORS = 20
+MAX_SPECTATORS = 20
 COUNTDOWN = 3  # s before a match of several people, so that all are ready
 HOST_KNOWS, NOBODY_KNOWS = "The host's page says why.", "Something went wrong here. Try again in a moment."
 HOST_ALONE_KNOWS = ("record", "commands")  # of a match's end: where files lie
@@ -137,7 +137,7 @@ class Table:
 
     def admit(self, page: Page) -> bool:
         """Tell everything to a spectator's page from now on; return whether there was room for it."""
-        if len(self._spectators) >= MOST_SPECTATORS:
+        if len(self._spectators) >= MAX_SPECTATORS:
             return False
         self._spectators[page] = None
         page.tell(self._introduction(None))

@@ -42,7 +42,7 @@ def test_the_limits_of_archives_are_told() -> None:
     words = (
         f"{archives.LARGEST >> 20} MiB",
         f"{archives.LARGEST_CONTENT >> 30} GiB",
-        f"{archives.MOST_ENTRIES:,}",
+        f"{archives.MAX_ENTRIES:,}",
     )
     assert all(word in PAGE for word in (*words, *(f"`{suffix}`" for suffix in archives.SUFFIXES)))
 

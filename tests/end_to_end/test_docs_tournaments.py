@@ -8,16 +8,16 @@ import pytest
 from tests.end_to_end.pages import blocks, run_code, run_line
 
 from wildscav_engine.record import read_record
-from wildscav_evaluator.bounds import FEWEST_ENTRANTS, MOST_ENTRANTS, MOST_MATCHES, MOST_PLAYERS
+from wildscav_evaluator.bounds import FEWEST_ENTRANTS, MAX_ENTRANTS, MAX_MATCHES, MAX_PLAYERS
 from wildscav_evaluator.cli.commands.tournament import tournament
 from wildscav_evaluator.cli.options.tournament import USUAL_SEATS, USUAL_TEAM
-from wildscav_evaluator.cli.result_tables.standings import MOST_OPPONENTS
+from wildscav_evaluator.cli.result_tables.standings import MAX_OPPONENTS
 from wildscav_evaluator.output.json_files import FileModel
 from wildscav_evaluator.output.layout import STANDINGS_PICTURE, TOURNAMENT_FILE
 from wildscav_evaluator.ratings import standings
 from wildscav_evaluator.ratings.bands import FEWEST_GAMES
 from wildscav_evaluator.ratings.fit import RESAMPLES
-from wildscav_evaluator.ratings.picture import MOST_SHOWN
+from wildscav_evaluator.ratings.picture import MAX_SHOWN
 from wildscav_evaluator.suites.suite import SUITES
 from wildscav_evaluator.suites.suite_file import read_suite
 from wildscav_evaluator.tournaments import tournament_file
@@ -41,14 +41,14 @@ def folder(tmp_path: Path) -> Path:
 
 def test_the_numbers_of_the_text_are_those_of_the_code() -> None:
     rounds = inspect.signature(tournament).parameters["rounds"].default
-    assert f"A tournament has {FEWEST_ENTRANTS} to {MOST_ENTRANTS:,} entrants" in WORDS
-    assert f"at most {MOST_MATCHES:,} matches, and at most {MOST_PLAYERS:,} seats" in WORDS
+    assert f"A tournament has {FEWEST_ENTRANTS} to {MAX_ENTRANTS:,} entrants" in WORDS
+    assert f"at most {MAX_MATCHES:,} matches, and at most {MAX_PLAYERS:,} seats" in WORDS
     assert f"`--rounds`, {rounds} by default" in WORDS
     assert f"In fewer than {FEWEST_GAMES} games no two entrants can be told apart" in WORDS
     assert f"a bootstrap with {RESAMPLES:,} resamples" in WORDS
-    assert f"They are in the table (up to {MOST_OPPONENTS} entrants)" in WORDS
-    assert f"in the picture (the best {MOST_SHOWN})" in WORDS
-    assert f"in `tournament.json` (the best {standings.MOST_PAIRED})" in WORDS
+    assert f"They are in the table (up to {MAX_OPPONENTS} entrants)" in WORDS
+    assert f"in the picture (the best {MAX_SHOWN})" in WORDS
+    assert f"in `tournament.json` (the best {standings.MAX_PAIRED})" in WORDS
     assert f"{USUAL_SEATS} where these have a single seat" in WORDS
     assert f"`--team-size {USUAL_TEAM}` forms teams of two seats" in WORDS
     for suite, seats in (("quick", 6), ("official", 10)):

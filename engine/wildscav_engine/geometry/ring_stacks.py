@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.kernel import array_kernel, kernel
 from wildscav_engine.geometry.world import Kind, Solid, set_plane, write_plane
 
-MOST_SIDES, MOST_RINGS = 8, 4
+MAX_SIDES, MAX_RINGS = 8, 4
 KINDS = tuple(Kind)
 
 
@@ -29,9 +29,9 @@ def allocate_ring_stacks(count: int) -> RingStacks:
         np.zeros(count, np.int64),
         np.zeros((count, 2)),
         np.zeros(count, np.int64),
-        np.zeros((count, MOST_SIDES, 2)),
+        np.zeros((count, MAX_SIDES, 2)),
         np.zeros(count, np.int64),
-        np.zeros((count, MOST_RINGS, 2)),
+        np.zeros((count, MAX_RINGS, 2)),
     )
 
 

@@ -36,10 +36,10 @@ KINDS = tuple(kind for kind in Kind if Kind.WALL <= kind <= Kind.BUSH)  # allowe
 SMALLEST, LARGEST = 40, 2000  # m, of each side
 LOWEST, HIGHEST = -1000.0, 1000.0  # m, range of all heights
 OVERHANG = 20.0  # m that a solid may reach beyond the border
-MOST_SOLIDS = 20_000
-MOST_FACES = 100  # of a solid; the time to draw one grows with the fourth power of this
+MAX_SOLIDS = 20_000
+MAX_FACES = 100  # of a solid; the time to draw one grows with the fourth power of this
 # Of the grid that solids may touch, counted for each solid: the cost of indexing them
-MOST_CELLS = 20_000_000
+MAX_CELLS = 20_000_000
 FILE_LIMIT = 80 << 20  # bytes: more than the most solids with the most faces need
 NAME_LIMIT = 80  # characters
 UNIT = 1e-6  # how far the length of a normal may be from 1
@@ -180,13 +180,13 @@ def check_base(base: Base) -> None:
 
 
 def _check_solids(solids: Sequence[Solid], size: int) -> None:
-    if len(solids) > MOST_SOLIDS:
-        raise BaseError(f"{len(solids)} parts, {MOST_SOLIDS} are allowed")
+    if len(solids) > MAX_SOLIDS:
+        raise BaseError(f"{len(solids)} parts, {MAX_SOLIDS} are allowed")
     if not solids:
         return
     faces = np.array([len(solid.planes) for solid in solids])
-    if not ((faces >= 4) & (faces <= MOST_FACES)).all():
-        raise BaseError(f"a part has {faces.min()} to {faces.max()} faces, must have 4 to {MOST_FACES}")
+    if not ((faces >= 4) & (faces <= MAX_FACES)).all():
+        raise BaseError(f"a part has {faces.min()} to {faces.max()} faces, must have 4 to {MAX_FACES}")
     planes = np.concatenate([solid.planes for solid in solids])
     low = np.array([solid.low for solid in solids])
     high = np.array([solid.high for solid in solids])
@@ -201,8 +201,8 @@ def _check_solids(solids: Sequence[Solid], size: int) -> None:
     if not ((low >= least).all() and (high <= most).all() and (middle <= size / 2).all()):
         raise BaseError(f"a part lies outside the map of {size} m")
     cells = ((high[:, 0] - low[:, 0]) / CELL + 2) * ((high[:, 2] - low[:, 2]) / CELL + 2)
-    if cells.sum() > MOST_CELLS:
-        raise BaseError(f"its parts cover {cells.sum():.0f} cells of 2 m, {MOST_CELLS} are allowed")
+    if cells.sum() > MAX_CELLS:
+        raise BaseError(f"its parts cover {cells.sum():.0f} cells of 2 m, {MAX_CELLS} are allowed")
 
 
 def _header(base: Base) -> dict[str, Any]:
@@ -231,10 +231,10 @@ def _assemble(header: dict[str, Any], packed: memoryview) -> Base:
     faces = [int(count) for count in header["faces"]]
     if not SMALLEST <= size <= LARGEST:
         raise ValueError(f"its size is {size} m")
-    if len(kinds) != len(faces) or len(kinds) > MOST_SOLIDS or not set(kinds) <= set(KINDS):
+    if len(kinds) != len(faces) or len(kinds) > MAX_SOLIDS or not set(kinds) <= set(KINDS):
         raise ValueError(f"{len(kinds)} kinds of {len(faces)} solids")
-    if not all(4 <= count <= MOST_FACES for count in faces):
-        raise ValueError(f"a solid has other than 4 to {MOST_FACES} faces")
+    if not all(4 <= count <= MAX_FACES for count in faces):
+        raise ValueError(f"a solid has other than 4 to {MAX_FACES} faces")
     points = round(size / CELL) + 1 if header["ground"] else 0
     counts = np.cumsum([points * points, 4 * sum(faces), 3 * len(faces), 3 * len(faces)])
     numbers = np.frombuffer(decompress(packed, 8 * int(counts[-1])), "<f8").astype(np.float64, copy=False)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 # Incremented by every change that produces a different map from the same config and seed.
 GENERATOR_VERSION = 7
-MOST_LENGTHS = 10_000  # of shortest ways that a map remembers
+MAX_LENGTHS = 10_000  # of shortest ways that a map remembers
 SUPPLY_SPACING = 5.0  # m, least distance between indoor places of supplies
 
 
@@ -77,7 +77,7 @@ class GameMap:
         key = (*map(float, start), *map(float, target), float(reach))
         known = self._shortest_lengths
         if key not in known:
-            if len(known) == MOST_LENGTHS:
+            if len(known) == MAX_LENGTHS:
                 known.clear()
             straight = straight_length(self.world, start, target, reach)
             found = straight if straight < np.inf else shortest_length(self.graph, start, target, reach)

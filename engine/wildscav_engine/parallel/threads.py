@@ -15,7 +15,7 @@ from itertools import pairwise
 
 from wildscav_engine.parallel.turns import ALONE, Turns, turns_of
 
-MOST_HELPERS = 1024
+MAX_HELPERS = 1024
 
 
 def cores() -> int:
@@ -35,7 +35,7 @@ def share(work: Callable[[slice], bool], count: int, threads: int, least: int = 
         threads: The maximum number of threads, including the calling one.
         least: The minimum number of items of a thread and of a part, unless there are fewer in total.
     """
-    threads = min(threads, count // least, MOST_HELPERS + 1)
+    threads = min(threads, count // least, MAX_HELPERS + 1)
     if threads <= 1:
         return work(slice(0, count))
     ends = [count * index // threads for index in range(threads + 1)]
@@ -61,7 +61,7 @@ class SharedWork:
             least: The minimum number of items of a thread, unless there are fewer in total.
         """
         self._work = work
-        threads = min(threads, count // least, MOST_HELPERS + 1)
+        threads = min(threads, count // least, MAX_HELPERS + 1)
         self._own, *others = [ALONE] if threads <= 1 else turns_of(count, threads)
         self._helpers = [_helper(number).submit(work, turns) for number, turns in enumerate(others, 1)]
 
@@ -105,7 +105,7 @@ def _parts(queues: list[deque[slice]], own: int) -> Iterator[slice]:
                 yield queue.pop()
 
 
-@lru_cache(maxsize=MOST_HELPERS)
+@lru_cache(maxsize=MAX_HELPERS)
 def _helper(number: int) -> ThreadPoolExecutor:
     """Return a waiting thread; it is kept, because starting one takes longer than a few steps or images."""
     return ThreadPoolExecutor(1, thread_name_prefix=f"wildscav-{number}")

@@ -12,7 +12,7 @@ from pydantic import Field
 
 from wildscav.errors import UserError
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.bounds import MOST_ROUNDS
+from wildscav_evaluator.bounds import MAX_ROUNDS
 from wildscav_evaluator.output.json_files import FileModel, FileModelError, WithOptionalFields
 from wildscav_evaluator.output.layout import IDENTITY_FILE
 from wildscav_evaluator.output.results import KeptLimits, TournamentSettings, Versions
@@ -37,7 +37,7 @@ class Identity(WithOptionalFields):
     suite: str
     seed: str  # or the beginning of the commitment, if it is hidden
     commitment: str | None = None  # of a hidden seed, in full
-    rounds: Annotated[int, Field(ge=1, le=MOST_ROUNDS)] = 1  # of the suite, each with the next seed
+    rounds: Annotated[int, Field(ge=1, le=MAX_ROUNDS)] = 1  # of the suite, each with the next seed
     tracks: tuple[str, ...]
     matches: str  # digest of the specs of all matches
     submissions: tuple[Entrant, ...]

@@ -16,7 +16,7 @@ from wildscav_engine import ENGINE_VERSION, SIMULATION_VERSION
 from wildscav_engine.maps import GENERATOR_VERSION
 from wildscav_engine.record import RECORD_VERSION
 from wildscav_engine.storage.files import read_limited
-from wildscav_evaluator.bounds import MOST_EVALUATIONS, MOST_ROUNDS
+from wildscav_evaluator.bounds import MAX_EVALUATIONS, MAX_ROUNDS
 from wildscav_evaluator.output.json_files import LARGEST, FileModel, FileModelError, WithOptionalFields
 from wildscav_evaluator.output.layout import RESULTS_FILE
 from wildscav_evaluator.suites.seeds import label
@@ -250,12 +250,12 @@ class Results(WithOptionalFields):
     suite: str  # for an organizer's own, followed by @ and a digest of its file
     seed: int | None  # None while it is hidden
     commitment: str | None = None  # of a hidden seed: SHA-256 of the secret's file
-    rounds: Annotated[int, Field(ge=1, le=MOST_ROUNDS)] = 1  # of the suite, each with the next seed
+    rounds: Annotated[int, Field(ge=1, le=MAX_ROUNDS)] = 1  # of the suite, each with the next seed
     sandbox: str  # in which agents ran
     limits: dict[str, KeptLimits] = Field(default_factory=dict)  # of each agent in it, by track
     key: str | None = None  # public key of the ledger's signatures, 64 hexadecimal digits
     tournament: TournamentSettings | None = None  # omitted if submissions were evaluated one by one
-    evaluations: Annotated[tuple[Evaluation, ...], Field(max_length=MOST_EVALUATIONS)]
+    evaluations: Annotated[tuple[Evaluation, ...], Field(max_length=MAX_EVALUATIONS)]
     timings: Timings
 
     @property

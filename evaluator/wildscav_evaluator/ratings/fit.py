@@ -32,8 +32,8 @@ AVERAGE = 1500.0  # the mean rating of the entrants that are compared with each 
 ELO = 400.0 / math.log(10.0)  # points of rating that stand for odds of e : 1
 DECIMALS = 1  # of stored ratings, so that a different processor's last bits do not matter
 RESAMPLES = 2000
-MOST_PICKS = 4_000_000  # at once, to bound the memory of resampling
-MOST_ITERATIONS = 10_000
+MAX_PICKS = 4_000_000  # at once, to bound the memory of resampling
+MAX_ITERATIONS = 10_000
 
 
 @dataclass(frozen=True)
@@ -168,7 +168,7 @@ def fitted_strengths(wins: NDArray[np.float64]) -> NDArray[np.float64]:
     played = np.full((count + 1, count + 1), 0.5)  # the last one is the imaginary opponent
     played[:count, :count] = wins
     played[count, count] = 0.0
-    strengths = choix.ilsr_pairwise_dense(played, max_iter=MOST_ITERATIONS)
+    strengths = choix.ilsr_pairwise_dense(played, max_iter=MAX_ITERATIONS)
     return np.asarray(strengths[:count] - strengths[count])
 
 
@@ -213,7 +213,7 @@ def _information(
 def _multiplicities(units: int) -> Iterable[NDArray[np.float64]]:
     """Yield how often each of the units is in each resample: arrays of some rows, RESAMPLES rows in all."""
     generator = np.random.Generator(np.random.Philox(SEED))
-    at_once = max(1, MOST_PICKS // units)
+    at_once = max(1, MAX_PICKS // units)
     for start in range(0, RESAMPLES, at_once):
         rows = min(at_once, RESAMPLES - start)
         picks = generator.integers(0, units, size=(rows, units))

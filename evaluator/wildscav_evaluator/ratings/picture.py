@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-MOST_SHOWN = 50  # entrants; of more, the best are shown
-MOST_WITH_NUMBERS = 25  # entrants, up to which the shares of points are written into the matrix
+MAX_SHOWN = 50  # entrants; of more, the best are shown
+MAX_WITH_NUMBERS = 25  # entrants, up to which the shares of points are written into the matrix
 LONGEST_NAME, LONGEST_COLUMN = 32, 23  # characters of a name beside a row and above a column
 DOTS_PER_INCH = 110
 # Heights in inches: of the title, of a row, and of the margin below.
@@ -56,7 +56,7 @@ def _figure(standings: Standings, title: str) -> "Figure":
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    shown = standings.standings[:MOST_SHOWN]
+    shown = standings.standings[:MAX_SHOWN]
     lines = band_lines(standings.bands, [one.entrant for one in shown])
     names = 0.4 + LETTER * max(len(_label(one)) for one in shown)
     lanes = LANE * (1 + max((lane for lane, *_ in lines), default=0)) + 0.1
@@ -82,7 +82,7 @@ def _figure(standings: Standings, title: str) -> "Figure":
 def _legend(standings: Standings) -> tuple[str, str]:
     """Return two lines that explain the picture."""
     count, groups = len(standings.standings), max(one.group for one in standings.standings)
-    parts = [f"the best {MOST_SHOWN} of {count:,} entrants" if count > MOST_SHOWN else f"{count} entrants"]
+    parts = [f"the best {MAX_SHOWN} of {count:,} entrants" if count > MAX_SHOWN else f"{count} entrants"]
     if groups > 1:
         parts.append(f"{groups} groups that never met, so their ratings cannot be compared")
     parts.append("ranks that each may have; ratings with 95 % intervals")
@@ -208,7 +208,7 @@ def _draw_matrix(axes: "Axes", standings: Standings, shown: Sequence[Standing]) 
     axes.xaxis.tick_top()
     names = [_shortened(one.entrant, LONGEST_COLUMN) for one in shown]
     axes.set_xticks(range(len(shown)), names, rotation=90, fontsize=8)
-    if len(shown) > MOST_WITH_NUMBERS:
+    if len(shown) > MAX_WITH_NUMBERS:
         return
     for row, column in np.argwhere(~np.isnan(shares)).tolist():
         share = shares[row, column]

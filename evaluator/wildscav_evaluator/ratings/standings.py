@@ -14,7 +14,7 @@ from wildscav_evaluator.ratings.ladder import Skill, ladder
 from wildscav_evaluator.ratings.matches import RatedMatch
 
 SHARE_DECIMALS = 4  # of stored shares and mean places
-MOST_PAIRED = 100  # entrants whose pairs are stored: the best; a thousand have half a million pairs
+MAX_PAIRED = 100  # entrants whose pairs are stored: the best; a thousand have half a million pairs
 
 
 class LadderRating(FileModel):
@@ -89,7 +89,7 @@ def rate(matches: Iterable[RatedMatch]) -> Standings:
     ranking = rank_entrants(fitted)
     records = entrant_records(played)
     expected = expected_shares(fitted)
-    best = {*ranking.names[:MOST_PAIRED]}
+    best = {*ranking.names[:MAX_PAIRED]}
     skills = {name: steps[-1].skill for name, steps in ladder(played).items()}
     return Standings(
         standings=tuple(

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import NamedTuple, Protocol
 
 INTERVAL = 0.25  # s between two looks for new processes
-MOST_PROCESSES = 8  # that are measured, so that an agent with many costs the event loop no more time
+MAX_PROCESSES = 8  # that are measured, so that an agent with many costs the event loop no more time
 LONGEST_FILE = 4096  # bytes, of one of the kernel's files of counters
 
 
@@ -84,7 +84,7 @@ class GroupMeter:
     def find_processes(self) -> None:
         """Measure new processes of the group, too."""
         for process in self._group.members():
-            if len(self._files) >= MOST_PROCESSES:
+            if len(self._files) >= MAX_PROCESSES:
                 break
             if process not in self._files:
                 try:

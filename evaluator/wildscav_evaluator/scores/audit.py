@@ -33,7 +33,7 @@ from wildscav_evaluator.scores.rescore import Replayed, disagreements
 from wildscav_evaluator.seats import submission_seats
 from wildscav_evaluator.tournaments.tournament_file import check_tournament
 
-MOST_NAMED = 20  # missing matches that are named individually
+MAX_NAMED = 20  # missing matches that are named individually
 # In both files.
 SAME = ("versions", "suite", "commitment", "rounds", "sandbox", "limits", "key", "tournament")
 
@@ -184,7 +184,7 @@ def _of_rows(
         known = {*indices}
         own = planned.get((evaluation.track, evaluation.submission), ())
         absent = (index for index in own if index not in known)
-        for index in islice(absent, MOST_NAMED):
+        for index in islice(absent, MAX_NAMED):
             yield f"{who}: match {index} of the {kind} is not in the results"
         if more := sum(1 for _ in absent):
             yield f"{who}: {more:,} more matches of the {kind} are not in the results"

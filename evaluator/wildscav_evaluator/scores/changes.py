@@ -10,7 +10,7 @@ from wildscav_evaluator.output.numbered_folders import NUMBERED, identity_in, nu
 from wildscav_evaluator.output.results import Evaluation, Results, read_results
 from wildscav_evaluator.scores.compare import Comparison, compare_evaluations
 
-MOST_SEARCHED = 50  # earlier evaluations, at most
+MAX_SEARCHED = 50  # earlier evaluations, at most
 
 
 class Change(FileModel):
@@ -49,7 +49,7 @@ def _earlier(results: Results, out: Path) -> Iterator[tuple[Path, Results]]:
     if not NUMBERED.fullmatch(out.name):
         return
     names = {one.submission for one in results.evaluations}
-    for folder in numbered(out.parent)[: -MOST_SEARCHED - 1 : -1]:
+    for folder in numbered(out.parent)[: -MAX_SEARCHED - 1 : -1]:
         identity = identity_in(folder)
         if folder.name == out.name or identity is None:
             continue

@@ -28,7 +28,7 @@ from wildscav_evaluator.submission_files import LEFT_OUT
 SUFFIXES = (".zip", ".tar.gz", ".tgz")
 LARGEST = 256 << 20  # bytes of an archive
 LARGEST_CONTENT = 1 << 30  # bytes of all files in it
-MOST_ENTRIES = 10_000
+MAX_ENTRIES = 10_000
 LONGEST_NAME = 240  # bytes of a path
 DEEPEST = 20  # folders
 CHUNK = 1 << 16  # bytes
@@ -97,7 +97,7 @@ def _unpack_new(archive: Path, target: Path, largest: int) -> None:
     function = f"{__name__}:unpack_into"
     try:
         fresh.chmod(0o755)
-        call_limited(function, str(archive), str(fresh), largest, MOST_ENTRIES)
+        call_limited(function, str(archive), str(fresh), largest, MAX_ENTRIES)
         with contextlib.suppress(OSError):  # another process was quicker
             fresh.rename(target)
     except LimitExceededError as error:

@@ -20,7 +20,7 @@ from wildscav_engine.arithmetic.random_numbers import Dice, Stream
 from wildscav_engine.extensions import Registry
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.bounds import MOST_MATCHES
+from wildscav_evaluator.bounds import MAX_MATCHES
 from wildscav_evaluator.sandbox.limits import Limits
 
 EVALUATION_MAPS = 1 << 63  # the bit that reserves a map seed for evaluation
@@ -153,10 +153,10 @@ def match_count(suite: Suite, track: str, rounds: int) -> int:
     """
     settings = suite.tracks[track]
     count = settings.maps * settings.episodes * rounds
-    if count > MOST_MATCHES:
+    if count > MAX_MATCHES:
         raise UserError(
             f"suite {suite.name} has {count:,} matches of {track} in {rounds:,} rounds; at most "
-            f"{MOST_MATCHES:,} are allowed",
+            f"{MAX_MATCHES:,} are allowed",
             exit_code=2,
         )
     return count

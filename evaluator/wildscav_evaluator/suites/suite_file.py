@@ -35,7 +35,7 @@ from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.specs.validation import one_line
 from wildscav_engine.storage.files import read_limited
 from wildscav_engine.tracks import TRACKS
-from wildscav_evaluator.bounds import MOST_MATCHES
+from wildscav_evaluator.bounds import MAX_MATCHES
 from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, Limits
 from wildscav_evaluator.seats import shuffled
 from wildscav_evaluator.suites.match_drawing import choose
@@ -83,9 +83,9 @@ class TrackSection(Section):
     @model_validator(mode="after")
     def _has_an_end(self) -> Self:
         maps = len(self.maps) if isinstance(self.maps, list) else self.maps
-        if maps * self.episodes > MOST_MATCHES:
+        if maps * self.episodes > MAX_MATCHES:
             raise ValueError(
-                f"{maps} maps with {self.episodes} episodes are more than {MOST_MATCHES:,} matches"
+                f"{maps} maps with {self.episodes} episodes are more than {MAX_MATCHES:,} matches"
             )
         return self
 

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_evaluator.bounds import FEWEST_ENTRANTS, MOST_ENTRANTS, MOST_MATCHES, MOST_PLAYERS
+from wildscav_evaluator.bounds import FEWEST_ENTRANTS, MAX_ENTRANTS, MAX_MATCHES, MAX_PLAYERS
 from wildscav_evaluator.tournaments.draws import Draws
 from wildscav_evaluator.tournaments.meetings import count_meetings, spread_of
 from wildscav_evaluator.tournaments.pairings import pair_up, pair_up_groups, round_games
@@ -189,10 +189,8 @@ def check_schedule(
     Raises:
         ValueError: There is no such schedule, or it would be too long.
     """
-    if not FEWEST_ENTRANTS <= entrants <= MOST_ENTRANTS:
-        raise ValueError(
-            f"a tournament has {FEWEST_ENTRANTS} to {MOST_ENTRANTS:,} entrants, not {entrants:,}"
-        )
+    if not FEWEST_ENTRANTS <= entrants <= MAX_ENTRANTS:
+        raise ValueError(f"a tournament has {FEWEST_ENTRANTS} to {MAX_ENTRANTS:,} entrants, not {entrants:,}")
     if entrants < places:
         raise ValueError(f"each game needs {places} entrants, and there are only {entrants}")
     if rounds < 1:
@@ -217,9 +215,9 @@ def _check_groups(entrants: int, places: int, groups: Sequence[int]) -> None:
 
 def _check_length(games: int, rounds: int, repeats: int, seats: int) -> None:
     matches = games * rounds * repeats
-    if matches > MOST_MATCHES or matches * seats > MOST_PLAYERS:
-        most = min(MOST_MATCHES, MOST_PLAYERS // seats) // (games * repeats)
+    if matches > MAX_MATCHES or matches * seats > MAX_PLAYERS:
+        most = min(MAX_MATCHES, MAX_PLAYERS // seats) // (games * repeats)
         raise ValueError(
             f"{rounds:,} rounds have {matches:,} matches with {matches * seats:,} seats; a tournament has at"
-            f" most {MOST_MATCHES:,} matches and {MOST_PLAYERS:,} seats, and so here at most {most:,} rounds"
+            f" most {MAX_MATCHES:,} matches and {MAX_PLAYERS:,} seats, and so here at most {most:,} rounds"
         )

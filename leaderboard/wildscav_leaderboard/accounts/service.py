@@ -26,7 +26,7 @@ from wildscav_leaderboard.seasons.settings import SeasonSettings
 
 SESSION_LASTS = timedelta(days=14)
 USED_STEP = timedelta(minutes=10)  # how exactly the last use of a token is known
-MOST_TOKENS = 20  # of an account
+MAX_TOKENS = 20  # of an account
 
 
 @dataclass(frozen=True)
@@ -169,8 +169,8 @@ def new_token(session: Session, account: Account, label: str, now: datetime) -> 
         RefusalError: The account has too many.
     """
     label = checked_line(label, "label of a token", 60)
-    if len(tokens_of(session, account)) >= MOST_TOKENS:
-        raise RefusalError(f"an account has at most {MOST_TOKENS} tokens: revoke one that is no longer used")
+    if len(tokens_of(session, account)) >= MAX_TOKENS:
+        raise RefusalError(f"an account has at most {MAX_TOKENS} tokens: revoke one that is no longer used")
     token = new_key(TOKEN)
     session.add(Token(account_id=account.id, digest=digest_of(token), label=label, created=now))
     session.flush()

@@ -119,7 +119,7 @@ def ranked_teams(board: BoardDocument | None, count: int) -> dict[str, str]:
 
 
 router = APIRouter(tags=["boards"])
-MOST_NUMBERS = 50  # submissions or teams of one answer
+MAX_NUMBERS = 50  # submissions or teams of one answer
 
 
 @router.get("/boards")
@@ -165,8 +165,8 @@ def points(
     current: CurrentSeason,
     session: Reading,
     caller: AnyProgram,
-    submission: Annotated[list[Number], Query(max_length=MOST_NUMBERS)] = [],  # noqa: B006
-    team: Annotated[list[str], Query(max_length=MOST_NUMBERS)] = [],  # noqa: B006
+    submission: Annotated[list[Number], Query(max_length=MAX_NUMBERS)] = [],  # noqa: B006
+    team: Annotated[list[str], Query(max_length=MAX_NUMBERS)] = [],  # noqa: B006
 ) -> list[PointView]:
     """Return how the places of some submissions or teams changed; while a board is frozen, until then."""
     current.track(track)

@@ -12,7 +12,7 @@ from wildscav_leaderboard.conductor.models import PLAY, Attempt
 DONE, AGENT, PLATFORM, LOST = "done", "agent", "platform", "lost"  # outcomes
 RETURNED = "returned"  # it had not begun when its conductor ended, or that was stopped in order
 FORGIVEN = "forgiven"  # lost, before organizers had the work tried again
-MOST_LOST = 10  # attempts at one piece of work; whatever takes the conductor with it every time is given up
+MAX_LOST = 10  # attempts at one piece of work; whatever takes the conductor with it every time is given up
 
 
 def begin(

@@ -260,4 +260,4 @@ def _again(
 
 
 def _given_up(session: Session, attempt: Attempt, faults: int, most: int) -> bool:
-    return faults >= most or attempts.losses(session, attempt) >= attempts.MOST_LOST
+    return faults >= most or attempts.losses(session, attempt) >= attempts.MAX_LOST

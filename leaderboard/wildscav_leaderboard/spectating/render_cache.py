@@ -34,7 +34,7 @@ from wildscav_leaderboard.spectating.document import TRAILS_VERSION
 KEY = re.compile(r"[A-Za-z0-9_-]{1,100}")
 LIMIT = 2_000_000_000  # bytes
 TIME_LIMIT = 900.0  # s for one process
-MOST_WAITING = 200  # matches
+MAX_WAITING = 200  # matches
 RETRY_AFTER = timedelta(minutes=5)  # after a failure, a file is rendered again on request
 SLOTS = ".slots"
 MAP_FILE = "map.json"  # beside what is rendered from a map alone
@@ -167,7 +167,7 @@ class RenderCache:
     def _begin(self, work: str, key: str, source: Path | MapSpec, now: datetime) -> Task:
         """Queue the rendering of a match. The caller holds the lock."""
         waiting = sum(task.state == "waiting" for task in self._tasks.values())
-        if self._is_closed or waiting >= MOST_WAITING:
+        if self._is_closed or waiting >= MAX_WAITING:
             why = "the server is stopping" if self._is_closed else f"{waiting} matches are waiting already"
             return Task("failed", f"{why}: try again later", now)
         name = f"{key}.{work}"

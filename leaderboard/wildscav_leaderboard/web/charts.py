@@ -9,7 +9,7 @@ from wildscav_leaderboard.boards.models import BoardPoint
 
 WIDTH, ROW = 760.0, 26.0  # pixels; the second for each rank
 LEFT, TOP, LABELS, BOTTOM = 34.0, 14.0, 150.0, 26.0  # margins
-MOST_ROWS, MOST_POINTS = 12, 250  # ranks that get a row of their own, and points of a line
+MAX_ROWS, MAX_POINTS = 12, 250  # ranks that get a row of their own, and points of a line
 NEAREST = 17.0  # pixels between two labels
 TICKS = 4
 LONG = timedelta(days=2)  # from here on, days are marked instead of hours
@@ -54,7 +54,7 @@ class _Frame:
     @property
     def step(self) -> float:
         """The height of a rank."""
-        return ROW * min(1.0, MOST_ROWS / self.last_rank)
+        return ROW * min(1.0, MAX_ROWS / self.last_rank)
 
     def x(self, at: datetime) -> float:
         share = (at - self.begin) / (self.end - self.begin or timedelta(seconds=1))
@@ -92,7 +92,7 @@ def rank_chart(
 
 def _thinned(points: Sequence[BoardPoint]) -> list[BoardPoint]:
     """Return some of many points, evenly chosen, with the last one."""
-    every = -(-len(points) // MOST_POINTS)
+    every = -(-len(points) // MAX_POINTS)
     return [*points[:-1:every], points[-1]]
 
 
@@ -126,7 +126,7 @@ def _spread_labels(lines: Iterable[Line]) -> None:
 
 
 def _rank_marks(frame: _Frame) -> list[tuple[float, int]]:
-    every = -(-frame.last_rank // MOST_ROWS)
+    every = -(-frame.last_rank // MAX_ROWS)
     return [(frame.y(rank), rank) for rank in range(1, frame.last_rank + 1) if (rank - 1) % every == 0]
 
 

@@ -24,10 +24,10 @@ from wildscav_leaderboard.webhooks.sending import Answer, Message, open_client, 
 from wildscav_server.monitoring.logs import Log, open_log
 
 AT_ONCE = 128  # webhooks that are sent to at the same time
-MOST_ATTEMPTS = 8  # at each message
+MAX_ATTEMPTS = 8  # at each message
 FIRST_PAUSE, FACTOR = 5.0, 4.0  # s before the second attempt, and how much longer each pause is than the last
 JITTER = 0.25  # of a pause, by which it is longer at most
-MOST_LOST = 3  # messages in a row that were given up, after which a webhook is disabled
+MAX_LOST = 3  # messages in a row that were given up, after which a webhook is disabled
 LOOK_INTERVAL = 1.0  # s between two looks at what is due
 
 
@@ -71,7 +71,7 @@ def note(session: Session, answer: Answer, now: datetime) -> None:
     else:
         delivery.next_at = next_attempt(delivery.event, delivery.attempts, now)
         if delivery.next_at is None and _is_lost(session, webhook):
-            _disable(session, webhook, f"{MOST_LOST} messages in a row did not arrive: {answer.problem}")
+            _disable(session, webhook, f"{MAX_LOST} messages in a row did not arrive: {answer.problem}")
 
 
 def next_attempt(event: str, attempts: int, now: datetime) -> datetime | None:
@@ -83,7 +83,7 @@ def next_attempt(event: str, attempts: int, now: datetime) -> datetime | None:
         attempts: How often it was sent.
         now: The time of the last attempt.
     """
-    if attempts >= MOST_ATTEMPTS:
+    if attempts >= MAX_ATTEMPTS:
         return None
     draw = int.from_bytes(blake2b(f"{event} {attempts}".encode(), digest_size=4).digest()) / 2**32
     pause = FIRST_PAUSE * FACTOR ** (attempts - 1)
@@ -94,8 +94,8 @@ def _is_lost(session: Session, webhook: Webhook) -> bool:
     """Return whether the newest messages of a webhook that are no longer sent did not arrive."""
     session.flush()
     ended = select(Delivery).filter_by(webhook_id=webhook.id, next_at=None).order_by(Delivery.id.desc())
-    newest = session.scalars(ended.limit(MOST_LOST)).all()
-    return len(newest) == MOST_LOST and all(one.delivered is None for one in newest)
+    newest = session.scalars(ended.limit(MAX_LOST)).all()
+    return len(newest) == MAX_LOST and all(one.delivered is None for one in newest)
 
 
 def _disable(session: Session, webhook: Webhook, reason: str) -> None:

@@ -19,7 +19,7 @@ START_VARIABLE = "WILDSCAV_START_LIMIT"  # s that the host gives an agent to sta
 WARNING_SHARE = 0.9  # of the time to start up; after all of it, the host may end the process
 REARM_INTERVAL = 0.5  # s after which the watchdog is set again, and so the longest delay of a traceback
 STDERR = 2  # the file descriptor, because the agent may replace sys.stderr
-MOST_TRACEBACKS = 3  # per match; more would only fill the log
+MAX_TRACEBACKS = 3  # per match; more would only fill the log
 
 
 def watch_start_up() -> None:
@@ -56,7 +56,7 @@ class StepWatchdog:
         """Set the watchdog again at intervals until cancelled."""
         fires = float("inf")
         try:
-            while self._printed < MOST_TRACEBACKS:
+            while self._printed < MAX_TRACEBACKS:
                 bank = 0.0 if self.observation is None else self.observation.time_bank
                 wait = self._budget + bank + REARM_INTERVAL
                 faulthandler.dump_traceback_later(wait, file=STDERR)

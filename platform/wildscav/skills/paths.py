@@ -20,7 +20,7 @@ STOREY_COST = 4.0  # m on foot for each metre between a place and a box above or
 ROOF_COST = 80.0  # m, for ending a part of a way inside a building
 SQUEEZE = 1.0  # m from the start within which a way may touch walls, because agents do
 NEAR = 1.0  # m; from here a box can be picked up
-MOST_COLUMNS = 3000  # columns visited by one search
+MAX_COLUMNS = 3000  # columns visited by one search
 
 Node = int  # 64 times the column's index in the window, plus the voxel of the floor
 
@@ -116,7 +116,7 @@ class _Search:
         open_nodes = [(0.0, 0.0, self.start)]
         found: dict[int, Node] = {}
         limit = math.inf
-        while open_nodes and len(self.visited) < MOST_COLUMNS:
+        while open_nodes and len(self.visited) < MAX_COLUMNS:
             _, cost, node = heapq.heappop(open_nodes)
             if cost > limit:
                 break

@@ -9,7 +9,7 @@ from wildscav.agent import MatchInfo, Observation, SupplyBox, Vector
 from wildscav.geometry import distance, flat_distance
 from wildscav.skills.surroundings import Rings
 
-MOST_LISTED = 32  # boxes in an observation
+MAX_LISTED = 32  # boxes in an observation
 LOST_SHARE = 0.5  # of what it carried, that an agent expects where it died
 OWN_LOSS = -1  # the number of the box that it expects there
 HOT = 20.0  # m, greatest radius of a wave that is worth a visit
@@ -36,7 +36,7 @@ class BoxMemory:
             return
         listed = {box.id: box for box in observation.supply_boxes}
         farthest = self.sight - 0.5
-        if len(listed) >= MOST_LISTED:
+        if len(listed) >= MAX_LISTED:
             last = observation.supply_boxes[-1].position
             farthest = min(farthest, distance(observation.position, last) - 0.5)
         for number, box in list(self.boxes.items()):

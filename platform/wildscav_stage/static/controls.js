@@ -3,7 +3,7 @@
 const DEGREES_PER_PIXEL = 0.12; // of the mouse
 const DEGREES_PER_TOUCH = 0.3; // per pixel that a finger moves over the picture
 const KEY_TURN = 110; // degrees per second, with the arrow keys
-const MOST_TURN = 3600; // degrees in one message
+const MAX_TURN = 3600; // degrees in one message
 const KEYS = {
   KeyW: ["forward", 1], KeyS: ["forward", -1], KeyD: ["right", 1], KeyA: ["right", -1],
   ArrowRight: ["turning", 1], ArrowLeft: ["turning", -1], ArrowDown: ["looking", 1], ArrowUp: ["looking", -1],
@@ -57,8 +57,8 @@ export class Controls {
     const input = {
       forward: within(held.forward + this.stick[1], 1),
       right: within(held.right + this.stick[0], 1),
-      turn: within(this.turn + held.turning * KEY_TURN * seconds, MOST_TURN),
-      look: within(this.look + held.looking * KEY_TURN * seconds, MOST_TURN),
+      turn: within(this.turn + held.turning * KEY_TURN * seconds, MAX_TURN),
+      look: within(this.look + held.looking * KEY_TURN * seconds, MAX_TURN),
     };
     for (const flag of FLAGS) input[flag] = this.pressed.has(flag);
     this.turn = this.look = 0;

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from wildscav_training.datasets.from_records import RecordedEpisodes
     from wildscav_training.datasets.minari_files import Written
 
-MATCHES, MOST_MATCHES = 100, 1_000_000  # to play: unless said otherwise, and at most
+MATCHES, MAX_MATCHES = 100, 1_000_000  # to play: unless said otherwise, and at most
 
 Records = Annotated[
     list[Path] | None, typer.Argument(help="Record files.", metavar="[RECORD]…", show_default=False)
@@ -38,7 +38,7 @@ Agent = Annotated[
 ]
 Track = Annotated[str | None, typer.Option(help="With --agent: the track. Default: navigation.")]
 Matches = Annotated[
-    int | None, typer.Option(help="With --agent: matches to play. Default: 100.", min=1, max=MOST_MATCHES)
+    int | None, typer.Option(help="With --agent: matches to play. Default: 100.", min=1, max=MAX_MATCHES)
 ]
 Seed = Annotated[int | None, typer.Option(help="With --agent: seed of the first match. Default: 0.", min=0)]
 Options = Annotated[

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from wildscav_training.learning.run import Report, Result
     from wildscav_training.learning.settings import TrainingSettings
 
-MOST_SEEDS, MOST_EPISODES = 100, 10_000
+MAX_SEEDS, MAX_EPISODES = 100, 10_000
 SILENCE = 30.0  # s between two lines of progress where there is no terminal
 
 Algorithm = Annotated[str, typer.Option(hidden=True)]  # there were several, once
@@ -70,13 +70,11 @@ StartFrom = Annotated[
 ]
 Steps = Annotated[int, typer.Option(help="Steps of all learners together.", min=1, max=10**12)]
 Seed = Annotated[int, typer.Option(help="Seed of the first run.", min=0, max=2**20)]
-Seeds = Annotated[int, typer.Option(help="Number of runs, each with a seed.", min=1, max=MOST_SEEDS)]
-AtOnce = Annotated[int, typer.Option(help="Runs at the same time, each in a process.", min=1, max=MOST_SEEDS)]
+Seeds = Annotated[int, typer.Option(help="Number of runs, each with a seed.", min=1, max=MAX_SEEDS)]
+AtOnce = Annotated[int, typer.Option(help="Runs at the same time, each in a process.", min=1, max=MAX_SEEDS)]
 Out = Annotated[Path, typer.Option(help="Folder of the results; each run has a folder in it.")]
 Resume = Annotated[bool, typer.Option("--resume", help="Continue what an interruption left in that folder.")]
-Episodes = Annotated[
-    int, typer.Option(help="Matches that each score is a mean of.", min=1, max=MOST_EPISODES)
-]
+Episodes = Annotated[int, typer.Option(help="Matches that each score is a mean of.", min=1, max=MAX_EPISODES)]
 Submission = Annotated[
     Path | None,
     typer.Option(help="Folder to create: the first run's policy as a submission, which needs NumPy alone."),

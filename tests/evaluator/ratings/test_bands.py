@@ -10,7 +10,7 @@ from wildscav_evaluator.ratings.matches import RatedMatch
 
 TOURNAMENTS = 100
 # If 5 % of tournaments separate identical entrants, more than 11 of 100 do so with a probability of 0.4 %.
-MOST_SEPARATED = 11
+MAX_SEPARATED = 11
 DISTINCT = [2.1, 1.4, 0.7, 0.0, -0.7, -1.4, -2.1, -2.8]
 
 
@@ -29,7 +29,7 @@ def test_identical_twins_share_a_band_in_95_of_100_tournaments() -> None:
         bands = rank_entrants(fit(simulated_tournament(strengths, seed, repeats=2))).bands
         separated += not any({"00", "01"} <= {*band} for band in bands)
 
-    assert separated <= MOST_SEPARATED
+    assert separated <= MAX_SEPARATED
 
 
 def test_no_two_of_eight_identical_entrants_are_told_apart_in_95_of_100_tournaments() -> None:
@@ -38,7 +38,7 @@ def test_no_two_of_eight_identical_entrants_are_told_apart_in_95_of_100_tourname
         found = fit(simulated_tournament([0.0] * 8, seed, games=30, repeats=2))
         separated += significantly_better(found).any()
 
-    assert separated <= MOST_SEPARATED
+    assert separated <= MAX_SEPARATED
 
 
 @pytest.mark.parametrize("games", [6, 12])
@@ -48,7 +48,7 @@ def test_one_of_two_identical_entrants_rarely_wins_a_short_tournament(games: int
         found = fit(simulated_tournament([0.0, 0.0], seed, games=games, seats=2, repeats=2, luck=1.0))
         separated += significantly_better(found).any()
 
-    assert separated <= MOST_SEPARATED
+    assert separated <= MAX_SEPARATED
 
 
 def test_eight_different_entrants_come_out_in_their_order_and_most_are_told_apart() -> None:

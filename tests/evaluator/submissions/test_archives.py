@@ -189,7 +189,7 @@ def test_a_zip_that_lies_about_sizes_is_found_out(tmp_path: Path, cache: Path) -
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_too_many_entries_are_refused(tmp_path: Path, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(archives, "MOST_ENTRIES", 10)
+    monkeypatch.setattr(archives, "MAX_ENTRIES", 10)
 
     with pytest.raises(ArchiveError, match="more than 10 entries"):
         unpack(pack(tmp_path / kind, {f"{number}.py": b"" for number in range(11)}))

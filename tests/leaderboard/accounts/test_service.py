@@ -4,7 +4,7 @@ import pytest
 from tests.leaderboard.seasons_made import NOON, make_account
 
 from wildscav_leaderboard.accounts.service import (
-    MOST_TOKENS,
+    MAX_TOKENS,
     SESSION_LASTS,
     caller_of_cookie,
     caller_of_token,
@@ -37,14 +37,14 @@ def test_a_token_is_its_owners_until_its_owner_revokes_it(database: Database) ->
 def test_an_account_has_so_many_tokens_and_a_revoked_one_makes_room(database: Database) -> None:
     with database.writing() as session:
         ada = make_account(session, "ada")
-        for number in range(MOST_TOKENS):
+        for number in range(MAX_TOKENS):
             new_token(session, ada, f"machine {number}", NOON)
-        with pytest.raises(RefusalError, match=f"at most {MOST_TOKENS} tokens"):
+        with pytest.raises(RefusalError, match=f"at most {MAX_TOKENS} tokens"):
             new_token(session, ada, "one more", NOON)
         revoke_token(session, ada, tokens_of(session, ada)[0].id, NOON)
         new_token(session, ada, "one more", NOON)
         assert [one.label for one in tokens_of(session, ada)][-2:] == [
-            f"machine {MOST_TOKENS - 1}",
+            f"machine {MAX_TOKENS - 1}",
             "one more",
         ]
 

@@ -62,7 +62,7 @@ def states_of(season: Conducted, number: int) -> list[str]:
 
 def given_up_by_losses(season: Conducted) -> None:
     """Take everything that waits, and lose it with its conductor, again and again."""
-    for _ in range(attempts.MOST_LOST):
+    for _ in range(attempts.MAX_LOST):
         season.take()
         season.take_matches(10)
         season.take_over()
@@ -125,7 +125,7 @@ def test_what_a_conductor_took_with_it_is_tried_again_and_counts_for_nobody(seas
 def test_what_a_planned_stop_interrupts_waits_again_at_no_cost(season: Conducted) -> None:
     season.active()
     number = season.hand_in(team="owls")
-    for _ in range(attempts.MOST_LOST):
+    for _ in range(attempts.MAX_LOST):
         assert season.take() is not None
         assert len(season.take_matches(2)) == 2
         season.write(lambda session: steps.hand_back(session, season.season, season.holding, season.now))
@@ -169,7 +169,7 @@ def test_matches_that_were_given_up_are_played_again_from_the_beginning(season: 
 
 def test_matches_that_wait_for_their_turn_are_not_lost_with_their_conductor(season: Conducted) -> None:
     season.active()
-    for _ in range(attempts.MOST_LOST):
+    for _ in range(attempts.MAX_LOST):
         (first, _), (second, _) = season.take_matches(2, begun=False)
         season.begin(first)
         season.take_over()

@@ -7,7 +7,7 @@ import pytest
 from tests.leaderboard.seasons_made import NOON
 
 from wildscav_leaderboard.boards.models import BoardPoint
-from wildscav_leaderboard.web.charts import LEFT, MOST_POINTS, NEAREST, Chart, rank_chart
+from wildscav_leaderboard.web.charts import LEFT, MAX_POINTS, NEAREST, Chart, rank_chart
 
 HOUR = timedelta(hours=1)
 END = NOON + 10 * HOUR
@@ -85,7 +85,7 @@ def test_a_long_history_is_thinned_and_keeps_its_last_point() -> None:
     line = drawn([("owls", points)], bands=True).lines[0]
     y = {rank: at for at, rank in drawn([("owls", points)], bands=True).ranks}
 
-    assert len(corners(line.path)) <= 2 * MOST_POINTS + 2
+    assert len(corners(line.path)) <= 2 * MAX_POINTS + 2
     assert line.end[1] == y[7]
 
 

@@ -24,7 +24,7 @@ from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.seasons.settings import Webhooks
 from wildscav_leaderboard.teams.service import find_team
 from wildscav_leaderboard.webhooks import delivery
-from wildscav_leaderboard.webhooks.delivery import MOST_ATTEMPTS, Deliverer, Sender, next_attempt
+from wildscav_leaderboard.webhooks.delivery import MAX_ATTEMPTS, Deliverer, Sender, next_attempt
 from wildscav_leaderboard.webhooks.models import Delivery, Webhook
 from wildscav_leaderboard.webhooks.service import add_webhook, queue_for, queue_message, remove_webhook
 
@@ -126,10 +126,10 @@ def test_a_message_is_sent_again_with_the_same_identifier_after_a_restart(
 
 def test_pauses_grow_fourfold_and_differ_by_message() -> None:
     start = now()
-    pauses = [(next_attempt("msg_a", count, start) or start) - start for count in range(1, MOST_ATTEMPTS)]
+    pauses = [(next_attempt("msg_a", count, start) or start) - start for count in range(1, MAX_ATTEMPTS)]
     for count, pause in enumerate(pauses):
         assert 5.0 * 4**count <= pause.total_seconds() <= 5.0 * 4**count * 1.25
-    assert next_attempt("msg_a", MOST_ATTEMPTS, start) is None
+    assert next_attempt("msg_a", MAX_ATTEMPTS, start) is None
     assert (
         next_attempt("msg_a", 1, start) == next_attempt("msg_a", 1, start) != next_attempt("msg_b", 1, start)
     )
@@ -138,7 +138,7 @@ def test_pauses_grow_fourfold_and_differ_by_message() -> None:
 def test_a_webhook_is_disabled_after_three_lost_messages_and_used_again_after_a_test_that_arrives(
     database: Database, foxes: int
 ) -> None:
-    with receiver(*[500] * MOST_ATTEMPTS * 3) as there:
+    with receiver(*[500] * MAX_ATTEMPTS * 3) as there:
         webhook = hook(database, there.url())
         time = now()
         for _ in range(3):
@@ -148,7 +148,7 @@ def test_a_webhook_is_disabled_after_three_lost_messages_and_used_again_after_a_
                 deliver_due(database, HERE, max(time, due_at))
                 time = max(time, due_at)
 
-        assert len(there.got) == MOST_ATTEMPTS * 3
+        assert len(there.got) == MAX_ATTEMPTS * 3
         assert disabled(database, webhook) == (
             "3 messages in a row did not arrive: it answered with status 500"
         )

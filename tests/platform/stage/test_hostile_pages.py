@@ -16,7 +16,7 @@ from websockets.exceptions import ConnectionClosed
 
 from wildscav_engine.record import read_record, resimulate, verify_record
 from wildscav_stage.eyes import Eyes, moment_of
-from wildscav_stage.page import MOST_MESSAGES
+from wildscav_stage.page import MAX_MESSAGES
 
 Attack = Callable[[PageClient], Awaitable[None]]
 
@@ -38,7 +38,7 @@ async def act_for_another(guest: PageClient) -> None:
 
 
 async def flood(guest: PageClient) -> None:
-    for number in range(2 * MOST_MESSAGES + 1):
+    for number in range(2 * MAX_MESSAGES + 1):
         await guest.send(kind="input", number=number, forward=1.0)
 
 

@@ -11,7 +11,7 @@ from tests.platform.stage.tables import small_plan, tables_links
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from wildscav_engine.record import read_record, verify_record
-from wildscav_stage.app import MOST_COMMANDS
+from wildscav_stage.app import MAX_COMMANDS
 from wildscav_stage.page import RENEWED
 
 
@@ -183,7 +183,7 @@ def test_a_flood_of_what_everybody_is_told_is_closed(tmp_path: Path) -> None:
     async def play() -> None:
         async with tables_links(small_plan(people=2), tmp_path) as links, AsyncExitStack() as stack:
             host, guest = await opened(stack, links.host, *links.guests)
-            for number in range(2 * MOST_COMMANDS + 1):
+            for number in range(2 * MAX_COMMANDS + 1):
                 await guest.send(kind="rename", name=f"guest {number}")
             with pytest.raises(ConnectionClosed, match="too many messages"):
                 await guest.until("over")

@@ -14,7 +14,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from wildscav_engine.record import read_record, verify_record
 from wildscav_stage.page import TOO_MANY, UNSUPPORTED
-from wildscav_stage.table import MOST_SPECTATORS
+from wildscav_stage.table import MAX_SPECTATORS
 
 
 def test_a_spectator_sees_everybody_from_above_or_through_any_eyes(tmp_path: Path) -> None:
@@ -119,17 +119,17 @@ def test_links_of_spectators_and_of_people_open_their_own_pages_alone(tmp_path: 
 def test_there_is_room_for_so_many_spectators(tmp_path: Path) -> None:
     async def play() -> None:
         async with tables_links(small_plan(), tmp_path) as links, AsyncExitStack() as stack:
-            for _ in range(MOST_SPECTATORS):
+            for _ in range(MAX_SPECTATORS):
                 spectator = await stack.enter_async_context(page(links.watch))
                 await spectator.until("lobby")
             one_more = await stack.enter_async_context(page(links.watch))
-            with pytest.raises(ConnectionClosed, match=f"{MOST_SPECTATORS} people watch already") as closed:
+            with pytest.raises(ConnectionClosed, match=f"{MAX_SPECTATORS} people watch already") as closed:
                 await one_more.until("lobby")
             assert closed.value.rcvd is not None
             assert closed.value.rcvd.code == TOO_MANY
             await spectator.socket.close()
             async with page(links.host) as host:  # who plays has room
-                while (await host.until("people"))["spectators"] >= MOST_SPECTATORS:
+                while (await host.until("people"))["spectators"] >= MAX_SPECTATORS:
                     pass
             await (await stack.enter_async_context(page(links.watch))).until("lobby")
 

@@ -12,7 +12,7 @@ from tests.platform.stage.tables import small_plan, table
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from wildscav_engine.record import read_record, verify_record
-from wildscav_stage.page import MOST_MESSAGES, MOST_UNSEEN
+from wildscav_stage.page import MAX_MESSAGES, MAX_UNSEEN
 
 
 def test_a_match_ends_in_a_record_that_holds(tmp_path: Path) -> None:
@@ -61,7 +61,7 @@ def test_a_match_against_robots_waits_while_it_is_paused(tmp_path: Path) -> None
             await person.until("picture")
             await person.send(kind="pause", paused=True)
             assert (await person.until("paused"))["paused"]
-            assert await person.pictures_within(1.0) <= MOST_UNSEEN  # those that were on their way
+            assert await person.pictures_within(1.0) <= MAX_UNSEEN  # those that were on their way
             await person.send(kind="pause", paused=False)
             assert not (await person.until("paused"))["paused"]
             await person.until("picture")
@@ -117,7 +117,7 @@ def test_a_page_that_sends_too_much_is_closed(tmp_path: Path) -> None:
     async def play() -> None:
         async with table(small_plan(), tmp_path) as link, page(link) as person:
             for _ in range(
-                2 * MOST_MESSAGES + 1
+                2 * MAX_MESSAGES + 1
             ):  # if a second ends meanwhile, there are too many in the next
                 await person.send(kind="seen", picture=0)
             with pytest.raises(ConnectionClosed, match="too many messages"):

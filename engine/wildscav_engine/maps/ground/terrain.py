@@ -43,7 +43,7 @@ CRUMBLING = 12  # rounds
 # Share of the ground that can be walked from one place; rock is worn down until it is reached
 LEAST_CONNECTED = 0.75
 WEARING = 0.7  # factor of the rockiness each time
-MOST_WEARING = 10  # times
+MAX_WEARING = 10  # times
 LEVEL_MARGIN = 3.0  # m of level ground around a house: more than the diagonal of a cell
 JOIN_SLOPE = 0.65  # m up per m, of the ground that joins level ground to a steeper slope
 JOIN_START = 3.0  # m; the greater, the more gently the join starts
@@ -93,7 +93,7 @@ def _shape_land(config: MapConfig, seed: int, points: int) -> tuple[NDArray[np.f
 
 def _connect_ground(cliffs: NDArray[np.float64], heights: NDArray[np.float64]) -> None:
     """Wear down rock, in place, until most of the ground can be walked from one place; keep lakes."""
-    for _ in range(MOST_WEARING):
+    for _ in range(MAX_WEARING):
         if _connected_share(heights) >= LEAST_CONNECTED:
             break
         cliffs *= WEARING

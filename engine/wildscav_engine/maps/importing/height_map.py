@@ -14,7 +14,7 @@ from wildscav_engine.maps.importing.imported import Imported, finish
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-MOST_PIXELS = 8192  # of a side
+MAX_PIXELS = 8192  # of a side
 WHITE = {"L": 255.0, "I;16": 65535.0, "I;16B": 65535.0, "I;16L": 65535.0}  # by Pillow's name of the pixels
 STRIP = 128  # columns of pixels processed at once
 COARSE = 0.1  # m between two shades of grey above which slopes look like steps
@@ -78,9 +78,9 @@ def _read(path: Path, points: int) -> tuple[NDArray[np.float64], float]:
             picture = Image.open(path, formats=["PNG"])
         with picture:
             width, height = picture.size
-            if width != height or not 2 <= width <= MOST_PIXELS:
+            if width != height or not 2 <= width <= MAX_PIXELS:
                 raise BaseError(
-                    f"it is {width} × {height} pixels; a map is square, of 2 to {MOST_PIXELS} pixels a side"
+                    f"it is {width} × {height} pixels; a map is square, of 2 to {MAX_PIXELS} pixels a side"
                 )
             if picture.mode not in WHITE:
                 raise BaseError(f"its pixels are {picture.mode}, must be grey of 8 or 16 bits without alpha")

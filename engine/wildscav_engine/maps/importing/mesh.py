@@ -13,8 +13,8 @@ from wildscav_engine.geometry.world import CELL, Kind, Solid
 from wildscav_engine.maps.base import (
     KINDS,
     LARGEST,
-    MOST_FACES,
-    MOST_SOLIDS,
+    MAX_FACES,
+    MAX_SOLIDS,
     OVERHANG,
     SMALLEST,
     Base,
@@ -36,7 +36,7 @@ DENT = 0.01  # share of its hull that a convex piece may leave empty
 SAME_NORMAL = 1e-6  # how far the cosine between two normals may be from 1; 0.08°
 SAME_OFFSET = 1e-3  # m between the planes of two triangles of one face
 ASIDE = 0.7  # cosine of 45.6°, the greatest angle between a direction and a face that blunts the solid there
-MOST_OWN_FACES = MOST_FACES - 6  # in addition to those that blunt it
+MAX_OWN_FACES = MAX_FACES - 6  # in addition to those that blunt it
 DIRECTIONS = np.concatenate([np.eye(3), -np.eye(3)])
 
 
@@ -132,8 +132,8 @@ def _solids(
         several = len(found) > 1
         for number, piece in enumerate(found, start=1):
             pieces.append((kind, f"{part.name!r}" + (f" (piece {number})" if several else ""), piece))
-        if len(pieces) > MOST_SOLIDS:
-            raise BaseError(f"it has more than {MOST_SOLIDS} parts")
+        if len(pieces) > MAX_SOLIDS:
+            raise BaseError(f"it has more than {MAX_SOLIDS} parts")
     solids, flat = [], []
     for kind, name, piece in pieces:
         solid = solid_of(kind, name, piece)
@@ -311,8 +311,8 @@ def _merge(name: str, equations: NDArray[np.float64], corners: NDArray[np.float6
             for known in planes
         ):
             planes.append(np.array([*normal, offset]))
-        if len(planes) > MOST_OWN_FACES:
-            raise BaseError(f"{name} has more than {MOST_OWN_FACES} faces: use a simpler shape, or split it")
+        if len(planes) > MAX_OWN_FACES:
+            raise BaseError(f"{name} has more than {MAX_OWN_FACES} faces: use a simpler shape, or split it")
     return np.array(planes)
 
 

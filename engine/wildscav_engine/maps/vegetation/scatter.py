@@ -54,7 +54,7 @@ SHORE_MARGIN = 0.1  # m above the water
 STEEPEST, STEEPEST_FOR_ROCKS = 0.8, 1.2  # m up per m
 LINK = 4.0  # m, side of the cells that index plants; plants more than two cells apart never touch
 HEDGE_STEP = 1.35  # distance between the bushes of a hedge, in radii
-MOST_AROUND = 4  # members that touch the first of their group
+MAX_AROUND = 4  # members that touch the first of their group
 TOUCH = 0.68  # distance between the axes of two touching plants, in sums of their radii
 
 
@@ -294,7 +294,7 @@ def _add_group(
     group = found - 1
     leader = spots.rows[group]
     more = _members(land, leader)
-    is_hedge = more > MOST_AROUND
+    is_hedge = more > MAX_AROUND
     yaw = _yaw_of_hedge(land, leader) if is_hedge else 0.0
     for member in range(1, more + 1):
         if found >= last:
@@ -321,14 +321,14 @@ def _add_group(
 
 @kernel
 def _members(land: GrowingGround, leader: NDArray[np.float64]) -> int:
-    """Return the number of further members of a group; more than MOST_AROUND means a hedge."""
+    """Return the number of further members of a group; more than MAX_AROUND means a hedge."""
     if leader[SPECIES] == BUSH:
         row, column = patch_of(land, leader[X], leader[Z])
         if leader[GROUP] < (0.5 if land.near[row, column] else 0.08):
-            return MOST_AROUND + 1 + int(8.0 * leader[MORE])
-        return int((MOST_AROUND + 1) * leader[MORE]) if leader[GROUP] < 0.75 else 0
+            return MAX_AROUND + 1 + int(8.0 * leader[MORE])
+        return int((MAX_AROUND + 1) * leader[MORE]) if leader[GROUP] < 0.75 else 0
     if leader[SPECIES] == BOULDER and leader[GROUP] < 0.75:
-        return 1 + int(MOST_AROUND * leader[MORE])
+        return 1 + int(MAX_AROUND * leader[MORE])
     return 0
 
 

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.arithmetic.random_numbers import Stream, uniform
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.geometry.ring_stacks import MOST_SIDES, RingStacks
+from wildscav_engine.geometry.ring_stacks import MAX_SIDES, RingStacks
 from wildscav_engine.geometry.world import Kind
 
 STREAM = int(Stream.VEGETATION)
@@ -124,7 +124,7 @@ def _round_outline(stacks: RingStacks, row: int, sides: int, turn: float) -> Non
 @kernel
 def _rough_outline(spot: NDArray[np.float64], stacks: RingStacks, row: int) -> None:
     """Write an irregular outline whose incircle has at least 0.7 of the radius of its circumcircle."""
-    sides = min(MOST_SIDES, 7 + int(2.0 * spot[SIDES]))
+    sides = min(MAX_SIDES, 7 + int(2.0 * spot[SIDES]))
     stacks.sides[row] = sides
     turn, across = 360.0 * spot[STRETCH_TURN], _between(0.86, 1.0, spot[STRETCH])
     for corner in range(sides):

@@ -11,7 +11,7 @@ from wildscav_engine.maps.ground.terrain import Terrain
 STREAM = int(Stream.VEGETATION)
 PATCH = 4.0  # m, side of the squares that are wooded or not
 LARGEST_WOODS, SMALLEST_WOODS = 80.0, 18.0  # m, approximate size of woods and clearings
-LEAST_WOODED, MOST_WOODED = 0.08, 0.42  # share of the map under woods, with minimal and full vegetation
+LEAST_WOODED, MAX_WOODED = 0.08, 0.42  # share of the map under woods, with minimal and full vegetation
 EDGE = 0.05  # range of the noise over which a wood thins out
 SHORE_REACH = 2  # patches from the water that are shore
 
@@ -20,7 +20,7 @@ def wooded(seed: int, size: int, vegetation: float) -> NDArray[np.float64]:
     """Return the density of woods on each patch, 0 to 1: distinct woods with narrow edges."""
     noise = slow_noise(seed, size, 0)
     ascending = np.sort(noise, axis=None, kind="stable")
-    share = LEAST_WOODED + (MOST_WOODED - LEAST_WOODED) * vegetation
+    share = LEAST_WOODED + (MAX_WOODED - LEAST_WOODED) * vegetation
     threshold = ascending[min(ascending.size - 1, int((1.0 - share) * ascending.size))]
     inside: NDArray[np.float64] = np.clip((noise - threshold) / EDGE + 0.5, 0.0, 1.0)
     return inside * inside * (3.0 - 2.0 * inside)

@@ -40,7 +40,7 @@ MOVES = len(EAST)
 AROUND = 2  # grid points in each direction to which a body walks from a start that is not on the grid
 EXACT = 1e-6  # m; a body that is nearer than this to a grid point is there
 RISE = 0.6  # m, by which the heights at both ends of a move differ at most
-MOST_MOVES = 64  # from one place, with leaps
+MAX_MOVES = 64  # from one place, with leaps
 NONE, FULL = -1, -2  # instead of a place found: there is none, or the tables are full
 
 
@@ -158,7 +158,7 @@ def search(
 ) -> int:
     """Return the place where the shortest route reaches the target, NONE or FULL: A* over the fine grid."""
     _relax(found, goal, NONE, NONE, start[0], start[1], start[2], 0.0, False)
-    room, room_in_heap = found.point.shape[0] - MOST_MOVES, found.heap.shape[0] - MOST_MOVES
+    room, room_in_heap = found.point.shape[0] - MAX_MOVES, found.heap.shape[0] - MAX_MOVES
     while found.counts[1] > 0:
         place = int(found.heap[1])
         found.counts[1] = pop(found.heap, found.priority, found.counts[1])

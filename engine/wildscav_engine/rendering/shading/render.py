@@ -32,7 +32,7 @@ from wildscav_engine.rendering.trace import Scene, Scenes
 from wildscav_engine.rendering.tracing.workspace import Size
 from wildscav_engine.rendering.turns import TAKEN_ALREADY, item_at
 
-MOST_KEPT = 2**18  # pixels of the largest picture whose scratch buffers are kept for the next one
+MAX_KEPT = 2**18  # pixels of the largest picture whose scratch buffers are kept for the next one
 
 
 def render_pictures(
@@ -125,7 +125,7 @@ class LatestScratch(threading.local):
         if self._size == (height, width):
             return self._table
         table = ArrayTable(_allocate(height, width))
-        if height * width <= MOST_KEPT:
+        if height * width <= MAX_KEPT:
             self._size, self._table = (height, width), table
         return table
 

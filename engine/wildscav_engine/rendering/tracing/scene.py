@@ -24,7 +24,7 @@ from wildscav_engine.rendering.tracing.packing import (
     pack_scene,
 )
 from wildscav_engine.rendering.tracing.solids import Solids, shapes_of, solids_of_world
-from wildscav_engine.rendering.tracing.workspace import MOST_CACHED, Size, Workspaces, WorkspaceTable
+from wildscav_engine.rendering.tracing.workspace import MAX_CACHED, Size, Workspaces, WorkspaceTable
 
 NO_MEMBER = -1
 
@@ -57,7 +57,7 @@ class Scenes(threading.local):
     def tables(self, size: Size) -> NDArray[np.int64]:
         """Return (N, F, 6) the tables of the workspaces for images of a size."""
         if size not in self._cached:
-            if len(self._cached) >= MOST_CACHED:
+            if len(self._cached) >= MAX_CACHED:
                 self._cached.clear()
             # The tables are addresses, so the workspaces are kept as well.
             workspaces = [scene.workspaces.of(scene.packed, size) for scene in self.scenes]

@@ -11,7 +11,7 @@ from wildscav_engine.rendering.tracing.front_to_back import Scratch, allocate_sc
 from wildscav_engine.rendering.tracing.hit_buffer import allocate_rays, allocate_strips
 from wildscav_engine.rendering.tracing.packing import Packed
 
-MOST_CACHED = 8  # workspaces per thread and scene
+MAX_CACHED = 8  # workspaces per thread and scene
 LARGEST_CACHED = 2**16  # rays of the largest image whose workspace is cached in its scene
 
 
@@ -74,7 +74,7 @@ class Scratches(threading.local):
         """Return buffers for a scene of at least these sizes, see ``allocate_scratch``."""
         rounded = tuple(1 << size.bit_length() for size in sizes)
         if rounded not in self._cached:
-            if len(self._cached) >= MOST_CACHED:
+            if len(self._cached) >= MAX_CACHED:
                 self._cached.clear()
             self._cached[rounded] = allocate_scratch(*rounded)
         return self._cached[rounded]
@@ -125,7 +125,7 @@ class Images(threading.local):
         """Return the arrays for images of a size."""
         size = size._replace(most_faces=0)
         if size not in self._cached:
-            if len(self._cached) >= MOST_CACHED:
+            if len(self._cached) >= MAX_CACHED:
                 self._cached.clear()
             self._cached[size] = allocate_image(size)
         return self._cached[size]
@@ -153,7 +153,7 @@ class Workspaces(threading.local):
         if size.height * size.width > LARGEST_CACHED:
             return latest_large.of(scene, size)
         workspace = WorkspaceTable(allocate_workspace(scene, size, images.of(size)))
-        if len(self.cached) >= MOST_CACHED:
+        if len(self.cached) >= MAX_CACHED:
             self.cached.clear()
         self.cached[size] = workspace
         return workspace

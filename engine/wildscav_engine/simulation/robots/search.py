@@ -12,8 +12,8 @@ from wildscav_engine.simulation.robots.obstacles import feel_way_to, forget_obst
 
 SIDE = 30.0  # m, greatest side of a square; a target is seen from 20 m by default
 NEAR = 10.0  # m from the middle of a square within which it has been searched
-MOST_STEPS = 200.0  # on the way to a square
-MOST_DETOURS = 3.0  # around one obstacle on that way
+MAX_STEPS = 200.0  # on the way to a square
+MAX_DETOURS = 3.0  # around one obstacle on that way
 
 
 class Search(IntEnum):
@@ -35,7 +35,7 @@ def search(now: Situation, action: NDArray[np.float32]) -> None:
     dx, dz = x - here[0], z - here[2]
     memory[Search.LEFT] -= 1.0
     is_there = dx * dx + dz * dz < NEAR * NEAR
-    if is_there or memory[Search.LEFT] <= 0.0 or memory[Memory.DETOURS] > MOST_DETOURS:
+    if is_there or memory[Search.LEFT] <= 0.0 or memory[Memory.DETOURS] > MAX_DETOURS:
         _set_out(memory, int(memory[Search.SQUARE]) % (rows * columns))
         x, z = _middle(now, int(memory[Search.SQUARE]) - 1, rows, columns)
     feel_way_to(now, x, z, action)
@@ -53,7 +53,7 @@ def stop_search(now: Situation) -> None:
 @kernel
 def _set_out(memory: NDArray[np.float64], square: int) -> None:
     """Set out for a square, numbered from 0."""
-    memory[Search.SQUARE], memory[Search.LEFT] = square + 1.0, MOST_STEPS
+    memory[Search.SQUARE], memory[Search.LEFT] = square + 1.0, MAX_STEPS
     forget_obstacle(memory)
 
 

@@ -27,7 +27,7 @@ from wildscav_engine.view.video.props import with_props
 
 View = Literal["eyes", "follow", "overview", "grid"]
 VIEWS: tuple[View, ...] = get_args(View)
-MOST_TILES = 16
+MAX_TILES = 16
 DETAIL = 0.5  # share of a picture's width and height that is rendered, and then enlarged
 GROUND = (18, 22, 28)  # behind the pictures of the seats
 # How much a viewer wants to see of each kind of event.
@@ -157,7 +157,7 @@ class Film:
     def _grid(self, moment: Moment) -> Image.Image:
         """Return what all seats see, side by side, with map and standings where there is room."""
         picture = Image.new("RGB", (self.look.width, self.look.height), GROUND)
-        seats = list(range(min(MOST_TILES, len(self._record.names))))
+        seats = list(range(min(MAX_TILES, len(self._record.names))))
         tiles: list[Callable[[int, int], Image.Image]] = [partial(self._tile, moment, seat) for seat in seats]
         columns = ceil(sqrt(len(tiles)))
         rows = ceil(len(tiles) / columns)

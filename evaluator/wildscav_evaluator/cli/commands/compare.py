@@ -7,7 +7,7 @@ import typer
 
 from wildscav.cli.shared_options import takes
 from wildscav.errors import UserError
-from wildscav_evaluator.bounds import MOST_ROUNDS
+from wildscav_evaluator.bounds import MAX_ROUNDS
 from wildscav_evaluator.cli.options.evaluation import PlayOptions
 
 
@@ -25,7 +25,7 @@ def compare(
     rounds: Annotated[
         int,
         typer.Option(
-            help="How often to play the suite, each time with the next seed.", min=1, max=MOST_ROUNDS
+            help="How often to play the suite, each time with the next seed.", min=1, max=MAX_ROUNDS
         ),
     ] = 2,
 ) -> None:

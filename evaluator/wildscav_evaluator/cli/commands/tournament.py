@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 import typer
 
 from wildscav.cli.shared_options import takes
-from wildscav_evaluator.bounds import MOST_ROUNDS
+from wildscav_evaluator.bounds import MAX_ROUNDS
 from wildscav_evaluator.cli.options.evaluation import DatabaseOption, PlayOptions
 
 
@@ -31,7 +31,7 @@ def tournament(
             help="How many rounds to play. After each, every entrant has played equally often. In fewer "
             "than 6 games, no two entrants can be told apart.",
             min=1,
-            max=MOST_ROUNDS,
+            max=MAX_ROUNDS,
         ),
     ] = 6,
     seats: Annotated[

@@ -10,7 +10,7 @@ from wildscav.terminal.suggestions import did_you_mean
 from wildscav_engine.simulation.robots.decide import ROBOTS
 from wildscav_engine.specs.actions import Field
 from wildscav_engine.tracks import TRACKS
-from wildscav_evaluator.bounds import FEWEST_ENTRANTS, MOST_ENTRANTS
+from wildscav_evaluator.bounds import FEWEST_ENTRANTS, MAX_ENTRANTS
 from wildscav_evaluator.cli.options.selection import check_plays, load_named
 from wildscav_evaluator.output.results import TournamentSettings
 from wildscav_evaluator.seats import BATTLE_ROBOTS, ROBOT_ENTRANT
@@ -19,8 +19,8 @@ from wildscav_evaluator.suites.suite import Suite
 from wildscav_evaluator.tournaments.drawing import has_teams
 from wildscav_evaluator.tournaments.names import with_unique_names
 
-MOST_SEATS = 1000  # of a match
-MOST_DIGITS = 9  # of a number of robots that are read: more are too many anyway
+MAX_SEATS = 1000  # of a match
+MAX_DIGITS = 9  # of a number of robots that are read: more are too many anyway
 USUAL_SEATS = 4  # where a suite's matches have a single seat
 USUAL_TEAM = 2  # seats of a team on a track whose seats form teams
 
@@ -46,9 +46,9 @@ def load_entrants(
         _check_robot(robot)
         if robots.count(robot) > 1:
             raise UserError(f"{ROBOT_ENTRANT}{robot} is entered twice", exit_code=2)
-    if not FEWEST_ENTRANTS <= len(named) <= MOST_ENTRANTS:
+    if not FEWEST_ENTRANTS <= len(named) <= MAX_ENTRANTS:
         raise UserError(
-            f"a tournament has {FEWEST_ENTRANTS} to {MOST_ENTRANTS:,} entrants; "
+            f"a tournament has {FEWEST_ENTRANTS} to {MAX_ENTRANTS:,} entrants; "
             f"{counted(len(named), 'entrant')} {'is' if len(named) == 1 else 'are'} named",
             exit_code=2,
         )
@@ -123,7 +123,7 @@ def chosen_settings(
         teams = max(2, min(wanted // size, entrants // apart // places_per_team))
         seats = teams * size
     places = _places(entrants, seats, size, mixed=mixed)
-    others = _others(robots or "", track, MOST_SEATS - seats)
+    others = _others(robots or "", track, MAX_SEATS - seats)
     return TournamentSettings(
         seats=seats,
         team_size=size,
@@ -170,10 +170,10 @@ def _others(text: str, track: str, most: int) -> tuple[str, ...]:
     """
     names = tuple(name.strip() for name in text.split(",") if name.strip())
     numbered = text.isdecimal()
-    count = int(text.lstrip("0")[:MOST_DIGITS] or "0") if numbered else len(names)
+    count = int(text.lstrip("0")[:MAX_DIGITS] or "0") if numbered else len(names)
     if count > most:
         raise UserError(
-            f"--robots asks for too many robots; a match has at most {MOST_SEATS:,} seats, and so here at "
+            f"--robots asks for too many robots; a match has at most {MAX_SEATS:,} seats, and so here at "
             f"most {most:,} robots",
             exit_code=2,
         )

@@ -8,8 +8,8 @@ from wildscav_evaluator.ratings.standings import Standing
 from wildscav_evaluator.scores.number_format import NOTHING, number
 from wildscav_evaluator.tournaments.tournament_file import Tournament
 
-MOST_OPPONENTS = 8  # in the table of pairs; the picture and the file have all
-MOST_ROWS = 100  # of the standings; the file has all
+MAX_OPPONENTS = 8  # in the table of pairs; the picture and the file have all
+MAX_ROWS = 100  # of the standings; the file has all
 LETTERS = 26
 LEGEND = (
     "Entrants that share a letter cannot be told apart. Ratings are on the scale of Elo: 400 more are odds "
@@ -36,7 +36,7 @@ def standings_table(tournament: Tournament) -> Table:
     table.add_column("entrant", vertical="bottom", min_width=12)
     add_columns(table, "rating\n± 95 %", "matches", "wins", "mean\nplace")
     add_columns(table, heading(tournament.score), *(["failed"] if failed else []))
-    for one in standings[:MOST_ROWS]:
+    for one in standings[:MAX_ROWS]:
         entry = entries[one.entrant]
         table.add_row(
             one.ranks,
@@ -49,8 +49,8 @@ def standings_table(tournament: Tournament) -> Table:
             NOTHING if entry.score is None else number(entry.score.mean, tournament.score),
             *([fault_cell(entry.faults, one.matches)] if failed else []),
         )
-    if len(standings) > MOST_ROWS:
-        table.caption = f"and {len(standings) - MOST_ROWS:,} more"
+    if len(standings) > MAX_ROWS:
+        table.caption = f"and {len(standings) - MAX_ROWS:,} more"
     return table
 
 
@@ -61,7 +61,7 @@ def _interval(one: Standing) -> str:
 
 def pairs_table(tournament: Tournament) -> Table:
     """Return who was placed better than whom: wins, ties and losses of the row against the column."""
-    names = [one.entrant for one in tournament.ratings.standings][:MOST_OPPONENTS]
+    names = [one.entrant for one in tournament.ratings.standings][:MAX_OPPONENTS]
     found = {}
     for pair in tournament.ratings.pairs:
         found[pair.first, pair.second] = (pair.wins, pair.ties, pair.losses)

@@ -6,7 +6,7 @@ from pathlib import Path
 from wildscav.errors import UserError
 from wildscav.terminal.console import command, console, counted, print_json
 from wildscav_evaluator.cli.result_tables.standings import (
-    MOST_OPPONENTS,
+    MAX_OPPONENTS,
     legend,
     pairs_table,
     standings_table,
@@ -77,7 +77,7 @@ def show_ratings(tournament: Tournament) -> None:
     """Print the standings, who cannot be told apart, and who won against whom."""
     console.print(standings_table(tournament))
     console.print(f"\n{legend(tournament)}\n", style="dim")
-    if len(tournament.ratings.standings) <= MOST_OPPONENTS:
+    if len(tournament.ratings.standings) <= MAX_OPPONENTS:
         console.print(pairs_table(tournament))
         console.print()
 

@@ -16,7 +16,7 @@ from wildscav_evaluator.executors.cluster.node_examination import examine, misma
 EXAMINATION_TIME = 180.0  # s for a node to try its sandboxes, at most
 LOOK_INTERVAL = 5.0  # s between two looks at which nodes there are
 PAUSE = 5.0  # s in which a node gets no new process after one of its processes was lost
-MOST_FAILURES = 3  # processes in a row that a node could not start
+MAX_FAILURES = 3  # processes in a row that a node could not start
 
 
 @dataclass
@@ -63,7 +63,7 @@ class ClusterNode:
         """Note that a process of ours could not be started there."""
         self.failures += 1
         self.rest()
-        if self.failures >= MOST_FAILURES:
+        if self.failures >= MAX_FAILURES:
             self.problem = f"it failed {self.failures} times in a row: {reason}"
 
 

@@ -62,7 +62,7 @@ from wildscav_evaluator.submission_files import stage
 from wildscav_server import leftovers
 
 INIT = 1  # the container's init process, which reaps zombies
-MOST_PROCESSES = 32_768  # of a user; the limit that engines set themselves
+MAX_PROCESSES = 32_768  # of a user; the limit that engines set themselves
 # Exit codes of engines whose container did not start; agents may also end with them.
 ENGINE_FAILED = (125, 126, 127)
 # Asking the engine is the slowest part of an end, so it is asked only after exit codes with several causes.
@@ -250,7 +250,7 @@ def _profile(launch: Launch, folder: Path) -> Path:
 def _limits(limits: Limits, engine: ContainerEngine) -> list[str]:
     memory, tmp = str(int(limits.memory)), int(limits.tmp_size)
     hard = resource.getrlimit(resource.RLIMIT_NPROC)[1]
-    processes = MOST_PROCESSES if hard == resource.RLIM_INFINITY else min(MOST_PROCESSES, hard)
+    processes = MAX_PROCESSES if hard == resource.RLIM_INFINITY else min(MAX_PROCESSES, hard)
     options = [
         *("--memory", memory, "--memory-swap", memory, "--pids-limit", str(limits.processes + INIT)),
         *("--cpus", f"{limits.cpus:.3f}", "--ulimit", "core=0:0"),

@@ -12,7 +12,7 @@ const PICTURE_PATIENCE = 10000; // ms for which a match waits for it
 const RETRY = 2000; // ms after a question that was not answered
 const SPEEDS = [0.5, 1, 2, 4, 8, 16, 32];
 const TRAILS = [["none", 0], ["10 s", 10], ["30 s", 30], ["2 min", 120], ["all", Infinity]];
-const MOST_EVENTS = 400; // in the list at one time
+const MAX_EVENTS = 400; // in the list at one time
 const CALM_INTERVAL = 500; // ms between two pictures for people who asked for less motion
 const KINDS = {
   target: "target reached",
@@ -180,12 +180,12 @@ class Player {
   // Of very many events, list those around the present time; mark the last one that has happened.
   showEvents() {
     const now = this.listed.findLastIndex((event) => event.frame <= this.frame);
-    const enough = this.listed.length <= MOST_EVENTS;
-    const page = MOST_EVENTS / 2;
+    const enough = this.listed.length <= MAX_EVENTS;
+    const page = MAX_EVENTS / 2;
     const first = enough ? 0 : Math.max(0, (Math.floor(now / page) - 1) * page);
     if (first !== this.firstListed) {
       this.firstListed = first;
-      const some = this.listed.slice(first, first + 2 * MOST_EVENTS);
+      const some = this.listed.slice(first, first + 2 * MAX_EVENTS);
       this.eventList.replaceChildren(...some.map((event) => this.eventItem(event)));
       this.current = null;
     }

@@ -13,7 +13,7 @@ from wildscav_engine.view.recording.history import History, seats_where
 from wildscav_engine.view.video.overlay.drawing import WHITE, Color, panel, put, text
 
 SHOWN_FOR = 6.0  # s
-MOST_LINES = 5
+MAX_LINES = 5
 
 
 class Part(NamedTuple):
@@ -63,7 +63,7 @@ class Feed:
         """Return the latest news, the oldest first."""
         first = np.searchsorted(self._frames, frame - SHOWN_FOR * FRAMES_PER_SECOND, side="right")
         last = int(np.searchsorted(self._frames, frame, side="right"))
-        return self._news[max(int(first), last - MOST_LINES) : last]
+        return self._news[max(int(first), last - MAX_LINES) : last]
 
     def draw(self, picture: Image.Image, frame: float, right: float, top: float, size: int) -> None:
         """Write the latest news below each other.

@@ -21,7 +21,7 @@ from wildscav_engine.view.video.overlay.drawing import (
     text,
 )
 
-MOST_LINES = 10
+MAX_LINES = 10
 NAME, NUMBER = 8.2, 3.4  # times the height of the text, the widths of the columns
 LINE = 1.5  # times the height of the text, the height of a line
 DEAD = (140, 146, 154)
@@ -64,7 +64,7 @@ class Standings:
     def draw(self, row: int, followed: int | None) -> Image.Image:
         """Return the standings after a step, with the best seats, and always with the followed one."""
         order = order_at(self._keys, row)
-        shown = order[:MOST_LINES]
+        shown = order[:MAX_LINES]
         if followed is not None and followed not in shown:
             shown[-1] = followed
         lines = tuple(
