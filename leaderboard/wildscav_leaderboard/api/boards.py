@@ -27,7 +27,7 @@ from wildscav_leaderboard.seasons.editions import digest_of
 from wildscav_leaderboard.seasons.refusals import NotFoundError, UnknownCallerError
 from wildscav_leaderboard.submissions.models import Submission, entrant_of
 
-MOST = 24  # entrants of one table
+MAX_ENTRANTS = 24  # entrants of one table
 
 
 def ladder_of(session: Session, track: str) -> LadderBoard:
@@ -44,7 +44,7 @@ def ladder_of(session: Session, track: str) -> LadderBoard:
 
 def head_to_head_view(session: Session, board: LadderBoard) -> HeadToHeadView:
     """Return how the first entrants of a ladder did against each other, as far as its board counts."""
-    rows = [row for row in board.rows if row.rank is not None][:MOST]
+    rows = [row for row in board.rows if row.rank is not None][:MAX_ENTRANTS]
     names = [entrant_name(row) for row in rows]
     records = meetings.head_to_head(
         session, board.track, digest_of(board.conditions), names, applied=board.applied

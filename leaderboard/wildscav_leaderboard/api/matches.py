@@ -27,7 +27,7 @@ from wildscav_leaderboard.accounts.service import Caller
 from wildscav_leaderboard.api.documents import REFUSALS, MatchList, MatchView, SeatView
 from wildscav_leaderboard.boards.ladders import places_of
 from wildscav_leaderboard.matches.models import LADDER, Match, MatchResult, MatchSeat
-from wildscav_leaderboard.matches.service import MOST, find_match, list_matches, results_of
+from wildscav_leaderboard.matches.service import MAX_LISTED, find_match, list_matches, results_of
 from wildscav_leaderboard.matches.visibility import Visible, record_path, seen_by
 from wildscav_leaderboard.seasons.refusals import ForbiddenError, NotFoundError
 from wildscav_leaderboard.spectating.live import LiveMatches, key_of
@@ -190,7 +190,7 @@ def matches(
     track: str | None = None,
     state: str | None = None,
     before: Number | None = None,
-    limit: Annotated[int, Query(ge=1, le=MOST)] = MOST,
+    limit: Annotated[int, Query(ge=1, le=MAX_LISTED)] = MAX_LISTED,
 ) -> MatchList:
     """List matches, the newest first."""
     own = None if team is None else find_team(session, team).id

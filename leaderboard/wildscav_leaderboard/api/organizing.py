@@ -83,7 +83,7 @@ def account_rows(session: Session) -> list[AccountRow]:
     return [AccountRow.about(one, team=team) for one, team in session.execute(wanted)]
 
 
-MOST = 200  # entries of the audit log in an answer
+MAX_ENTRIES = 200  # entries of the audit log in an answer
 
 router = APIRouter(prefix="/organizer", tags=["organizing"], dependencies=[Depends(organizing_program)])
 
@@ -98,7 +98,7 @@ def status(season: CurrentSeason, session: Reading, now: Now) -> StatusView:
 def audit_log(
     session: Reading,
     before: Number | None = None,
-    limit: Annotated[int, Query(ge=1, le=MOST)] = MOST,
+    limit: Annotated[int, Query(ge=1, le=MAX_ENTRIES)] = MAX_ENTRIES,
 ) -> list[AuditEntryView]:
     """List the privileged acts, the latest first."""
     return [AuditEntryView.model_validate(one) for one in audit_entries(session, before, limit)]

@@ -37,7 +37,13 @@ from wildscav_leaderboard.organizing.team_acts import do_team_act
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import NotFoundError, TooMuchError
 from wildscav_leaderboard.submissions import service, states
-from wildscav_leaderboard.submissions.listing import MOST, is_own, list_submissions, listed_for, team_names
+from wildscav_leaderboard.submissions.listing import (
+    MAX_LISTED,
+    is_own,
+    list_submissions,
+    listed_for,
+    team_names,
+)
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.queue import expected_wait, mean_time, queue, validations
 from wildscav_leaderboard.submissions.quotas import replaced_by
@@ -121,7 +127,7 @@ def _view(
 
 
 router = APIRouter(tags=["submissions"])
-Limit = Annotated[int, Query(ge=1, le=MOST)]
+Limit = Annotated[int, Query(ge=1, le=MAX_LISTED)]
 
 
 @router.post(
@@ -163,7 +169,7 @@ def submissions(
     team: str | None = None,
     state: Annotated[list[str] | None, Query()] = None,
     before: Number | None = None,
-    limit: Limit = MOST,
+    limit: Limit = MAX_LISTED,
 ) -> SubmissionList:
     """List submissions, the newest first; of other teams, none that failed or were cancelled."""
     number = None if team is None else find_team(session, team).id

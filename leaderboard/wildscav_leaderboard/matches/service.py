@@ -29,7 +29,7 @@ from wildscav_leaderboard.seasons.in_force import edition_by_number, edition_num
 from wildscav_leaderboard.seasons.refusals import NotFoundError
 from wildscav_leaderboard.submissions.models import Submission
 
-MOST = 100  # in one list
+MAX_LISTED = 100  # in one list
 WITHDRAWN = "withdrawn: "  # begins why a match is void that is planned again if its submission plays again
 
 
@@ -176,7 +176,7 @@ def list_matches(
     track: str | None = None,
     state: str | None = None,
     before: int | None = None,
-    limit: int = MOST,
+    limit: int = MAX_LISTED,
 ) -> list[Match]:
     """Return matches, the newest first: of a submission or a team, on a track, in a state."""
     wanted = select(Match).order_by(Match.id.desc()).limit(limit).options(defer(Match.spec))  # it is large

@@ -12,7 +12,7 @@ from wildscav_leaderboard.submissions.states import ACTIVE, CANCELLED, FAILED
 from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.teams.service import team_of
 
-MOST = 100  # in one list
+MAX_LISTED = 100  # in one list
 
 
 def list_submissions(
@@ -21,7 +21,7 @@ def list_submissions(
     team: int | None = None,
     states: Sequence[str] = (),
     before: int | None = None,
-    limit: int = MOST,
+    limit: int = MAX_LISTED,
     where: ColumnElement[bool] | None = None,
 ) -> list[Submission]:
     """Return submissions, the newest first."""

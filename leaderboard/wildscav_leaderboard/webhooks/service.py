@@ -17,7 +17,7 @@ from wildscav_leaderboard.webhooks.models import Delivery, Webhook
 LONGEST_URL = 500
 SCHEMES = ("https", "http")
 HIGHEST_PORT = 65_535
-MOST = 5  # webhooks of a team
+MAX_WEBHOOKS = 5  # webhooks of a team
 
 
 def add_webhook(session: Session, team: Team, url: str, now: datetime) -> Webhook:
@@ -27,8 +27,8 @@ def add_webhook(session: Session, team: Team, url: str, now: datetime) -> Webhoo
         RefusalError: The address is not valid, or the team has too many.
     """
     _check_url(url)
-    if len(webhooks_of(session, team)) >= MOST:
-        raise RefusalError(f"a team has at most {MOST} webhooks: remove one first")
+    if len(webhooks_of(session, team)) >= MAX_WEBHOOKS:
+        raise RefusalError(f"a team has at most {MAX_WEBHOOKS} webhooks: remove one first")
     secret = f"whsec_{b64encode(secrets.token_bytes(32)).decode()}"
     webhook = Webhook(team_id=team.id, url=url, secret=secret, created=now)
     session.add(webhook)

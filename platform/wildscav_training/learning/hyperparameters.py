@@ -2,6 +2,9 @@
 
 from dataclasses import dataclass
 
+# What some are called in the files of a run, and were called in 0.1.0.
+OLD_NAMES = {"gamma": "discount", "gae_lambda": "trace", "kl_coeff": "divergence"}
+
 
 @dataclass(frozen=True)
 class Hyperparameters:
@@ -13,12 +16,12 @@ class Hyperparameters:
     epochs: int = 5  # passes over the steps of a rollout
     learning_rate: float = 7e-4
     anneal: bool = True  # let the learning rate fall to 0 over the run, in a straight line
-    discount: float = 0.99  # of the reward one step later
-    trace: float = 0.95  # lambda of generalized advantage estimation
+    gamma: float = 0.99  # of the reward one step later
+    gae_lambda: float = 0.95  # of generalized advantage estimation
     clip: float = 0.2  # how far the probability of an action may move in an update
     entropy: float = 0.003  # weight of the entropy
     value: float = 0.5  # weight of the squared error of the value
-    divergence: float = 0.0  # first weight of the KL divergence from the policy before; 0: without
+    kl_coeff: float = 0.0  # first weight of the KL divergence from the policy before; 0: without
     gradient_norm: float = 0.5  # longest gradient
     layers: tuple[int, ...] = (64, 64)  # width of each hidden layer, of the policy and of the value alike
 
@@ -41,11 +44,11 @@ PAPER = Hyperparameters(
     epochs=30,
     learning_rate=1e-5,
     anneal=False,
-    trace=1.0,
+    gae_lambda=1.0,
     clip=0.3,
     entropy=0.0,
     value=1.0,
-    divergence=0.2,
+    kl_coeff=0.2,
     gradient_norm=1e9,
     layers=(256, 256),
 )

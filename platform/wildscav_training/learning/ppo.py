@@ -106,7 +106,7 @@ def divergence_of(before: list[Tensor], now: list[Tensor]) -> Tensor:
 # --- Advantages -----------------------------------------------------------------------------------------
 
 
-def advantages(played: Rollout, next_value: Tensor, discount: float, trace: float) -> Tensor:
+def advantages(played: Rollout, next_value: Tensor, gamma: float, gae_lambda: float) -> Tensor:
     """Return (T, N) how much better each action was than expected: generalized advantage estimation.
 
     Schulman et al., "High-Dimensional Continuous Control Using Generalized Advantage Estimation", 2016.
@@ -114,15 +114,15 @@ def advantages(played: Rollout, next_value: Tensor, discount: float, trace: floa
     Args:
         played: The rollout.
         next_value: (N,) the value of the observation after its last step.
-        discount: Of the reward one step later.
-        trace: Lambda, from 0 (the value after one step is believed) to 1 (only rewards are).
+        gamma: Of the reward one step later.
+        gae_lambda: From 0 (the value after one step is believed) to 1 (only rewards are).
     """
     result = torch.zeros_like(played.reward)
     later = torch.zeros_like(next_value)
     for step in reversed(range(len(played.reward))):
         goes_on = 1.0 - played.ended[step]
-        surprise = played.reward[step] + discount * next_value * goes_on - played.value[step]
-        later = surprise + discount * trace * goes_on * later
+        surprise = played.reward[step] + gamma * next_value * goes_on - played.value[step]
+        later = surprise + gamma * gae_lambda * goes_on * later
         result[step], next_value = later, played.value[step]
     return result
 
@@ -161,7 +161,7 @@ class PPO:
         self.opponents.begin(self.policy, self.choices.draw, self.env.single_action_space.shape or ())
         self._weights = [*self.policy.parameters(), *self.value.parameters()]
         self._adam = torch.optim.Adam(self._weights, lr=self._given.learning_rate, eps=1e-5)
-        self._divergence = self._given.divergence
+        self._divergence = self._given.kl_coeff
         self.steps = self.rollouts = 0
         self.total = self._given.rollouts(settings.steps, self.env.num_agents)
         self._begin_stage()
@@ -217,7 +217,7 @@ class PPO:
         truncated = (outcome.truncated & ~outcome.terminated).reshape(-1)
         if truncated.any() and outcome.final is not None:
             follows = self.value(rows_of(outcome.final.observation)[truncated]).squeeze(-1)
-            reward[torch.from_numpy(truncated)] += self._given.discount * follows
+            reward[torch.from_numpy(truncated)] += self._given.gamma * follows
         over = (outcome.terminated | outcome.truncated).reshape(-1)
         return reward, torch.from_numpy(over.astype(np.float32))
 
@@ -240,7 +240,7 @@ class PPO:
 
     def _learn(self, played: Rollout, next_value: Tensor) -> dict[str, float]:
         """Learn from a rollout in several epochs of minibatches, and return the mean losses."""
-        gains = advantages(played, next_value, self._given.discount, self._given.trace)
+        gains = advantages(played, next_value, self._given.gamma, self._given.gae_lambda)
         chosen = torch.nonzero(played.active.reshape(-1)).squeeze(-1)
         flat = Rollout(*(part.flatten(0, 1)[chosen] for part in played))
         gain, wanted = gains.reshape(-1)[chosen], (gains + played.value).reshape(-1)[chosen]

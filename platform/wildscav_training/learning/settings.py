@@ -6,7 +6,7 @@ from typing import Any
 
 from wildscav.errors import UserError
 from wildscav.terminal.suggestions import did_you_mean
-from wildscav_training.learning.hyperparameters import PAPER, TUNED, Hyperparameters
+from wildscav_training.learning.hyperparameters import OLD_NAMES, PAPER, TUNED, Hyperparameters
 from wildscav_training.learning.opposition import Opposition
 from wildscav_training.learning.start import Start
 
@@ -49,6 +49,7 @@ class TrainingSettings:
         for name in ("opposition", "start"):
             del own[name]
         numbers = asdict(self.hyperparameters) | {"layers": list(self.hyperparameters.layers)}
+        numbers = {OLD_NAMES.get(name, name): value for name, value in numbers.items()}
         opposition = {} if self.opposition is None else {"opposition": self.opposition.as_json()}
         start = {} if self.start is None else {"start": self.start.as_json()}
         return {**own, "algorithm": "ppo", "hyperparameters": numbers, **opposition, **start}
@@ -95,6 +96,8 @@ def changed(hyperparameters: Hyperparameters, changes: Mapping[str, Any]) -> Hyp
         UserError: There is none of a name, or the value is wrong.
     """
     known = asdict(hyperparameters)
+    new_names = {old: new for new, old in OLD_NAMES.items()}
+    changes = {new_names.get(name, name): value for name, value in changes.items()}
     for name, value in changes.items():
         if name not in known:
             raise UserError(
@@ -123,7 +126,7 @@ def _check(name: str, value: object, default: object) -> None:
         allowed, is_good = "an integer from 1 to 100,000", type(value) is int and 1 <= value <= 100_000
     else:
         is_number = isinstance(value, int | float) and not isinstance(value, bool)
-        highest = 1.0 if name in {"discount", "trace"} else 1e9
+        highest = 1.0 if name in {"gamma", "gae_lambda"} else 1e9
         allowed = f"a number from 0 to {highest:g}"
         is_good = is_number and 0.0 <= value <= highest  # type: ignore[operator]
     if not is_good:

@@ -12,7 +12,7 @@ from tests.leaderboard.spectating.served import served
 
 from wildscav_leaderboard.hosting.app import create_app
 
-MOST = 10  # queries of a page
+MAX_QUERIES = 10  # queries of a page
 MORE_IF_LOGGED_IN = 3  # who it is, of which team, and what that team alone sees
 
 
@@ -64,5 +64,5 @@ def test_a_page_asks_the_database_few_times(
     answer = ask(client, hostile_season, asker, "GET", page)
 
     assert answer.status_code == 200
-    allowed = MOST + (0 if asker == "visitor" else MORE_IF_LOGGED_IN)
+    allowed = MAX_QUERIES + (0 if asker == "visitor" else MORE_IF_LOGGED_IN)
     assert 0 < len(asked) <= allowed, "\n\n".join(asked)

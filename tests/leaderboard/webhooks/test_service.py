@@ -7,7 +7,7 @@ from tests.leaderboard.seasons_made import NOON, team_with_member
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.seasons.refusals import InvalidError, NotFoundError, RefusalError
 from wildscav_leaderboard.webhooks.service import (
-    MOST,
+    MAX_WEBHOOKS,
     add_webhook,
     own_webhook,
     queue_message,
@@ -45,10 +45,13 @@ def test_a_team_has_a_few_webhooks_each_with_a_secret_of_its_own(database: Datab
     with database.writing() as session:
         foxes, _ = team_with_member(session, "foxes")
         owls, _ = team_with_member(session, "owls")
-        added = [add_webhook(session, foxes, f"https://example.org/{number}", NOON) for number in range(MOST)]
+        added = [
+            add_webhook(session, foxes, f"https://example.org/{number}", NOON)
+            for number in range(MAX_WEBHOOKS)
+        ]
         with pytest.raises(RefusalError, match="at most 5 webhooks"):
             add_webhook(session, foxes, "https://example.org/more", NOON)
-        assert len({one.secret for one in added}) == MOST
+        assert len({one.secret for one in added}) == MAX_WEBHOOKS
         assert Signer(added[0].secret).sign("msg_1", NOON, "{}").startswith("v1,")
         assert webhooks_of(session, foxes) == added
         assert webhooks_of(session, owls) == []

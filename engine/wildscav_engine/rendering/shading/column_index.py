@@ -8,7 +8,7 @@ from wildscav_engine.geometry.world import CELL, World
 from wildscav_engine.rendering.shading.columns import STEEP, Columns
 
 SIDE = 0.5  # m, of a column's section
-MOST = 2**23  # columns; wider ones are made for a map that would have more
+MAX_COLUMNS = 2**23  # columns; wider ones are made for a map that would have more
 LEVEL = 1e-9  # a face whose unit normal is this close to level across the direction runs along it
 MARGIN = 1e-3  # m, for rounding
 
@@ -27,7 +27,7 @@ def columns_of(
     lean_x, lean_z = direction[0] / direction[1], direction[2] / direction[1]
     west, east = _span(world, 0, lean_x)
     south, north = _span(world, 2, lean_z)
-    side = max(SIDE, float(np.sqrt((east - west) * (north - south) / MOST)))
+    side = max(SIDE, float(np.sqrt((east - west) * (north - south) / MAX_COLUMNS)))
     shape = int((north - south) / side) + 1, int((east - west) / side) + 1
     nothing, number = np.zeros(0, np.float32), np.zeros(0, np.int32)
     bare = Columns(

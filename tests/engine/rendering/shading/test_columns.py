@@ -8,7 +8,7 @@ from tests.builders import box, flat_world
 from wildscav_engine.geometry.rays import NOTHING_HIT, cast_ray
 from wildscav_engine.geometry.world import CELL, Kind, World, build_world
 from wildscav_engine.maps import generate_map
-from wildscav_engine.rendering.shading.column_index import MOST, SIDE, columns_of
+from wildscav_engine.rendering.shading.column_index import MAX_COLUMNS, SIDE, columns_of
 from wildscav_engine.rendering.shading.columns import (
     BLOCKED,
     CLEAR,
@@ -124,5 +124,5 @@ def test_only_ground_that_faces_away_from_the_sun_is_left_to_rays() -> None:
 def test_a_large_map_has_wider_columns_instead_of_more() -> None:
     assert to_sun(flat_world(40)).per_side == 1.0 / SIDE
     large = to_sun(flat_world(2000))
-    assert large.record.size <= 1.01 * MOST
+    assert large.record.size <= 1.01 * MAX_COLUMNS
     assert large.per_side < 1.0 / SIDE

@@ -55,7 +55,7 @@ def test_the_distribution_has_its_probabilities_entropy_and_divergence() -> None
 
 
 @pytest.mark.parametrize(
-    ("trace", "ended", "expected"),
+    ("gae_lambda", "ended", "expected"),
     [
         (0.0, [0.0, 0.0], [1.0 + 0.5 * 4.0 - 2.0, 0.0 + 0.5 * 8.0 - 4.0]),  # one step each
         (1.0, [0.0, 0.0], [1.0 + 0.5 * 0.0 + 0.25 * 8.0 - 2.0, 0.5 * 8.0 - 4.0]),  # all rewards
@@ -63,7 +63,7 @@ def test_the_distribution_has_its_probabilities_entropy_and_divergence() -> None
         (1.0, [0.0, 1.0], [1.0 - 2.0, 0.0 - 4.0]),
     ],
 )
-def test_advantages(trace: float, ended: list[float], expected: list[float]) -> None:
+def test_advantages(gae_lambda: float, ended: list[float], expected: list[float]) -> None:
     def column(values: list[float]) -> Any:
         return torch.tensor(values)[:, None]
 
@@ -71,7 +71,7 @@ def test_advantages(trace: float, ended: list[float], expected: list[float]) -> 
     played = Rollout(
         nothing, nothing, nothing, column([2.0, 4.0]), column([1.0, 0.0]), column(ended), nothing == 0
     )
-    found = advantages(played, torch.tensor([8.0]), discount=0.5, trace=trace)
+    found = advantages(played, torch.tensor([8.0]), gamma=0.5, gae_lambda=gae_lambda)
     assert found[:, 0].tolist() == pytest.approx(expected)
 
 
@@ -92,7 +92,7 @@ def weights(learner: PPO) -> list[list[float]]:
     ("track", "more"),
     [
         ("navigation", {"curriculum": (1.0,)}),  # everyone succeeds, so the stage changes on the way
-        ("navigation", {"action_mode": "baseline", "divergence": 0.2, "anneal": False}),
+        ("navigation", {"action_mode": "baseline", "kl_coeff": 0.2, "anneal": False}),
         ("gathering", {"agents": 2, "teams": (0, 0)}),
         ("battle", {"opponents": ("fighter",)}),
         ("royale", {"agents": 3, "opponents": ()}),

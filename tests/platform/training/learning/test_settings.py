@@ -18,7 +18,7 @@ def test_the_preset_paper_has_the_numbers_of_the_papers_table() -> None:
     assert paper.learning_rate == 1e-5
     assert paper.matches * paper.rollout == 32_000
     assert (paper.minibatch, paper.rollout) == (256, 400)
-    assert (paper.entropy, paper.value, paper.divergence) == (0.0, 1.0, 0.2)
+    assert (paper.entropy, paper.value, paper.kl_coeff) == (0.0, 1.0, 0.2)
     assert paper.layers == (256, 256)
 
 
@@ -68,7 +68,7 @@ def test_hyperparameters_are_changed_by_name() -> None:
         ("entropy", "much", "entropy is 'much', must be a number"),
         ("entropy", True, "must be a number"),
         ("entropy", float("nan"), "must be a number from 0"),
-        ("discount", 1.5, "must be a number from 0 to 1"),
+        ("gamma", 1.5, "must be a number from 0 to 1"),
         ("minibatch", 0, "must be an integer from 1"),
         ("minibatch", 2.5, "must be an integer from 1"),
         ("anneal", 1, "must be true or false"),
@@ -94,3 +94,10 @@ def test_settings_survive_json() -> None:
     settings = TrainingSettings("navigation", {"level": "easy"}, 100, 3, Hyperparameters(), (2.0, 5.0))
     assert json.loads(json.dumps(settings.as_json())) == settings.as_json()
     assert settings.as_json()["hyperparameters"]["layers"] == [64, 64]
+
+
+def test_hyperparameters_are_known_by_the_names_of_the_release_before_too() -> None:
+    assert changed(Hyperparameters(), {"discount": 0.9, "trace": 0.8}).gamma == 0.9
+    assert TrainingSettings("navigation", {}, 1, 0, Hyperparameters()).as_json()["hyperparameters"][
+        "discount"
+    ]
