@@ -5,19 +5,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel, kernel
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
-from wildscav_engine.rendering.cameras import Cameras, are_finite
-from wildscav_engine.rendering.dynamic_objects import read_objects, sets_of
-from wildscav_engine.rendering.match_images import Matches, TracedImage, trace_in_match
+from wildscav_engine.rendering.match_images import TracedImage
 from wildscav_engine.rendering.tracing.frustum import Camera, nonnegative
 from wildscav_engine.rendering.tracing.hit_buffer import NOTHING, HitBuffer, index_in_code, is_terrain_code
 from wildscav_engine.rendering.tracing.packing import Shapes
-from wildscav_engine.rendering.tracing.scene import Scene
 from wildscav_engine.rendering.tracing.solid_intersection import write_entered_faces
-from wildscav_engine.rendering.tracing.solids import Solids
-from wildscav_engine.rendering.tracing.workspace import Size
 
 WATER_HIT = -3
 
@@ -39,55 +33,6 @@ def allocate_hits(count: int, height: int, width: int) -> Hits:
     """Return uninitialized arrays for the hits of ``count`` images."""
     shape = (count, height, width)
     return Hits(np.empty(shape, np.float32), np.empty(shape, np.int32), np.empty(shape, np.int32))
-
-
-def trace(scene: Scene, moving: Solids, cameras: Cameras, hits: Hits, *, with_water: bool = False) -> bool:
-    """Find what each ray hits first.
-
-    Args:
-        scene: The static world.
-        moving: The moving solids.
-        cameras: N cameras. A camera outside the map sees nothing of it; one below the ground or in a solid
-            hits that at distance 0.
-        hits: Of N images, written.
-        with_water: Whether rays hit the surface of water; else they go to its bed.
-
-    Returns:
-        Whether all numbers of the cameras are finite; if not, nothing is written.
-    """
-    objects, in_one_match = sets_of(moving), np.zeros(len(cameras.yaws), np.int64)
-    _, height, width = hits.distance.shape
-    tables = scene.tables(Size(height, width, cameras.half_width, objects.most_faces))
-    return _trace_hits(with_water, *cameras, tables, objects.addresses, objects.start, in_one_match, *hits)
-
-
-@kernel
-def _trace_hits(
-    with_water: bool,
-    eyes: NDArray[np.float64],
-    yaws: NDArray[np.float64],
-    pitches: NDArray[np.float64],
-    viewers: NDArray[np.int32],
-    half_width: float,
-    far: float,
-    workspaces: NDArray[np.int64],
-    objects: Addresses,
-    start: NDArray[np.int64],
-    matches: NDArray[np.int64],
-    distance: NDArray[np.float32],
-    solid: NDArray[np.int32],
-    face: NDArray[np.int32],
-) -> bool:
-    """Implement ``trace``."""
-    if not are_finite(eyes, yaws, pitches):
-        return False
-    cameras = Cameras(eyes, yaws, pitches, viewers, half_width, far)
-    shown = Matches(workspaces, read_objects(objects), start, matches)
-    count, height, width = distance.shape
-    for image in range(count):
-        traced = trace_in_match(shown, cameras, image, height, width, with_water)
-        write_hits(traced, Hits(distance[image], solid[image], face[image]))
-    return True
 
 
 @kernel

@@ -3,82 +3,22 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.array_tables import Addresses
-from wildscav_engine.compilation.kernel import inlined_kernel, kernel
+from wildscav_engine.compilation.kernel import inlined_kernel
 from wildscav_engine.geometry.world import BLOCK, CELL
-from wildscav_engine.parallel.turns import ALONE, Turns
-from wildscav_engine.rendering.cameras import Cameras, are_finite
-from wildscav_engine.rendering.dynamic_objects import ObjectSets, read_objects
-from wildscav_engine.rendering.match_images import Matches, TracedImage, trace_in_match
-from wildscav_engine.rendering.trace import Scene, Scenes
+from wildscav_engine.rendering.match_images import TracedImage
 from wildscav_engine.rendering.tracing.frustum import Camera, nonnegative
 from wildscav_engine.rendering.tracing.hit_buffer import NOTHING, HitBuffer, index_in_code
 from wildscav_engine.rendering.tracing.packing import CORNERS, Blocks, Shapes, unpack_blocks
 from wildscav_engine.rendering.tracing.solid_intersection import write_entered_faces
-from wildscav_engine.rendering.tracing.workspace import Size
-from wildscav_engine.rendering.turns import TAKEN_ALREADY, item_at
 
 
-def write_normals(
-    scenes: Scene | Scenes,
-    objects: ObjectSets,
-    matches: NDArray[np.int64],
-    cameras: Cameras,
-    images: NDArray[np.float32],
-    turns: Turns = ALONE,
-) -> bool:
-    """Write the unit normal of the surface that each ray hits first; rays pass through water to its bed.
-
-    Args:
-        scenes: The static worlds of N cameras, or one for all.
-        objects: The moving objects of some matches.
-        matches: (N,) the match in ``objects`` that each camera is in.
-        cameras: N cameras.
-        images: (N, H, W, 3) in the axes of the world, written; zeros where a ray hits nothing or starts
-            below the ground or in a solid.
-        turns: In which order to write them, with other threads.
-
-    Returns:
-        Whether all numbers of the cameras are finite; if not, nothing is written.
-    """
-    _, height, width, _ = images.shape
-    tables = scenes.tables(Size(height, width, cameras.half_width, objects.most_faces))
-    return _write_normals(*cameras, tables, objects.addresses, objects.start, matches, *turns, images)
-
-
-# Arrays are passed to this kernel one by one, for the reason given in ``trace.py``.
-@kernel
-def _write_normals(
-    eyes: NDArray[np.float64],
-    yaws: NDArray[np.float64],
-    pitches: NDArray[np.float64],
-    viewers: NDArray[np.int32],
-    half_width: float,
-    far: float,
-    workspaces: NDArray[np.int64],
-    objects: Addresses,
-    start: NDArray[np.int64],
-    matches: NDArray[np.int64],
-    order: NDArray[np.int64],
-    taken: NDArray[np.int64],
-    images: NDArray[np.float32],
-) -> bool:
-    """Implement ``write_normals``."""
-    if not are_finite(eyes, yaws, pitches):
-        return False
-    cameras = Cameras(eyes, yaws, pitches, viewers, half_width, far)
-    shown = Matches(workspaces, read_objects(objects), start, matches)
-    count, height, width = images.shape[:3]
-    for turn in range(count):
-        image = item_at(Turns(order, taken), turn)
-        if image == TAKEN_ALREADY:
-            continue
-        traced = trace_in_match(shown, cameras, image, height, width, False)
-        parts = traced.workspace
-        blocks = unpack_blocks(parts.numbers, parts.indices, parts.float32s)
-        for row in range(height):
-            _write_row(traced, blocks, nonnegative(row * width), images[image, row])
-    return True
+@inlined_kernel
+def write_normals(traced: TracedImage, image: NDArray[np.float32]) -> None:
+    """Write (H, W, 3) unit normals; zeros where a ray hits nothing, or starts in the ground or a solid."""
+    parts = traced.workspace
+    blocks = unpack_blocks(parts.numbers, parts.indices, parts.float32s)
+    for row in range(image.shape[0]):
+        _write_row(traced, blocks, nonnegative(row * image.shape[1]), image[row])
 
 
 @inlined_kernel

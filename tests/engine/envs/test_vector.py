@@ -20,7 +20,8 @@ from wildscav_engine.envs.batched import BatchedArena
 from wildscav_engine.envs.vector import VectorArena
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.rendering.cameras import Cameras
-from wildscav_engine.rendering.hits import allocate_hits, trace
+from wildscav_engine.rendering.hits import allocate_hits
+from wildscav_engine.rendering.images import trace
 from wildscav_engine.rendering.tracing.solids import Solids
 from wildscav_engine.sensors import SENSORS, ColorCamera, Lidar, SegmentationCamera, parse_sensors
 from wildscav_engine.sensors.base import Sensor, sensor

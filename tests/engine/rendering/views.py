@@ -10,7 +10,8 @@ from tests.engine.rendering.brute_force import Met
 from wildscav_engine.geometry.rays import TERRAIN_HIT, cast_ray
 from wildscav_engine.geometry.world import CELL, World
 from wildscav_engine.rendering.cameras import Cameras
-from wildscav_engine.rendering.hits import WATER_HIT, Hits, allocate_hits, trace
+from wildscav_engine.rendering.hits import WATER_HIT, Hits, allocate_hits
+from wildscav_engine.rendering.images import trace
 from wildscav_engine.rendering.trace import Scene
 from wildscav_engine.rendering.tracing.solids import Solids, gather_solids
 

@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 from wildscav_engine.compilation.kernel import refusal
 from wildscav_engine.parallel.turns import ALONE, Turns
 from wildscav_engine.rendering.cameras import Cameras
-from wildscav_engine.rendering.depths import trace_depths
 from wildscav_engine.rendering.dynamic_objects import ObjectSets
+from wildscav_engine.rendering.images import Output, trace_images
 from wildscav_engine.rendering.trace import depths_tracer, trace_static_depths
 from wildscav_engine.rendering.tracing.solids import Solids
 from wildscav_engine.rendering.tracing.workspace import Size
@@ -94,4 +94,4 @@ class DepthCamera(PinholeCamera):
         """Write the depths of what the rays hit."""
         if objects.most == 0:
             return trace_static_depths(shown.scenes, self._size, cameras, images, turns)
-        return trace_depths(shown.scenes, objects, matches, cameras, images, turns)
+        return trace_images(Output.DEPTHS, shown.scenes, objects, matches, cameras, images, turns)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from wildscav_engine.parallel.turns import Turns
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.dynamic_objects import ObjectSets
-from wildscav_engine.rendering.normals import write_normals
+from wildscav_engine.rendering.images import Output, trace_images
 from wildscav_engine.sensors.base import sensor
 from wildscav_engine.sensors.optics.image_sensor import ShownMaps
 from wildscav_engine.sensors.optics.pinhole import PinholeCamera
@@ -45,4 +45,4 @@ class NormalCamera(PinholeCamera):
         turns: Turns,
     ) -> bool:
         """Write the normals of the surfaces that the rays hit."""
-        return write_normals(shown.scenes, objects, matches, cameras, images, turns)
+        return trace_images(Output.NORMALS, shown.scenes, objects, matches, cameras, images, turns)

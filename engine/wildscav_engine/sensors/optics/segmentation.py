@@ -16,7 +16,8 @@ from wildscav_engine.geometry.world import Kind
 from wildscav_engine.parallel.turns import Turns
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.dynamic_objects import ObjectSets
-from wildscav_engine.rendering.labels import FIRST_AGENT, FIRST_BOX, FIRST_SOLID, write_labels
+from wildscav_engine.rendering.images import Output, trace_images
+from wildscav_engine.rendering.labels import FIRST_AGENT, FIRST_BOX, FIRST_SOLID
 from wildscav_engine.sensors.base import Sensor, sensor
 from wildscav_engine.sensors.optics.image_sensor import ShownMaps
 from wildscav_engine.sensors.optics.pinhole import PinholeCamera
@@ -65,5 +66,5 @@ class SegmentationCamera(PinholeCamera):
         turns: Turns,
     ) -> bool:
         """Write the labels of the objects that the rays hit."""
-        by_instance = self.label == "instance"
-        return write_labels(shown.scenes, objects, matches, cameras, images, turns, by_instance=by_instance)
+        output = Output.INSTANCES if self.label == "instance" else Output.KINDS
+        return trace_images(output, shown.scenes, objects, matches, cameras, images, turns)

@@ -12,7 +12,8 @@ from wildscav_engine.geometry.world import Kind
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.rendering.cameras import Cameras
-from wildscav_engine.rendering.hits import Hits, allocate_hits, trace
+from wildscav_engine.rendering.hits import Hits, allocate_hits
+from wildscav_engine.rendering.images import trace
 from wildscav_engine.rendering.shading.ambient_occlusion import (
     LOOKED_AT,
     Around,

@@ -15,7 +15,8 @@ from wildscav_engine.geometry.rays import NOTHING_HIT, cast_ray
 from wildscav_engine.geometry.world import Kind, Solid, build_world
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.rendering.hits import allocate_hits, trace
+from wildscav_engine.rendering.hits import allocate_hits
+from wildscav_engine.rendering.images import trace
 from wildscav_engine.rendering.palette import SUN
 from wildscav_engine.rendering.shading.light import SHADOW_REACH, sun_is_clear
 from wildscav_engine.rendering.shading.noise import PERIOD, endless_noise, grain, noise

@@ -76,6 +76,7 @@ def test_the_submission_does_what_the_trained_policy_does(tmp_path: Path) -> Non
 
     folder = tmp_path / "out" / "seed-0"
     settings = json.loads((folder / "settings.json").read_text())
+    assert settings.pop("algorithm") == "ppo"
     settings["hyperparameters"] = small().hyperparameters
     learner = PPO(TrainingSettings(**{**settings, "curriculum": ()}))
     learner.restore(RunFolder(folder).load()["learner"])
