@@ -163,6 +163,8 @@ def test_the_wheel_of_the_sdk_can_be_installed_and_holds_the_sdk(tmp_path: Path)
     needed = {text.partition(">")[0] for text in found.requires or ()}
     assert {"grpcio", "numpy", "protobuf"} <= needed
     assert "numba" not in needed
+    commands = {point.name for point in found.entry_points if point.group == "wildscav.commands"}
+    assert commands == {"init"}, "those of the package that it holds"
     code = "import wildscav; print(wildscav.__file__)"
     place = subprocess.run(
         [sys.executable, "-c", code],

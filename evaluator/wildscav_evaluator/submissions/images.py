@@ -53,6 +53,12 @@ DOCKERFILES = next(
 LARGEST_VARIABLES = 65_536  # bytes, names included; Linux accepts 128 KiB in one and 2 MiB in all
 LARGEST_HEADERS = 16_384  # bytes of a tar archive with one file, without the file's content
 TAG = "py3-none-any"
+ENTRY_POINTS = b"""[console_scripts]
+wildscav = wildscav.cli.main:main
+
+[wildscav.commands]
+init = wildscav.cli.init:init
+"""
 LEFT_OUT = {"__pycache__", "submissions"}  # an installed wheel has the baselines in the package
 
 
@@ -335,7 +341,7 @@ def write_sdk_wheel(folder: Path) -> Path:
     content = _sdk_files() | {
         f"{info}/METADATA": _metadata().encode(),
         f"{info}/WHEEL": "\n".join(wheel_info).encode(),
-        f"{info}/entry_points.txt": b"[console_scripts]\nwildscav = wildscav.cli.main:main\n",
+        f"{info}/entry_points.txt": ENTRY_POINTS,
     }
     record = f"{info}/RECORD"
     lines = [f"{name},sha256={_digest(data)},{len(data)}" for name, data in content.items()]

@@ -4,6 +4,7 @@ A command is a function with Typer's annotations, or a Typer application with se
 is imported only when the command is run or listed in the help.
 """
 
+import functools
 import inspect
 import os
 import sys
@@ -102,7 +103,9 @@ class Commands(TyperGroup):
             return _command(cmd_name, _unavailable(cmd_name, error), options=False)
 
 
+@functools.cache
 def _registered() -> dict[str, EntryPoint]:
+    """Return all commands by name. To find them, the metadata of every installed package is read."""
     return {point.name: point for point in entry_points(group=GROUP)}
 
 
