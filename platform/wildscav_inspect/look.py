@@ -1,4 +1,4 @@
-"""``wildscav look``: a picture of what a sensor sees at a place on a map."""
+"""``wildscav map look``: a picture of what a sensor sees at a place on a map."""
 
 import math
 import tomllib
@@ -70,13 +70,13 @@ def look(
         typer.Option(metavar="X,Z|X,Y,Z", help="Place a supply box there. May be repeated."),
     ] = None,
     legend: Annotated[bool, typer.Option(help="Add a legend of the colours below the picture.")] = True,
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="File to write. Default: map-NAME-SENSOR.png.")
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", help="File to write. Default: map-NAME-SENSOR.png.")
     ] = None,
 ) -> None:
     """Draw what a sensor sees at a place on a map."""
-    if output is not None:
-        format_of(output)
+    if out is not None:
+        format_of(out)
     agents = [_read("agent", text, "X,Z,YAW") for text in agent or ()]
     boxes = [_read("box", text, "X,Z") for text in box or ()]
     size = {"width": width, "height": height, "far": far, "field_of_view": field_of_view}
@@ -86,7 +86,7 @@ def look(
     choice = named.choose()
     view = _viewpoint(choice.game_map, place, yaw, pitch)
     picture = _picture(optical_sensor, choice.game_map, view, agents, boxes, legend=legend)
-    path = output or Path(f"{choice.slug}-{sensor}.png")
+    path = out or Path(f"{choice.slug}-{sensor}.png")
     _print_saved(save(picture, path), view)
 
 

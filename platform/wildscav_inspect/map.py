@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.markup import escape
 
+from wildscav.cli.main import Commands
 from wildscav.cli.shared_options import AsJson, takes
 from wildscav.errors import UserError
 from wildscav.system.output_folders import check_folder
@@ -20,7 +21,8 @@ if TYPE_CHECKING:
 
 app = typer.Typer(
     name="map",
-    help="Draw, describe, export and import maps.",
+    cls=Commands,
+    help="Draw, describe, make, export and import maps.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -88,7 +90,7 @@ def import_map(
 def show(
     named: MapOptions,
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="File to write. Default: map-NAME.png.")
+        Path | None, typer.Option("--out", "-o", help="File to write. Default: map-NAME.png.")
     ] = None,
     width: Annotated[int, typer.Option(help="Pixels.")] = 1200,
     storey: Annotated[
@@ -144,7 +146,7 @@ def _suffix(
 def export(
     named: MapOptions,
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="Folder to write into. Default: map-NAME.")
+        Path | None, typer.Option("--out", "-o", help="Folder to write into. Default: map-NAME.")
     ] = None,
 ) -> None:
     """Write a map's triangle mesh (OBJ and GLB), its valid locations and its spec (JSON)."""
@@ -152,7 +154,7 @@ def export(
     from wildscav_engine.maps.export.files import export_map
 
     if output is not None:
-        check_folder("--output", output)
+        check_folder("--out", output)
     choice = named.choose()
     folder = output or Path(choice.slug)
     with error_console.status("exporting"):

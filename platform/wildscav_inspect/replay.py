@@ -1,20 +1,24 @@
-"""``wildscav replay``: render a record as a Rerun recording, or show it in a browser."""
+"""``wildscav replay``: render a record as a Rerun recording or a video, or show it in a browser."""
 
 import shlex
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 from rich.markup import escape
 
 from wildscav.errors import UserError
 from wildscav_inspect.records import SeasonOption, read_of_seat, resolve_record
+from wildscav_inspect.video import VIDEO_SUFFIXES, VideoOptions, make_video
 
 if TYPE_CHECKING:
     from wildscav_engine.record import Record
 
 RERUN_MAGIC = b"RRF"  # the first bytes of every .rrd file
 SUFFIX = ".rrd"
+
+
+VIDEO = "Videos and pictures"  # the panel of the help
 
 
 def replay(
@@ -26,14 +30,22 @@ def replay(
             show_default=False,
         ),
     ],
-    output: Annotated[
+    out: Annotated[
         Path | None,
         typer.Option(
-            "--output", "-o", help="File to write. Default: the record's name with .rrd; with --web, none."
+            "--out",
+            "-o",
+            help="File to write: .rrd, or a video (.mp4, .gif, .webp). Default: the record's name with .rrd, "
+            "or with .mp4 for --video; with --web, none.",
         ),
     ] = None,
-    follow: Annotated[
-        int | None, typer.Option(help="Seat that the cameras follow. Default: the first submission.", min=0)
+    seat: Annotated[
+        int | None,
+        typer.Option(
+            help="Seat that the cameras follow. Default: the first submission; of a video from behind, "
+            "whoever has most to do.",
+            min=0,
+        ),
     ] = None,
     images: Annotated[
         bool, typer.Option(help="Draw the images of the followed agent's camera and depth camera.")
@@ -45,17 +57,77 @@ def replay(
     port: Annotated[
         int | None, typer.Option(help="Port that --web listens on. Default: any free one.", min=0, max=65535)
     ] = None,
+    video: Annotated[
+        bool,
+        typer.Option("--video", help="Make a video, as --out does that names one.", rich_help_panel=VIDEO),
+    ] = False,
+    poster: Annotated[
+        Path | None,
+        typer.Option(
+            help="Write one picture (.png, .webp or .jpg) instead: at --start, or where most happens.",
+            metavar="FILE",
+            rich_help_panel=VIDEO,
+        ),
+    ] = None,
+    view: Annotated[
+        Literal["eyes", "behind", "above", "grid"] | None,
+        typer.Option(
+            help="Watch through the eyes of an agent, from behind it, from above, or through the eyes of all "
+            "seats (at most 16) side by side. Default: eyes.",
+            rich_help_panel=VIDEO,
+        ),
+    ] = None,
+    start: Annotated[
+        float | None,
+        typer.Option(help="Where in the match to begin, in seconds.", min=0, rich_help_panel=VIDEO),
+    ] = None,
+    end: Annotated[
+        float | None,
+        typer.Option(help="Where in the match to end, in seconds.", min=0, rich_help_panel=VIDEO),
+    ] = None,
+    speed: Annotated[
+        float | None,
+        typer.Option(
+            help="Seconds of the match in a second of the video. Default: 1.", rich_help_panel=VIDEO
+        ),
+    ] = None,
+    size: Annotated[
+        str | None,
+        typer.Option(
+            help="Size in pixels. Default: 1280x720; of .gif and .webp 640x360.",
+            metavar="WxH",
+            rich_help_panel=VIDEO,
+        ),
+    ] = None,
+    fps: Annotated[
+        float | None,
+        typer.Option(help="Pictures a second. Default: 25; of .gif and .webp 10.", rich_help_panel=VIDEO),
+    ] = None,
+    detail: Annotated[
+        float | None,
+        typer.Option(
+            help="Share of width and height that is rendered, 0.2 to 1. Default: 0.5, of one picture 1.",
+            rich_help_panel=VIDEO,
+        ),
+    ] = None,
     season: SeasonOption = None,
 ) -> None:
-    """Render a record as a replay that can be watched in 3D."""
+    """Render a record: as a replay that can be watched in 3D, as a video, or as one picture."""
+    wanted = VideoOptions(poster, view, start, end, speed, size, fps, detail)
+    if video or poster is not None or (out is not None and out.suffix.lower() in VIDEO_SUFFIXES):
+        if web:
+            raise UserError("--web is for replays: leave it out, or --video and --poster", exit_code=2)
+        return make_video(record, seat, out, wanted, season)
+    if given := wanted.given():
+        raise UserError(f"{given} is for a video or a picture: add --video or --poster", exit_code=2)
     if not web and (host is not None or port is not None):
         raise UserError("--host and --port are for --web: add --web", exit_code=2)
     record = resolve_record(record, season)
     if web and _is_replay(record):
-        _refuse_rendering_options(output, follow, images)
+        _refuse_rendering_options(out, seat, images)
         return _serve(_read(record), record.name, host, port)
-    content = _render(record, read_of_seat(record, "--follow", follow), output, follow, images, web=web)
-    path = output if web else output or record.with_suffix(".rrd")
+    content = _render(record, read_of_seat(record, "--seat", seat), out, seat, images, web=web)
+    path = out if web else out or record.with_suffix(SUFFIX)
     if path is not None:
         _write(path, content)
     if web:
@@ -71,9 +143,9 @@ def _is_replay(path: Path) -> bool:
         return False  # reading it as a record reports the error
 
 
-def _refuse_rendering_options(output: Path | None, follow: int | None, images: bool) -> None:
+def _refuse_rendering_options(out: Path | None, seat: int | None, images: bool) -> None:
     """Refuse options of rendering for a replay that is already rendered."""
-    options = {"--output": output is not None, "--follow": follow is not None, "--no-images": not images}
+    options = {"--out": out is not None, "--seat": seat is not None, "--no-images": not images}
     for option, is_given in options.items():
         if is_given:
             raise UserError(f"{option} needs a record: this is a replay already", exit_code=2)
@@ -87,23 +159,23 @@ def _read(path: Path) -> bytes:
 
 
 def _render(
-    record: Path, played: "Record", output: Path | None, follow: int | None, images: bool, *, web: bool
+    record: Path, played: "Record", out: Path | None, seat: int | None, images: bool, *, web: bool
 ) -> bytes:
     """Check that the output would not overwrite the record, and render it."""
     from wildscav.terminal.console import error_console
     from wildscav_engine.record import RecordError
     from wildscav_engine.view import ViewError, rendered
 
-    path = output or record.with_suffix(".rrd")
-    if (output is not None or not web) and path.exists() and path.samefile(record):
+    path = out or record.with_suffix(SUFFIX)
+    if (out is not None or not web) and path.exists() and path.samefile(record):
         raise UserError(
-            f"{path} is the record itself, which the replay would overwrite: name another --output",
+            f"{path} is the record itself, which the replay would overwrite: name another --out",
             exit_code=2,
         )
-    check_name("--output", path)
+    check_name("--out", path)
     with error_console.status(f"rendering {escape(path.name)}"):
         try:
-            return rendered(played, follow=follow, images=images)
+            return rendered(played, follow=seat, images=images)
         except RecordError as error:
             raise UserError(f"{record}: {error}") from None
         except ViewError as error:

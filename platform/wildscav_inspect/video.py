@@ -1,15 +1,13 @@
-"""``wildscav video``: a recorded match as a video or as one picture."""
+"""What ``wildscav replay`` does for videos: a recorded match as a video or as one picture."""
 
 from collections.abc import Callable
 from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING, Annotated
-
-import typer
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from wildscav.errors import UserError
-from wildscav_inspect.records import SeasonOption, read_of_seat, resolve_record
+from wildscav_inspect.records import read_of_seat, resolve_record
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -19,68 +17,49 @@ if TYPE_CHECKING:
     from wildscav_engine.view.video.film import Film, Look, View
 
 SUFFIX = ".mp4"
+VIDEO_SUFFIXES = (SUFFIX, ".gif", ".webp")
+VIEWS: dict[str, "View"] = {"eyes": "eyes", "behind": "follow", "above": "overview", "grid": "grid"}
 MP4 = (1280, 720, 25.0)  # pixels across and down, pictures a second
 ANIMATION = (640, 360, 10.0)  # the same of a GIF or WebP, which would be large
 
 
-def video(
-    record: Annotated[
-        Path,
-        typer.Argument(
-            help="Record file, or the number of a match of a season.", metavar="RECORD", show_default=False
-        ),
-    ],
-    seat: Annotated[
-        int | None,
-        typer.Option(
-            help="Seat to watch. Default: the first submission; with --follow, whoever has most to do.", min=0
-        ),
-    ] = None,
-    follow: Annotated[
-        bool, typer.Option("--follow", help="Watch from behind an agent instead of through its eyes.")
-    ] = False,
-    overview: Annotated[bool, typer.Option("--overview", help="Watch everybody from above.")] = False,
-    grid: Annotated[
-        bool, typer.Option("--grid", help="Watch through the eyes of all seats (at most 16) side by side.")
-    ] = False,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out", "-o", help="File to write: .mp4, .gif or .webp. Default: the record's name with .mp4."
-        ),
-    ] = None,
-    poster: Annotated[
-        Path | None,
-        typer.Option(
-            help="Write one picture (.png, .webp or .jpg) instead: at --start, or where most happens.",
-            metavar="FILE",
-        ),
-    ] = None,
-    start: Annotated[
-        float | None, typer.Option(help="Where in the match to begin, in seconds.", min=0)
-    ] = None,
-    end: Annotated[float | None, typer.Option(help="Where in the match to end, in seconds.", min=0)] = None,
-    speed: Annotated[float, typer.Option(help="Seconds of the match in a second of the video.")] = 1.0,
-    size: Annotated[
-        str | None,
-        typer.Option(help="Size in pixels. Default: 1280x720; of .gif and .webp 640x360.", metavar="WxH"),
-    ] = None,
-    fps: Annotated[
-        float | None, typer.Option(help="Pictures a second. Default: 25; of .gif and .webp 10.")
-    ] = None,
-    detail: Annotated[
-        float | None,
-        typer.Option(
-            help="Share of width and height that is rendered, 0.2 to 1. Default: 0.5, of one picture 1."
-        ),
-    ] = None,
-    season: SeasonOption = None,
+class VideoOptions(NamedTuple):
+    """The options of ``wildscav replay`` for videos and pictures, as they were given."""
+
+    poster: Path | None
+    view: Literal["eyes", "behind", "above", "grid"] | None
+    start: float | None  # s
+    end: float | None  # s
+    speed: float | None
+    size: str | None
+    fps: float | None
+    detail: float | None
+
+    def given(self) -> str | None:
+        """Return the first option that was given; None if none was."""
+        return next((f"--{name}" for name, value in self._asdict().items() if value is not None), None)
+
+
+def make_video(
+    record: Path, seat: int | None, out: Path | None, options: VideoOptions, season: str | None
 ) -> None:
-    """Render a record as a video."""
-    view = _view(follow, overview, grid)
-    if seat is not None and view in {"overview", "grid"}:
-        raise UserError(f"--seat and --{view} exclude each other", exit_code=2)
-    if poster is not None and (out is not None or end is not None or fps is not None or speed != 1.0):
+    """Render a record as a video or as one picture.
+
+    Args:
+        record: Its file, or the number of a match of a season.
+        seat: The seat to watch; None for the first submission, and from behind, for whoever has most to do.
+        out: The file of a video.
+        options: How to render it.
+        season: The address of the season that a number is about.
+
+    Raises:
+        UserError: The options do not go together, or the record cannot be rendered.
+    """
+    poster, speed = options.poster, 1.0 if options.speed is None else options.speed
+    view = VIEWS[options.view or "eyes"]
+    if seat is not None and options.view in {"above", "grid"}:
+        raise UserError(f"--seat and --view {options.view} exclude each other", exit_code=2)
+    if poster is not None and (out is not None or (options.end, options.fps, options.speed) != (None,) * 3):
         raise UserError("--poster is one picture: leave out --out, --end, --fps and --speed", exit_code=2)
     path = poster or out or record.with_suffix(SUFFIX)
     _check_name(path, is_poster=poster is not None)
@@ -91,16 +70,16 @@ def video(
     from wildscav_engine.view.video.film import DETAIL, Look, VideoError
 
     width, height, pictures = MP4 if poster or path.suffix.lower() == SUFFIX else ANIMATION
-    width, height = _size(size) if size else (width, height)
-    look = Look(view, seat, width, height, detail or (1.0 if poster else DETAIL))
+    width, height = _size(options.size) if options.size else (width, height)
+    look = Look(view, seat, width, height, options.detail or (1.0 if poster else DETAIL))
     try:
         check_encoder(path)
         film = _film(played, look, path)
         if poster:
-            write_poster(film, path, start)
+            write_poster(film, path, options.start)
             _say(path, "one picture")
         else:
-            _write(film, path, Pace(start or 0.0, end, fps or pictures, speed))
+            _write(film, path, Pace(options.start or 0.0, options.end, options.fps or pictures, speed))
     except VideoError as error:
         raise UserError(str(error)) from None
     except RecordError as error:
@@ -124,19 +103,6 @@ def _write(film: "Film", path: Path, pace: "Pace") -> None:
         write_video(film, path, pace, report=report)
     shown = (film.seconds if pace.end is None else min(pace.end, film.seconds)) - pace.start
     _say(path, f"{shown:.0f} s of the match in {monotonic() - began:.0f} s")
-
-
-def _view(follow: bool, overview: bool, grid: bool) -> "View":
-    """Return what the video shows.
-
-    Raises:
-        UserError: More than one view is asked for.
-    """
-    chosen: dict[View, bool] = {"follow": follow, "overview": overview, "grid": grid}
-    views = [view for view, is_chosen in chosen.items() if is_chosen]
-    if len(views) > 1:
-        raise UserError(f"--{views[0]} and --{views[1]} exclude each other", exit_code=2)
-    return views[0] if views else "eyes"
 
 
 def _check_name(path: Path, *, is_poster: bool) -> None:

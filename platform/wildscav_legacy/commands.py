@@ -1,4 +1,4 @@
-"""``wildscav legacy``: the client of the original game on this engine."""
+"""``wildscav-legacy``: the client of the original game on this engine."""
 
 from pathlib import Path
 from typing import Annotated
@@ -11,13 +11,20 @@ DEFAULT_MAPS = "1-20,91-130"
 LAST_MAP = 999
 
 app = typer.Typer(
-    name="legacy",
+    name="wildscav-legacy",
     help="Let the client of the original game, inspirai_fps, play on this engine.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",
 )
+
+
+def main() -> None:
+    """Run the program."""
+    from wildscav.cli.main import run
+
+    run(app, "wildscav-legacy")
 
 
 @app.callback()

@@ -80,14 +80,14 @@ def test_the_documents_have_the_fields_that_the_page_of_the_command_line_tells(
     shown("team key")
     write_agent(competitor.folder, "walker")
     number = shown("submit", "walker")["submission"]["id"]
-    shown("submissions", number)
+    shown("team submissions", number)
     match = competitor.site.played(number, 0)
-    shown("matches", number)
-    of_match = json.loads(competitor.run("logs", "--match", match, "--json").stdout)
-    assert names(of_match) == TOLD["logs"] - {"submission"}
+    shown("team matches", number)
+    of_match = json.loads(competitor.run("team", "logs", "--match", match, "--json").stdout)
+    assert names(of_match) == TOLD["team logs"] - {"submission"}
     shown("leaderboard --season")
-    shown("cancel", number)
-    shown("logout")
+    shown("team submissions", "cancel", number)
+    shown("login", "--logout")
 
 
 @pytest.mark.slow
@@ -125,7 +125,7 @@ def test_the_way_from_an_invitation_to_the_board(tmp_path: Path) -> None:
             own = [word.replace(ADDRESS, url).replace("invite_KEY", key) for word in words[1:]]
             run(*own, *(["--name", "ada"] if own[0] == "login" else []))  # a person would be asked for it
         until(["leaderboard", "--season"], has_team)
-        match = until(["matches", "1", "--track", "battle"], seen_match)
+        match = until(["team", "matches", "1", "--track", "battle"], seen_match)
         run("replay", str(match), "--no-images")
         run("verify", f"match-{match}.wsr")
     finally:

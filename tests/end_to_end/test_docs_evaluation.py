@@ -116,7 +116,7 @@ def test_the_commands_of_the_page_run_in_their_order(tmp_path: Path) -> None:
     said = {line: run_line(line, tmp_path, *shorter.get(line, ())) for line in here}
 
     assert len(here) >= 9
-    assert "all agree with out/spring/results.json" in said["wildscav rescore out/spring"]
+    assert "all agree with out/spring/results.json" in said["wildscav verify out/spring"]
     (checked,) = (text for line, text in said.items() if "secret check" in line)
     assert "is the one committed to" in checked
-    assert "all agree" in run_line("wildscav rescore out/hidden", tmp_path)
+    assert "all agree" in run_line("wildscav verify out/hidden", tmp_path)

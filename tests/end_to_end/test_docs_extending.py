@@ -140,7 +140,7 @@ def evaluated(pages: Path, hills: Path) -> Path:
     done = wildscav(
         hills,
         *("evaluate", pages / "climber", "--suite", "hills", "--sandbox", "trusting"),
-        *("--out", out, "--replays", "first", "--jobs", "1", "--db", pages / "db"),
+        *("--out", out, "--replays", "first", "--workers", "1", "--db", pages / "db"),
         cwd=pages,
     )
     assert done.returncode == 0, done.stderr
@@ -176,7 +176,7 @@ def test_records_hold_and_give_the_same_metrics_again(hills: Path, evaluated: Pa
     verified = wildscav(hills, "verify", *records)
     assert verified.returncode == 0, verified.stderr
 
-    rescored = wildscav(hills, "rescore", evaluated, "--jobs", "1")
+    rescored = wildscav(hills, "verify", evaluated, "--workers", "1")
     assert rescored.returncode == 0, rescored.stderr
     assert "pace" in rescored.stdout
 

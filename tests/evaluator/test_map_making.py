@@ -72,7 +72,7 @@ def test_maps_that_do_not_fit_into_the_cache_are_refused(monkeypatch: pytest.Mon
 
 @pytest.mark.slow
 def test_the_commands_of_the_page_make_maps_and_only_those_that_are_missing(wildscav: Command) -> None:
-    (lines,) = (block for block in blocks(PAGE, "console") if "make-maps" in block)
+    (lines,) = (block for block in blocks(PAGE, "console") if "map make" in block)
     for line in lines.splitlines():
         arguments = shlex.split(line, comments=True)[1:]
         made = wildscav(*arguments)
@@ -83,7 +83,7 @@ def test_the_commands_of_the_page_make_maps_and_only_those_that_are_missing(wild
 
 
 def test_what_to_make_must_be_named(wildscav: Command) -> None:
-    refused = wildscav("make-maps")
+    refused = wildscav("map", "make")
     assert (refused.returncode, refused.stderr.count("\n")) == (2, 1)
     assert "--level" in refused.stderr
     assert "--suite" in refused.stderr
@@ -101,6 +101,6 @@ def test_what_to_make_must_be_named(wildscav: Command) -> None:
 def test_options_of_the_other_way_are_refused_and_not_ignored(
     wildscav: Command, arguments: tuple[str, ...], named: str
 ) -> None:
-    refused = wildscav("make-maps", *arguments)
+    refused = wildscav("map", "make", *arguments)
     assert (refused.returncode, refused.stderr.count("\n")) == (2, 1)
     assert named in refused.stderr

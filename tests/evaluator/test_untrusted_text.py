@@ -22,6 +22,7 @@ from wildscav_evaluator.cli.sessions import check as checking
 from wildscav_evaluator.cli.sessions import compare as compare_session
 from wildscav_evaluator.cli.sessions import evaluate as session
 from wildscav_evaluator.cli.sessions import rescore as rescore_session
+from wildscav_evaluator.cli.sessions import verify_records as verify
 from wildscav_evaluator.cli.sessions.playing import raise_errors
 from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.monitoring.dashboard import dashboard
@@ -35,7 +36,6 @@ from wildscav_evaluator.submissions.submission import (
     SubmissionError,
     load_submission,
 )
-from wildscav_inspect import verify
 from wildscav_leaderboard.cli import leaderboard
 from wildscav_leaderboard.results.database import reading
 from wildscav_leaderboard.results.sink import DatabaseSink

@@ -28,7 +28,7 @@ from wildscav.errors import UserError, describe
 
 PUBLIC = re.compile("[0-9a-f]{64}")
 LONGEST = 8192  # bytes of a key's file
-MAKE_ONE = "`wildscav key new FILE` makes one"
+MAKE_ONE = "`wildscav season key new FILE` makes one"
 
 
 @dataclass(frozen=True)
@@ -125,8 +125,8 @@ def read_public(text: str) -> str:
     content = _content(Path(text), "public key")
     if b"PRIVATE KEY" in content:
         raise UserError(
-            f"{text} is a private key, which nobody else may see: `wildscav key public {text}` prints its "
-            "public half",
+            f"{text} is a private key, which nobody else may see: `wildscav season key public {text}` prints "
+            "its public half",
             exit_code=2,
         )
     if digits := re.fullmatch(rb"\s*([0-9a-fA-F]{64})\s*", content):

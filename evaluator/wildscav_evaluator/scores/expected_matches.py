@@ -151,7 +151,7 @@ def check_opened(out: Path, commitment: str) -> int:
         raise UserError(f"{out} was evaluated {played}, not with {commitment}")
     expected = expected_matches(out, reported)
     if expected is None:
-        raise UserError(f"the secret of {out} is not opened: use `wildscav secret open FILE {out}`")
+        raise UserError(f"the secret of {out} is not opened: use `wildscav season secret open FILE {out}`")
     paths = record_paths(out)
     for path in paths:
         if not _is_expected(path, expected):

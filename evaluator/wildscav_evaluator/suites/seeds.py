@@ -70,12 +70,14 @@ def read_secret(path: Path) -> SuiteSeed:
         content = read_limited(path, LARGEST)
     except OSError as error:
         raise UserError(
-            f"the secret {path} cannot be read: {error.strerror}; `wildscav secret new {path}` makes one", 2
+            f"the secret {path} cannot be read: {error.strerror}; "
+            f"`wildscav season secret new {path}` makes one",
+            2,
         ) from error
     if not SHORTEST <= len(content) <= LONGEST:
         raise UserError(
             f"{path} has {len(content)} bytes, a secret must have {SHORTEST} to {LONGEST}, all random: "
-            "`wildscav secret new FILE` makes one",
+            "`wildscav season secret new FILE` makes one",
             exit_code=2,
         )
     return seed_of(content)

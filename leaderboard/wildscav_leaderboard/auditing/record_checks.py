@@ -12,7 +12,7 @@ from wildscav_leaderboard.boards.documents import BoardDocument
 from wildscav_leaderboard.publishing.documents import BoardFile, PublishedBoard, PublishedMatch
 
 AT_ONCE = 4  # downloads
-NOT_ASKED = "nobody asked for it (--records, --replay)"
+NOT_ASKED = "nobody asked for it (--download, --resimulate)"
 NOT_KNOWN = "their records are not known here"
 
 OnProgress = Callable[[str, int, int], None]  # what is done, how many are, of how many

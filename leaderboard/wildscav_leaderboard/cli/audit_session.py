@@ -1,4 +1,4 @@
-"""What ``wildscav audit`` does and shows."""
+"""What ``wildscav verify`` does and shows for a season."""
 
 import json
 from dataclasses import asdict
@@ -19,18 +19,32 @@ from wildscav_leaderboard.auditing.report import Report
 SHOWN = 20  # findings, at most
 
 
-def run_audit(place: str, wanted: Wanted, executor: Executor, *, as_json: bool = False) -> None:
+def run_audit(
+    place: str,
+    executor: Executor,
+    track: str | None = None,
+    commitment: str | None = None,
+    download: int | None = None,
+    resimulate: int | None = None,
+    *,
+    as_json: bool = False,
+) -> None:
     """Audit a season, and show what was checked.
 
     Args:
         place: A folder or an address.
-        wanted: What to check.
         executor: Where records are played again.
+        track: The only track to check; None for all.
+        commitment: The commitment of the season's secret, as somebody noted it beforehand.
+        download: How many records of each track to download; None for all.
+        resimulate: How many of these to play again; None for all.
         as_json: Whether to print a JSON document instead of a table.
 
     Raises:
         UserError: It cannot be read; or, after everything was shown, something is wrong.
     """
+    noted = None if commitment is None else commitment.strip().lower()
+    wanted = Wanted(track, download, resimulate, noted)
     report = _audited(place, wanted, executor)
     if as_json:
         print_json(json.loads(json.dumps(_document(report), default=str)))

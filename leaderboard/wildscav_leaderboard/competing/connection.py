@@ -193,7 +193,7 @@ class Connection:
             with self.stream("POST", path, query=query, **settings) as response:
                 return _document(read(response), self.url)
         except UnreachableError as error:
-            raise UnreachableError(f"{error}; `wildscav submissions` tells whether it arrived") from None
+            raise UnreachableError(f"{error}; `wildscav team submissions` tells whether it arrived") from None
 
     @contextmanager
     def stream(

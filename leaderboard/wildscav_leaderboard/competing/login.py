@@ -1,4 +1,4 @@
-"""The commands ``wildscav login`` and ``wildscav logout``."""
+"""The command ``wildscav login``."""
 
 import os
 import socket
@@ -50,9 +50,12 @@ def login(
     invitation: Annotated[
         str | None, typer.Option(help="Key of an invitation, for --register.", show_default=False)
     ] = None,
+    log_out: Annotated[
+        bool, typer.Option("--logout", help="Log out instead: the token is revoked and forgotten.")
+    ] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Log in to a season; the commands that follow are about this one.
+    """Log in to a season, or out of it; the commands that follow are about this one.
 
     The token that the season gives is kept in a file that only you can read.
     """
@@ -61,6 +64,8 @@ def login(
     from wildscav_leaderboard.competing.season_client import SeasonClient
 
     _check_options(token, invitation, register=register)
+    if log_out:
+        return _log_out(url, as_json=as_json)
     logins = Logins.read()
     address = _address(url, logins)
     if is_open_to_others(address):
@@ -78,11 +83,11 @@ def login(
         account = SeasonClient(connection).me()
     kept = Login(name=account.name, title=season.title, token=token.strip())
     logins.with_login(address, kept).save()
-    _show(address, season, account, as_json=as_json)
+    return _show(address, season, account, as_json=as_json)
 
 
-def logout(url: Url = None, as_json: AsJson = False) -> None:
-    """Log out of a season: its token is revoked and forgotten."""
+def _log_out(url: str | None, *, as_json: bool) -> None:
+    """Revoke the token of a season and forget it."""
     from wildscav_leaderboard.competing.connection import Connection
     from wildscav_leaderboard.competing.logins import Logins
     from wildscav_leaderboard.competing.season_client import SeasonClient

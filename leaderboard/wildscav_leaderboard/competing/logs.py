@@ -1,4 +1,4 @@
-"""The command ``wildscav logs``."""
+"""The command ``wildscav team logs``."""
 
 from typing import TYPE_CHECKING, Annotated
 

@@ -1,4 +1,4 @@
-"""The command ``wildscav matches``, and the records of matches for other commands."""
+"""The command ``wildscav team matches``, and the records of matches for other commands."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated

@@ -1,4 +1,4 @@
-"""The commands ``wildscav submissions`` and ``wildscav cancel``."""
+"""The command ``wildscav team submissions``."""
 
 from typing import TYPE_CHECKING, Annotated
 
@@ -16,8 +16,6 @@ from wildscav_leaderboard.competing.course import check_end, failure, step, wait
 if TYPE_CHECKING:
     from wildscav_leaderboard.api.documents import SubmissionView
     from wildscav_leaderboard.competing.season_client import SeasonClient
-
-Number = Annotated[int, typer.Argument(help="Number of a submission.", min=1, show_default=False)]
 
 
 def submissions(
@@ -50,7 +48,7 @@ def submissions(
         number, act = int(act), None
     if act is not None:
         if number is None:
-            raise UserError(f"`wildscav submissions {act}` needs the number of a submission", exit_code=2)
+            raise UserError(f"`wildscav team submissions {act}` needs the number of a submission", 2)
         _act(act, number, season, as_json=as_json)
         return
     if wait and number is None:
@@ -72,11 +70,6 @@ def submissions(
         console.print(_table(found, with_team=everyone))
     else:
         console.print("There are no submissions yet." if state is None else "There are none in this state.")
-
-
-def cancel(number: Number, season: SeasonUrl = None, as_json: AsJson = False) -> None:
-    """Withdraw a submission that does not take part yet. It stays charged."""
-    _act("cancel", number, season, as_json=as_json)
 
 
 def _act(act: str, number: int, season: str | None, *, as_json: bool) -> None:

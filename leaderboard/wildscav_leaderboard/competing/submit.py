@@ -66,7 +66,7 @@ def submit(
         print_json({**shown, "not_played": missing})
     if wait:
         check_end(last)
-        console.print(f"its matches: wildscav matches {last.id}", soft_wrap=True)
+        console.print(f"its matches: wildscav team matches {last.id}", soft_wrap=True)
 
 
 def _quota(client: "SeasonClient") -> "QuotaView":
@@ -117,7 +117,7 @@ def _show(client: "SeasonClient", handed_in: "HandedIn", missing: list[str], *, 
         "replaces": ", ".join(_replaced(one)),
         "quota": texts.quota(handed_in.quota),
         "page": f"{client.url}/submissions/{one.id}",
-        "follow it": "" if wait else f"wildscav submissions {one.id} --wait",
+        "follow it": "" if wait else f"wildscav team submissions {one.id} --wait",
     }
     console.print(texts.facts(rows))
 

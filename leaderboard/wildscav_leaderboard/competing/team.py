@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from wildscav.cli.main import Commands
 from wildscav.cli.shared_options import AsJson
 from wildscav.errors import UserError
 from wildscav.terminal.console import console, print_json
@@ -14,7 +15,9 @@ if TYPE_CHECKING:
     from wildscav_leaderboard.api.documents import QuotaView, TeamView
 
 app = typer.Typer(
-    help="Make a team, join one, leave it. Submissions belong to teams, of one member or more.",
+    name="team",
+    cls=Commands,
+    help="Your team in a season: its members, submissions, matches and logs.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,

@@ -22,7 +22,7 @@ def cancel(doing: Doing, number: Number) -> None:
     submission = find_submission(doing.session, number)
     if submission.state == states.ACTIVE:
         raise RefusalError(
-            f"submission {number} takes part: `wildscav submissions disable {number}` ends that"
+            f"submission {number} takes part: `wildscav team submissions disable {number}` ends that"
         )
     move(doing.session, submission, states.CANCELLED, doing.now, detail="withdrawn by its team")
 

@@ -88,8 +88,8 @@ def replaced_by(session: Session, quotas: Quotas, submission: Submission) -> lis
         free = sorted([*free, submission], key=lambda one: one.id)
         if surplus > 0 and not named and free == [submission]:
             raise TooMuchError(
-                f"{_full(quotas, track, others)}, all of them kept: `wildscav submissions release` one, or "
-                "name the one to replace (`--replaces`)"
+                f"{_full(quotas, track, others)}, all of them kept: `wildscav team submissions release` one, "
+                "or name the one to replace (`--replaces`)"
             )
         found += [(track, one) for one in (named + free)[: max(0, surplus)]]
     return found

@@ -1,7 +1,8 @@
 """The ``wildscav`` command. Packages add commands by the entry-point group ``wildscav.commands``.
 
 A command is a function with Typer's annotations, or a Typer application with several subcommands. Its module
-is imported only when the command is run or listed in the help.
+is imported only when the command is run or listed in the help. An entry point ``map.look`` is a subcommand of
+``map``, whichever package has that.
 """
 
 import functools
@@ -16,27 +17,22 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
+from wildscav.cli.old_names import with_new_names
 from wildscav.errors import UserError, WildscavError, describe
 from wildscav.terminal.suggestions import did_you_mean
 from wildscav.version import __version__
 
+NAME = "wildscav"
 GROUP = "wildscav.commands"
 # The panels of the help, each in the order of its commands: first what a newcomer needs.
 PANELS = {
-    "Agents": ("init", "train", "dataset", "play", "human", "check", "build"),
-    "Evaluations": (
-        *("evaluate", "compare", "tournament", "leaderboard"),
-        *("replay", "video", "verify", "rescore", "audit", "replay-agent"),
-    ),
-    "Seasons": (
-        *("login", "logout", "team", "submit", "submissions"),
-        *("matches", "logs", "cancel"),
-    ),
-    "Organizers": ("season", "secret", "key", "serve", "doctor"),
-    "Maps": ("map", "look", "make-maps"),
-    "The original game": ("legacy",),
+    "Agents": ("init", "play", "human", "check", "build", "train", "dataset"),
+    "Evaluations": ("evaluate", "compare", "tournament", "leaderboard", "verify", "replay"),
+    "Seasons": ("login", "submit", "team", "season"),
+    "Machines and maps": ("serve", "doctor", "map"),
 }
 OTHERS = "Others"
+HIDDEN = {"legacy"}  # works for one more release
 HELP_ORDER = tuple(name for names in PANELS.values() for name in names)
 # The extra that all commands of a package need.
 PACKAGE_EXTRAS = {
@@ -79,28 +75,38 @@ EXTRAS = {
 
 
 class Commands(TyperGroup):
-    """The commands by name, each imported on demand."""
+    """The commands of ``wildscav``, or of one of its groups. Those of entry points are imported on demand."""
 
-    def list_commands(self, ctx: Any) -> list[str]:  # noqa: ARG002 - Typer's signature
+    def list_commands(self, ctx: Any) -> list[str]:
         """Return the names, in the order of help."""
-        names = _registered()
+        names = {*super().list_commands(ctx), *self._points()} - HIDDEN
         known, last = HELP_ORDER, len(HELP_ORDER)
         return sorted(names, key=lambda name: (known.index(name) if name in known else last, name))
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return the command that the arguments begin with; for an unknown name, suggest a similar one."""
-        names = self.list_commands(ctx)
+        if ctx.parent is None and not ctx.resilient_parsing:
+            args = with_new_names(args, self, ctx)
+        names = [*self.list_commands(ctx), *HIDDEN]
         if args[0] not in names and not args[0].startswith("-") and not ctx.resilient_parsing:
             ctx.fail(f"No such command {args[0]!r}{did_you_mean(args[0], names)}")
         return super().resolve_command(ctx, args)
 
-    def get_command(self, ctx: Any, cmd_name: str) -> Any:  # noqa: ARG002
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """Return a command, or None if there is none with that name."""
-        point = _registered().get(cmd_name)
+        point = self._points().get(cmd_name)
+        if point is None:
+            return super().get_command(ctx, cmd_name)
         try:
-            return point and _command(cmd_name, point.load())
+            return _command(cmd_name, point.load())
         except Exception as error:  # noqa: BLE001 - a broken plug-in must not break other commands
             return _command(cmd_name, _unavailable(cmd_name, error), options=False)
+
+    def _points(self) -> dict[str, EntryPoint]:
+        """Return the entry points of this group by the last part of their names."""
+        group = "" if self.name == NAME else f"{self.name}."
+        names = {name: point for name, point in _registered().items() if name.startswith(group)}
+        return {name: point for long, point in names.items() if "." not in (name := long.removeprefix(group))}
 
 
 @functools.cache
@@ -170,7 +176,7 @@ def _remedy(error: BaseException) -> str | None:
 
 app = typer.Typer(
     cls=Commands,
-    name="wildscav",
+    name=NAME,
     help="An open arena for game-playing agents: try an agent, evaluate it, watch it play.",
     no_args_is_help=True,
     context_settings={"help_option_names": ["-h", "--help"]},  # inherited by all commands
@@ -195,9 +201,14 @@ def options(
 
 
 def main() -> None:
-    """Run the command line. Errors that users can cause are printed as one line on stderr."""
+    """Run ``wildscav``."""
+    run(app, NAME)
+
+
+def run(commands: typer.Typer, name: str) -> None:
+    """Run a command line. Errors that users can cause are printed as one line on stderr."""
     try:
-        app(prog_name="wildscav")
+        commands(prog_name=name)
     except UserError as error:
         _fail(str(error), error.exit_code)
     except WildscavError as error:

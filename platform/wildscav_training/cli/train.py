@@ -71,8 +71,8 @@ StartFrom = Annotated[
 Steps = Annotated[int, typer.Option(help="Steps of all learners together.", min=1, max=10**12)]
 Seed = Annotated[int, typer.Option(help="Seed of the first run.", min=0, max=2**20)]
 Seeds = Annotated[int, typer.Option(help="Number of runs, each with a seed.", min=1, max=MAX_SEEDS)]
-AtOnce = Annotated[int, typer.Option(help="Runs at the same time, each in a process.", min=1, max=MAX_SEEDS)]
-Out = Annotated[Path, typer.Option(help="Folder of the results; each run has a folder in it.")]
+Workers = Annotated[int, typer.Option(help="Runs at the same time, each in a process.", min=1, max=MAX_SEEDS)]
+Out = Annotated[Path, typer.Option("--out", "-o", help="Folder of the results; each run has a folder in it.")]
 Resume = Annotated[bool, typer.Option("--resume", help="Continue what an interruption left in that folder.")]
 Episodes = Annotated[int, typer.Option(help="Matches that each score is a mean of.", min=1, max=MAX_EPISODES)]
 Submission = Annotated[
@@ -97,7 +97,7 @@ def train(
     steps: Steps = 100_000,
     seed: Seed = 0,
     seeds: Seeds = 1,
-    at_once: AtOnce = 1,
+    workers: Workers = 1,
     out: Out = Path("out/training"),
     resume: Resume = False,
     episodes: Episodes = 100,
@@ -120,7 +120,7 @@ def train(
     first = _started(first, start_from)
     runs = [replace(first, seed=each) for each in range(seed, seed + seeds)]
     _check_folders(out, submission, resume=resume)
-    results = _train_all(runs, out, episodes, min(at_once, seeds), resume=resume)
+    results = _train_all(runs, out, episodes, min(workers, seeds), resume=resume)
     from wildscav.terminal.console import console, print_json
 
     console.print(_table(results))
@@ -245,7 +245,7 @@ def _check_folders(out: Path, submission: Path | None, *, resume: bool) -> None:
 
 
 def _train_all(
-    runs: "list[TrainingSettings]", out: Path, episodes: int, at_once: int, *, resume: bool
+    runs: "list[TrainingSettings]", out: Path, episodes: int, workers: int, *, resume: bool
 ) -> "list[Result]":
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
@@ -266,14 +266,14 @@ def _train_all(
             _reporter(progress, progress.add_task(f"seed {one.seed}", total=one.steps, figures=""), one)
             for one in runs
         ]
-        if at_once == 1:
+        if workers == 1:
             each = zip(runs, folders, reports, strict=True)
             return [train_one(settings, folder, report, **given) for settings, folder, report in each]
         from wildscav_training.learning.at_once import train_at_once
 
         named = list(zip(runs, folders, strict=True))
         return train_at_once(
-            named, lambda place, figures: reports[place](figures), processes=at_once, **given
+            named, lambda place, figures: reports[place](figures), processes=workers, **given
         )
 
 

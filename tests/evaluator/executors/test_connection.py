@@ -52,6 +52,6 @@ def test_without_ray_the_command_that_installs_it_is_named(monkeypatch: pytest.M
 
 
 def test_an_unknown_executor_is_an_error_of_usage(wildscav: Command) -> None:
-    refused = wildscav("rescore", "out", "--executor=rey")
+    refused = wildscav("verify", ".", "--executor=rey")
     assert refused.returncode == 2
     assert "did you mean 'ray'" in " ".join(refused.stderr.replace("│", "").split())

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 from tests.evaluator.ledger.forgeries import FORGERIES, replace_record, shut_in, worst
 from tests.evaluator.ledger.forging import Forgery, Rescored
+from wildscav_evaluator.cli.sessions.replay_agent import run_again
 
 from wildscav.errors import UserError
-from wildscav_evaluator.cli.sessions.replay_agent import run_again
 from wildscav_evaluator.cli.sessions.rescore import run_rescore
 from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_evaluator.ledger.keys import SigningKey, new_key
@@ -144,7 +144,7 @@ def test_the_command_ends_with_an_exit_code_and_a_line(
 ) -> None:
     shut_in(signed)
 
-    done = wildscav("rescore", signed.out, "--key", key.public, "--jobs", 1)
+    done = wildscav("verify", signed.out, "--key", key.public, "--workers", 1)
 
     assert done.returncode == 1
     assert "wildscav: results.json says sandbox oci, evaluation.json process" in done.stderr

@@ -57,7 +57,7 @@ def put(value: Any, way: Way, other: Any) -> Any:
 
 
 def audit(out: Path, replayed: Sequence[Replayed]) -> list[str]:
-    """Check a folder as `wildscav rescore` does, but for playing its records, and return what it says."""
+    """Check a folder as `wildscav verify` does, but for playing its records, and return what it says."""
     try:
         told = read_results(out / "results.json")
         checked = read_folder(out, told, None)

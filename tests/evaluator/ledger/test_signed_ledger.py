@@ -6,12 +6,12 @@ from tests.evaluator.ledger.forging import Forgery, Rescored
 
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.rescore import run_rescore
+from wildscav_evaluator.cli.sessions.verify_records import verify_records
 from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_evaluator.ledger.entries import Closed
 from wildscav_evaluator.ledger.keys import SigningKey
 from wildscav_evaluator.ledger.ledger import read_ledger
 from wildscav_evaluator.output.layout import LEDGER_FILE
-from wildscav_inspect.verify import verify
 
 
 def claim_less_time(content: dict[str, object]) -> None:
@@ -84,13 +84,13 @@ def test_verify_asks_whether_records_are_those_that_were_played(
     signed: Forgery, key: SigningKey, capsys: pytest.CaptureFixture[str]
 ) -> None:
     records = sorted((signed.out / "records").iterdir())
-    verify(records[:2], key=key.public)
-    verify(records[:1])
+    verify_records(records[:2], key=key.public)
+    verify_records(records[:1])
 
     with pytest.raises(UserError, match=f"is signed with the key {key.public}, not with {'ab' * 32}"):
-        verify(records[:1], key="ab" * 32)
+        verify_records(records[:1], key="ab" * 32)
     with pytest.raises(UserError, match="the public key nonsense cannot be read") as refused:
-        verify(records[:1], key="nonsense")
+        verify_records(records[:1], key="nonsense")
     assert refused.value.exit_code == 2
 
     # Bob's record under ada's name; one of other actions under its own; one of a match that nobody played.
@@ -100,7 +100,7 @@ def test_verify_asks_whether_records_are_those_that_were_played(
     stray.write_bytes(records[-1].read_bytes())
     capsys.readouterr()
     with pytest.raises(UserError, match="3 of 4 records do not hold"):
-        verify([records[0], records[2], records[-1], stray])
+        verify_records([records[0], records[2], records[-1], stray])
     said = " ".join(capsys.readouterr().out.split())
     assert "its file has the name of another record: seat 0 belongs to bob, not to ada" in said
     assert "ledger.jsonl has the digest of another record" in said

@@ -130,7 +130,7 @@ def test_a_signed_evaluation_that_was_killed_comes_to_a_whole_ledger(
 ) -> None:
     out, suite = tmp_path / "out", tmp_path / "short.toml"
     suite.write_text(SUITE)
-    arguments = (*pair, f"--suite={suite}", "--replays=none", "--jobs=2", "--sandbox=process")
+    arguments = (*pair, f"--suite={suite}", "--replays=none", "--workers=2", "--sandbox=process")
     signed = (*arguments, f"--sign={tmp_path / 'season.key'}")
 
     for least in (1, 4):

@@ -35,7 +35,7 @@ def suite(tmp_path: Path) -> Path:
 
 
 def arguments(pair: tuple[Path, Path], suite: Path) -> tuple[object, ...]:
-    return *pair, f"--suite={suite}", "--replays=none", "--jobs=1"
+    return *pair, f"--suite={suite}", "--replays=none", "--workers=1"
 
 
 def check_same_as_whole(out: Path, whole: Path) -> None:

@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from tests.commands import Run, run_command
+from tests.commands import Done, Run, run_command
 from tests.evaluator.results_by_hand import plan_of
 
 from wildscav.errors import UserError
@@ -23,8 +23,8 @@ HOMING = Path(__file__).parents[3] / "submissions" / "homing"
 
 @pytest.fixture
 def secret(tmp_path: Path) -> Run:
-    """Run `wildscav secret`."""
-    return partial(run_command, "secret", cwd=tmp_path, columns=200)
+    """Run `wildscav season secret`."""
+    return partial(run_command, "season", "secret", cwd=tmp_path, columns=200)
 
 
 @pytest.fixture(scope="module")
@@ -36,6 +36,11 @@ def evaluated(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     plan = plan_of(load_submission(HOMING), out=out, seed=read_secret(file))
     run_session(plan, out / "wildscav.db")
     return file, out
+
+
+def verified(out: Path, commitment: object) -> Done:
+    """Run `wildscav verify`."""
+    return run_command("verify", out, "--workers", 1, "--commitment", commitment, columns=200)
 
 
 def test_a_new_secret_is_private_and_its_commitment_is_the_sha256_of_its_file(
@@ -99,10 +104,10 @@ def test_an_opened_secret_shows_that_its_matches_were_played(
 ) -> None:
     file, out = evaluated
     commitment = read_secret(file).commitment
-    assert "is not opened: use" in secret("check", out, commitment).stderr
+    assert "is not opened: use" in verified(out, commitment).stderr
 
     opened = secret("open", file, out)
-    checked = secret("check", out, commitment)
+    checked = verified(out, commitment)
 
     assert opened.returncode == checked.returncode == 0
     assert str(commitment) in opened.stdout
@@ -123,11 +128,11 @@ def test_another_secret_than_that_committed_to_is_found_out(
     mine = str(read_secret(file).commitment)
 
     assert "was evaluated on the secret of" in secret("open", other, out).stderr
-    assert "was evaluated with the commitment" in secret("check", out, read_secret(other).commitment).stderr
-    assert "must be 64 hexadecimal digits" in secret("check", out, "1234").stderr
+    assert "was evaluated with the commitment" in verified(out, read_secret(other).commitment).stderr
+    assert "must be 64 hexadecimal digits" in verified(out, "1234").stderr
 
     (out / OPENED_FILE).write_bytes(other.read_bytes())
-    assert "is not the secret of the commitment" in secret("check", out, mine).stderr
+    assert "is not the secret of the commitment" in verified(out, mine).stderr
     (out / OPENED_FILE).unlink()
 
 
@@ -159,4 +164,4 @@ def test_an_evaluation_on_a_public_seed_has_nothing_to_open(
     (tmp_path / "results.json").write_text(json.dumps({**told, "seed": 0, "commitment": None}))
 
     assert "was evaluated on a public seed" in secret("open", file, tmp_path).stderr
-    assert "was evaluated on a public seed" in secret("check", tmp_path, "0" * 64).stderr
+    assert "was evaluated on a public seed" in verified(tmp_path, "0" * 64).stderr

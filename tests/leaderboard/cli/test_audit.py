@@ -1,4 +1,4 @@
-"""`wildscav audit` as people run it: its table, its document and its exit code."""
+"""`wildscav verify` as people run it: its table, its document and its exit code."""
 
 import json
 import sys
@@ -38,7 +38,7 @@ def wildscav(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Cap
 
 
 def test_it_says_what_was_checked_and_what_was_not_yet(folder: Path, wildscav: Said) -> None:
-    code, printed, errors = wildscav("audit", folder, "--jobs", 1)
+    code, printed, errors = wildscav("verify", folder, "--workers", 1)
     assert (code, errors) == (0, "")
     said = " ".join(printed.split())
     assert "everything that was checked is right" in said
@@ -52,13 +52,13 @@ def test_a_wrong_digit_makes_it_fail_and_is_named_in_text_and_document(folder: P
     wins = json.loads(right)["rows"][0]["wins"]
     path.write_text(right.replace(f'"wins": {wins}', '"wins": 99', 1))
     try:
-        code, _, errors = wildscav("audit", folder, "--jobs", 1, "--records", "none")
+        code, _, errors = wildscav("verify", folder, "--workers", 1, "--download", "none")
         assert code == 1
         assert errors.splitlines()[0] == (
             "wildscav: boards/battle.json is not the file that SHA256SUMS names"
         )
         assert f"wins is published as 99, must be {wins}" in errors
-        code, printed, _ = wildscav("audit", folder, "--jobs", 1, "--records", "none", "--json")
+        code, printed, _ = wildscav("verify", folder, "--workers", 1, "--download", "none", "--json")
     finally:
         path.write_text(right)
     document = json.loads(printed)

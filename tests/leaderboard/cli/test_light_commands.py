@@ -36,7 +36,7 @@ def loaded_by(home: Path, *commands: list[str]) -> set[str]:
 def test_competitors_commands_load_nothing_heavy(tmp_path: Path) -> None:
     silent = "http://127.0.0.1:9"
     commands = (["login", silent], ["submissions"], ["matches", "3"], ["logs", "3"], ["team", "show"])
-    assert not loaded_by(tmp_path, *commands, ["submit", "nowhere"], ["logout"]) & HEAVY
+    assert not loaded_by(tmp_path, *commands, ["submit", "nowhere"], ["login", "--logout"]) & HEAVY
 
 
 def test_no_command_loads_a_compiler_before_it_plays(tmp_path: Path) -> None:

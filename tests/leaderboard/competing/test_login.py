@@ -62,7 +62,7 @@ def test_logging_out_revokes_the_token(competitor: Competitor) -> None:
     token = competitor.site.token("dave")
     competitor.run("login", competitor.site.url, "--token", token)
 
-    assert json.loads(competitor.run("logout", "--json").stdout) == {
+    assert json.loads(competitor.run("login", "--logout", "--json").stdout) == {
         "url": competitor.site.url,
         "revoked": True,
     }
@@ -120,7 +120,7 @@ def test_commands_are_about_the_season_logged_in_to_last_unless_one_is_named(
     # A login that is still valid needs no password again.
     assert competitor.run("login", first.url).returncode == 0
     assert team() == "falcons"
-    competitor.run("logout")
+    competitor.run("login", "--logout")
     assert team() == "finches"
 
 

@@ -15,15 +15,15 @@ def test_the_matches_of_a_submission_are_listed_with_their_outcomes(competitor: 
     first = competitor.site.played(number, 0)
     second = competitor.site.played(other, 2)
 
-    listed = json.loads(competitor.run("matches", number, "--json").stdout)["matches"]
+    listed = json.loads(competitor.run("team", "matches", number, "--json").stdout)["matches"]
     assert [one["id"] for one in listed] == [first]
-    newest = json.loads(competitor.run("matches", "--limit", 1, "--json").stdout)["matches"]
+    newest = json.loads(competitor.run("team", "matches", "--limit", 1, "--json").stdout)["matches"]
     assert [one["id"] for one in newest] == [second]
-    table = competitor.run("matches", number).stdout
+    table = competitor.run("team", "matches", number).stdout
     assert "Ants, fighter" in table
     assert "supplies 0, kills 0, deaths 0" in table
     assert "no winner: a tie" in table
-    shown = competitor.run("matches", "--match", first).stdout
+    shown = competitor.run("team", "matches", "--match", first).stdout
     assert "no winner: a tie" in shown
     assert "12.5 ms" in shown
     assert f"wildscav replay {first}" in shown
@@ -34,21 +34,21 @@ def test_logs_are_for_the_own_team_and_control_no_terminal(competitor: Competito
     number = competitor.submitted("one")
     match = competitor.site.played(number, 4, log="one\ttwo\n\x1b[2J[red]\u202e\n")
 
-    done = competitor.run("logs", "--match", match)
+    done = competitor.run("team", "logs", "--match", match)
     assert done.stdout == "one     two\n\\x1b[2J[red]\\u202e\n"
-    assert competitor.run("logs", "--match", match, "--seat", 0).stdout == done.stdout
+    assert competitor.run("team", "logs", "--match", match, "--seat", 0).stdout == done.stdout
     logs = competitor.site.season.submission_folder(number) / "logs"
     logs.mkdir(parents=True)
     (logs / "late.log").touch()
-    assert json.loads(competitor.run("logs", number, "--json").stdout) == {
+    assert json.loads(competitor.run("team", "logs", number, "--json").stdout) == {
         "logs": [{"submission": number, "log": "It printed nothing.\n"}]
     }
     (logs / "battle.log").write_text("ready\n")
-    assert competitor.run("logs", number).stdout == "── battle ──\nready\n\n"
+    assert competitor.run("team", "logs", number).stdout == "── battle ──\nready\n\n"
 
     competitor.logged_in("carol", "crows")
     for arguments in (("--match", match, "--seat", 0), ("--match", match), (number,)):
-        refused = competitor.run("logs", *arguments)
+        refused = competitor.run("team", "logs", *arguments)
         assert refused.returncode == 1
         assert "your team has no" in refused.stderr
 
@@ -56,7 +56,7 @@ def test_logs_are_for_the_own_team_and_control_no_terminal(competitor: Competito
         account = find_account(session, "carol")
         assert account is not None
         account.role = ORGANIZER
-    assert competitor.run("logs", "--match", match).stdout == done.stdout
+    assert competitor.run("team", "logs", "--match", match).stdout == done.stdout
 
 
 def test_a_match_is_replayed_by_its_number(competitor: Competitor) -> None:

@@ -100,17 +100,19 @@ def test_its_team_sees_how_far_a_validation_is(competitor: Competitor) -> None:
     competitor.logged_in("zoe", "zebras")
     number = competitor.submitted("walker")
     competitor.site.move(number, "queued", "building", "validating")
-    assert "validating" in competitor.run("submissions", number).stdout  # though no line was written yet
+    assert (
+        "validating" in competitor.run("team", "submissions", number).stdout
+    )  # though no line was written yet
     file = competitor.site.season.validation_file(number)
     file.parent.mkdir(parents=True)
     file.write_text("match: battle: 120 of 600 steps played")
 
-    assert "match: battle: 120 of 600 steps played" in competitor.run("submissions", number).stdout
+    assert "match: battle: 120 of 600 steps played" in competitor.run("team", "submissions", number).stdout
     shown = SubmissionView.model_validate(document(competitor, "submissions", number)["submissions"][0])
     longer = shown.model_copy(update={"expected_wait": 0.0})  # it takes longer than others took
     assert texts.waiting(longer) == "match: battle: 120 of 600 steps played"
     competitor.logged_in("yan", "yaks")
-    assert "steps played" not in competitor.run("submissions", number).stdout
+    assert "steps played" not in competitor.run("team", "submissions", number).stdout
 
 
 def test_a_submission_that_fails_tells_whose_fault_it_was_and_what_shows_it_again(
@@ -132,9 +134,9 @@ def test_a_submission_that_fails_tells_whose_fault_it_was_and_what_shows_it_agai
 
     assert done.returncode == 1
     assert done.stderr == f"wildscav: submission {number} failed; the fault is the agent's\n"
-    waited = competitor.run("submissions", number, "--wait")
+    waited = competitor.run("team", "submissions", number, "--wait")
     assert (waited.returncode, waited.stderr) == (1, done.stderr)
-    shown = competitor.run("submissions", number).stdout
+    shown = competitor.run("team", "submissions", number).stdout
     for text in (done.stdout, waited.stdout, shown):
         assert r"match: it crashed \x1b[2J\u202e[red]" in text
         assert r"ValueError: \x1b[2J\u202e[red]" in text
@@ -158,21 +160,26 @@ def test_lists_are_of_the_own_team_unless_others_are_asked_for(competitor: Compe
     assert ids("--team", "geese") == numbers[1:], "failures are for the own team"
     assert ids("--team", "geese", "--state", "failed") == []
     assert ids("--all", "--limit", "2") == [other, numbers[1]]
-    assert "of two" not in competitor.run("submissions", "--all").stdout, "messages are for the own team"
+    assert "of two" not in competitor.run("team", "submissions", "--all").stdout, (
+        "messages are for the own team"
+    )
     competitor.logged_in("gus")
     competitor.run("team", "join", key)
     assert ids("--state", "failed") == numbers[:1]
-    assert "failed (platform)" in competitor.run("submissions").stdout
+    assert "failed (platform)" in competitor.run("team", "submissions").stdout
 
 
 def test_a_submission_that_waits_can_be_cancelled(competitor: Competitor) -> None:
     competitor.logged_in("ivan", "ibises")
     number = competitor.submitted("walker")
     assert document(competitor, "cancel", number)["submission"]["state"] == "cancelled"
-    again = competitor.run("cancel", number)
+    again = competitor.run("team", "submissions", "cancel", number)
     assert again.returncode == 1
     assert f"submission {number} is cancelled, and cannot become cancelled" in again.stderr
-    assert competitor.run("cancel", 10_000).stderr == "wildscav: there is no submission 10000\n"
+    assert (
+        competitor.run("team", "submissions", "cancel", 10_000).stderr
+        == "wildscav: there is no submission 10000\n"
+    )
 
 
 def test_a_team_decides_what_takes_part_and_is_told_what_a_submission_replaces(
@@ -184,20 +191,20 @@ def test_a_team_decides_what_takes_part_and_is_told_what_a_submission_replaces(
     for number in numbers:
         competitor.site.move(number, *on_the_way)
     first, second = numbers
-    assert competitor.run("submissions", "keep", first).stdout == (
+    assert competitor.run("team", "submissions", "keep", first).stdout == (
         f"submission {first} is active on battle, kept\n"
     )
     write_agent(competitor.folder, "three", tracks='["battle"]')
     shown = competitor.run("submit", "three", "--replaces", first).stdout
     assert re.search(rf"replaces +{first} on battle", shown)
     assert document(competitor, "submissions", second + 1)["submissions"][0]["replaces"] == {"battle": first}
-    refused = competitor.run("cancel", second)
-    assert f"takes part: `wildscav submissions disable {second}` ends that" in refused.stderr
+    refused = competitor.run("team", "submissions", "cancel", second)
+    assert f"takes part: `wildscav team submissions disable {second}` ends that" in refused.stderr
     done = document(competitor, "submissions", "disable", second)["submission"]
     assert (done["state"], done["playing"]) == ("disabled", [])
     assert document(competitor, "submissions", "restore", second)["submission"]["playing"] == ["battle"]
-    assert competitor.run("submissions", "keep").returncode == 2
-    unknown = competitor.run("submissions", "polish", first)
+    assert competitor.run("team", "submissions", "keep").returncode == 2
+    unknown = competitor.run("team", "submissions", "polish", first)
     assert "only cancel, disable, restore, keep, release" in unknown.stderr
 
 
@@ -236,8 +243,8 @@ def test_tracks_that_the_season_lacks_are_named(competitor: Competitor) -> None:
 def test_a_ladder_that_waits_for_teams_says_so(competitor: Competitor) -> None:
     competitor.logged_in("swen", "swans")
     number = competitor.submitted("waiter")
-    assert "its ladder" not in competitor.run("submissions", number).stdout
+    assert "its ladder" not in competitor.run("team", "submissions", number).stdout
     competitor.site.move(number, "queued", "building", "validating", "active")
-    shown = competitor.run("submissions", number).stdout
+    shown = competitor.run("team", "submissions", number).stdout
     assert re.search(r"battle +0 of 100 matches played", shown)
     assert re.search(r"team +Swans \(swans\)", shown)

@@ -426,7 +426,7 @@ def test_a_team_disables_and_restores_its_submissions_and_keeps_their_results(se
     number = season.active()
     ((attempt, played), *_) = season.take_matches(1)
     assert season.played(attempt, 5.0)
-    with pytest.raises(RefusalError, match=f"takes part: `wildscav submissions disable {number}` ends that"):
+    with pytest.raises(RefusalError, match=f"`wildscav team submissions disable {number}` ends that"):
         decide(season, "cancel", number)
     with pytest.raises(NotFoundError, match="your team has no submission"):
         decide(season, "disable", number, team="owls")
@@ -453,7 +453,7 @@ def test_what_is_kept_is_not_replaced_unless_a_submission_names_it(season: Condu
     season.wait(24 * 3600)  # or the quota of the day would be used up
     decide(season, "keep", third)
     with pytest.raises(
-        RefusalError, match=f"{first}, {third} do, all of them kept: `wildscav submissions rel"
+        RefusalError, match=f"{first}, {third} do, all of them kept: `wildscav team submissions rel"
     ):
         season.hand_in()
     decide(season, "release", third)

@@ -144,7 +144,7 @@ def test_a_match_says_how_to_watch_it_in_every_way(
     page = text_of(client, hostile_season, f"/matches/{number}")
     for way in ("From above", "Watch the video", "Watch in 3D", f"wildscav replay match-{number}.wsr"):
         assert way in page
-    assert f"wildscav video match-{number}.wsr --follow" in page
+    assert f"wildscav replay match-{number}.wsr --video --view behind" in page
 
 
 def rows_of(client: httpx.Client, filled: FilledSeason, path: str, asker: str = "visitor") -> list[str]:

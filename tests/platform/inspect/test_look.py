@@ -1,4 +1,4 @@
-"""``wildscav look`` as its user meets it."""
+"""``wildscav map look`` as its user meets it."""
 
 import re
 from functools import partial
@@ -30,7 +30,7 @@ IMAGES = [name for name, kind in SENSORS.items() if issubclass(kind, ImageSensor
 @pytest.fixture
 def look(tmp_path: Path) -> Run:
     """Runs the command in this process, which has the engine loaded, with the temporary folder as its own."""
-    return partial(run_command, "look", cwd=tmp_path, columns=200)
+    return partial(run_command, "map", "look", cwd=tmp_path, columns=200)
 
 
 def pixels(path: Path) -> NDArray[np.uint8]:

@@ -99,7 +99,7 @@ def test_what_cannot_be_served_is_one_clear_error(
 def test_options_of_rendering_are_refused_for_a_replay(tmp_path: Path, replay: Run) -> None:
     (tmp_path / "match.rrd").write_bytes(b"RRF2")
 
-    done = replay(tmp_path / "match.rrd", "--web", "--follow", "0")
+    done = replay(tmp_path / "match.rrd", "--web", "--seat", "0")
 
     assert done.returncode == 2
-    assert "--follow needs a record: this is a replay already" in " ".join(done.stderr.split())
+    assert "--seat needs a record: this is a replay already" in " ".join(done.stderr.split())

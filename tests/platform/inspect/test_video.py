@@ -1,4 +1,4 @@
-"""``wildscav video``, run as its users run it."""
+"""``wildscav replay --video``, run as its users run it."""
 
 from pathlib import Path
 
@@ -28,15 +28,15 @@ def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def run(*arguments: str) -> str:
-    result = CliRunner().invoke(app, ["video", *arguments])
+    result = CliRunner().invoke(app, ["replay", "--video", *arguments])
     if result.exception is not None:
         raise result.exception
     return result.output
 
 
-@pytest.mark.parametrize("view", [(), ("--seat", "1"), ("--follow",), ("--overview",), ("--grid",)])
-def test_a_video_is_written_beside_its_record(record: Path, view: tuple[str, ...]) -> None:
-    said = run(str(record), *view, *SMALL)
+@pytest.mark.parametrize("view", ["", "--seat 1", "--view behind", "--view above", "--view grid"])
+def test_a_video_is_written_beside_its_record(record: Path, view: str) -> None:
+    said = run(str(record), *view.split(), *SMALL)
     path = record.with_suffix(".mp4")
     with av.open(str(path)) as container:
         assert sum(1 for _ in container.decode(video=0)) == 6
@@ -61,8 +61,7 @@ def test_a_poster_is_one_picture(record: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "why"),
     [
-        (("--follow", "--grid"), "--follow and --grid exclude each other"),
-        (("--seat", "1", "--overview"), "--seat and --overview exclude each other"),
+        (("--seat", "1", "--view", "above"), "--seat and --view above exclude each other"),
         (("--seat", "7"), "--seat is 7; the match has seats 0 to 2"),
         (("--out", "match.avi"), "--out is match.avi: its name must end in .mp4, .gif, .webp"),
         (("--poster", "a.mp4"), "--poster is a.mp4: its name must end in .png, .webp, .jpg, .jpeg"),

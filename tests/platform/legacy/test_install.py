@@ -1,4 +1,4 @@
-"""``wildscav legacy install``: what it writes, what it leaves alone, what it refuses."""
+"""``wildscav-legacy install``: what it writes, what it leaves alone, what it refuses."""
 
 import subprocess
 from functools import partial
@@ -80,5 +80,6 @@ def test_a_folder_that_cannot_be_is_one_line(tmp_path: Path) -> None:
     wildscav = partial(run_command, "legacy", cwd=tmp_path, columns=200)
     done = wildscav("install", "file", "--maps", "103")
     assert done.returncode == 1
-    assert done.stderr.startswith("wildscav: file")
-    assert done.stderr.count("\n") == 1
+    renamed, error = done.stderr.splitlines()
+    assert renamed.startswith("wildscav: `wildscav legacy` is called `wildscav-legacy` now")
+    assert error.startswith("wildscav: file")

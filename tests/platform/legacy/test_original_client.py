@@ -69,7 +69,7 @@ def test_records_hold_and_have_the_names_that_the_client_gives(installed: Path) 
     assert record.names == ("agent_0",)
     assert verify_record(record).holds
     replay = [sys.executable, "-m", "wildscav.cli.main", "replay", one, "--no-images"]
-    done = subprocess.run([*replay, "--output", installed / "one.rrd"], capture_output=True, text=True)
+    done = subprocess.run([*replay, "--out", installed / "one.rrd"], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert (installed / "one.rrd").stat().st_size > 100_000
 

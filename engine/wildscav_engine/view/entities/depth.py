@@ -1,4 +1,4 @@
-"""The depth map of the followed agent, in the colours of ``wildscav look`` and with a scale beneath it.
+"""The depth map of the followed agent, in the colours of ``wildscav map look`` and with a scale beneath it.
 
 It is an image with one byte per pixel, an index into the colours. The viewer shows the distance of the pixel
 under the pointer.

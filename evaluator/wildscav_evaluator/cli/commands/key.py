@@ -1,4 +1,4 @@
-"""The command ``wildscav key``: the keys with which organizers sign evaluations."""
+"""The command ``wildscav season key``: the keys with which organizers sign evaluations."""
 
 from pathlib import Path
 from typing import Annotated

@@ -1,4 +1,4 @@
-"""The command ``wildscav make-maps``."""
+"""The command ``wildscav map make``."""
 
 from typing import Annotated, Literal
 
@@ -35,7 +35,7 @@ def make_maps(
     ] = None,
     seed: SeedOption = None,
     secret: SecretOption = None,
-    jobs: Annotated[
+    workers: Annotated[
         int | None,
         typer.Option(help="Maps at once. Default: one per processor core.", min=1, show_default=False),
     ] = None,
@@ -64,5 +64,5 @@ def make_maps(
         choices = choices_of_pool(level, split or "train", first, count or 64, unseen=unseen)
     else:
         choices = choices_of_suite(find_suite(str(suite)), track or [], first)
-    with executor_of(executor, address, jobs) as machines:
+    with executor_of(executor, address, workers) as machines:
         run_make_maps(choices, machines)

@@ -20,7 +20,7 @@ def play(
     map_seed: Annotated[
         int,
         typer.Option(
-            "--map",
+            "--map-seed",
             help="Seed from which the map is generated; it is not the number of a numbered map.",
             min=0,
             max=2**64 - 1,

@@ -1,17 +1,16 @@
-"""The command ``wildscav secret``: hidden seeds, which are committed to in public and opened afterwards."""
+"""The command ``wildscav season secret``: hidden seeds, committed to in public and opened later."""
 
 import os
-import re
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from wildscav.errors import UserError, describe
-from wildscav.terminal.console import command, console, counted
+from wildscav.terminal.console import command, console
 
 app = typer.Typer(
-    help="Hidden seeds of evaluations: make one, publish its commitment, open it afterwards, check one.",
+    help="Hidden seeds of evaluations: make one, publish its commitment, open it afterwards.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -21,7 +20,7 @@ app = typer.Typer(
 
 @app.callback()
 def secret() -> None:
-    """Hide the seeds of an evaluation: make one, publish its commitment, open it afterwards, check one."""
+    """Hide the seeds of an evaluation: make one, publish its commitment, open it afterwards."""
 
 
 Secret = Annotated[Path, typer.Argument(help="The secret's file.", metavar="FILE", show_default=False)]
@@ -69,29 +68,7 @@ def open_(file: Secret, out: Out) -> None:
         raise UserError(f"{out} was evaluated on {played}, not on {file} ({seed.commitment})", exit_code=2)
     write_whole(out / OPENED_FILE, file.read_bytes())
     _print(f"opened: {out / OPENED_FILE}")
-    _print(f"check it: {command('wildscav', 'secret', 'check', out, seed.commitment)}")
-
-
-@app.command()
-def check(
-    out: Out,
-    commitment: Annotated[
-        str, typer.Argument(help="The commitment as it was published beforehand.", show_default=False)
-    ],
-) -> None:
-    """Check that the recorded matches are those that were committed to. Exit code 0 only if they are.
-
-    Use `wildscav rescore` to check that the records are true accounts of those matches.
-    """
-    from wildscav_evaluator.scores.expected_matches import check_opened
-
-    if not re.fullmatch("[0-9a-f]{64}", commitment):
-        raise UserError(f"commitment is {commitment!r}, must be 64 hexadecimal digits", exit_code=2)
-    records = check_opened(out, commitment)
-    _print(
-        f"the secret in {out} is the one committed to, and {counted(records, 'record')} "
-        f"{'is of a match' if records == 1 else 'are of matches'} that the secret determines"
-    )
+    _print(f"check it: {command('wildscav', 'verify', out, '--commitment', seed.commitment)}")
 
 
 def _print(text: str) -> None:

@@ -53,7 +53,7 @@ SeedOption = Annotated[
 SecretOption = Annotated[
     Path | None,
     typer.Option(
-        help="File with a hidden seed (`wildscav secret new`), instead of --seed.", show_default=False
+        help="File with a hidden seed (`wildscav season secret new`), instead of --seed.", show_default=False
     ),
 ]
 DatabaseOption = Annotated[Path, typer.Option(help="The leaderboard's database.")]
@@ -66,13 +66,15 @@ class PlayOptions:
     suite: SuiteOption = "quick"
     seed: SeedOption = None
     secret: SecretOption = None
-    jobs: Annotated[
+    workers: Annotated[
         int | None,
         typer.Option(help="Matches at once. Default: one per processor core.", min=1, show_default=False),
     ] = None
     out: Annotated[
         Path | None,
         typer.Option(
+            "--out",
+            "-o",
             help="Output folder. Default: a new folder with the next number, or the one in which the same "
             "command was interrupted.",
             show_default=False,
@@ -131,7 +133,7 @@ class PlayOptions:
 
         seed, out = suite_seed(self.seed, self.secret), self.out or parent
         key = signing_key(self.sign, out, submissions)
-        with executor_of(self.executor, self.address, self.jobs) as machines:
+        with executor_of(self.executor, self.address, self.workers) as machines:
             sandbox, submissions = chosen_sandbox(self.sandbox, submissions, machines)
             if key is not None:
                 warn_of_open_key(sandbox)

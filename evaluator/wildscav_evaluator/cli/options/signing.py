@@ -20,7 +20,7 @@ SignOption = Annotated[
     Path | None,
     typer.Option(
         "--sign",
-        help="Sign the evaluation's ledger with the key in this file (`wildscav key new`).",
+        help="Sign the evaluation's ledger with the key in this file (`wildscav season key new`).",
         metavar="KEY",
         show_default=False,
     ),

@@ -1,4 +1,4 @@
-"""What ``wildscav make-maps`` shows."""
+"""What ``wildscav map make`` shows."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""What ``wildscav rescore`` does and shows."""
+"""What ``wildscav verify`` does and shows for an evaluation."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -18,6 +18,7 @@ from wildscav_evaluator.output.layout import LEDGER_FILE, OPENED_FILE, RESULTS_F
 from wildscav_evaluator.output.record_names import record_paths
 from wildscav_evaluator.output.results import CURRENT_VERSIONS, Results, Timings, read_results
 from wildscav_evaluator.scores.audit import AuditedFolder, discrepancies, read_folder
+from wildscav_evaluator.scores.expected_matches import check_opened
 from wildscav_evaluator.scores.rescore import Replayed, recompute, replay_all
 from wildscav_evaluator.tournaments.tournament_file import tournament_of
 
@@ -55,6 +56,17 @@ def run_rescore(out: Path, executor: Executor, key: str | None = None, *, as_jso
         return
     console.print(f"{everything} played again: all agree with {out / RESULTS_FILE}", soft_wrap=True)
     _print_conclusion(folder)
+
+
+def show_commitment(out: Path, commitment: str) -> None:
+    """Check that the recorded matches are those of the secret that was committed to, and print so.
+
+    Raises:
+        UserError: They are not, or the secret is not opened.
+    """
+    records = check_opened(out, commitment)
+    of_it = "record is of a match" if records == 1 else "records are of matches"
+    _say(f"the secret in {out} is the one committed to, and {records:,} {of_it} that the secret determines")
 
 
 def _without_results(out: Path, key: str | None) -> Iterator[str]:

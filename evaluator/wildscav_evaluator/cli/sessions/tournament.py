@@ -109,7 +109,7 @@ def _say_files(plan: TournamentPlan, ledger: LedgerWriter, results: Results) -> 
     rows = [row for one in results.evaluations for row in one.matches]
     recorded = len({row.record for row in rows if row.record is not None})
     say("records", f"{plan.out / RECORDS} ({counted(recorded, 'match')})")
-    say("", f"check them: {command('wildscav', 'rescore', plan.out)}")
+    say("", f"check them: {command('wildscav', 'verify', plan.out)}")
     if any(row.logs for row in rows):
         say("logs", f"{plan.out / LOGS} (what the agents printed)")
     replays = sorted({row.replay for row in rows if row.replay is not None})

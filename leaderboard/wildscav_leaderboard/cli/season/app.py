@@ -3,8 +3,8 @@
 from typing import Any
 
 import typer
-from typer.core import TyperGroup
 
+from wildscav.cli.main import Commands
 from wildscav_leaderboard.cli.season.demo import demo
 from wildscav_leaderboard.cli.season.finalize import finalize
 from wildscav_leaderboard.cli.season.folders import backup, check, export, init, restore
@@ -12,7 +12,7 @@ from wildscav_leaderboard.cli.season.serve import serve
 from wildscav_leaderboard.cli.season.status import apply, status
 
 
-class SeasonCommands(TyperGroup):
+class SeasonCommands(Commands):
     """All commands; those of the acts, which load all of a season's code, are made when they are needed."""
 
     def _with_acts(self) -> None:
@@ -33,6 +33,7 @@ class SeasonCommands(TyperGroup):
 
 
 app = typer.Typer(
+    name="season",
     cls=SeasonCommands,
     help="Run a season: competitors submit agents, which are played, rated and shown on boards.",
     no_args_is_help=True,

@@ -35,7 +35,7 @@ def demo(
         str | None,
         typer.Option(help="Sandbox of the agents. Default: bubblewrap if it works here, else process."),
     ] = None,
-    no_open: Annotated[bool, typer.Option("--no-open", help="Do not open a browser.")] = False,
+    browser: Annotated[bool, typer.Option(help="Open the season's page in a browser.")] = True,
 ) -> None:
     """Open a season to look at: the baselines are its teams, and play while you look around."""
     from wildscav_evaluator.sandbox import SANDBOXES
@@ -47,7 +47,7 @@ def demo(
     free = _free_port(port)
     with _place(folder) as place:
         season, logins = make_demo(place, free, sandbox)
-        watch = _Watch(season, logins, matches, opens=not no_open)
+        watch = _Watch(season, logins, matches, opens=browser)
         with contextlib.closing(watch):
             serve(season, watch=watch)
 

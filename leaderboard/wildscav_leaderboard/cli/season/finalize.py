@@ -93,7 +93,7 @@ def _publish(season: "Season", database: "Database", out: Path, *, again: bool) 
     elif not out.exists():
         export(season, database, out)
     console.print(f"published in {out}; anyone can check it:", soft_wrap=True)
-    console.print(f"  {command('wildscav', 'audit', out)}", soft_wrap=True)
+    console.print(f"  {command('wildscav', 'verify', out)}", soft_wrap=True)
 
 
 def _wait(season: "Season", database: "Database") -> None:

@@ -52,7 +52,7 @@ def export(
     found = ((made.boards, "board"), (made.matches, "match"), (made.records, "record"))
     _say(f"{', '.join(counted(*one) for one in found)}{hidden}")
     _say(f"exported to {made.folder}")
-    _say(f"check it    {command('wildscav', 'audit', out)}")
+    _say(f"check it    {command('wildscav', 'verify', out)}")
 
 
 def backup(folder: SeasonFolder, out: Backup) -> None:

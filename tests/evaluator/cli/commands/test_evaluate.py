@@ -176,7 +176,7 @@ def test_bad_input_is_one_clear_line(
     assert walker.digest == folder_digest(walker.folder)
 
 
-@pytest.mark.parametrize("arguments", [["--suite", "slow"], ["--jobs", "0"], ["--seed", "x"], []])
+@pytest.mark.parametrize("arguments", [["--suite", "slow"], ["--workers", "0"], ["--seed", "x"], []])
 def test_bad_options_are_usage_errors(wildscav: Command, arguments: list[str]) -> None:
     assert wildscav("evaluate", *arguments, *(["folder"] if arguments else [])).returncode == 2
 

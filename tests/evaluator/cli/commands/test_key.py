@@ -1,4 +1,4 @@
-"""`wildscav key`, and the options that take keys."""
+"""`wildscav season key`, and the options that take keys."""
 
 import shutil
 import stat
@@ -20,15 +20,15 @@ def nobody() -> str:
 def test_a_new_key_is_for_its_owner_alone_and_never_overwritten(wildscav: Command, tmp_path: Path) -> None:
     file = tmp_path / "season.key"
 
-    made = wildscav("key", "new", file)
-    shown = wildscav("key", "public", file)
+    made = wildscav("season", "key", "new", file)
+    shown = wildscav("season", "key", "public", file)
 
     assert made.returncode == shown.returncode == 0, made.stderr + shown.stderr
     assert stat.S_IMODE(file.stat().st_mode) == 0o600
     assert made.stdout == shown.stdout
     assert read_public(made.stdout.strip()) == read_key(file, nobody).public
     before = file.read_bytes()
-    again = wildscav("key", "new", file)
+    again = wildscav("season", "key", "new", file)
     assert (again.returncode, file.read_bytes()) == (2, before)
     assert again.stderr == f"wildscav: {file} exists already: a key is never overwritten\n"
 
@@ -75,7 +75,7 @@ def test_without_a_terminal_the_passphrase_must_be_in_the_environment(
 ) -> None:
     new_key(tmp_path / "season.key", "correct horse")
 
-    done = wildscav("key", "public", tmp_path / "season.key")
+    done = wildscav("season", "key", "public", tmp_path / "season.key")
 
     assert done.returncode == 2
     assert "set WILDSCAV_KEY_PASSPHRASE" in done.stderr

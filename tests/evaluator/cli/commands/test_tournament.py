@@ -63,7 +63,7 @@ def entrants(place: Path) -> tuple[str, ...]:
 
 
 def arguments(entrants: tuple[str, ...], suite: Path, *more: str) -> list[str]:
-    chosen = ["--track=battle", f"--suite={suite}", "--sandbox=process", "--jobs=1", "--replays=none"]
+    chosen = ["--track=battle", f"--suite={suite}", "--sandbox=process", "--workers=1", "--replays=none"]
     return [*entrants, *chosen, "--seats=2", "--rounds=3", *more]
 
 

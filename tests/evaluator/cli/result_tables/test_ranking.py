@@ -18,6 +18,7 @@ from wildscav_evaluator.cli.result_tables.timing import timing_table
 from wildscav_evaluator.cli.sessions import check as checking
 from wildscav_evaluator.cli.sessions import doctor
 from wildscav_evaluator.cli.sessions import play as play_session
+from wildscav_evaluator.cli.sessions import verify_records as verify
 from wildscav_evaluator.cli.sessions.compare import comparison_table
 from wildscav_evaluator.cli.sessions.evaluate import changes_table, verdict
 from wildscav_evaluator.matches.play import PlayedMatch, Seating
@@ -27,7 +28,6 @@ from wildscav_evaluator.scores.changes import Change
 from wildscav_evaluator.scores.compare import compare
 from wildscav_evaluator.submissions.submission import Manifest, Submission
 from wildscav_inspect import map as map_command
-from wildscav_inspect import verify
 from wildscav_leaderboard.cli import leaderboard
 from wildscav_leaderboard.results.database import reading
 from wildscav_leaderboard.results.sink import DatabaseSink

@@ -76,6 +76,6 @@ def logs(folder: Path) -> str:
 
 def install(folder: Path, maps: str) -> None:
     """Make a folder that the client can be pointed at."""
-    command = [sys.executable, "-m", "wildscav.cli.main", "legacy", "install", folder, "--maps", maps]
+    command = [Path(sys.executable).parent / "wildscav-legacy", "install", folder, "--maps", maps]
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr

@@ -104,7 +104,7 @@ def test_a_folder_in_use_and_other_settings_are_said_in_one_line(tmp_path: Path)
 
 def test_seeds_at_once_end_as_seeds_one_after_the_other(tmp_path: Path) -> None:
     assert train("--out", tmp_path / "one", "--seeds", 2).exit_code == 0
-    done = train("--out", tmp_path / "other", "--seeds", 2, "--at-once", 2, "--json")
+    done = train("--out", tmp_path / "other", "--seeds", 2, "--workers", 2, "--json")
     assert done.exit_code == 0, (done.output, done.exception)
     assert [one["seed"] for one in json.loads(done.stdout)["runs"]] == [0, 1]
     for seed in ("seed-0", "seed-1"):
@@ -115,6 +115,6 @@ def test_seeds_at_once_end_as_seeds_one_after_the_other(tmp_path: Path) -> None:
 def test_what_is_wrong_in_one_of_several_processes_is_said_in_one_line(tmp_path: Path) -> None:
     (tmp_path / "out" / "seed-1").mkdir(parents=True)
     (tmp_path / "out" / "seed-1" / "notes.txt").touch()
-    done = train("--out", tmp_path / "out", "--seeds", 2, "--at-once", 2, "--resume")
+    done = train("--out", tmp_path / "out", "--seeds", 2, "--workers", 2, "--resume")
     assert done.exception.exit_code == 2
     assert str(done.exception).endswith("holds no run: settings.json is missing")

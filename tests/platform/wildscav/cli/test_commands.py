@@ -25,7 +25,7 @@ from wildscav.wire.errors import reason_of
 from wildscav_engine.record import read_record, write_record
 from wildscav_engine.record.format import save
 from wildscav_engine.tracks import TRACKS
-from wildscav_inspect.verify import verify
+from wildscav_evaluator.cli.sessions.verify_records import verify_records
 from wildscav_server.hosting.reports import SeatStatus
 from wildscav_server.match_server import MatchServer
 
@@ -161,7 +161,7 @@ def test_many_records_are_a_line_each_in_a_narrow_terminal(
     paths[0].parent.mkdir()
     for path in paths:
         path.hardlink_to(record)
-    verify(paths)
+    verify_records(paths)
     lines = capsys.readouterr().out.splitlines()
     assert len(lines) == 2 + 3 + 2
     for line, path in zip(lines[2:5], paths, strict=True):
@@ -180,7 +180,7 @@ def test_replay_writes_a_recording_and_says_how_to_open_it(
     assert done.returncode == 0, done.stderr
     assert f"{own / 'rerun'} {tmp_path / 'match.rrd'}" in done.stdout
     assert (tmp_path / "match.rrd").stat().st_size > 1000
-    assert wildscav("replay", record, "--follow", 2).returncode == 2
+    assert wildscav("replay", record, "--seat", 2).returncode == 2
 
 
 @pytest.mark.parametrize("way", ["same", "link", "default"])

@@ -22,10 +22,8 @@ WILDSCAV = str(Path(sys.executable).parent / "wildscav")
 def everything(command: object, path: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
     """Every command, as it is typed."""
     yield path
-    for name in getattr(command, "commands", None) or (main.HELP_ORDER if not path else ()):
-        found = command.get_command(None, name)  # type: ignore[attr-defined]
-        if found is not None:
-            yield from everything(found, (*path, name))
+    for name in command.list_commands(None) if hasattr(command, "list_commands") else ():
+        yield from everything(command.get_command(None, name), (*path, name))  # type: ignore[attr-defined]
 
 
 ROOT = typer.main.get_command(main.app)
@@ -54,7 +52,7 @@ def test_the_help_of_a_command_is_wrapped_by_the_terminal_alone() -> None:
     for name, *below in filter(None, EVERYTHING):
         command = ROOT.get_command(None, name)  # type: ignore[attr-defined]
         for each in below:
-            command = command.commands[each]
+            command = command.get_command(None, each)
         assert all("\n" not in paragraph for paragraph in command.help.split("\n\n")), (name, *below)
 
 
@@ -85,14 +83,18 @@ def complete(line: str) -> set[str]:
 
 def test_a_shell_completes_commands_options_and_values() -> None:
     assert complete("wildscav ev") == {"evaluate"}
-    assert complete("wildscav secret o") == {"open"}
+    assert complete("wildscav season secret o") == {"open"}
     assert {"--suite", "--sandbox"} <= complete("wildscav evaluate --s")
     assert complete("wildscav evaluate --sandbox b") == {"bubblewrap"}
 
 
 @pytest.mark.parametrize(
     ("line", "offers"),
-    [("wildscav ev", "evaluate"), ("wildscav look --sen", "--sensor"), ("wildscav secret o", "open")],
+    [
+        ("wildscav ev", "evaluate"),
+        ("wildscav map look --sen", "--sensor"),
+        ("wildscav season secret o", "open"),
+    ],
 )
 def test_zsh_completes_too(line: str, offers: str) -> None:
     asked = {"_WILDSCAV_COMPLETE": "complete_zsh", "_TYPER_COMPLETE_ARGS": line}
@@ -113,7 +115,7 @@ def test_completion_is_installed_by_the_main_command(tmp_path: Path) -> None:
     ("arguments", "says"),
     [
         (["evalaute"], "No such command 'evalaute' (did you mean 'evaluate'?)"),
-        (["secret", "ope"], "Did you mean 'open'?"),
+        (["season", "secret", "ope"], "Did you mean 'open'?"),
         (["verify", "--jsno", "x"], "--json"),
         (["play", "homng"], "submission homng does not exist (did you mean 'homing'?)"),
         (["play", "homing", "--track", "navigaton"], "(did you mean 'navigation'?)"),
@@ -190,33 +192,35 @@ WRONG = [
     "evaluate homing homing",
     "evaluate homing --address localhost:1",
     "evaluate homing --executor ray --address localhost",
-    "rescore {empty} --executor ry",
+    "verify {empty} --executor ry",
     "doctor --executor ray --address 127.0.0.1:1",
-    "make-maps",
-    "make-maps --level easy --suite quick",
-    "make-maps --suite quick --track swimming",
-    "make-maps --suite quick --unseen",
-    "make-maps --level easy --address localhost:1",
+    "map make",
+    "map make --level easy --suite quick",
+    "map make --suite quick --track swimming",
+    "map make --suite quick --unseen",
+    "map make --level easy --address localhost:1",
     "compare homing {empty}",
     "tournament homing --track battle",
     "tournament homing {empty} --track battle",
     "leaderboard --db {file}",
     "replay {binary}",
     "replay {empty}",
-    "replay {binary} --output x.mp4",
-    "replay-agent {binary} homing",
-    "replay-agent {nothing} homing --logs {file}",
+    "replay {binary} --out x.mp4",
+    "verify {binary} --agent homing",
+    "verify {nothing} --agent homing --logs {file}",
+    "verify {binary} {empty}",
+    "verify {empty} --agent homing",
+    "verify {binary} --track battle",
     "verify {binary}",
     "verify {empty}",
-    "rescore {empty}",
-    "rescore {file}",
-    "secret new {file}",
-    "secret commitment {file}",
-    "secret open {file} {empty}",
-    "secret check {empty} abc",
-    "key new {file}",
-    "key new {nothing}/key",
-    "key public {binary}",
+    "verify {file}",
+    "season secret new {file}",
+    "season secret commitment {file}",
+    "season secret open {file} {empty}",
+    "verify {empty} --commitment abc",
+    "season key new {file}",
+    "season key new {nothing}/key",
+    "season key public {binary}",
     "serve --listen nonsense",
     "serve --listen unix:/dev/null/socket",
     "serve --tls-cert {file} --tls-key {file}",
@@ -225,26 +229,24 @@ WRONG = [
     "map info -5",
     "map info {file}",
     "map info --config {binary}",
-    "map show 101 --output {file}",
-    "map export 101 --output {file}",
-    "map export 101 --output {file}/folder",
+    "map show 101 --out {file}",
+    "map export 101 --out {file}",
+    "map export 101 --out {file}/folder",
     "map import {file}",
     "map import {binary}",
-    "look -5",
-    "look 101 --position nan,0",
-    "look --config {binary}",
-    "legacy install {file}",
-    "legacy install new --maps 5-1",
+    "map look -5",
+    "map look 101 --position nan,0",
+    "map look --config {binary}",
     "leaderboard --season",
     "leaderboard --season --suite quick",
     "leaderboard 127.0.0.1:1",
     "leaderboard {binary}",
-    "video {binary}",
-    "video {empty}",
-    "video {nothing}",
-    "video {binary} --out x.avi",
-    "video {binary} --follow --grid",
-    "video 12",
+    "replay {binary} --video",
+    "replay {empty} --video",
+    "replay {nothing} --video",
+    "replay {binary} --video --out x.avi",
+    "replay {binary} --video --seat 1 --view grid",
+    "replay 12 --poster x.png",
     "replay 12",
     "replay 12 --season ftp://there",
     "replay {binary} --season 127.0.0.1:1",
@@ -252,8 +254,8 @@ WRONG = [
     "login {file}/{file}",
     "login 127.0.0.1:1",
     "login 127.0.0.1:1 --invitation key",
-    "logout",
-    "logout 127.0.0.1:1",
+    "login --logout",
+    "login --logout 127.0.0.1:1",
     "team create ants",
     "team join key",
     "team leave --season 127.0.0.1:1",
@@ -262,15 +264,15 @@ WRONG = [
     "submit {broken}",
     "submit {nothing}",
     "submit homing",
-    "submissions",
-    "submissions --wait",
-    "submissions 1 --season 127.0.0.1:1",
-    "matches 1",
-    "matches 1 --match 2",
-    "logs",
-    "logs 1 --match 2",
-    "logs --match 2",
-    "cancel 1",
+    "team submissions",
+    "team submissions --wait",
+    "team submissions 1 --season 127.0.0.1:1",
+    "team matches 1",
+    "team matches 1 --match 2",
+    "team logs",
+    "team logs 1 --match 2",
+    "team logs --match 2",
+    "team submissions cancel 1",
     "season demo --folder {broken}",
     "season demo --sandbox bublewrap",
     "season init {file}",
@@ -295,12 +297,10 @@ WRONG = [
     "season freeze {empty}",
     "season finalize {empty}",
     "season export {empty} {nothing}",
-    "audit {empty}",
-    "audit {nothing}",
-    "audit {file}",
-    "audit http://127.0.0.1:1/",
-    "audit ftp://127.0.0.1/",
-    "audit {empty} --records few",
+    "verify {empty} --download 3",
+    "verify http://127.0.0.1:1/",
+    "verify ftp://127.0.0.1/",
+    "verify http://127.0.0.1:1/ --download few",
     "season backup {empty} backup.tar",
     "season restore {file} new",
     "season restore {nothing} new",
@@ -348,7 +348,7 @@ def test_what_is_wrong_is_said_without_a_traceback_and_leaves_nothing_behind(
 
 
 def test_every_command_is_given_something_wrong() -> None:
-    groups = {"", "map", "key", "secret", "legacy", "season", "team"}
+    groups = {"", "map", "season", "season key", "season secret", "team"}
     tried = {" ".join(arguments) for arguments in EVERYTHING} - groups
     assert tried == {name for name in tried if any(line.startswith(f"{name} ") for line in WRONG)}
 

@@ -1,4 +1,4 @@
-"""`wildscav replay-agent`: only an agent that acts as recorded is borne out by its record."""
+"""`wildscav verify --agent`: only an agent that acts as recorded is borne out by its record."""
 
 import asyncio
 import shutil
@@ -12,7 +12,7 @@ from wildscav.errors import UserError
 from wildscav_engine.record import write_record
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.cli.sessions.replay_agent import run_again
+from wildscav_evaluator.cli.sessions.run_again import run_again
 from wildscav_evaluator.ledger.writer import LedgerWriter
 from wildscav_evaluator.matches.play import Seating, play_match
 from wildscav_evaluator.output.results import TournamentSettings
@@ -141,7 +141,7 @@ def test_what_is_no_record_is_one_clear_line(submit: Submit, wildscav: Command, 
     path = tmp_path / "match.wsr"
     shutil.copy(circler.folder / "agent.py", path)
 
-    done = wildscav("replay-agent", path, circler.folder, "--sandbox", "process", cwd=tmp_path)
+    done = wildscav("verify", path, "--agent", circler.folder, "--sandbox", "process", cwd=tmp_path)
 
     assert done.returncode == 2
     assert done.stderr.startswith(f"wildscav: {path}: ")

@@ -1,4 +1,4 @@
-"""What ``wildscav replay-agent`` does and shows."""
+"""What ``wildscav verify --agent`` does and shows."""
 
 import asyncio
 from collections.abc import Iterable, Iterator, Sequence

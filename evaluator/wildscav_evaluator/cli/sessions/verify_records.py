@@ -1,0 +1,91 @@
+"""What ``wildscav verify`` does and shows for records: each is played again, and every step compared."""
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from rich.table import Table
+from rich.text import Text
+
+from wildscav.errors import UserError, describe
+from wildscav.terminal.console import console, counted, error_console, print_json, printable
+from wildscav.terminal.tables import FittingTable
+from wildscav_engine import ENGINE_VERSION
+from wildscav_engine.maps import GENERATOR_VERSION
+from wildscav_engine.record import RecordError, read_record, verify_record
+from wildscav_evaluator.ledger.record_check import check_record
+
+
+class Finding(NamedTuple):
+    """The result of verifying one record."""
+
+    path: Path
+    holds: bool
+    message: str  # one line, safe to print
+
+
+def verify_records(records: Sequence[Path], key: str | None = None, *, as_json: bool = False) -> None:
+    """Play records again, compare every step, and show a table of what was found.
+
+    Args:
+        records: Their files. One in an evaluation's folder must also be the one that its ledger names.
+        key: The public key that must have signed that ledger; None to accept any.
+        as_json: Whether to print a JSON document as well.
+
+    Raises:
+        UserError: After everything was shown, one does not hold.
+    """
+    findings: list[Finding] = []
+    with error_console.status("") as status:
+        for path in records:
+            status.update(f"re-simulating {len(findings) + 1} of {len(records)}")
+            findings.append(_check(path, key))
+    console.print(_table(findings))
+    if as_json:
+        print_json({"records": [{**one._asdict(), "path": str(one.path)} for one in findings]})
+    failed = [one for one in findings if not one.holds]
+    total = counted(len(records), "record")
+    held = f"{len(records) - len(failed)} of {total}"
+    console.print(f"\n{held} {'holds' if len(records) - len(failed) == 1 else 'hold'}", highlight=False)
+    if failed:
+        more = f" (and {len(failed) - 1} more)" if len(failed) > 1 else ""
+        raise UserError(
+            f"{len(failed)} of {total} {'does' if len(failed) == 1 else 'do'} not hold: "
+            f"{failed[0].path}: {failed[0].message}{more}"
+        )
+
+
+def _table(findings: list[Finding]) -> Table:
+    """Return a table with a row for each record, named without the folder that they share."""
+    common = os.path.commonpath([one.path.absolute().parent for one in findings])
+    table = FittingTable()
+    table.add_column("record", no_wrap=True)
+    table.add_column("", no_wrap=True)
+    table.add_column("finding", min_width=24)
+    for path, holds, message in findings:
+        name = printable(str(path.absolute().relative_to(common)))
+        verdict = Text("holds", "green") if holds else Text("FAILS", "bold red")
+        table.add_row(Text(name, "" if holds else "bold"), verdict, Text(message))
+    return table
+
+
+def _check(path: Path, key: str | None) -> Finding:
+    """Play a record again. Errors become findings, because the other records are still to be checked."""
+    try:
+        record = read_record(path)
+        result = verify_record(record)
+        failure = check_record(path, record, key)
+    except RecordError as error:
+        return Finding(path, False, printable(str(error).removeprefix(f"{path}: ")))
+    except OSError as error:
+        return Finding(path, False, printable(describe(error)))
+    except MemoryError:
+        return Finding(path, False, "its match does not fit into this machine's memory")
+    if result.holds and failure:
+        return Finding(path, False, printable(failure))
+    message = f"{record.steps} steps" if result.holds else result.message
+    # The message for a record of another generator names its engine already.
+    if record.engine_version != ENGINE_VERSION and record.generator_version == GENERATOR_VERSION:
+        message += f" (recorded by engine {record.engine_version}; this one is {ENGINE_VERSION})"
+    return Finding(path, result.holds, printable(message))
