@@ -18,7 +18,6 @@ from wildscav_inspect.records import SeasonOption, resolve_record
 if TYPE_CHECKING:
     from wildscav_evaluator.executors import Executor
 
-AUDITS = "wildscav.season_audits"  # entry points: functions that audit the season at a place
 SEASON_FILE = "season.json"  # in a folder that a season was exported to
 # The options that each kind of thing takes, besides --json.
 OPTIONS = {
@@ -187,6 +186,8 @@ def _audit(*arguments: Any, as_json: bool) -> None:
     Raises:
         UserError: No package does; or something is wrong in the season.
     """
+    from wildscav_evaluator.cli.sessions.verify_records import AUDITS
+
     for point in entry_points(group=AUDITS):
         point.load()(*arguments, as_json=as_json)
         return

@@ -16,6 +16,8 @@ from wildscav_engine.maps import GENERATOR_VERSION
 from wildscav_engine.record import RecordError, read_record, verify_record
 from wildscav_evaluator.ledger.record_check import check_record
 
+AUDITS = "wildscav.season_audits"  # entry points: functions that audit the season at a place
+
 
 class Finding(NamedTuple):
     """The result of verifying one record."""

@@ -46,7 +46,6 @@ def test_every_new_name_is_a_command() -> None:
 
 def test_an_old_command_runs_and_prints_its_new_name() -> None:
     done = run_command("look", "-5")
-    assert done.stderr.splitlines() == [
-        "wildscav: `wildscav look` is called `wildscav map look` now; the old name goes with the next release",
-        "wildscav: ID is -5, must be 1 to 999",
-    ]
+    renamed, error = done.stderr.splitlines()
+    assert renamed.startswith("wildscav: `wildscav look` is called `wildscav map look` now")
+    assert error == "wildscav: ID is -5, must be 1 to 999"
