@@ -7,8 +7,11 @@ RELEASES ?=
 PART ?= tests/engine tests/platform
 # What Python runs the tests with: .ci/tests runs those that failed once more.
 PYTEST ?= -m pytest
-BENCHMARKS := compile executor legacy maps processes ratings rays schedule server service steps vector_sensors
+BENCHMARKS := speed.compile speed.legacy speed.maps speed.processes speed.rays speed.steps speed.vector_sensors \
+	services.executor services.server services.service strength.ratings strength.schedule
 .DEFAULT_GOAL := help
+# Without its cache of bytecode, each process of ours would compile the sources again, for up to three seconds.
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: help demo test test-slow test-with check format bench docs docs-serve proto clean
 
@@ -53,7 +56,7 @@ test-slow: .venv/.training ## Run the slow tests, three at a time: they wait mor
 test-with: .venv/.dev ## Run PART of the tests with another Python or other releases: PYTHON=python3.14, RELEASES='numba==0.68.0'.
 	rm -rf $(OTHER)
 	$(PYTHON) -m venv --without-pip $(OTHER)
-	$(BIN)/python -m pip --python $(OTHER)/bin/python install --quiet --disable-pip-version-check -e '.[dev]' $(RELEASES)
+	$(BIN)/python -m pip --python $(OTHER)/bin/python install --quiet --disable-pip-version-check -e '.[tests]' $(RELEASES)
 	@$(OTHER)/bin/python -c 'import llvmlite, numba, numpy, sys; print("Python", sys.version.split()[0], *(f"{m.__name__} {m.__version__}" for m in (numpy, numba, llvmlite)))'
 	$(OTHER)/bin/python $(PYTEST) -n 2 --dist worksteal $(PART)
 
@@ -68,7 +71,7 @@ format: .venv/.dev ## Format the code, and fix what can be fixed automatically.
 	$(BIN)/ruff format .
 
 bench: .venv/.dev ## Run every benchmark; each prints a table.
-	@for name in $(BENCHMARKS); do $(BIN)/python benchmarks/$$name.py || exit 1; done
+	@for name in $(BENCHMARKS); do $(BIN)/python -m benchmarks.$$name || exit 1; done
 
 # Silences a notice that Material for MkDocs prints at every build: fixes end in May 2027, and Zensical succeeds it.
 docs: export NO_MKDOCS_2_WARNING = 1

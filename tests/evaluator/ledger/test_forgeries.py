@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 from tests.evaluator.ledger.forgeries import FORGERIES, replace_record, shut_in, worst
 from tests.evaluator.ledger.forging import Forgery, Rescored
-from wildscav_evaluator.cli.sessions.replay_agent import run_again
 
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.rescore import run_rescore
+from wildscav_evaluator.cli.sessions.run_again import run_again
 from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_evaluator.ledger.keys import SigningKey, new_key
 from wildscav_evaluator.plans.evaluation import EvaluationPlan

@@ -1,0 +1,245 @@
+"""How quickly a season is served that has 1,000 submissions and 100,000 results, while its conductor runs.
+
+For comparison, a bare FastAPI application with one route is served with the same settings.
+"""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Annotated
+
+import httpx
+import typer
+from benchmarks.report import Figure, JsonFile, publish
+from benchmarks.services import large_season
+from benchmarks.services.load import Load, ask
+from sqlalchemy import func, select
+from tests.leaderboard.agents import write_agent
+
+from wildscav_leaderboard.boards.kept import read_board
+from wildscav_leaderboard.boards.service import refresh
+from wildscav_leaderboard.conductor.conductor import now
+from wildscav_leaderboard.conductor.lease import holder_of
+from wildscav_leaderboard.matches.models import MatchResult
+from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.submissions.packing import pack
+
+PAGES = {
+    "board page": "/boards/navigation",
+    "board page of a ladder": "/boards/battle",
+    "board in the API": "/api/v1/boards/navigation",
+    "home page": "/",
+    "match page": "/matches/95000",
+    "submission page": "/submissions/500",
+}
+CONNECTIONS = 8
+RATE = 50.0  # requests a second at which latencies are measured
+UPLOAD = 100  # MiB
+START = 600.0  # s
+HELLO = """
+import sys, uvicorn
+from fastapi import FastAPI
+from fastapi.responses import HTMLResponse
+app = FastAPI()
+@app.get("/", response_class=HTMLResponse)
+def hello() -> str:
+    return "hello"
+given = {"port": int(sys.argv[1]), "log_level": "warning", "access_log": False, "server_header": False}
+uvicorn.run(app, host="127.0.0.1", **given)
+"""
+
+
+def main(
+    seconds: Annotated[float, typer.Option(help="For each page and load.")] = 10.0,
+    folder: Annotated[Path | None, typer.Option(help="Keep the season here, and use it again.")] = None,
+    json_file: JsonFile = None,
+) -> None:
+    """Print latencies and rates of pages, and what an upload does to the server's memory."""
+    with ExitStack() as stack:
+        place = folder or Path(stack.enter_context(TemporaryDirectory()))
+        season, token, cookie = _season(place)
+        figures = _refreshing(season)
+        port = season.settings.web.port
+        stack.enter_context(_served(season, "conductor"))
+        web = stack.enter_context(_served(season, "web"))
+        peer = stack.enter_context(_hello())
+        _wait(f"http://127.0.0.1:{port}/ready")
+        _wait(f"http://127.0.0.1:{peer}/")
+        _wait_for_conductor(season)
+        (server,) = _children(web.pid)
+        hello = ask(peer, "/", seconds=seconds, connections=CONNECTIONS, rate=None)
+        figures.append(Figure("bare FastAPI route: sustained", hello.rate, "requests/s"))
+        for name, path in PAGES.items():
+            figures += _page(name, port, path, seconds, hello, server)
+        figures += _page("board page, logged in", port, PAGES["board page"], seconds, hello, server, cookie)
+        figures.append(_upload(port, token, server, _large_archive(place)))
+    publish("A season of 1,000 submissions and 100,000 results in SQLite", figures, json_file)
+
+
+def _season(place: Path) -> tuple[Season, str, str]:
+    """Return the season, its token and its cookie; make it if it is not there."""
+    kept = place / "keys.txt"
+    if kept.exists():
+        token, cookie = kept.read_text().splitlines()
+        return Season.open(place / "season"), token, cookie
+    season, token, cookie = large_season.make_large_season(place / "season", _free_port())
+    kept.write_text(f"{token}\n{cookie}\n")
+    return season, token, cookie
+
+
+def _refreshing(season: Season) -> list[Figure]:
+    """Measure how long the boards take; they are computed here for the first time."""
+    database = season.database()
+    figures = []
+    for name in ("of everything", "when nothing is new"):
+        begun = time.process_time()
+        with database.writing() as session:
+            refresh(session, season, now())
+        figures.append(Figure(f"boards, {name}: processor time", time.process_time() - begun, "s"))
+    with database.reading() as session:
+        results = session.scalar(select(func.count()).select_from(MatchResult)) or 0
+        board = read_board(session, "navigation")
+    if board is None or len(board.rows) != large_season.SUBMISSIONS // large_season.PER_TEAM:
+        raise RuntimeError("the board lacks rows")
+    database.close()
+    return [Figure("results", results, ""), *figures]
+
+
+def _page(
+    name: str, port: int, path: str, seconds: float, hello: Load, server: int, cookie: str = ""
+) -> list[Figure]:
+    ask(port, path, seconds=1.0, connections=1, rate=None, cookie=cookie)  # first come caches
+    steady = ask(port, path, seconds=seconds, connections=CONNECTIONS, rate=RATE, cookie=cookie)
+    before = _processor_time(server)
+    most = ask(port, path, seconds=seconds, connections=CONNECTIONS, rate=None, cookie=cookie)
+    used = 1000.0 * (_processor_time(server) - before) / len(most.latencies)
+    if steady.failures or most.failures:
+        raise RuntimeError(f"{path} was not answered")
+    ratio, size = f"{most.rate / hello.rate:.2f} of the bare route", f"{most.size:,} bytes"
+    return [
+        Figure(f"{name}: median at {RATE:.0f} requests/s", steady.percentile(50), "ms", size),
+        Figure(f"{name}: 99th percentile", steady.percentile(99), "ms"),
+        Figure(f"{name}: sustained", most.rate, "requests/s", ratio),
+        Figure(f"{name}: processor time", used, "ms"),
+    ]
+
+
+def _large_archive(place: Path) -> Path:
+    """Return the archive of a submission that cannot be compressed, with other content each time."""
+    with TemporaryDirectory() as folder:
+        agent = write_agent(Path(folder), "heavy")
+        with (agent / "weights.bin").open("wb") as file:
+            for _ in range(UPLOAD):
+                file.write(os.urandom(1 << 20))
+        path = place / "heavy.tar.gz"
+        pack(agent, path)
+    return path
+
+
+def _upload(port: int, token: str, process: int, archive: Path) -> Figure:
+    """Upload a large archive, and return by how much the server's memory rose at most."""
+    before, most, ended = _memory(process), 0.0, threading.Event()
+
+    def watch() -> None:
+        nonlocal most
+        while not ended.wait(0.02):
+            most = max(most, _memory(process))
+
+    watcher = threading.Thread(target=watch)
+    watcher.start()
+
+    def pieces() -> Iterator[bytes]:
+        with archive.open("rb") as file:
+            while piece := file.read(1 << 20):
+                yield piece
+
+    answer = httpx.post(
+        f"http://127.0.0.1:{port}/api/v1/submissions",
+        content=pieces(),
+        headers={"Authorization": f"Bearer {token}"},
+        timeout=300,
+    )
+    ended.set()
+    watcher.join()
+    return Figure(
+        f"memory during an upload of {UPLOAD} MiB", most - before, "MiB", f"answer {answer.status_code}"
+    )
+
+
+def _processor_time(process: int) -> float:
+    """Return the processor time that a process has used, s."""
+    fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def _memory(process: int) -> float:
+    """Return the resident memory of a process, MiB."""
+    pages = int(Path(f"/proc/{process}/statm").read_text().split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE") / (1 << 20)
+
+
+@contextmanager
+def _served(season: Season, part: str) -> Iterator[subprocess.Popen[bytes]]:
+    program = Path(sys.executable).with_name("wildscav")
+    command = [str(program), "season", "serve", str(season.folder), f"--{part}"]
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
+        try:
+            yield process
+        finally:
+            process.terminate()
+
+
+@contextmanager
+def _hello() -> Iterator[int]:
+    port = _free_port()
+    with subprocess.Popen([sys.executable, "-c", HELLO, str(port)]) as process:
+        try:
+            yield port
+        finally:
+            process.send_signal(signal.SIGTERM)
+
+
+def _wait(address: str) -> None:
+    until = time.monotonic() + START
+    while time.monotonic() < until:
+        try:
+            if httpx.get(address, timeout=10).status_code == 200:
+                return
+        except httpx.HTTPError:
+            time.sleep(0.2)
+    raise TimeoutError(f"{address} does not answer")
+
+
+def _wait_for_conductor(season: Season) -> None:
+    database, until = season.database(), time.monotonic() + START
+    while time.monotonic() < until:
+        with database.reading() as session:
+            if holder_of(session, now()) is not None:
+                database.close()
+                return
+        time.sleep(0.5)
+    raise TimeoutError("nobody conducts the season")
+
+
+def _children(process: int) -> list[int]:
+    """Return the processes that a process started with Python, the web server's among them."""
+    found = Path(f"/proc/{process}/task/{process}/children").read_text().split()
+    return [int(one) for one in found if b"spawn_main" in Path(f"/proc/{one}/cmdline").read_bytes()]
+
+
+def _free_port() -> int:
+    with socket.socket() as found:
+        found.bind(("127.0.0.1", 0))
+        return int(found.getsockname()[1])
+
+
+if __name__ == "__main__":
+    typer.run(main)
