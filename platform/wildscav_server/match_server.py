@@ -19,10 +19,9 @@ from wildscav_server.hosting.hosted_match import HostedMatch, MatchCancelledErro
 from wildscav_server.hosting.precompile import precompile
 from wildscav_server.hosting.reports import SeatStatus
 from wildscav_server.hosting.seat import Seat, parse_sensors
-from wildscav_server.hosting.seat_clock import SeatClock
 from wildscav_server.monitoring.logs import Log
 from wildscav_server.server_metrics import ServerMetrics
-from wildscav_server.time_limits import Clock
+from wildscav_server.time_limits import Clock, SeatClock
 
 if TYPE_CHECKING:
     from wildscav_engine.sensors import Sensor

@@ -10,6 +10,9 @@ Time in which the machine had no processor for an agent, because of others' work
 not pay for it. No more than one budget is credited in a step, so that every match ends.
 """
 
+import asyncio
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
@@ -132,3 +135,32 @@ class TimeBank:
     def use_up(self) -> None:
         """Empty it, because an answer is late."""
         self.left, self._used_up = 0.0, True
+
+
+class SeatClock:
+    """The clock of seats: the event loop's time minus what the server has spent on reading sensors.
+
+    While a sensor is read, answers in all matches stay unread. So this clock stops for all seats, and the
+    seat that asked for the sensor is charged separately.
+    """
+
+    def __init__(self) -> None:
+        self._loop = asyncio.get_running_loop()
+        self._stopped = 0.0  # s that the clock has been stopped in all
+
+    def now(self) -> float:
+        """Return the time, s."""
+        return self._loop.time() - self._stopped
+
+    def on_loop(self, when: float) -> float:
+        """Convert a time to the loop's clock, assuming that no sensor is read until then."""
+        return when + self._stopped
+
+    @contextmanager
+    def standing_still(self) -> Iterator[None]:
+        """Stop the clock during the block."""
+        began = self._loop.time()
+        try:
+            yield
+        finally:
+            self._stopped += self._loop.time() - began

@@ -119,7 +119,7 @@ class PlayerPage(OpenPage):
     def __init__(self, socket: WebSocket, table: Table, seat: int) -> None:
         super().__init__(socket)
         self._table, self._seat = table, seat
-        self._chair = table.lobby.chairs[seat]
+        self._player = table.lobby.seats[seat]
         self._commands = Allowance(MAX_COMMANDS)
 
     async def serve(self) -> None:
@@ -132,7 +132,7 @@ class PlayerPage(OpenPage):
 
     async def _send_pictures(self) -> None:
         """Send a picture whenever there is something new to see, and the page has shown the last ones."""
-        loop, person, eyes = asyncio.get_running_loop(), self._chair.person, self._chair.eyes
+        loop, person, eyes = asyncio.get_running_loop(), self._player.person, self._player.eyes
         # A thread of its own, which keeps the memory that pictures are made in.
         with ThreadPoolExecutor(1, "pictures") as painter:
             while True:
@@ -148,7 +148,7 @@ class PlayerPage(OpenPage):
                 raise PageClosedError(UNSUPPORTED, str(error)) from None
             match message:
                 case Input():
-                    self._chair.person.controls.receive(message)
+                    self._player.person.controls.receive(message)
                 case Seen():
                     self._note_seen(message.picture)
                 case _:

@@ -27,7 +27,7 @@ RATE = 20.0  # pictures a second of a view at most: those who play need the proc
 View = int | None  # a seat whose eyes are seen through; None for the overview
 
 
-class Shot(NamedTuple):
+class PendingFrame(NamedTuple):
     """A picture that is to be made."""
 
     shown: dict[str, Any]  # beside it
@@ -37,11 +37,11 @@ class Shot(NamedTuple):
 class Photographer(Protocol):
     """Takes pictures of one match from one view."""
 
-    def take(self) -> Shot:
+    def take(self) -> PendingFrame:
         """Return a picture of the present."""
 
 
-class SeatsEyes:
+class SeatView:
     """Pictures as the person or agent in a seat sees them, with what a person's page shows beside them.
 
     Args:
@@ -55,14 +55,14 @@ class SeatsEyes:
         self._observations = SeatObservations(hosted.match, [seat])
         self._counted = self._count()
 
-    def take(self) -> Shot:
+    def take(self) -> PendingFrame:
         """Return a picture of the present."""
         self._observations.encode([0.0])
         message = Observation.FromString(self._observations.of(self._seat))
         observation = decode_observation(message, FRAMES_PER_SECOND)
         shown = {"seat": self._seat, **display_of(observation, self._info), **self._events()}
         moment = moment_of(self._match)
-        return Shot(shown, lambda: self._eyes.picture(moment))
+        return PendingFrame(shown, lambda: self._eyes.picture(moment))
 
     def _count(self) -> dict[str, int]:
         agents, seat = self._match.state.agents, self._seat
@@ -94,7 +94,7 @@ class Overview:
         options = {"width": WIDTH, "height": HEIGHT, "field_of_view": ANGLE, "far": ABOVE_FAR}
         self._camera: Any = parse_sensors({"camera": options})["camera"]
 
-    def take(self) -> Shot:
+    def take(self) -> PendingFrame:
         """Return a picture of the present."""
         match, agents = self._match, self._match.state.agents
         alive = agents.present[0] & (agents.health[0] > 0)
@@ -109,7 +109,7 @@ class Overview:
         ]
         shown = {"seat": None, "time": time, "left": max(0.0, match.spec.time_limit - time), "labels": labels}
         moment = moment_of(match)
-        return Shot(shown, lambda: self._picture(moment, camera))
+        return PendingFrame(shown, lambda: self._picture(moment, camera))
 
     def _picture(self, moment: Moment, camera: Camera) -> bytes:
         pixels = self._camera.render(
@@ -122,7 +122,7 @@ class Overview:
         return as_jpeg(pixels)
 
 
-class Hung(NamedTuple):
+class Frame(NamedTuple):
     """The latest picture of a view."""
 
     number: int  # among all pictures
@@ -136,7 +136,7 @@ class Gallery:
 
     def __init__(self) -> None:
         self._watched: dict[object, View] = {}  # what each spectator watches
-        self._latest: dict[View, Hung] = {}
+        self._latest: dict[View, Frame] = {}
         self._number = 0
         self._changed = asyncio.Event()  # set, and replaced, when there is something new to see
         self._anybody = asyncio.Event()  # set while somebody watches
@@ -153,12 +153,12 @@ class Gallery:
         if not self._watched:
             self._anybody.clear()
 
-    async def next(self, spectator: object, after: int) -> Hung:
+    async def next(self, spectator: object, after: int) -> Frame:
         """Wait for a picture of what a spectator watches that is newer than a number."""
         while True:
-            hung = self._latest.get(self._watched[spectator])
-            if hung is not None and hung.number > after:
-                return hung
+            latest = self._latest.get(self._watched[spectator])
+            if latest is not None and latest.number > after:
+                return latest
             await self._changed.wait()
 
     async def show(self, hosted: "HostedMatch") -> None:
@@ -174,7 +174,7 @@ class Gallery:
                     if view is None or view < hosted.match.seats:
                         if view not in photographers:
                             photographers[view] = (
-                                Overview(hosted.match) if view is None else SeatsEyes(hosted, view)
+                                Overview(hosted.match) if view is None else SeatView(hosted, view)
                             )
                         await self._take(hosted, view, photographers[view], painter)
                 await asyncio.sleep(max(0.0, began + 1.0 / RATE - loop.time()))
@@ -183,13 +183,13 @@ class Gallery:
         self, hosted: "HostedMatch", view: View, photographer: Photographer, painter: Executor
     ) -> None:
         """Take a picture of a view, unless there is one of this frame."""
-        hung, frame = self._latest.get(view), hosted.match.frame
-        if hung is not None and hung.frame == frame:
+        latest, frame = self._latest.get(view), hosted.match.frame
+        if latest is not None and latest.frame == frame:
             return
-        shot = photographer.take()
-        picture = await asyncio.get_running_loop().run_in_executor(painter, shot.make)
+        pending = photographer.take()
+        picture = await asyncio.get_running_loop().run_in_executor(painter, pending.make)
         self._number += 1
-        self._latest[view] = Hung(self._number, frame, shot.shown, picture)
+        self._latest[view] = Frame(self._number, frame, pending.shown, picture)
         self._tell()
 
     def _tell(self) -> None:

@@ -100,7 +100,7 @@ class Page(Protocol):
         """Close it."""
 
 
-class Chair:
+class PlayerSeat:
     """One person's seat.
 
     Args:
@@ -129,7 +129,7 @@ class Lobby:
 
     def __init__(self, plan: Plan) -> None:
         self._plan = plan
-        self.chairs = tuple(Chair(seat, plan.names[seat]) for seat in range(plan.people))
+        self.seats = tuple(PlayerSeat(seat, plan.names[seat]) for seat in range(plan.people))
 
     def rename(self, seat: int, text: str) -> None:
         """Call a person by another name, from the next match on.
@@ -138,19 +138,19 @@ class Lobby:
             LobbyError: It is no name, or somebody else's.
         """
         name = _checked_name(text)
-        taken = [chair.name for chair in self.chairs if chair.seat != seat]
+        taken = [player.name for player in self.seats if player.seat != seat]
         taken += self._plan.names[self._plan.people :]
         if name.casefold() in map(str.casefold, taken):
             raise LobbyError(f"somebody else is called {name}; take another name")
-        self.chairs[seat].name = name
+        self.seats[seat].name = name
 
     def absent(self) -> tuple[int, ...]:
         """Return the seats of the people who are not here."""
-        return tuple(chair.seat for chair in self.chairs if chair.page is None)
+        return tuple(player.seat for player in self.seats if player.page is None)
 
     def names(self, absent: Sequence[int]) -> tuple[str, ...]:
         """Return the display name of every seat, with robots in the seats of those who are absent."""
-        people = [self._plan.stand_in if chair.seat in absent else chair.name for chair in self.chairs]
+        people = [self._plan.stand_in if player.seat in absent else player.name for player in self.seats]
         return numbered([*people, *(opponent.name for opponent in self._plan.opponents)])
 
 

@@ -83,7 +83,7 @@ async def _watch(process: asyncio.subprocess.Process, seat: int, hosted: "Hosted
     hosted.give_up(seat, f"its process ended with exit code {code}; its output is in {log}")
 
 
-class Venue(NamedTuple):
+class MatchHosting(NamedTuple):
     """Where matches are played."""
 
     server: MatchServer
@@ -95,41 +95,41 @@ class Venue(NamedTuple):
 
 @asynccontextmanager
 async def hosted_match(
-    venue: Venue, plan: Plan, spec: "MatchSpec", names: Sequence[str]
+    hosting: MatchHosting, plan: Plan, spec: "MatchSpec", names: Sequence[str]
 ) -> AsyncIterator["HostedMatch"]:
     """Host a match within the block, and run the submissions that play in it."""
     opponents = dict(enumerate(plan.opponents, start=plan.people))
-    hosted = await venue.server.host(
+    hosted = await hosting.server.host(
         spec,
         names=names,
         sensors={seat: each.sensors for seat, each in opponents.items() if each.sensors},
         clock=ROBOT_CLOCK if plan.may_pause else Clock(),
-        addresses=venue.seats,
+        addresses=hosting.seats,
     )
     folders = {seat: each.folder for seat, each in opponents.items() if each.folder is not None}
     try:
-        venue.folder.mkdir(parents=True, exist_ok=True)
-        async with venue.agents(folders, hosted, venue.seats, venue.folder):
+        hosting.folder.mkdir(parents=True, exist_ok=True)
+        async with hosting.agents(folders, hosted, hosting.seats, hosting.folder):
             yield hosted
     finally:
         hosted.cancel()  # does nothing after its end
 
 
-async def play_out(venue: Venue, hosted: "HostedMatch", people: Mapping[int, Person]) -> Path:
+async def play_out(hosting: MatchHosting, hosted: "HostedMatch", people: Mapping[int, Person]) -> Path:
     """Let people play a match to its end, and return its record.
 
     Args:
-        venue: Where it is played.
+        hosting: Where it is played.
         hosted: The match.
         people: The person of each seat that one has.
     """
     # The seats are joined at the same time, because the match begins when all are.
     joined = (
-        person.play(hosted.match, venue.address, hosted.tokens[seat]) for seat, person in people.items()
+        person.play(hosted.match, hosting.address, hosted.tokens[seat]) for seat, person in people.items()
     )
     await asyncio.gather(*joined)
     match = (await hosted.finished()).match
-    path = _free_path(venue.folder, match.spec.track)
+    path = _free_path(hosting.folder, match.spec.track)
     await asyncio.to_thread(write_record, path, match, hosted.names)
     return path
 

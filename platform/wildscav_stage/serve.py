@@ -20,7 +20,7 @@ from wildscav_stage.eyes import Eyes
 from wildscav_stage.links import Addresses, Base, Links, base_of
 from wildscav_stage.lobby import HOST
 from wildscav_stage.plan import Plan
-from wildscav_stage.rounds import Agents, Venue, playing
+from wildscav_stage.rounds import Agents, MatchHosting, playing
 from wildscav_stage.table import COUNTDOWN, Table
 
 LARGEST_MESSAGE = 4096  # bytes, from a page
@@ -103,8 +103,8 @@ async def served_on(
         for seat in plan.submissions:
             (place / str(seat)).mkdir(mode=0o700)
         own = await server.start([f"unix:{place}/{seat}/match" for seat in plan.submissions])
-        venue = Venue(server, address, dict(zip(plan.submissions, own, strict=True)), folder, agents)
-        table = Table(plan, venue, links, base, say, countdown, at_home=at_home)
+        hosting = MatchHosting(server, address, dict(zip(plan.submissions, own, strict=True)), folder, agents)
+        table = Table(plan, hosting, links, base, say, countdown, at_home=at_home)
         web = uvicorn.Server(_config(Site(table, links, base)))
         serving = asyncio.create_task(web.serve(sockets=[listening]))
         try:

@@ -15,10 +15,10 @@ from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_stage.display import metric_titles, scores_of
 from wildscav_stage.gallery import Gallery
 from wildscav_stage.links import Base, Links
-from wildscav_stage.lobby import HOST, Chair, Lobby, LobbyError, Page
+from wildscav_stage.lobby import HOST, Lobby, LobbyError, Page, PlayerSeat
 from wildscav_stage.page import RENEWED, REPLACED
 from wildscav_stage.plan import Plan
-from wildscav_stage.rounds import Venue, hosted_match, play_out
+from wildscav_stage.rounds import MatchHosting, hosted_match, play_out
 
 if TYPE_CHECKING:
     from wildscav_server.hosting.hosted_match import HostedMatch
@@ -35,7 +35,7 @@ class Table:
 
     Args:
         plan: What is played.
-        venue: Where the matches are played.
+        hosting: Where the matches are played.
         links: The links of its people and spectators.
         base: Where its pages are reached.
         say: Called with a line for whoever started the table.
@@ -46,7 +46,7 @@ class Table:
     def __init__(
         self,
         plan: Plan,
-        venue: Venue,
+        hosting: MatchHosting,
         links: Links,
         base: Base,
         say: Callable[[str], None],
@@ -56,7 +56,7 @@ class Table:
     ) -> None:
         self.lobby, self.gallery = Lobby(plan), Gallery()
         self._spectators: dict[Page, None] = {}  # their pages, in the order in which they came
-        self._plan, self._venue, self._links, self._base, self._say = plan, venue, links, base, say
+        self._plan, self._hosting, self._links, self._base, self._say = plan, hosting, links, base, say
         self._countdown, self._at_home = countdown, at_home
         self._situation: dict[str, Any] = {"kind": "lobby"}
         self._playing: frozenset[int] = frozenset()  # the people's seats in the present match
@@ -66,26 +66,26 @@ class Table:
     @property
     def is_attended(self) -> bool:
         """Whether somebody who plays has a page open."""
-        return any(chair.page is not None for chair in self.lobby.chairs)
+        return any(player.page is not None for player in self.lobby.seats)
 
     # The interface for people's pages.
 
     def attach(self, seat: int, page: Page) -> None:
         """Tell everything to a page from now on, first what it needs to know of the present."""
-        chair = self.lobby.chairs[seat]
-        if chair.page is not None:
-            chair.page.dismiss(REPLACED, "the link was opened elsewhere")
-        chair.page, chair.came = page, True
-        page.tell(self._introduction(chair))
+        player = self.lobby.seats[seat]
+        if player.page is not None:
+            player.page.dismiss(REPLACED, "the link was opened elsewhere")
+        player.page, player.came = page, True
+        page.tell(self._introduction(player))
         self._tell_people()
-        page.tell(self._present_to(chair))
+        page.tell(self._present_to(player))
 
     def detach(self, seat: int, page: Page) -> None:
         """Tell a page nothing anymore; its seat stands idle, and the match is paused if it may be."""
-        chair = self.lobby.chairs[seat]
-        if chair.page is page:
-            chair.page = None
-            chair.person.controls.release()
+        player = self.lobby.seats[seat]
+        if player.page is page:
+            player.page = None
+            player.person.controls.release()
             self.pause(True)
             self._tell_people()
 
@@ -103,11 +103,11 @@ class Table:
         """Pause the match, or go on; does nothing if others than robots would have to wait."""
         if not self._plan.may_pause or self._situation["kind"] != "begin":
             return
-        (chair,) = self.lobby.chairs
+        (player,) = self.lobby.seats
         if paused:
-            chair.person.clock_runs.clear()
+            player.person.clock_runs.clear()
         else:
-            chair.person.clock_runs.set()
+            player.person.clock_runs.set()
         self._situation["paused"] = paused
         self._announce({"kind": "paused", "paused": paused})
 
@@ -127,12 +127,12 @@ class Table:
             LobbyError: Somebody else than the host asks for it, or it is no guest's seat.
         """
         _only_host(asked_by, "makes new links")
-        if not 0 < seat < len(self.lobby.chairs):
+        if not 0 < seat < len(self.lobby.seats):
             raise LobbyError(f"seat {seat} is no guest's")
         self._links.renew(seat)
-        chair = self.lobby.chairs[seat]
-        if chair.page is not None:
-            chair.page.dismiss(RENEWED, "the host has made a new link for this seat")
+        player = self.lobby.seats[seat]
+        if player.page is not None:
+            player.page.dismiss(RENEWED, "the host has made a new link for this seat")
         self._tell_people()
 
     def admit(self, page: Page) -> bool:
@@ -178,15 +178,15 @@ class Table:
         absent = self.lobby.absent()
         spec, names = self._plan.played(self._played, absent), self.lobby.names(absent)
         self._played += 1
-        people = {chair.seat: chair.person for chair in self.lobby.chairs if chair.seat not in absent}
-        async with hosted_match(self._venue, self._plan, spec, names) as hosted:
-            await asyncio.to_thread(self.lobby.chairs[HOST].eyes.prepare, hosted.match.game_map)
+        people = {player.seat: player.person for player in self.lobby.seats if player.seat not in absent}
+        async with hosted_match(self._hosting, self._plan, spec, names) as hosted:
+            await asyncio.to_thread(self.lobby.seats[HOST].eyes.prepare, hosted.match.game_map)
             self._playing = frozenset(people)
             if len(people) > 1:
                 await self._count_down()
             self._begin(hosted)
             async with beside(self._tell_scores(hosted)), beside(self.gallery.show(hosted)):
-                path = await play_out(self._venue, hosted, people)
+                path = await play_out(self._hosting, hosted, people)
             self._finish(hosted, path)
 
     async def _count_down(self) -> None:
@@ -196,7 +196,7 @@ class Table:
 
     def _begin(self, hosted: "HostedMatch") -> None:
         for seat in self._playing:
-            self.lobby.chairs[seat].person.clock_runs.set()
+            self.lobby.seats[seat].person.clock_runs.set()
         fields = hosted.match.track.fields
         self._change(
             {
@@ -208,7 +208,7 @@ class Table:
                 "metrics": metric_titles(hosted.match),
             }
         )
-        if self.lobby.chairs[HOST].page is None:
+        if self.lobby.seats[HOST].page is None:
             self.pause(True)
 
     async def _tell_scores(self, hosted: "HostedMatch") -> None:
@@ -234,14 +234,14 @@ class Table:
 
     # What pages are told.
 
-    def _introduction(self, chair: Chair | None) -> dict[str, Any]:
+    def _introduction(self, player: PlayerSeat | None) -> dict[str, Any]:
         spec = self._plan.spec
         return {
             "kind": "table",
             "track": spec.track,
-            "names": [each.name for each in self.lobby.chairs] + list(self._plan.names[self._plan.people :]),
+            "names": [each.name for each in self.lobby.seats] + list(self._plan.names[self._plan.people :]),
             "people": self._plan.people,
-            "seat": None if chair is None else chair.seat,
+            "seat": None if player is None else player.seat,
             "time_limit": spec.time_limit,
             "may_pause": self._plan.may_pause,
             "stand_in": self._plan.stand_in,
@@ -249,25 +249,25 @@ class Table:
 
     def _tell_people(self) -> None:
         """Tell everybody who is here; the links of the others, to the host alone."""
-        people = [chair.describe() for chair in self.lobby.chairs]
+        people = [player.describe() for player in self.lobby.seats]
         told = {"kind": "people", "people": people, "spectators": len(self._spectators)}
-        for page, chair in self._open_pages():
-            page.tell(told | self._invitations() if _is_host(chair) else told)
+        for page, player in self._open_pages():
+            page.tell(told | self._invitations() if _is_host(player) else told)
 
     def _invitations(self) -> dict[str, Any]:
-        guests = self.lobby.chairs[HOST + 1 :]
+        guests = self.lobby.seats[HOST + 1 :]
         return {
-            "links": {chair.seat: self._base.invitation(self._links, chair.seat) for chair in guests},
+            "links": {player.seat: self._base.invitation(self._links, player.seat) for player in guests},
             "watch_link": self._base.watching(self._links),
             "local_only": self._at_home and self._base.local_only,
         }
 
-    def _present_to(self, chair: Chair | None) -> dict[str, Any]:
+    def _present_to(self, player: PlayerSeat | None) -> dict[str, Any]:
         """Return the situation as a person, or a spectator, may know it."""
         situation = self._situation
-        if situation["kind"] in ("begin", "countdown") and chair and chair.seat not in self._playing:
+        if situation["kind"] in ("begin", "countdown") and player and player.seat not in self._playing:
             return {"kind": "elsewhere"}
-        if self._at_home and _is_host(chair):
+        if self._at_home and _is_host(player):
             return situation
         if situation["kind"] == "over":
             return {key: value for key, value in situation.items() if key not in HOST_ALONE_KNOWS}
@@ -277,16 +277,16 @@ class Table:
 
     def _change(self, situation: dict[str, Any]) -> None:
         self._situation = situation
-        for page, chair in self._open_pages():
-            page.tell(self._present_to(chair))
+        for page, player in self._open_pages():
+            page.tell(self._present_to(player))
 
     def _announce(self, message: dict[str, Any]) -> None:
         for page, _ in self._open_pages():
             page.tell(message)
 
-    def _open_pages(self) -> list[tuple[Page, Chair | None]]:
+    def _open_pages(self) -> list[tuple[Page, PlayerSeat | None]]:
         """Return the pages of people with their seats, and those of spectators."""
-        people = [(chair.page, chair) for chair in self.lobby.chairs if chair.page is not None]
+        people = [(player.page, player) for player in self.lobby.seats if player.page is not None]
         return [*people, *((page, None) for page in self._spectators)]
 
 
@@ -303,8 +303,8 @@ async def beside(work: Coroutine[Any, Any, None]) -> AsyncIterator[None]:
         raise ended
 
 
-def _is_host(chair: Chair | None) -> bool:
-    return chair is not None and chair.seat == HOST
+def _is_host(player: PlayerSeat | None) -> bool:
+    return player is not None and player.seat == HOST
 
 
 def _only_host(seat: int, does: str) -> None:

@@ -13,6 +13,7 @@ ROOT = Path(__file__).parents[2]
 @pytest.mark.parametrize(
     ("module", "strangers"),
     [
+        ("wildscav.cli.main", {"asyncio", "grpc", "numpy"}),
         ("wildscav.sdk", {"numba", "pydantic", "wildscav_engine"}),
         ("wildscav_engine.simulation.match", {"numba"}),
         ("wildscav_engine.sensors", {"numba"}),

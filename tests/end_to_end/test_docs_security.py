@@ -6,9 +6,8 @@ from pathlib import Path
 from wildscav_evaluator.matches.play import SEAT_ENDPOINT
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES, Limits
 from wildscav_evaluator.submissions import archives
-from wildscav_server.http2 import allowance
-from wildscav_server.http2.calls import STREAMS
-from wildscav_server.http2.inbound import HEADER_LIMIT
+from wildscav_server.http2 import accounting
+from wildscav_server.http2.session import HEADER_LIMIT, STREAMS
 from wildscav_server.http2.stream import UNREAD_LIMIT
 
 REPOSITORY = Path(__file__).parents[2]
@@ -50,17 +49,18 @@ def test_the_limits_of_archives_are_told() -> None:
 def test_what_a_connection_may_cost_is_told() -> None:
     for words in (
         (
-            f"{allowance.UNKNOWN_ALLOWANCE:g} on a connection before it has joined, "
-            f"{allowance.KNOWN_ALLOWANCE:,g} after, and {allowance.REFILL_PER_SECOND:g} a second more; "
-            f"a header counts as {allowance.HEADERS_COST:g}; "
-            f"each message that the server sends earns at least {allowance.REFILL_PER_MESSAGE:g}"
+            f"{accounting.UNKNOWN_ALLOWANCE:g} on a connection before it has joined, "
+            f"{accounting.KNOWN_ALLOWANCE:,g} after, and {accounting.REFILL_PER_SECOND:g} a second more; "
+            f"a header counts as {accounting.HEADERS_COST:g}; "
+            f"each message that the server sends earns at least {accounting.REFILL_PER_MESSAGE:g}"
         ),
         f"{HEADER_LIMIT >> 10} KiB a call",
-        f"in an evaluation {SEAT_ENDPOINT.connections}, and {SEAT_ENDPOINT.visits} in a whole match",
+        f"in an evaluation {SEAT_ENDPOINT.connections}, ",
+        f"and {SEAT_ENDPOINT.max_total_connections} in a whole match",
         f"{STREAMS} streams each",
         f"{UNREAD_LIMIT} messages ahead",
     ):
         assert words in PAGE, words
-    assert (allowance.SHARE, allowance.READ_COST) == (0.25, 0.25)
+    assert (accounting.SHARE, accounting.READ_COST) == (0.25, 0.25)
     assert "each read counts as a quarter of such a frame" in PAGE
     assert "a quarter of a core for all of them" in PAGE

@@ -36,7 +36,7 @@ from wildscav_server.time_limits import MARGIN, Clock
 
 SOCKET = "match.sock"
 # Of a seat's own socket: the connections that its agent may have open at one time, and in all.
-SEAT_ENDPOINT = EndpointSettings(connections=16, visits=64)
+SEAT_ENDPOINT = EndpointSettings(connections=16, max_total_connections=64)
 EXIT_TIME = 3.0  # s for an agent's process to end by itself after the match; a container takes 1 s
 MAX_ATTEMPTS = 3  # at a match that the platform breaks
 RETRY_DELAY = 0.5  # s between attempts, in which scarce resources may become available

@@ -100,7 +100,7 @@ async def _serve(order: Order) -> str:
 
 async def _end(served: Served, rules: Play) -> str:
     """Wait for the end of a table, and return why it ends."""
-    controls = served.table.lobby.chairs[HOST].person.controls
+    controls = served.table.lobby.seats[HOST].person.controls
     began = acted = here = time.monotonic()
     patience, received = COMING, 0
     while not served.serving.done():

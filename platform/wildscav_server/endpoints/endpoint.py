@@ -15,8 +15,8 @@ from wildscav.wire.errors import RefusalError
 from wildscav_server.endpoints.addresses import UNIX, bind, is_public, with_port
 from wildscav_server.endpoints.match_service import MatchService, Reservation
 from wildscav_server.endpoints.routes import PLAY, Health
-from wildscav_server.http2.calls import Route
-from wildscav_server.http2.listener import Listener
+from wildscav_server.http2.connection import Listener
+from wildscav_server.http2.session import Route
 
 CONNECTIONS = 2000  # to one address at one time
 
@@ -26,7 +26,7 @@ class EndpointSettings:
     """Who may connect to an address, and how."""
 
     connections: int = CONNECTIONS  # open at one time; beyond that, one of an unknown client is closed
-    visits: int | None = None  # connections accepted in all, after which the address is closed; None: any
+    max_total_connections: int | None = None  # after which the address is closed; None: any number
     tls: ssl.SSLContext | None = field(default=None, compare=False)  # for ports; unix sockets need none
     insecure: bool = False  # whether other machines may connect without TLS
 
@@ -82,7 +82,7 @@ class Endpoint:
             sockets,
             {PLAY: Route(self._service.play), **self._health.routes(), **routes},
             connections=endpoint_settings.connections,
-            visits=endpoint_settings.visits,
+            max_total_connections=endpoint_settings.max_total_connections,
             on_flood=lambda reason: on_flood(self.address, reason),
             tls=None if self._path else endpoint_settings.tls,
         )

@@ -17,8 +17,7 @@ from wildscav.wire.errors import ProtocolRefusalError, RefusalError
 from wildscav_server.hosting.hosted_match import HostedMatch
 from wildscav_server.hosting.reports import SeatStatus
 from wildscav_server.hosting.seat import Seat
-from wildscav_server.http2.flow_control import StreamLostError
-from wildscav_server.http2.stream import Stream
+from wildscav_server.http2.stream import Stream, StreamLostError
 
 PENDING_LIMIT = 256  # at one time
 
@@ -169,7 +168,7 @@ async def _join_and_serve(reservation: Reservation, stream: Stream, join: Join) 
     """Take the seat for this stream, and serve it."""
     try:
         reservation.match.join(reservation.seat, _this_task(), join)
-        stream.trust()
+        stream.mark_authenticated()
     except RefusalError:
         raise
     except Exception as error:

@@ -34,7 +34,7 @@ class Organizer:
                     "ORGANIZER_TOKEN",
                     "this call needs the organizer's token",
                 )
-        stream.trust()
+        stream.mark_authenticated()
 
     def check_address(self, address: str) -> None:
         """Check that a server may listen for organizers at an address.

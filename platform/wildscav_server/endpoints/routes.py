@@ -10,7 +10,7 @@ from grpc_health.v1.health_pb2 import HealthCheckRequest, HealthCheckResponse
 from wildscav.proto.match_pb2 import GetMatchRequest, GetMatchResponse, HostMatchRequest, HostMatchResponse
 from wildscav.wire.errors import ProtocolRefusalError, RefusalError
 from wildscav_server.endpoints.organizer import Organizer
-from wildscav_server.http2.calls import Route
+from wildscav_server.http2.session import Route
 from wildscav_server.http2.stream import Stream
 
 PLAY = "/wildscav.match.v1.Match/Play"

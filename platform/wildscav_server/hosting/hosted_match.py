@@ -17,8 +17,7 @@ from wildscav_server.hosting.lockstep import LAG, Lockstep
 from wildscav_server.hosting.observations import match_info
 from wildscav_server.hosting.reports import MatchOutcome, SeatStatus
 from wildscav_server.hosting.seat import Seat
-from wildscav_server.hosting.seat_clock import SeatClock
-from wildscav_server.time_limits import Clock, WaitMeter
+from wildscav_server.time_limits import Clock, SeatClock, WaitMeter
 
 if TYPE_CHECKING:
     from wildscav_engine.simulation.match import Match

@@ -23,8 +23,7 @@ from wildscav.wire.actions import ACTION_FIELDS, decode_action
 from wildscav.wire.observations import encode_observation
 from wildscav_server.hosting.observations import SeatObservations
 from wildscav_server.hosting.seat import Seat
-from wildscav_server.hosting.seat_clock import SeatClock
-from wildscav_server.time_limits import Clock
+from wildscav_server.time_limits import Clock, SeatClock
 
 if TYPE_CHECKING:
     from wildscav_engine.simulation.match import Match

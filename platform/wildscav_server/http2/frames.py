@@ -4,9 +4,11 @@ from collections.abc import Iterator
 from enum import IntEnum, IntFlag
 from typing import NamedTuple
 
+from hpack import Encoder, NeverIndexedHeaderTuple
+
 PREFACE = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n"
 HEADER = 9  # bytes of a frame before its payload
-LARGEST = 16_384  # bytes of a payload, in both directions; every peer accepts that much
+MAX_PAYLOAD = 16_384  # bytes of a payload, in both directions; every peer accepts that much
 FIRST_WINDOW = 65_535  # bytes: the initial window of connections and streams, in both directions
 LARGEST_WINDOW = 2**31 - 1
 
@@ -54,7 +56,6 @@ class Code(IntEnum):
 class Setting(IntEnum):
     """The parameters of SETTINGS that matter here."""
 
-    HEADER_TABLE_SIZE = 1
     ENABLE_PUSH = 2
     MAX_CONCURRENT_STREAMS = 3
     INITIAL_WINDOW_SIZE = 4
@@ -84,6 +85,11 @@ class Frame(NamedTuple):
     payload: bytes
 
 
+def kind_name(kind: int) -> str:
+    """Return the name of a kind of frame, which may be unknown."""
+    return Kind(kind).name if kind <= Kind.CONTINUATION else f"kind {kind}"
+
+
 def write_frame(kind: int, flags: int, stream: int, payload: bytes = b"") -> bytes:
     """Return a frame as bytes."""
     return len(payload).to_bytes(3, "big") + bytes((kind, flags)) + stream.to_bytes(4, "big") + payload
@@ -93,6 +99,11 @@ def write_settings(values: dict[Setting, int]) -> bytes:
     """Return a SETTINGS frame."""
     payload = b"".join(name.to_bytes(2, "big") + value.to_bytes(4, "big") for name, value in values.items())
     return write_frame(Kind.SETTINGS, 0, 0, payload)
+
+
+def header_block(headers: list[tuple[str, str]]) -> bytes:
+    """Return headers encoded by HPACK without its dynamic table, so that the encoding needs no state."""
+    return Encoder().encode([NeverIndexedHeaderTuple(*header) for header in headers], huffman=False)
 
 
 def read_settings(payload: bytes) -> Iterator[tuple[int, int]]:
@@ -134,7 +145,7 @@ class FrameReader:
 
     def __init__(self) -> None:
         self._rest = b""  # the incomplete frame or preface at the end of the data
-        self.has_preface = False  # whether the preface was read
+        self._has_preface = False  # whether the preface was read
 
     def feed(self, content: bytes) -> Iterator[Frame]:
         """Yield the frames that are now complete.
@@ -144,16 +155,16 @@ class FrameReader:
         """
         content, at = (self._rest + content if self._rest else content), 0
         self._rest = b""
-        if not self.has_preface:
+        if not self._has_preface:
             if not content.startswith(PREFACE[: len(content)]):
                 raise FrameError(Code.PROTOCOL_ERROR, "sent something else than HTTP/2")
             if len(content) < len(PREFACE):
                 self._rest = content
                 return
-            self.has_preface, at = True, len(PREFACE)
+            self._has_preface, at = True, len(PREFACE)
         while (body := at + HEADER) <= len(content):
             end = body + int.from_bytes(content[at : at + 3], "big")
-            if end - body > LARGEST:
+            if end - body > MAX_PAYLOAD:
                 raise FrameError(Code.FRAME_SIZE_ERROR, f"sent a frame of {end - body:,} bytes")
             if end > len(content):
                 break

@@ -2,79 +2,53 @@
 
 import asyncio
 import base64
+import re
 from collections import deque
-from collections.abc import Mapping
-from typing import Any, Protocol
+from collections.abc import Callable, Mapping
+from typing import Any
 from urllib.parse import quote
 
 import grpc
-from hpack import Encoder, NeverIndexedHeaderTuple
 
 from wildscav.wire.errors import ProtocolRefusalError, RefusalError, encode_refusal
-from wildscav_server.http2.allowance import Allowance
-from wildscav_server.http2.flow_control import WINDOW, FlowControl, StreamLostError
-from wildscav_server.http2.frames import LARGEST, Code, Flag, Kind, write_frame
+from wildscav_server.http2.accounting import WINDOW, Account
+from wildscav_server.http2.frames import MAX_PAYLOAD, Code, Flag, Kind, header_block, write_frame
 
 PREFIX = 5  # bytes before a message: whether it is compressed, and its length
 UNREAD_LIMIT = 64  # messages of a stream that wait to be read
+RESPONSE = header_block([(":status", "200"), ("content-type", "application/grpc")])
+DEADLINE_EXCEEDED = 4  # gRPC's status code
+TIMEOUT_UNITS = {"H": 3600.0, "M": 60.0, "S": 1.0, "m": 1e-3, "u": 1e-6, "n": 1e-9}  # s
 
 
-class OpenStreams(Protocol):
-    """The part of a connection's calls that a stream needs."""
-
-    def forget(self, stream: "Stream") -> None:
-        """Remove a stream that has ended."""
-        ...
-
-
-class StreamConnection(Protocol):
-    """The part of a connection that a stream needs."""
-
-    @property
-    def allowance(self) -> Allowance:
-        """The client's allowance of frames."""
-        ...
-
-    @property
-    def flow(self) -> FlowControl:
-        """The connection's flow control."""
-        ...
-
-    @property
-    def calls(self) -> OpenStreams:
-        """The connection's streams."""
-        ...
-
-    def send(self, content: bytes) -> None:
-        """Write data to the client."""
-        ...
-
-    def trust(self) -> None:
-        """Mark the client as known."""
-        ...
+class StreamLostError(Exception):
+    """The connection of a stream is gone, or its client has ended it."""
 
 
 class Stream:
     """A call, as its handler sees it. If the client ends it, the handler is cancelled.
 
     Args:
-        connection: Its connection.
+        account: Its connection's account.
         number: The stream's number.
         headers: The request's headers.
         window: Bytes that the client accepts on the stream.
         limit: The largest message that the client may send, bytes.
+        on_end: Called with the stream once its status is sent.
     """
 
     __slots__ = (
+        "_account",
         "_begun",
-        "_connection",
+        "_deadline",
         "_limit",
         "_messages",
+        "_on_end",
         "_part",
         "_queued",
         "_reader",
         "_received",
-        "_reopened",
+        "_released",
         "ended_by_client",
         "finished",
         "headers",
@@ -85,31 +59,33 @@ class Stream:
     )
 
     def __init__(
-        self, connection: StreamConnection, number: int, headers: Mapping[str, str], window: int, limit: int
+        self,
+        account: Account,
+        number: int,
+        headers: Mapping[str, str],
+        window: int,
+        limit: int,
+        on_end: "Callable[[Stream], None]",
     ) -> None:
-        self._connection, self.number, self.headers, self.window = connection, number, headers, window
+        self._account, self.number, self.headers, self.window = account, number, headers, window
+        self._limit, self._on_end = limit, on_end
         self.task: asyncio.Task[None] | None = None  # runs the handler
-        self._limit = limit
         self.refusal: RefusalError | None = None  # the client's protocol violation, if there was one
         self.ended_by_client = False  # whether the client sends nothing more
         self.finished = False  # whether the status was sent or the client is gone
         self._begun = False  # whether the response's headers were sent
+        self._deadline: asyncio.TimerHandle | None = None  # ends the call
         self._part = bytearray()  # an incomplete message
         self._messages: deque[bytes] = deque()
         self._reader: asyncio.Future[None] | None = None  # done when there is something to read
-        self._received = self._reopened = 0  # bytes received, and those by which the window was reopened
+        self._received = self._released = 0  # bytes received, and those that the client may send again
         self._queued = 0  # bytes of the messages that wait to be read
 
     # The interface for the handler.
 
-    @property
-    def path(self) -> str:
-        """The path of the called method."""
-        return self.headers.get(":path", "")
-
-    def trust(self) -> None:
+    def mark_authenticated(self) -> None:
         """Mark the client as known: it is in a seat, or an organizer."""
-        self._connection.trust()
+        self._account.mark_authenticated()
 
     async def read(self) -> bytes:
         """Return the next message.
@@ -130,15 +106,15 @@ class Stream:
                 self._reader = None
         message = self._messages.popleft()
         self._queued -= PREFIX + len(message)
-        self._reopen_window()
+        self._release_received()
         return message
 
-    def _reopen_window(self) -> None:
+    def _release_received(self) -> None:
         """Let the client send as much again as was received and is not queued."""
-        size = self._received - self._queued - self._reopened
+        size = self._received - self._queued - self._released
         if size >= WINDOW // 2:
-            self._reopened += size
-            self._connection.flow.reopen(size, 0 if self.ended_by_client else self.number)
+            self._released += size
+            self._account.release_received(size, 0 if self.ended_by_client else self.number)
 
     async def write(self, message: bytes) -> None:
         """Send a message; returns when all of it is passed to the transport.
@@ -147,31 +123,24 @@ class Stream:
             StreamLostError: The client is gone.
         """
         content = b"\0" + len(message).to_bytes(4, "big") + message
-        self._connection.allowance.refill(len(content))
-        flow = self._connection.flow
-        if len(content) <= min(LARGEST, self.window, flow.window) and not flow.full:
-            self._send(content)
-            return
-        at = 0
+        account, at = self._account, 0
         while at < len(content):
-            await flow.wait_for_window(self)
-            size = min(LARGEST, self.window, flow.window)
+            if self.finished:
+                raise StreamLostError
+            size = min(MAX_PAYLOAD, self.window, account.window, len(content) - at)
+            if size <= 0 or account.full:
+                await account.change()
+                continue
+            account.refill(size, begins=at == 0)
             self._send(content[at : at + size])
             at += size
 
     def _send(self, content: bytes) -> None:
-        if self.finished:
-            raise StreamLostError
         self.window -= len(content)
-        self._connection.flow.window -= len(content)
-        self._connection.send(self._head() + write_frame(Kind.DATA, 0, self.number, content))
-
-    def _head(self) -> bytes:
-        """Return the frame of the response's headers if it was not sent yet, else nothing."""
-        if self._begun:
-            return b""
+        self._account.window -= len(content)
+        head = b"" if self._begun else write_frame(Kind.HEADERS, Flag.END_HEADERS, self.number, RESPONSE)
         self._begun = True
-        return write_frame(Kind.HEADERS, Flag.END_HEADERS, self.number, RESPONSE)
+        self._account.send(head + write_frame(Kind.DATA, 0, self.number, content))
 
     def finish(self, refusal: RefusalError | None = None, code: int = 0, details: str = "") -> None:
         """End the call; does nothing if it has ended.
@@ -183,7 +152,7 @@ class Stream:
         """
         if self.finished:
             return
-        self.finished = True
+        self._end()
         trailers = [("grpc-status", str(code)), ("grpc-message", quote(details, safe=" "))]
         if refusal is not None:
             status: Any = encode_refusal(refusal)
@@ -196,10 +165,28 @@ class Stream:
         frames = write_frame(Kind.HEADERS, Flag.END_HEADERS | Flag.END_STREAM, self.number, payload)
         if not self.ended_by_client:
             frames += write_frame(Kind.RST_STREAM, 0, self.number, Code.NO_ERROR.to_bytes(4, "big"))
-        self._connection.send(frames)
-        self._connection.calls.forget(self)
+        self._account.send(frames)
+        self._on_end(self)
+
+    def _end(self) -> None:
+        self.finished = True
+        if self._deadline is not None:
+            self._deadline.cancel()
 
     # The interface for the connection.
+
+    def end_after(self, seconds: float) -> None:
+        """End the call by its client's deadline.
+
+        Args:
+            seconds: s from now.
+        """
+        self._deadline = asyncio.get_running_loop().call_later(seconds, self._expire)
+
+    def _expire(self) -> None:
+        self.finish(code=DEADLINE_EXCEEDED, details="the call's deadline has passed")
+        if self.task is not None:
+            self.task.cancel()
 
     def feed(self, content: bytes, size: int) -> bool:
         """Process data from the client, and return whether it completed a message.
@@ -213,14 +200,14 @@ class Stream:
         if self.refusal is None and not self.finished:
             self._part += content
             complete = self._queue_complete()
-            self._reopen_window()
+            self._release_received()
         self.wake()
         return complete
 
     @property
     def unread(self) -> int:
-        """Bytes that were received and by which the window was not reopened yet."""
-        return self._received - self._reopened
+        """Bytes that were received, and that the client may not send again yet."""
+        return self._received - self._released
 
     def _queue_complete(self) -> bool:
         """Queue the messages that are complete, and return whether there were any."""
@@ -252,6 +239,11 @@ class Stream:
             grpc.StatusCode.RESOURCE_EXHAUSTED,
         )
 
+    def half_close(self) -> None:
+        """Note that the client sends nothing more."""
+        self.ended_by_client = True
+        self.wake()
+
     def wake(self) -> None:
         """Wake the handler if it waits for a message."""
         if self._reader is not None and not self._reader.done():
@@ -263,15 +255,13 @@ class Stream:
         Args:
             refusal: What the client did, if it has violated the protocol.
         """
-        self.finished = True
+        self._end()
         self.refusal = self.refusal or refusal
         if self.task is not None:
             self.task.cancel()
 
 
-def header_block(headers: "list[tuple[str, str]]") -> bytes:
-    """Return headers encoded by HPACK without its dynamic table, so that the encoding needs no state."""
-    return Encoder().encode([NeverIndexedHeaderTuple(*header) for header in headers], huffman=False)
-
-
-RESPONSE = header_block([(":status", "200"), ("content-type", "application/grpc")])
+def parse_timeout(text: str) -> float | None:
+    """Return the seconds of a header ``grpc-timeout``, or None if it is malformed."""
+    match = re.fullmatch(r"([0-9]{1,8})([HMSmun])", text)
+    return int(match[1]) * TIMEOUT_UNITS[match[2]] if match else None

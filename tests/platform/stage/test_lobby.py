@@ -17,7 +17,7 @@ def lobby() -> Lobby:
 def test_a_name_is_taken_in_its_usual_form(text: str, name: str) -> None:
     people = lobby()
     people.rename(1, text)
-    assert people.chairs[1].describe()["name"] == name
+    assert people.seats[1].describe()["name"] == name
     assert people.names(absent=()) == ("person 1", name, "person 3", "fighter-easy")
 
 

@@ -15,7 +15,7 @@ from wildscav.proto.match_pb2 import ClientMessage, Join, Ready
 from wildscav.wire.errors import reason_of
 from wildscav_server.endpoints.match_service import PendingStreams
 from wildscav_server.hosting.reports import SeatStatus
-from wildscav_server.http2.inbound import UNKNOWN_LIMIT
+from wildscav_server.http2.accounting import UNKNOWN_LIMIT
 from wildscav_server.match_server import MatchServer
 from wildscav_server.time_limits import Clock
 

@@ -16,8 +16,7 @@ from wildscav.proto.match_pb2 import Action
 from wildscav_engine.simulation.match import Match
 from wildscav_server.hosting.lockstep import Lockstep
 from wildscav_server.hosting.seat import Seat
-from wildscav_server.hosting.seat_clock import SeatClock
-from wildscav_server.time_limits import Clock, TimeBank
+from wildscav_server.time_limits import Clock, SeatClock, TimeBank
 
 STEPS, BUDGET, BANK = 4, 1 / 16, 1 / 4  # s; sums of powers of two, so that times are exact
 CLOCK = Clock(step_budget=BUDGET, time_bank=BANK)

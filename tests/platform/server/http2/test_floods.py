@@ -23,7 +23,7 @@ from wildscav_server.time_limits import Clock
 
 # So that only a victim that is kept from playing is late, however busy the machine is.
 PATIENT = Clock(step_budget=5.0, join_timeout=60.0)
-OWN = EndpointSettings(connections=16, visits=64)  # as an evaluation has it
+OWN = EndpointSettings(connections=16, max_total_connections=64)  # as an evaluation has it
 GROWTH = 50e6  # bytes
 SEQUENCES = int(os.environ.get("WILDSCAV_SEQUENCES", "300"))
 EVERY_DAY = {"connect", "ping", "large-continuation"}

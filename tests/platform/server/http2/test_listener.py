@@ -3,20 +3,15 @@
 import asyncio
 import socket
 import ssl
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from pathlib import Path
-from types import MappingProxyType
 
-import pytest
 from tests.platform.helpers.certificates import Authority
-from tests.platform.helpers.raw_http2 import DATA, PING, SETTINGS, frame, request
 
 from wildscav_server.endpoints.tls import Certificate
-from wildscav_server.http2.allowance import TimeShare
-from wildscav_server.http2.calls import Route
-from wildscav_server.http2.encryption import Encryption
-from wildscav_server.http2.listener import Listener
+from wildscav_server.http2.accounting import TimeShare
+from wildscav_server.http2.connection import Encryption, Listener
 
 PREFACE = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + bytes([0, 0, 0, 4, 0, 0, 0, 0, 0])
 UNKNOWN_FRAME = bytes([0, 0x40, 0, 0xFF, 0, 0, 0, 0, 0])  # 16,384 bytes of a kind that nobody knows
@@ -40,11 +35,9 @@ class OneThingAtATime(TimeShare):
         return max(0.0, self._until - self._clock())
 
 
-async def listening(
-    tls: ssl.SSLContext | None = None, routes: Mapping[str, Route] = MappingProxyType({})
-) -> tuple[Listener, OneThingAtATime, int]:
+async def listening(tls: ssl.SSLContext | None = None) -> tuple[Listener, OneThingAtATime, int]:
     at = socket.create_server(("127.0.0.1", 0))
-    listener = Listener([at], routes, connections=10, tls=tls)
+    listener = Listener([at], {}, connections=10, tls=tls)
     listener.share = share = OneThingAtATime(asyncio.get_running_loop().time)
     listener.start()
     return listener, share, at.getsockname()[1]
@@ -84,30 +77,6 @@ def test_an_unknown_client_that_never_stops_sending_keeps_nobody_out() -> None:
                 assert await loop.sock_recv(other, 9), "the other was greeted"
                 assert len(listener._open) == 2, "the other came in only after the talker was put out"
             talking.cancel()
-        await listener.stop(0.0)
-
-    run(rule)
-
-
-@pytest.mark.parametrize(
-    ("frames", "reason"),
-    [
-        (frame(DATA, 1, 1) + frame(DATA, 0, 1), "sent data on a stream that it had ended"),
-        (frame(SETTINGS, 0, 1), "sent SETTINGS on a stream"),
-        (frame(PING, 0, 1, bytes(8)), "sent PING on a stream"),
-    ],
-)
-def test_frames_that_http2_forbids_end_the_connection(frames: bytes, reason: str) -> None:
-    async def handle(_: object) -> None:
-        await asyncio.sleep(60)
-
-    async def rule() -> None:
-        listener, _, port = await listening(routes={"/wildscav.match.v1.Match/Play": Route(handle)})
-        with await call(port, PREFACE + request(1) + frames) as calling:
-            answer = b""
-            while content := await asyncio.get_running_loop().sock_recv(calling, 4096):
-                answer += content
-        assert reason.encode() in answer
         await listener.stop(0.0)
 
     run(rule)
