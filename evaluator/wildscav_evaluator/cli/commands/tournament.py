@@ -1,13 +1,12 @@
 """The command ``wildscav tournament``."""
 
-from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
 
 from wildscav.cli.shared_options import takes
 from wildscav_evaluator.bounds import MAX_ROUNDS
-from wildscav_evaluator.cli.options.evaluation import DatabaseOption, PlayOptions
+from wildscav_evaluator.cli.options.evaluation import NoDatabase, PlayOptions
 
 
 @takes(PlayOptions)
@@ -79,7 +78,7 @@ def tournament(
         Literal["none", "first", "all"],
         typer.Option(help="Which matches to render as Rerun recordings."),
     ] = "first",
-    db: DatabaseOption = Path("out/wildscav.db"),
+    db: NoDatabase = None,  # noqa: ARG001 - its callback says what replaced it
 ) -> None:
     """Let submissions play each other, and rate them by their places.
 
@@ -124,4 +123,4 @@ def tournament(
         rounds=rounds,
         replays=replays,
     ) as (plan, machines):
-        run_tournament(plan, db, options.monitor, machines, as_json=options.as_json)
+        run_tournament(plan, options.monitor, machines, as_json=options.as_json)

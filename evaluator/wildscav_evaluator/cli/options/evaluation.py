@@ -56,7 +56,22 @@ SecretOption = Annotated[
         help="File with a hidden seed (`wildscav secret new`), instead of --seed.", show_default=False
     ),
 ]
-DatabaseOption = Annotated[Path, typer.Option(help="The leaderboard's database.")]
+
+
+def _say_no_database(path: Path | None) -> None:
+    if path is not None:
+        from wildscav.terminal.console import error_console
+
+        error_console.print(
+            "--db has no effect, and the next release removes it: `wildscav leaderboard` reads the results "
+            "in output folders, by default those in out",
+            soft_wrap=True,
+        )
+
+
+NoDatabase = Annotated[
+    Path | None, typer.Option("--db", hidden=True, callback=_say_no_database, show_default=False)
+]
 
 
 @dataclass(frozen=True)
