@@ -15,6 +15,7 @@ from typer.testing import CliRunner
 from wildscav.errors import UserError
 from wildscav_engine.record import read_record
 from wildscav_evaluator.cli.commands.tournament import tournament
+from wildscav_evaluator.cli.options.evaluation import TournamentOptions
 from wildscav_evaluator.cli.options.tournament import chosen_settings, most_entries
 from wildscav_evaluator.cli.sessions.rescore import run_rescore
 from wildscav_evaluator.executors.local import LocalExecutor
@@ -239,18 +240,7 @@ def test_two_versions_meet_others_by_default_and_each_other_never(
     assert "2 of the 3 entrants are entries of one submission, which do not meet" in done
 
     versions = [load_submission(walker), load_submission(newer)]
-    settings = chosen_settings(
-        4,
-        most_entries(versions),
-        read_suite(suite),
-        "battle",
-        seats=None,
-        team_size=None,
-        mixed=False,
-        repeats=None,
-        robots=None,
-        meet_own=False,
-    )
+    settings = chosen_settings(TournamentOptions(), 4, most_entries(versions), read_suite(suite), "battle")
     assert settings.seats == 2, "a match of three or more would have both versions in it sometimes"
 
 
