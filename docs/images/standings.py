@@ -28,7 +28,7 @@ def main() -> None:
         subprocess.run(
             [
                 *(wildscav, "tournament", *ENTRANTS, "--track=battle", "--rounds=10", "--replays=none"),
-                *(f"--out={out}", f"--db={folder}/wildscav.db"),
+                *(f"--out={out}"),
             ],
             check=True,
         )

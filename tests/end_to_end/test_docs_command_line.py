@@ -14,11 +14,11 @@ from tests.evaluator.results_by_hand import RESULTS
 
 from wildscav.cli import main
 from wildscav_evaluator.check.findings import Verdict
+from wildscav_evaluator.output.results import write_results
 from wildscav_evaluator.scores.compare import compare
 from wildscav_leaderboard.auditing.report import Finding
 from wildscav_leaderboard.conductor.models import Attempt
 from wildscav_leaderboard.publishing.export import export
-from wildscav_leaderboard.results.sink import DatabaseSink
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.initial_files import make_season_folder
 
@@ -61,8 +61,7 @@ def test_the_documents_have_the_fields_told(tmp_path: Path) -> None:
     (tmp_path / "none.wsr").touch()
     assert names(document("verify", tmp_path / "none.wsr")) == TOLD["verify RECORD…"]
 
-    DatabaseSink(str(tmp_path / "db")).store(RESULTS)
-    standings = document("leaderboard", "--db", tmp_path / "db", "--track", "roy")
+    standings = document("leaderboard", write_results(RESULTS, tmp_path), "--track", "roy")
     assert TOLD["leaderboard"] <= names(standings)
     (one,) = standings["standings"]  # type: ignore[misc]
     assert [row["submission"] for row in one["rows"]] == ["homing", "my-agent"]

@@ -140,7 +140,7 @@ def evaluated(pages: Path, hills: Path) -> Path:
     done = wildscav(
         hills,
         *("evaluate", pages / "climber", "--suite", "hills", "--sandbox", "trusting"),
-        *("--out", out, "--replays", "first", "--workers", "1", "--db", pages / "db"),
+        *("--out", out, "--replays", "first", "--workers", "1"),
         cwd=pages,
     )
     assert done.returncode == 0, done.stderr

@@ -48,7 +48,7 @@ def test_the_demo_ends_with_three_tables_and_records_that_all_hold(tmp_path: Pat
 
     said = run(
         tmp_path,
-        *("wildscav", "evaluate", *folders, "--out=out/demo", "--db=out/demo/wildscav.db"),
+        *("wildscav", "evaluate", *folders, "--out=out/demo"),
         "--suite=short.toml",
         *(f"--track={track}" for track in tracks),
     )

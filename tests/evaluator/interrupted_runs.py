@@ -22,7 +22,7 @@ class Sitting:
 
     def __init__(self, out: Path, *arguments: object, verb: str = "evaluate") -> None:
         self.out = out
-        command = [PROGRAM, verb, *map(str, arguments), f"--out={out}", f"--db={out / 'wildscav.db'}"]
+        command = [PROGRAM, verb, *map(str, arguments), f"--out={out}"]
         environment = {**os.environ, "COLUMNS": "80"}
         self.printed = out.with_name(f"{out.name}.printed")
         self._errors = out.with_name(f"{out.name}.errors")

@@ -1,5 +1,6 @@
 """Results made by hand, without a match, and plans."""
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from wildscav_evaluator.output.results import (
     Summary,
     Timings,
     metric_infos,
+    write_results,
 )
 from wildscav_evaluator.plans.evaluation import EvaluationPlan
 from wildscav_evaluator.scores.score import summary
@@ -114,6 +116,30 @@ def timing_of_a_seat(**changes: float) -> SeatTiming:
         time_bank=1.0,
     )
     return timing.model_copy(update=changes)
+
+
+def scored_results(scores: Mapping[tuple[str, str], Sequence[float]], **others: Any) -> Results:
+    """Results with the score of each match of every (submission, track); without one, its match failed."""
+    version, memory = others.pop("version", "1.0.0"), others.pop("memory", None)
+    started = others.pop("started", "2030-01-01T00:00:00+00:00")
+    made = [evaluation(name, track, tuple(values)) for (name, track), values in scores.items()]
+    failed = MatchRow(index=0, status="failed", fault="platform", detail="no map")
+    usual = {"versions": CURRENT_VERSIONS, "suite": "quick", "seed": 0, "sandbox": "process"}
+    return Results(
+        **usual | others,  # type: ignore[arg-type]
+        limits={track: KeptLimits(memory=memory) for _, track in scores},
+        evaluations=tuple(
+            one.model_copy(update={"version": version, "matches": one.matches or (failed,)}) for one in made
+        ),
+        timings=Timings(started=started, wall=1.0, jobs=1, matches=()),
+    )
+
+
+def saved(results: Results, folder: Path) -> Path:
+    """Write results into a folder, which is made, and return it."""
+    folder.mkdir(parents=True)
+    write_results(results, folder)
+    return folder
 
 
 def evaluation(name: str, track: str = "royale", values: tuple[float, ...] = (1.0, 2.0)) -> Evaluation:

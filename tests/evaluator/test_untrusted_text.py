@@ -21,6 +21,7 @@ from wildscav_evaluator.cli.result_tables.timing import sandbox_and_limits, timi
 from wildscav_evaluator.cli.sessions import check as checking
 from wildscav_evaluator.cli.sessions import compare as compare_session
 from wildscav_evaluator.cli.sessions import evaluate as session
+from wildscav_evaluator.cli.sessions import leaderboard as leaderboard_session
 from wildscav_evaluator.cli.sessions import rescore as rescore_session
 from wildscav_evaluator.cli.sessions import verify_records as verify
 from wildscav_evaluator.cli.sessions.playing import raise_errors
@@ -36,10 +37,6 @@ from wildscav_evaluator.submissions.submission import (
     SubmissionError,
     load_submission,
 )
-from wildscav_leaderboard.cli import leaderboard
-from wildscav_leaderboard.results.database import reading
-from wildscav_leaderboard.results.sink import DatabaseSink
-from wildscav_leaderboard.results.standings import standings
 
 # JSON, protobuf and SQLite hold no halves of characters, so none comes out of them.
 TEXT = st.text(st.characters(exclude_categories=("Cs",)), min_size=1, max_size=20)
@@ -50,7 +47,7 @@ HOSTILE = "[/]\x1b]0;mine\x07\x9b2J\u202e[red]"
 def screen(monkeypatch: pytest.MonkeyPatch) -> PlainConsole:
     """A terminal of 60 columns in place of every console."""
     console = PlainConsole(file=io.StringIO(), width=60, color_system=None)
-    for module in (session, checking, compare_session, rescore_session, leaderboard):
+    for module in (session, checking, compare_session, rescore_session, leaderboard_session):
         monkeypatch.setattr(module, "console", console)
     monkeypatch.setattr("wildscav_evaluator.cli.sessions.playing.error_console", console)
     return console
@@ -75,8 +72,7 @@ def test_tables_of_results_show_everybody(text: str, screen: PlainConsole) -> No
 
     session._show(results)
     assert list(rescore_session._show(results)) == []
-    for line in session._keep(results, a_plan(), (), Path(text)):
-        screen.print(line)
+    session._say_files(results, a_plan())
 
     shown = written_on(screen)
     assert is_plain(shown)
@@ -150,13 +146,9 @@ def test_what_is_kept_says_the_same_and_its_files_are_plain(
 def test_the_leaderboard_takes_and_shows_everybody(
     text: str, tmp_path_factory: pytest.TempPathFactory, screen: PlainConsole
 ) -> None:
-    path = tmp_path_factory.mktemp("db") / "wildscav.db"
-    DatabaseSink(str(path)).store(results_of(text, "honest"))
+    path = write_results(results_of(text, "honest"), tmp_path_factory.mktemp("out"))
 
-    leaderboard.leaderboard(db=path)
-    with reading(path) as opened:
-        (table,) = standings(opened)
-        assert {row.evaluation.submission.name for row in table.rows} == {text, "honest"}
+    leaderboard_session.show_standings([path])
 
     shown = written_on(screen)
     assert is_plain(shown)

@@ -1,8 +1,8 @@
-"""Results made by hand, and databases of seasons."""
+"""Databases of seasons."""
 
 import os
 import shutil
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -13,26 +13,10 @@ from tests.leaderboard.made_once import made_once
 from tests.leaderboard.played_seasons import play_season
 from tests.leaderboard.postgresql import PostgreSQL, missing, postgresql_server
 
-from wildscav_evaluator.output.results import (
-    Evaluation,
-    KeptLimits,
-    MatchRow,
-    MetricInfo,
-    Results,
-    Summary,
-    Timings,
-    Versions,
-)
 from wildscav_leaderboard.accounts import passwords
 from wildscav_leaderboard.database import connection
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.seasons.folder import Season
-
-VERSIONS = Versions(engine="0.1.0", simulation=2, generator=3, record=2)
-METRICS = {
-    "navigation": MetricInfo(name="time", title="used + punish time", unit="s", lower_is_better=True),
-    "gathering": MetricInfo(name="supplies", title="supplies", unit="", lower_is_better=False),
-}
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -62,59 +46,6 @@ def quick_beginnings(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]
         cheap = Argon2Hasher(time_cost=1, memory_cost=8, parallelism=1)
         patch.setattr(passwords, "Argon2Hasher", lambda: cheap)
         yield
-
-
-@pytest.fixture
-def make_results() -> Callable[..., Results]:
-    """Make results: for every (submission, track), the score of each match."""
-
-    def make(
-        scores: dict[tuple[str, str], Sequence[float]],
-        *,
-        version: str = "1.0.0",
-        seed: int = 0,
-        started: str = "2030-01-01T00:00:00+00:00",
-        sandbox: str = "process",
-        memory: int | None = None,
-        versions: Versions = VERSIONS,
-        key: str | None = None,
-    ) -> Results:
-        evaluations = tuple(
-            evaluation(name, track, values, version) for (name, track), values in scores.items()
-        )
-        timings = Timings(started=started, wall=1.0, jobs=1, matches=())
-        return Results(
-            versions=versions,
-            suite="quick",
-            seed=seed,
-            sandbox=sandbox,
-            limits={track: KeptLimits(memory=memory) for _, track in scores},
-            key=key,
-            evaluations=evaluations,
-            timings=timings,
-        )
-
-    return make
-
-
-def evaluation(name: str, track: str, values: Sequence[float], version: str) -> Evaluation:
-    metric = METRICS[track]
-    rows = tuple(
-        MatchRow(index=index, status="finished", metrics={metric.name: value})
-        for index, value in enumerate(values)
-    )
-    failed = MatchRow(index=0, status="failed", fault="platform", detail="no map")
-    mean = sum(values) / len(values) if values else 0.0
-    summary = {metric.name: Summary(mean=mean, std=None, low=mean, high=mean)} if values else {}
-    return Evaluation(
-        submission=name,
-        version=version,
-        digest=f"digest of {name} {version}",
-        track=track,
-        metrics=(metric,),
-        matches=rows or (failed,),
-        summary=summary,
-    )
 
 
 @pytest.fixture(scope="session")

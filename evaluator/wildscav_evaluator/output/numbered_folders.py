@@ -11,9 +11,10 @@ from pathlib import Path
 from wildscav.errors import UserError
 from wildscav_evaluator.output.identity import Identity, read_identity
 
-EVALUATIONS = Path("out/evaluations")
-COMPARISONS = Path("out/comparisons")
-TOURNAMENTS = Path("out/tournaments")
+OUT = Path("out")  # holds all output folders that are not named
+EVALUATIONS = OUT / "evaluations"
+COMPARISONS = OUT / "comparisons"
+TOURNAMENTS = OUT / "tournaments"
 NUMBERED = re.compile(r"(\d{4,})-.+")
 
 

@@ -21,7 +21,7 @@ from wildscav_evaluator.output.json_files import LARGEST, FileModel, FileModelEr
 from wildscav_evaluator.output.layout import RESULTS_FILE
 from wildscav_evaluator.suites.seeds import label
 
-SCHEDULE_VERSION = 1  # rises whenever the same settings and seed give another schedule
+SCHEDULE_VERSION = 2  # rises whenever the same settings and seed give another schedule
 Count = Annotated[int, Field(ge=1, le=1000)]
 FORMAT = 2
 

@@ -89,7 +89,8 @@ def entrants_of(reported: Results) -> list[str]:
     if reported.tournament is not None and reported.tournament.schedule != SCHEDULE_VERSION:
         raise UserError(
             f"the tournament was played with version {reported.tournament.schedule} of its schedule, and "
-            f"this is version {SCHEDULE_VERSION}: check it with the Wildscav that played it"
+            f"this is version {SCHEDULE_VERSION}: check it with the Wildscav that played it, "
+            f"{reported.versions.engine}"
         )
     return sorted(one.submission for one in reported.evaluations)
 

@@ -9,8 +9,6 @@ from hashlib import blake2b
 import numpy as np
 from numpy.typing import NDArray
 
-SHIFT_32 = np.uint64(32)
-
 
 class Draws:
     """A sequence of random integers that only its purpose determines."""
@@ -22,16 +20,6 @@ class Draws:
     def words(self, *shape: int) -> NDArray[np.uint64]:
         """Return 64 random bits for each place of an array."""
         return self._philox.random_raw(int(np.prod(shape))).reshape(shape)
-
-    def below(self, bound: int, *shape: int) -> NDArray[np.int64]:
-        """Return random integers from 0 to bound - 1; the bound is at most 2**32."""
-        return ((self.words(*shape) >> SHIFT_32) * np.uint64(bound) >> SHIFT_32).astype(np.int64)
-
-    def nibbles(self, *shape: int) -> NDArray[np.int64]:
-        """Return random integers from 0 to 15, sixteen from each word."""
-        count = int(np.prod(shape))
-        octets = self.words(-(-count // 8)).astype("<u8").view(np.uint8)[:count]
-        return (octets & 15).astype(np.int64).reshape(shape)
 
     def order(self, count: int) -> NDArray[np.int64]:
         """Return the numbers 0 to count - 1 in random order."""

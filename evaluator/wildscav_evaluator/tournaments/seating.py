@@ -1,17 +1,13 @@
 """Who sits where: everyone has every seat equally often, and repeated games cancel the luck of the start."""
 
-from itertools import cycle
-
 import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_evaluator.tournaments.draws import Draws
-from wildscav_evaluator.tournaments.swap_search import search_swaps
+from wildscav_evaluator.tournaments.meetings import even_out
 
 Int = NDArray[np.int64]
 
-TEAM_WORK = 4_000_000  # swaps between teams looked at
-TEAM_STEPS = 2000  # at most
 NONE = -1
 
 
@@ -58,11 +54,7 @@ def seat_teammates(games: Int, team_size: int, repeats: int, draws: Draws) -> In
 def _mix_teams(games: Int, team_size: int, draws: Draws) -> Int:
     """Return the games as teams (G, T, S) in which all pairs are teammates about equally often."""
     count, places = games.shape
-    entrants = int(games.max()) + 1
-    start = games.reshape(1, count, places // team_size, team_size).copy()
-    width = max(1, min(count // 4, 20_000 // (places * team_size)))
-    steps = min(TEAM_STEPS, TEAM_WORK // (width * places * team_size))
-    return search_swaps(start, np.eye(entrants, dtype=bool), steps, draws, width)
+    return even_out(games.reshape(count, places // team_size, team_size), range(int(games.max()) + 1), draws)
 
 
 def _place_teams(teams: Int, turns: int, draws: Draws) -> Int:
@@ -126,62 +118,27 @@ def colour_edges(left: Int, right: Int, colours: int) -> Int:
         right: (E,) the node at the other, numbered separately.
         colours: At least the number of edges of any node.
     """
-    graph = _Graph(left, right, colours)
-    for edge in range(len(left)):
-        graph.colour(edge)
-    return np.array(graph.colours, np.int64)
+    offset = int(left.max()) + 1
+    ends = list(zip(left.tolist(), (right + offset).tolist(), strict=True))
+    edges = [[NONE] * colours for _ in range(offset + int(right.max()) + 1)]  # of each colour, by node
+    painted = [NONE] * len(ends)
 
+    def paint(edge: int, colour: int) -> None:
+        painted[edge] = colour
+        for end in ends[edge]:
+            edges[end][colour] = edge
 
-class _Graph:
-    """A graph whose edges get their colours one after the other.
-
-    The nodes of both sides are numbered together here, in one list, which holds the edge of each colour.
-    """
-
-    def __init__(self, left: Int, right: Int, colours: int) -> None:
-        offset = int(left.max()) + 1
-        nodes = offset + int(right.max()) + 1
-        self.ends = list(zip(left.tolist(), (right + offset).tolist(), strict=True))
-        self.edges = [[NONE] * colours for _ in range(nodes)]
-        self.free = [(1 << colours) - 1] * nodes  # a bit for each colour that no edge of the node has
-        self.colours = [NONE] * len(left)
-
-    def colour(self, edge: int) -> None:
-        """Give an edge a colour that is free at both ends; if there is none, make one free."""
-        here, there = self.ends[edge]
-        both = self.free[here] & self.free[there]
-        if not both:
-            both = self.free[here] & -self.free[here]
-            self._make_free(there, _lowest(both), _lowest(self.free[there]))
-        colour = _lowest(both)
-        self._paint(edge, colour)
-        self.free[here] ^= 1 << colour
-        self.free[there] ^= 1 << colour
-
-    def _make_free(self, node: int, wanted: int, spare: int) -> None:
-        """Exchange two colours on the path from a node along edges of these colours in turn."""
-        path, last = [], node
-        for colour in cycle((wanted, spare)):
-            edge = self.edges[last][colour]
-            if edge == NONE:
-                break
-            path.append(edge)
-            here, there = self.ends[edge]
-            last = there if last == here else here
-        for edge in path:
-            here, there = self.ends[edge]
-            self.edges[here][self.colours[edge]] = self.edges[there][self.colours[edge]] = NONE
-        for edge in path:
-            self._paint(edge, spare if self.colours[edge] == wanted else wanted)
-        for end in (node, last):
-            self.free[end] ^= 1 << wanted | 1 << spare
-
-    def _paint(self, edge: int, colour: int) -> None:
-        here, there = self.ends[edge]
-        self.edges[here][colour] = self.edges[there][colour] = edge
-        self.colours[edge] = colour
-
-
-def _lowest(bits: int) -> int:
-    """Return the number of the lowest bit that is set."""
-    return (bits & -bits).bit_length() - 1
+    for edge, (here, there) in enumerate(ends):
+        free, spare = edges[here].index(NONE), edges[there].index(NONE)
+        # Exchange both colours on the path of edges that have them in turn, so that the first is free there.
+        path, node, colour = [], there, free
+        while (following := edges[node][colour]) != NONE:
+            path.append(following)
+            node, colour = sum(ends[following]) - node, free + spare - colour
+        for old in path:
+            for end in ends[old]:
+                edges[end][painted[old]] = NONE
+        for old in path:
+            paint(old, free + spare - painted[old])
+        paint(edge, free)
+    return np.array(painted, np.int64)

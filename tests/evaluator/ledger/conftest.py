@@ -69,7 +69,7 @@ def plan(tmp_path_factory: pytest.TempPathFactory, key: SigningKey) -> Evaluatio
 
 @pytest.fixture(scope="session")
 def evaluated(plan: EvaluationPlan, compiled: None) -> Path:
-    run_session(plan, plan.out / "wildscav.db")
+    run_session(plan)
     return plan.out
 
 

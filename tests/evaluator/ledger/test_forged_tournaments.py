@@ -55,7 +55,7 @@ def played(tmp_path_factory: pytest.TempPathFactory, secret: Path, compiled: Non
         jobs=1,
         out=folder / "out",
     )
-    run_tournament(plan, folder / "wildscav.db", MonitorOptions())
+    run_tournament(plan, MonitorOptions())
     return plan.out
 
 

@@ -27,7 +27,7 @@ def test_an_edited_journal_does_not_get_into_the_results(plan: EvaluationPlan, u
     for rewrite in forge.values():
         rewrite()
         with pytest.raises(UserError) as refused:
-            run_session(unsigned_plan, unsigned.out / "wildscav.db")
+            run_session(unsigned_plan)
         assert refused.value.exit_code == 2
         said.append(str(refused.value))
 
@@ -39,13 +39,13 @@ def test_a_signed_evaluation_goes_on_only_with_its_key(
     plan: EvaluationPlan, signed: Forgery, tmp_path: Path
 ) -> None:
     with pytest.raises(UserError, match=r"it is signed with the key .*, not unsigned"):
-        run_session(replace(plan, key=None, out=signed.out), signed.out / "wildscav.db")
+        run_session(replace(plan, key=None, out=signed.out))
     other = new_key(tmp_path / "other.key")
     with pytest.raises(UserError, match=f"not signed with the key {other.public}"):
-        run_session(replace(plan, key=other, out=signed.out), signed.out / "wildscav.db")
+        run_session(replace(plan, key=other, out=signed.out))
 
     before = (signed.out / LEDGER_FILE).read_bytes()
-    run_session(replace(plan, out=signed.out), signed.out / "wildscav.db")
+    run_session(replace(plan, out=signed.out))
     assert (signed.out / LEDGER_FILE).read_bytes() == before, "nothing happened that was to be entered"
 
 
@@ -55,4 +55,4 @@ def test_a_loss_cannot_be_removed_to_be_played_again(plan: EvaluationPlan, signe
     with pytest.raises(
         UserError, match=r"the record or the journal of navigation-00.-ada is missing, or was changed"
     ):
-        run_session(replace(plan, out=signed.out), signed.out / "wildscav.db")
+        run_session(replace(plan, out=signed.out))

@@ -25,7 +25,7 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The output folder of an evaluation."""
     out = tmp_path_factory.mktemp("evaluation") / "out"
     plan = plan_of(load_submission(HOMING), out=out)
-    run_session(plan, out / "wildscav.db")
+    run_session(plan)
     return out
 
 

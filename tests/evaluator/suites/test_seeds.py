@@ -34,7 +34,7 @@ def evaluated(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     file, out = folder / "season.secret", folder / "out"
     file.write_bytes(b"nobody knows this, and nobody is going to guess it\n")
     plan = plan_of(load_submission(HOMING), out=out, seed=read_secret(file))
-    run_session(plan, out / "wildscav.db")
+    run_session(plan)
     return file, out
 
 

@@ -46,7 +46,6 @@ def test_eight_agents_of_different_speed_come_out_in_the_order_of_their_speed(
         "--sandbox=process",
         "--replays=none",
         f"--out={out}",
-        f"--db={tmp_path / 'db'}",
     )
     assert done.returncode == 0, done.stderr
     ratings = Tournament.read(out / "tournament.json").ratings

@@ -84,7 +84,6 @@ def test_every_schedule_is_fair(arguments: dict[str, Any]) -> None:
         (7, 3, 1, 0),  # the Fano plane
         (13, 4, 1, 0),  # the projective plane of order 3
         (16, 4, 5, 0),  # the affine plane of order 4
-        (27, 3, 13, 0),  # Kirkman's rounds in which every pair has met once
         (25, 5, 4, 1),
         (10, 9, 3, 0),  # one is absent in turn
         (10, 8, 4, 1),  # two are
@@ -183,11 +182,10 @@ def test_the_seed_decides_everything() -> None:
 @pytest.mark.parametrize(
     ("arguments", "digest"),
     [
-        ({"entrants": 9, "seats": 3, "rounds": 4}, "b8650c580a0157b2"),  # a lattice
-        ({"entrants": 11, "seats": 4, "rounds": 2}, "b574b7acf7d0ab0f"),  # a search by shifts
-        ({"entrants": 12, "seats": 4, "rounds": 5}, "6b901e3dbe342e24"),  # a search by swaps
-        ({"entrants": 8, "seats": 4, "rounds": 3, "team_size": 2, "mixed": True}, "a261bcabb9104782"),
-        ({"entrants": 8, "seats": 4, "rounds": 3, "groups": [0, 0, 1, 2, 3, 4, 5, 6]}, "4e2b26f3d3c52991"),
+        ({"entrants": 9, "seats": 2, "rounds": 4}, "0d00fd28806fe585"),  # around the circle
+        ({"entrants": 12, "seats": 4, "rounds": 5}, "1f8da9cdc5d2e898"),  # by swaps
+        ({"entrants": 8, "seats": 4, "rounds": 3, "team_size": 2, "mixed": True}, "73bd09d345e885fa"),
+        ({"entrants": 8, "seats": 4, "rounds": 3, "groups": [0, 0, 1, 2, 3, 4, 5, 6]}, "9d82c528d0e21584"),
     ],
 )
 def test_a_schedule_never_changes(arguments: dict[str, Any], digest: str) -> None:

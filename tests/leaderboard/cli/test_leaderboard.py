@@ -1,116 +1,91 @@
 """`wildscav leaderboard` as its user runs it."""
 
 import json
-import sqlite3
 import subprocess
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from tests.commands import run_command
+from tests.evaluator.results_by_hand import saved, scored_results
 
-from wildscav_evaluator.output.results import Results
-from wildscav_leaderboard.results.sink import DatabaseSink
-
-Make = Callable[..., Results]
+from wildscav_evaluator.output.results import CURRENT_VERSIONS
 
 
 def leaderboard(*arguments: object) -> "subprocess.CompletedProcess[str]":
     return run_command("leaderboard", *arguments)
 
 
-def test_it_prints_a_table_for_every_track(make_results: Make, tmp_path: Path) -> None:
-    path = tmp_path / "wildscav.db"
-    scores = {
-        ("homing", "gathering"): [12.0],
-        ("hunter", "gathering"): [30.5],
-        ("homing", "navigation"): [9.0],
-    }
-    DatabaseSink(str(path)).store(make_results(scores))
+def test_it_prints_a_table_for_every_track(tmp_path: Path) -> None:
+    saved(scored_results({("homing", "gathering"): [12.0]}, key="ab" * 32), tmp_path / "1")
+    scores = {("hunter", "gathering"): [30.5], ("homing", "navigation"): [9.0]}
+    saved(scored_results(scores), tmp_path / "2")
 
-    done = leaderboard("--db", path)
+    done = leaderboard(tmp_path)
 
     assert done.returncode == 0, done.stderr
     navigation, gathering = done.stdout.split("gathering ·")
     lines = [line.split() for line in gathering.splitlines()]
-    assert [line[:4] for line in lines if line[1:2] in (["hunter"], ["homing"])] == [
+    assert [line[:4] for line in lines if line[2:3] == ["1.0.0"]] == [
         ["1", "hunter", "1.0.0", "30.5"],
         ["2", "homing", "1.0.0", "12.0"],
     ]
     assert "9.0" in navigation
-    assert "hunter" in leaderboard("--db", path, "--track", "gathering").stdout
+    assert f"played by {CURRENT_VERSIONS}\n" in gathering
+    assert f"signed: homing with the key {'ab' * 32}\n" in gathering
+    (table,) = json.loads(leaderboard(tmp_path, "--track=gath", "--json").stdout)["standings"]
+    assert (table["track"], table["simulation_version"]) == ("gathering", CURRENT_VERSIONS.simulation)
+    assert {row["submission"]: row["key"] for row in table["rows"]} == {"homing": "ab" * 32, "hunter": None}
 
 
-def test_it_says_what_the_agents_of_each_table_ran_in(make_results: Make, tmp_path: Path) -> None:
-    path = tmp_path / "wildscav.db"
-    sink, scores = DatabaseSink(str(path)), {("homing", "gathering"): [12.0]}
-    sink.store(make_results(scores))
-    sink.store(make_results(scores, sandbox="bubblewrap", memory=2**31))
+def test_it_says_what_the_agents_of_each_table_ran_in(tmp_path: Path) -> None:
+    scores = {("homing", "gathering"): [12.0]}
+    one = saved(scored_results(scores), tmp_path / "1")
+    other = saved(scored_results(scores, sandbox="bubblewrap", memory=2**31), tmp_path / "2")
 
-    said = leaderboard("--db", path).stdout
+    said = leaderboard(one, other).stdout
 
     assert said.count("gathering · suite quick · seed 0") == 2
     assert "played in process\n" in said
     assert "played in bubblewrap; each agent: 2 GiB of memory\n" in said
 
 
-def test_it_says_which_versions_played_and_who_signed(make_results: Make, tmp_path: Path) -> None:
-    path = tmp_path / "wildscav.db"
-    sink = DatabaseSink(str(path))
-    sink.store(make_results({("homing", "gathering"): [12.0]}, key="ab" * 32))
-    sink.store(make_results({("hunter", "gathering"): [9.0]}))
+def test_a_suite_is_found_by_the_beginning_of_its_name(tmp_path: Path) -> None:
+    saved(scored_results({("homing", "gathering"): [12.0]}, suite="spring@19da5d55"), tmp_path / "1")
 
-    said = leaderboard("--db", path).stdout
-
-    assert "played by engine 0.1.0, simulation 2, generator 3, records 2\n" in said
-    assert f"signed: homing with the key {'ab' * 32}\n" in said
-    (table,) = json.loads(leaderboard("--db", path, "--json").stdout)["standings"]
-    assert (table["track"], table["simulation_version"]) == ("gathering", 2)
-    assert {row["submission"]: row["key"] for row in table["rows"]} == {"homing": "ab" * 32, "hunter": None}
-
-
-def empty(path: Path) -> None:
-    sqlite3.connect(path).close()
-    path.touch()
+    assert "suite spring@19da5d55" in leaderboard(tmp_path, "--suite=spring").stdout
+    assert leaderboard(tmp_path, "--suite=summer").returncode == 1
 
 
 @pytest.mark.parametrize(
-    ("prepare", "code", "says"),
+    ("arguments", "code", "says"),
     [
-        (lambda _: None, 2, "there is no database"),
-        (empty, 2, "not a leaderboard's"),
-        (lambda path: path.write_text("a letter " * 200), 1, "is not a leaderboard's database"),
+        (["{out}/nowhere"], 2, "nowhere does not exist"),
+        (["{out}/empty"], 1, "there are no evaluations in "),
+        (["{out}/letter.txt"], 1, "is not a results file"),
+        (["{out}/1", "--track=battle"], 1, "there are no evaluations of track battle in "),
+        (["{out}/1", "--season", "{out}/1"], 2, "name one address"),
     ],
 )
 def test_what_is_no_leaderboard_is_one_clear_line(
-    tmp_path: Path, prepare: Callable[[Path], object], code: int, says: str
+    tmp_path: Path, arguments: list[str], code: int, says: str
 ) -> None:
-    path = tmp_path / "wildscav.db"
-    prepare(path)
+    saved(scored_results({("homing", "gathering"): [12.0]}), tmp_path / "1")
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "letter.txt").write_text("a letter")
 
-    done = leaderboard("--db", path)
+    done = leaderboard(*(text.format(out=tmp_path) for text in arguments))
 
     assert done.returncode == code
-    assert done.stderr.startswith("wildscav: ")
-    assert says in done.stderr
-    assert len(done.stderr.splitlines()) == 1
+    (line,) = done.stderr.splitlines()
+    assert line.startswith("wildscav: ")
+    assert says in line
 
 
-def test_a_track_without_evaluations_is_one_clear_line(make_results: Make, tmp_path: Path) -> None:
-    path = tmp_path / "wildscav.db"
-    DatabaseSink(str(path)).store(make_results({("homing", "gathering"): [12.0]}))
+def test_the_old_option_of_a_database_says_what_replaced_it(tmp_path: Path) -> None:
+    saved(scored_results({("homing", "gathering"): [12.0]}), tmp_path / "1")
 
-    done = leaderboard("--db", path, "--track", "battle")
+    done = leaderboard(tmp_path, "--db", tmp_path / "wildscav.db")
 
-    assert done.returncode == 1
-    assert "there are no evaluations of track battle in" in done.stderr
-
-
-def test_a_suite_or_a_track_is_found_by_the_beginning_of_its_name(make_results: Make, tmp_path: Path) -> None:
-    path = tmp_path / "wildscav.db"
-    results = make_results({("homing", "gathering"): [12.0]})
-    DatabaseSink(str(path)).store(results.model_copy(update={"suite": "spring@19da5d55"}))
-
-    for option in ("--suite=spring", "--track=gath"):
-        assert "suite spring@19da5d55" in leaderboard("--db", path, option).stdout
-    assert leaderboard("--db", path, "--suite=summer").returncode == 1
+    assert done.returncode == 0
+    (line,) = done.stderr.splitlines()
+    assert line.startswith("--db has no effect")

@@ -4,13 +4,12 @@ The command line imports this module to show its help, so heavy modules are impo
 runs.
 """
 
-from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
 
 from wildscav.cli.shared_options import takes
-from wildscav_evaluator.cli.options.evaluation import DatabaseOption, PlayOptions, Submissions
+from wildscav_evaluator.cli.options.evaluation import NoDatabase, PlayOptions, Submissions
 
 
 @takes(PlayOptions)
@@ -25,7 +24,7 @@ def evaluate(
         Literal["none", "first", "all"],
         typer.Option(help="Which matches of each submission and track to render as Rerun recordings."),
     ] = "first",
-    db: DatabaseOption = Path("out/wildscav.db"),
+    db: NoDatabase = None,  # noqa: ARG001 - its callback says what replaced it
 ) -> None:
     """Evaluate submissions on seeded suites of matches, each agent in its own sandbox.
 
@@ -43,4 +42,4 @@ def evaluate(
     with options.planned(
         EvaluationPlan, loaded, EVALUATIONS, suite=suite, tracks=tracks, replays=replays
     ) as (plan, machines):
-        run_session(plan, db, options.monitor, machines, as_json=options.as_json)
+        run_session(plan, options.monitor, machines, as_json=options.as_json)

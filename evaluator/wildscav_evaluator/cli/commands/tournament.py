@@ -1,18 +1,16 @@
 """The command ``wildscav tournament``."""
 
-from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
 
 from wildscav.cli.shared_options import takes
-from wildscav_evaluator.bounds import MAX_ROUNDS
-from wildscav_evaluator.cli.options.evaluation import DatabaseOption, PlayOptions
+from wildscav_evaluator.cli.options.evaluation import NoDatabase, TournamentOptions
 
 
-@takes(PlayOptions)
+@takes(TournamentOptions)
 def tournament(
-    options: PlayOptions,
+    options: TournamentOptions,
     entrants: Annotated[
         list[str],
         typer.Argument(
@@ -25,61 +23,11 @@ def tournament(
     track: Annotated[
         str, typer.Option(help="The track to play: battle, royale, gathering, capture or navigation.")
     ],
-    rounds: Annotated[
-        int,
-        typer.Option(
-            help="How many rounds to play. After each, every entrant has played equally often. In fewer "
-            "than 6 games, no two entrants can be told apart.",
-            min=1,
-            max=MAX_ROUNDS,
-        ),
-    ] = 6,
-    seats: Annotated[
-        int | None,
-        typer.Option(
-            help="Seats of entrants in a match. Default: as many as the suite's matches have, or fewer if "
-            "there are fewer entrants.",
-            min=2,
-            max=1000,
-            show_default=False,
-        ),
-    ] = None,
-    team_size: Annotated[
-        int | None,
-        typer.Option(
-            help="Seats of a team, all filled by one entrant. Default: 2 on capture, otherwise 1.",
-            min=1,
-            max=500,
-            show_default=False,
-        ),
-    ] = None,
-    mixed: Annotated[
-        bool, typer.Option("--mixed", help="Fill the seats of a team with different entrants.")
-    ] = False,
-    repeats: Annotated[
-        int | None,
-        typer.Option(
-            help="How often each map and match seed is played, each time in other seats. Default: 2.",
-            min=1,
-            show_default=False,
-        ),
-    ] = None,
-    robots: Annotated[
-        str | None,
-        typer.Option(
-            help="Robots in further seats, which are not rated: how many, or which, such as "
-            "fighter,gatherer-hard. Default: none.",
-            show_default=False,
-        ),
-    ] = None,
-    meet_own: Annotated[
-        bool, typer.Option("--meet-own", help="Let several entries of one submission meet.")
-    ] = False,
     replays: Annotated[
         Literal["none", "first", "all"],
         typer.Option(help="Which matches to render as Rerun recordings."),
     ] = "first",
-    db: DatabaseOption = Path("out/wildscav.db"),
+    db: NoDatabase = None,  # noqa: ARG001 - its callback says what replaced it
 ) -> None:
     """Let submissions play each other, and rate them by their places.
 
@@ -100,19 +48,9 @@ def tournament(
     chosen = find_suite(options.suite)
     check_track(track)
     check_suite_has(chosen, track)
-    loaded, playing_robots = load_entrants(entrants, track, meet_own=meet_own)
-    settings = chosen_settings(
-        len(loaded) + len(playing_robots),
-        most_entries(loaded),
-        chosen,
-        track,
-        seats=seats,
-        team_size=team_size,
-        mixed=mixed,
-        repeats=repeats,
-        robots=robots,
-        meet_own=meet_own,
-    )
+    loaded, playing_robots = load_entrants(entrants, track, meet_own=options.meet_own)
+    entrants_count = len(loaded) + len(playing_robots)
+    settings = chosen_settings(options, entrants_count, most_entries(loaded), chosen, track)
     with options.planned(
         TournamentPlan,
         loaded,
@@ -121,7 +59,7 @@ def tournament(
         robots=playing_robots,
         track=track,
         settings=settings,
-        rounds=rounds,
+        rounds=options.rounds,
         replays=replays,
     ) as (plan, machines):
-        run_tournament(plan, db, options.monitor, machines, as_json=options.as_json)
+        run_tournament(plan, options.monitor, machines, as_json=options.as_json)

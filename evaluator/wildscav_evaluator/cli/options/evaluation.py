@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 import typer
 
 from wildscav.cli.shared_options import AsJson
+from wildscav_evaluator.bounds import MAX_ROUNDS
 from wildscav_evaluator.cli.options.executor import AddressOption, ExecutorOption, executor_of
 from wildscav_evaluator.cli.options.sandbox import InSandbox, chosen_sandbox
 from wildscav_evaluator.cli.options.signing import SignOption, signing_key, warn_of_open_key
@@ -56,7 +57,22 @@ SecretOption = Annotated[
         help="File with a hidden seed (`wildscav season secret new`), instead of --seed.", show_default=False
     ),
 ]
-DatabaseOption = Annotated[Path, typer.Option(help="The leaderboard's database.")]
+
+
+def _say_no_database(path: Path | None) -> None:
+    if path is not None:
+        from wildscav.terminal.console import error_console
+
+        error_console.print(
+            "--db has no effect, and the next release removes it: `wildscav leaderboard` reads the results "
+            "in output folders, by default those in out",
+            soft_wrap=True,
+        )
+
+
+NoDatabase = Annotated[
+    Path | None, typer.Option("--db", hidden=True, callback=_say_no_database, show_default=False)
+]
 
 
 @dataclass(frozen=True)
@@ -148,3 +164,59 @@ class PlayOptions:
                 **more,
             )
             yield plan if self.out else plan.in_own_folder(), machines
+
+
+@dataclass(frozen=True)
+class TournamentOptions(PlayOptions):
+    """The options of a tournament: what is played, and who sits where."""
+
+    rounds: Annotated[
+        int,
+        typer.Option(
+            help="How many rounds to play. After each, every entrant has played equally often. In fewer "
+            "than 6 games, no two entrants can be told apart.",
+            min=1,
+            max=MAX_ROUNDS,
+        ),
+    ] = 6
+    seats: Annotated[
+        int | None,
+        typer.Option(
+            help="Seats of entrants in a match. Default: as many as the suite's matches have, or fewer if "
+            "there are fewer entrants.",
+            min=2,
+            max=1000,
+            show_default=False,
+        ),
+    ] = None
+    team_size: Annotated[
+        int | None,
+        typer.Option(
+            help="Seats of a team, all filled by one entrant. Default: 2 on capture, otherwise 1.",
+            min=1,
+            max=500,
+            show_default=False,
+        ),
+    ] = None
+    mixed: Annotated[
+        bool, typer.Option("--mixed", help="Fill the seats of a team with different entrants.")
+    ] = False
+    repeats: Annotated[
+        int | None,
+        typer.Option(
+            help="How often each map and match seed is played, each time in other seats. Default: 2.",
+            min=1,
+            show_default=False,
+        ),
+    ] = None
+    robots: Annotated[
+        str | None,
+        typer.Option(
+            help="Robots in further seats, which are not rated: how many, or which, such as "
+            "fighter,gatherer-hard. Default: none.",
+            show_default=False,
+        ),
+    ] = None
+    meet_own: Annotated[
+        bool, typer.Option("--meet-own", help="Let several entries of one submission meet.")
+    ] = False

@@ -11,6 +11,7 @@ from wildscav_engine.simulation.robots.decide import ROBOTS
 from wildscav_engine.specs.actions import Field
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.bounds import FEWEST_ENTRANTS, MAX_ENTRANTS
+from wildscav_evaluator.cli.options.evaluation import TournamentOptions
 from wildscav_evaluator.cli.options.selection import check_plays, load_named
 from wildscav_evaluator.output.results import TournamentSettings
 from wildscav_evaluator.seats import BATTLE_ROBOTS, ROBOT_ENTRANT
@@ -77,60 +78,44 @@ def most_entries(submissions: Sequence[Submission]) -> int:
 
 
 def chosen_settings(
-    entrants: int,
-    entries: int,
-    suite: Suite,
-    track: str,
-    *,
-    seats: int | None,
-    team_size: int | None,
-    mixed: bool,
-    repeats: int | None,
-    robots: str | None,
-    meet_own: bool,
+    asked: TournamentOptions, entrants: int, entries: int, suite: Suite, track: str
 ) -> TournamentSettings:
-    """Return who sits where; what is not given depends on the track, the suite and the number of entrants.
+    """Return who sits where; what is not asked for depends on the track, the suite and the entrants.
 
     Args:
+        asked: The options of the command.
         entrants: The number of entrants.
         entries: How many of them are entries of one submission, at most.
         suite: The suite.
         track: The track.
-        seats: Seats of entrants in a match.
-        team_size: Seats of a team.
-        mixed: Whether the seats of a team are different entrants.
-        repeats: How often each game is played.
-        robots: How many robots fill further seats, or which, separated by commas.
-        meet_own: Whether entries of one submission may meet.
 
     Raises:
         UserError: The entrants cannot be seated like that.
     """
-    size = team_size or (USUAL_TEAM if has_teams(track) else 1)
-    if mixed and size == 1:
+    size = asked.team_size or (USUAL_TEAM if has_teams(track) else 1)
+    if asked.mixed and size == 1:
         raise UserError("--mixed needs teams of two or more seats: give a --team-size", exit_code=2)
-    apart = 1 if meet_own else entries
+    apart = 1 if asked.meet_own else entries
     if entrants < 2 * apart:
         raise UserError(
             f"{apart} of the {entrants} entrants are entries of one submission, which do not meet: name more "
             "entrants, or let them meet with --meet-own",
             exit_code=2,
         )
-    places_per_team = size if mixed else 1
+    seats = asked.seats
     if seats is None:
         usual = len(suite.matches(track, 0)[0].seats)
         wanted = usual if usual > 1 else USUAL_SEATS
-        teams = max(2, min(wanted // size, entrants // apart // places_per_team))
+        teams = max(2, min(wanted // size, entrants // apart // (size if asked.mixed else 1)))
         seats = teams * size
-    places = _places(entrants, seats, size, mixed=mixed)
-    others = _others(robots or "", track, MAX_SEATS - seats)
+    places = _places(entrants, seats, size, mixed=asked.mixed)
     return TournamentSettings(
         seats=seats,
         team_size=size,
-        mixed=mixed,
-        repeats=min(2, places) if repeats is None else repeats,
-        robots=others,
-        meet_own=meet_own,
+        mixed=asked.mixed,
+        repeats=min(2, places) if asked.repeats is None else asked.repeats,
+        robots=_others(asked.robots or "", track, MAX_SEATS - seats),
+        meet_own=asked.meet_own,
     )
 
 

@@ -8,6 +8,7 @@ from rich.text import Text
 
 from wildscav.terminal.tables import FittingTable
 from wildscav_evaluator.output.results import Evaluation, MetricInfo, Results, Summary
+from wildscav_evaluator.scores.leaderboard import ranked
 from wildscav_evaluator.scores.number_format import NOTHING, number
 
 HEADING_WIDTH = 8
@@ -21,13 +22,16 @@ def track_table(results: Results, track: str) -> Table:
     add_metrics(table, evaluations[0].metrics)
     add_columns(table, "matches\nfailed")
     for rank, one in ranked(evaluations):
-        table.add_row(
-            NOTHING if rank is None else str(rank),
-            f"{one.submission} {one.version}",
-            *metric_cells(one.metrics, one.summary),
-            fault_cell(one.faults, len(one.matches)),
-        )
+        table.add_row(*evaluation_cells(rank, one))
     return table
+
+
+def evaluation_cells(rank: int | None, one: Evaluation) -> Iterator[Text | str]:
+    """Yield the cells of an evaluation in a table of standings."""
+    yield NOTHING if rank is None else str(rank)
+    yield f"{one.submission} {one.version}"
+    yield from metric_cells(one.metrics, one.summary)
+    yield fault_cell(one.faults, len(one.matches))
 
 
 def plain_table(title: str) -> Table:
@@ -79,23 +83,3 @@ def metric_cells(metrics: Iterable[MetricInfo], summary: dict[str, Summary]) -> 
 def fault_cell(faults: int, matches: int) -> Text:
     """Return how many matches failed, in red if any did."""
     return Text(f"{faults} of {matches}", "red" if faults else "")
-
-
-def ranked(evaluations: Iterable[Evaluation]) -> list[tuple[int | None, Evaluation]]:
-    """Return the evaluations of one track with their ranks, best first; equal scores share a rank.
-
-    Those without a score come last and have no rank.
-    """
-    ones = list(evaluations)
-    scored = sorted(
-        (one for one in ones if one.score is not None), key=lambda one: (order(one), one.submission)
-    )
-    ranks = [1 + sum(order(other) < order(one) for other in scored) for one in scored]
-    return [*zip(ranks, scored, strict=True), *((None, one) for one in ones if one.score is None)]
-
-
-def order(evaluation: Evaluation) -> float:
-    """Return the sort key of a scored evaluation; less is better."""
-    metric = evaluation.metrics[0]
-    mean = evaluation.summary[metric.name].mean
-    return mean if metric.lower_is_better else -mean

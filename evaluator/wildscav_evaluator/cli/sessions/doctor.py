@@ -13,7 +13,6 @@ from wildscav_engine.extensions import BUILT_IN, PREFIX, Addition, Registry, loa
 from wildscav_evaluator.cli.result_tables.ranking import plain_table
 from wildscav_evaluator.cli.sessions.verify_records import AUDITS
 from wildscav_evaluator.executors import EXECUTORS, Examined, Executor
-from wildscav_evaluator.result_sinks import GROUP as SINKS
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES, Promise, SandboxError
 from wildscav_evaluator.sandbox.containers.container_engine import find_engine
 from wildscav_evaluator.suites.suite import SUITES
@@ -112,7 +111,7 @@ def _promises_table(name: str, promises: tuple[Promise, ...]) -> Table:
 def installed() -> Iterator[Addition]:
     """Yield what other packages add, each tried by importing it."""
     registries: list[Registry[object]] = [*map(Registry, BUILT_IN), SANDBOXES, SUITES, EXECUTORS]  # type: ignore[list-item]
-    plain = (COMMANDS, AUDITS, SINKS)
+    plain = (COMMANDS, AUDITS)
     for registry in registries:
         yield from registry.additions()
     for group in plain:

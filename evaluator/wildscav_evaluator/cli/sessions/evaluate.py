@@ -1,26 +1,32 @@
 """What an evaluation shows: progress, tables, the paths of its files, and errors."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from rich.table import Table
 from rich.text import Text
 
-from wildscav.errors import UserError
 from wildscav.terminal.console import command, console, counted, print_json
 from wildscav_engine.record import SUFFIX
-from wildscav_evaluator.cli.result_tables.ranking import LEGEND, add_columns, plain_table, ranked, track_table
+from wildscav_evaluator.cli.result_tables.ranking import LEGEND, add_columns, plain_table, track_table
 from wildscav_evaluator.cli.result_tables.timing import sandbox_and_limits, timing_table
-from wildscav_evaluator.cli.sessions.playing import playing, raise_errors, saving_errors, say, say_ledger
+from wildscav_evaluator.cli.sessions.playing import (
+    playing,
+    raise_errors,
+    saving_errors,
+    say,
+    say_ledger,
+    say_standings,
+)
 from wildscav_evaluator.executors import Executor
 from wildscav_evaluator.monitoring.monitor import MonitorOptions
 from wildscav_evaluator.output.layout import LOGS, RECORDS, REPLAYS, RESULTS_FILE
 from wildscav_evaluator.output.numbered_folders import number_of
 from wildscav_evaluator.output.results import Evaluation, Results
 from wildscav_evaluator.plans.evaluation import EvaluationPlan
-from wildscav_evaluator.result_sinks import ResultSink, sinks
 from wildscav_evaluator.scores.changes import Change, changes_since_last
 from wildscav_evaluator.scores.compare import FEWEST_PAIRS, Comparison
+from wildscav_evaluator.scores.leaderboard import ranked
 from wildscav_evaluator.scores.notes import evaluation_actions_note, evaluation_waits_note
 from wildscav_evaluator.scores.number_format import number, signed
 
@@ -29,7 +35,6 @@ DASHBOARD_ONLY = MonitorOptions()
 
 def run_session(
     plan: EvaluationPlan,
-    database: Path,
     options: MonitorOptions = DASHBOARD_ONLY,
     executor: Executor | None = None,
     *,
@@ -39,7 +44,6 @@ def run_session(
 
     Args:
         plan: What to evaluate.
-        database: The leaderboard's database.
         options: How to show the progress.
         executor: Where to play; processes on this machine if None.
         as_json: Whether to print a JSON document as well.
@@ -48,7 +52,6 @@ def run_session(
         UserError: Nothing could be evaluated; or, after everything else was shown and saved, something could
             not be saved or a submission failed in all its matches.
     """
-    kept_by = tuple(sinks(str(database)))
     with playing(plan, options, executor) as (results, ledger):
         # Written before anything is shown, so that closing the terminal loses nothing.
         errors = saving_errors(results, plan.out, ledger)
@@ -59,7 +62,8 @@ def run_session(
         if not errors:
             say("results", str(plan.out / RESULTS_FILE))
             say_ledger(plan, ledger)
-        errors += _keep(results, plan, kept_by, database)
+            say_standings(plan)
+        _say_files(results, plan)
         errors += total_failures(results, plan.out)
     raise_errors(errors)
 
@@ -101,20 +105,12 @@ def _show(results: Results, since: Sequence[Change] = ()) -> None:
     show_notes(results)
 
 
-def _keep(
-    results: Results, plan: EvaluationPlan, kept_by: Iterable[ResultSink], database: Path
-) -> Iterator[str]:
-    """Store the results in the sinks, print where everything is, and yield the errors."""
+def _say_files(results: Results, plan: EvaluationPlan) -> None:
+    """Print where everything is."""
     rows = [row for one in results.evaluations for row in one.matches]
     recorded = sum(row.record is not None for row in rows)
     say("records", f"{plan.out / RECORDS} ({counted(recorded, 'match')})")
     say("", f"check them: {command('wildscav', 'verify', plan.out / RECORDS)}/*{SUFFIX}")
-    for sink in kept_by:
-        try:
-            say("database", sink.store(results))
-            say("", f"standings: {command('wildscav', 'leaderboard', '--db', database)}")
-        except UserError as error:
-            yield str(error)
     if any(row.logs for row in rows):
         say("logs", f"{plan.out / LOGS} (what the agents printed)")
     replays = sum(row.replay is not None for row in rows)

@@ -7,7 +7,7 @@ from pathlib import Path
 from rich.text import Text
 
 from wildscav.errors import UserError, describe
-from wildscav.terminal.console import console, counted, error_console
+from wildscav.terminal.console import command, console, counted, error_console
 from wildscav_engine.compilation.engine_progress import preparing
 from wildscav_engine.storage.files import write_whole
 from wildscav_evaluator.executors import Executor, ExecutorError
@@ -20,6 +20,7 @@ from wildscav_evaluator.monitoring.monitor import Monitor, MonitorOptions
 from wildscav_evaluator.output.folder import check_out, keep_only, output_folder
 from wildscav_evaluator.output.layout import LEDGER_FILE, SUITE_FILE
 from wildscav_evaluator.output.lock import Lock
+from wildscav_evaluator.output.numbered_folders import OUT
 from wildscav_evaluator.output.results import Results, write_results
 from wildscav_evaluator.plans.plan import Plan
 from wildscav_server.time_limits import Clock
@@ -141,6 +142,12 @@ def say_ledger(plan: Plan, ledger: LedgerWriter) -> None:
     say("ledger", f"{plan.out / LEDGER_FILE}, {signed}")
     if plan.public_key is not None:
         say("", f"its head, to be published with the results: {ledger.head}")
+
+
+def say_standings(plan: Plan) -> None:
+    """Print the command that shows who leads."""
+    places = () if OUT in plan.out.parents else (plan.out,)
+    say("", f"standings: {command('wildscav', 'leaderboard', *places)}")
 
 
 def say(what: str, text: str) -> None:

@@ -1,9 +1,7 @@
 """What a tournament shows and saves: progress, standings, the paths of its files, and errors."""
 
-from collections.abc import Sequence
 from pathlib import Path
 
-from wildscav.errors import UserError
 from wildscav.terminal.console import command, console, counted, print_json
 from wildscav_evaluator.cli.result_tables.standings import (
     MAX_OPPONENTS,
@@ -13,7 +11,14 @@ from wildscav_evaluator.cli.result_tables.standings import (
 )
 from wildscav_evaluator.cli.result_tables.timing import timing_table
 from wildscav_evaluator.cli.sessions.evaluate import show_notes, total_failures
-from wildscav_evaluator.cli.sessions.playing import playing, raise_errors, saving_errors, say, say_ledger
+from wildscav_evaluator.cli.sessions.playing import (
+    playing,
+    raise_errors,
+    saving_errors,
+    say,
+    say_ledger,
+    say_standings,
+)
 from wildscav_evaluator.executors import Executor
 from wildscav_evaluator.ledger.writer import LedgerWriter
 from wildscav_evaluator.monitoring.monitor import MonitorOptions
@@ -28,13 +33,11 @@ from wildscav_evaluator.output.layout import (
 from wildscav_evaluator.output.results import Results
 from wildscav_evaluator.plans.tournament import TournamentPlan
 from wildscav_evaluator.ratings.picture import draw_standings
-from wildscav_evaluator.result_sinks import ResultSink, sinks
 from wildscav_evaluator.tournaments.tournament_file import Tournament, tournament_of
 
 
 def run_tournament(
     plan: TournamentPlan,
-    database: Path,
     options: MonitorOptions,
     executor: Executor | None = None,
     *,
@@ -44,7 +47,6 @@ def run_tournament(
 
     Args:
         plan: What to play.
-        database: The leaderboard's database.
         options: How to show the progress.
         executor: Where to play; processes on this machine if None.
         as_json: Whether to print a JSON document as well.
@@ -53,22 +55,16 @@ def run_tournament(
         UserError: It could not be played; or, after everything else was shown and saved, something could not
             be saved or an entrant failed in all its matches.
     """
-    kept_by = tuple(sinks(str(database)))
     with playing(plan, options, executor) as (results, ledger):
         tournament = tournament_of(results)
         # Written before anything is shown, so that closing the terminal loses nothing.
         errors = saving_errors(results, plan.out, ledger, lambda: _write_ratings(tournament, plan.out))
-        stored, not_stored = _stored(tournament, results, kept_by)
         _show(tournament, results)
         if as_json:
             document = {"folder": str(plan.out), "tournament": tournament.as_json()}
             print_json(document | {"results": results.as_json()})
         if not errors:
             _say_files(plan, ledger, results)
-        for line in stored:
-            say("database", line)
-            say("", f"standings: {command('wildscav', 'leaderboard', '--db', database)}")
-        errors += not_stored
         errors += total_failures(results, plan.out)
     raise_errors(errors)
 
@@ -106,6 +102,7 @@ def _say_files(plan: TournamentPlan, ledger: LedgerWriter, results: Results) -> 
         say("", f"drawn in {plan.out / STANDINGS_PICTURE}")
     say("results", str(plan.out / RESULTS_FILE))
     say_ledger(plan, ledger)
+    say_standings(plan)
     rows = [row for one in results.evaluations for row in one.matches]
     recorded = len({row.record for row in rows if row.record is not None})
     say("records", f"{plan.out / RECORDS} ({counted(recorded, 'match')})")
@@ -116,16 +113,3 @@ def _say_files(plan: TournamentPlan, ledger: LedgerWriter, results: Results) -> 
     if replays:
         say("replays", f"{plan.out / REPLAYS} ({counted(len(replays), 'match')}), to watch in Rerun")
         say("", f"watch one: {command('rerun')} {plan.out / replays[0]}")
-
-
-def _stored(
-    tournament: Tournament, results: Results, kept_by: Sequence[ResultSink]
-) -> tuple[list[str], list[str]]:
-    """Store the ratings in the sinks; return lines that say where, and the errors."""
-    stored, errors = [], []
-    for sink in kept_by:
-        try:
-            stored.append(sink.store_tournament(tournament, results))
-        except UserError as error:
-            errors.append(str(error))
-    return stored, errors

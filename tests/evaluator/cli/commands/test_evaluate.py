@@ -12,7 +12,6 @@ from tests.evaluator.sample_agents import WALKER, Command, Submit
 from wildscav_engine.record import read_record, save, verify_record
 from wildscav_evaluator.output.results import KeptLimits, Results, read_results
 from wildscav_evaluator.submissions.submission import folder_digest
-from wildscav_leaderboard.results.database import writing
 
 pytestmark = pytest.mark.usefixtures("compiled")
 
@@ -36,7 +35,7 @@ def short(tmp_path: Path) -> Path:
 def evaluate(
     wildscav: Command, *folders: Path, out: Path, **options: object
 ) -> "subprocess.CompletedProcess[str]":
-    arguments = [f"--{name}={value}" for name, value in {"db": out / "wildscav.db", **options}.items()]
+    arguments = [f"--{name}={value}" for name, value in options.items()]
     return wildscav("evaluate", *folders, f"--out={out}", *arguments)
 
 
@@ -184,28 +183,13 @@ def test_bad_options_are_usage_errors(wildscav: Command, arguments: list[str]) -
 @pytest.mark.slow
 def test_a_full_disk_ends_the_evaluation_in_one_clear_line(submit: Submit, tmp_path: Path) -> None:
     walker, out = submit("walker", WALKER), tmp_path / "out"
-    with writing(out / "db"):
-        pass  # there already, it passes the check before the first match
-    arguments = ["evaluate", walker.folder, f"--out={out}", f"--db={out / 'db'}", "--replays=none"]
+    arguments = ["evaluate", walker.folder, f"--out={out}", "--replays=none"]
     done = run_with_file_limit(arguments)
 
     assert done.returncode == 1
     # What is not in the ledger does not count, so nothing more is played.
     assert f"the ledger {out / 'ledger.jsonl'} cannot be written: " in complaint(done)
     assert not list(out.rglob("results.json*")), "no half-written file is left"
-
-
-def test_what_cannot_be_kept_in_the_database_is_not_played(
-    submit: Submit, wildscav: Command, tmp_path: Path
-) -> None:
-    walker, out = submit("walker", WALKER), tmp_path / "out"
-    (tmp_path / "db").write_text("a letter " * 200)
-
-    done = wildscav("evaluate", walker.folder, f"--out={out}", f"--db={tmp_path / 'db'}")
-
-    assert done.returncode == 1
-    assert "is not a leaderboard's database" in complaint(done)
-    assert not out.exists()
 
 
 def run_with_file_limit(arguments: list[object]) -> "subprocess.CompletedProcess[str]":

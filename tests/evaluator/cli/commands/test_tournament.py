@@ -15,6 +15,7 @@ from typer.testing import CliRunner
 from wildscav.errors import UserError
 from wildscav_engine.record import read_record
 from wildscav_evaluator.cli.commands.tournament import tournament
+from wildscav_evaluator.cli.options.evaluation import TournamentOptions
 from wildscav_evaluator.cli.options.tournament import chosen_settings, most_entries
 from wildscav_evaluator.cli.sessions.rescore import run_rescore
 from wildscav_evaluator.executors.local import LocalExecutor
@@ -75,7 +76,6 @@ def document(entrants: tuple[str, ...], suite: Path, place: Path) -> dict[str, o
             "tournament",
             *arguments(entrants, suite),
             f"--out={place / 'out'}",
-            f"--db={place / 'db'}",
             "--json",
         )
     )
@@ -90,7 +90,6 @@ def document(entrants: tuple[str, ...], suite: Path, place: Path) -> dict[str, o
 @pytest.fixture
 def played(document: dict[str, object], place: Path, tmp_path: Path) -> tuple[Path, dict[str, object]]:
     """A copy of the tournament's folder, and what was printed."""
-    shutil.copy(place / "db", tmp_path / "db")
     return shutil.copytree(place / "out", tmp_path / "out"), document
 
 
@@ -121,13 +120,10 @@ def test_a_crash_costs_the_seat_of_the_crasher_and_nobody_elses(
     verified = wildscav("verify", *sorted((out / "records").glob("*.wsr")))
     assert verified.returncode == 0, verified.stdout + verified.stderr
 
-    board = wildscav("leaderboard", f"--db={tmp_path / 'db'}", "--json")
+    board = wildscav("leaderboard", out, "--json")
     stored = json.loads(board.stdout[board.stdout.index("{") : board.stdout.rindex("\n}") + 2])
     assert stored["tournaments"] == [tournament.as_json()]
-    assert (
-        "battle · 4 entrants · 12 matches · suite arena"
-        in wildscav("leaderboard", f"--db={tmp_path / 'db'}").stdout
-    )
+    assert "battle · 4 entrants · 12 matches · suite arena" in wildscav("leaderboard", out).stdout
 
 
 @pytest.mark.slow
@@ -140,7 +136,7 @@ def test_the_order_of_the_entrants_changes_nothing(
 ) -> None:
     out, _ = played
     other = tmp_path / "other"
-    wildscav("tournament", *arguments(entrants[::-1], suite), f"--out={other}", f"--db={tmp_path / 'db'}")
+    wildscav("tournament", *arguments(entrants[::-1], suite), f"--out={other}")
     assert (other / "tournament.json").read_bytes() == (out / "tournament.json").read_bytes()
     assert (other / "evaluation.json").read_bytes() == (out / "evaluation.json").read_bytes()
     assert files(other, "records") == files(out, "records")
@@ -244,18 +240,7 @@ def test_two_versions_meet_others_by_default_and_each_other_never(
     assert "2 of the 3 entrants are entries of one submission, which do not meet" in done
 
     versions = [load_submission(walker), load_submission(newer)]
-    settings = chosen_settings(
-        4,
-        most_entries(versions),
-        read_suite(suite),
-        "battle",
-        seats=None,
-        team_size=None,
-        mixed=False,
-        repeats=None,
-        robots=None,
-        meet_own=False,
-    )
+    settings = chosen_settings(TournamentOptions(), 4, most_entries(versions), read_suite(suite), "battle")
     assert settings.seats == 2, "a match of three or more would have both versions in it sometimes"
 
 

@@ -21,17 +21,15 @@ from wildscav_evaluator.cli.sessions import play as play_session
 from wildscav_evaluator.cli.sessions import verify_records as verify
 from wildscav_evaluator.cli.sessions.compare import comparison_table
 from wildscav_evaluator.cli.sessions.evaluate import changes_table, verdict
+from wildscav_evaluator.cli.sessions.leaderboard import ladder_table
 from wildscav_evaluator.matches.play import PlayedMatch, Seating
 from wildscav_evaluator.output.results import Results
 from wildscav_evaluator.sandbox import Promise
 from wildscav_evaluator.scores.changes import Change
 from wildscav_evaluator.scores.compare import compare
+from wildscav_evaluator.scores.leaderboard import standings
 from wildscav_evaluator.submissions.submission import Manifest, Submission
 from wildscav_inspect import map as map_command
-from wildscav_leaderboard.cli import leaderboard
-from wildscav_leaderboard.results.database import reading
-from wildscav_leaderboard.results.sink import DatabaseSink
-from wildscav_leaderboard.results.standings import standings
 from wildscav_server.hosting.reports import SeatReport, SeatStatus
 
 COMPARISON = compare(RESULTS, "my-agent", "homing").comparisons[0]
@@ -40,13 +38,6 @@ WITH_LONGEST = RESULTS.model_copy(
     update={"evaluations": (evaluation(LONGEST), evaluation("homing", values=(3.0, 4.0)))}
 )
 LONG = compare(WITH_LONGEST, LONGEST, "homing").comparisons[0]
-
-
-def of_leaderboard(tmp_path: Path) -> Table:
-    DatabaseSink(str(tmp_path / "db")).store(RESULTS)
-    with reading(tmp_path / "db") as opened:
-        (one,) = standings(opened)
-        return leaderboard._table(one)
 
 
 def of_check(_: Path) -> Table:
@@ -83,7 +74,7 @@ TABLES: dict[str, Callable[[Path], Table]] = {
     "map info": lambda _: map_command._table(
         "map 101", {"configuration": "houses=12, " * 9, "digest": "0123456789abcdef" * 4}
     ),
-    "leaderboard": of_leaderboard,
+    "leaderboard": lambda _: ladder_table(*standings([RESULTS])),
     "verify": lambda _: verify._table(
         [verify.Finding(Path("a/a-record-of-some-length.wsr"), True, "5 steps")]
     ),

@@ -202,7 +202,7 @@ WRONG = [
     "compare homing {empty}",
     "tournament homing --track battle",
     "tournament homing {empty} --track battle",
-    "leaderboard --db {file}",
+    "leaderboard {file}",
     "replay {binary}",
     "replay {empty}",
     "replay {binary} --out x.mp4",

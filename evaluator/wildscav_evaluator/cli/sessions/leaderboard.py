@@ -1,0 +1,108 @@
+"""What ``wildscav leaderboard`` shows of the results in folders."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.table import Table
+
+from wildscav.errors import UserError
+from wildscav.terminal.console import console, error_console, print_json
+from wildscav.terminal.suggestions import did_you_mean
+from wildscav_evaluator.cli.result_tables import ranking
+from wildscav_evaluator.cli.result_tables.standings import legend, standings_table
+from wildscav_evaluator.cli.result_tables.timing import sandbox_and_limits
+from wildscav_evaluator.output.results import KeptLimits
+from wildscav_evaluator.scores.leaderboard import (
+    Found,
+    Standings,
+    document,
+    find_results,
+    is_meant,
+    latest_tournaments,
+    standings,
+)
+from wildscav_evaluator.tournaments.tournament_file import Tournament
+
+
+def show_standings(
+    places: Sequence[Path], track: str | None = None, suite: str | None = None, *, as_json: bool = False
+) -> None:
+    """Print the standings and the latest tournaments of the results in some files and folders.
+
+    Raises:
+        UserError: A place does not exist or is not readable, or there is nothing of the track and the suite.
+    """
+    with error_console.status("reading results"):
+        found = find_results(places)
+    for line in found.unreadable:
+        error_console.print(f"left out: {line}", soft_wrap=True)
+    ladders = list(standings(found.evaluations, track, suite))
+    rated = latest_tournaments(found, track, suite)
+    if not ladders and not rated:
+        raise UserError(_nothing_found(found, track, suite, ", ".join(map(str, places))))
+    if as_json:
+        documents = [document(one) for one in ladders]
+        print_json({"standings": documents, "tournaments": [one.as_json() for one in rated]})
+    for one in ladders:
+        _show(one)
+    if ladders:
+        console.print(ranking.LEGEND, style="dim")
+    for tournament in rated:
+        _show_tournament(tournament)
+
+
+def _show(one: Standings) -> None:
+    conditions = one.conditions
+    kept = {} if conditions.limits == KeptLimits() else {conditions.track: conditions.limits}
+    console.print(ladder_table(one))
+    console.print(f"played in {''.join(sandbox_and_limits(conditions.sandbox, kept))}", soft_wrap=True)
+    console.print(f"played by {conditions.versions}", soft_wrap=True)
+    console.print(f"signed: {_signed(one) or 'none'}\n", soft_wrap=True)
+
+
+def _show_tournament(one: Tournament) -> None:
+    """Print the standings of a tournament."""
+    console.print()
+    console.print(standings_table(one))
+    for line in sandbox_and_limits(one.sandbox, {one.track: one.limits}):
+        console.print(f"played in {line}", soft_wrap=True)
+    console.print(f"played by {one.versions}\n", soft_wrap=True)
+    console.print(legend(one), style="dim")
+
+
+def ladder_table(one: Standings) -> Table:
+    """Return the table of comparable evaluations on one track: the submissions from best to worst."""
+    shared = one.conditions
+    rounds = "" if shared.rounds == 1 else f" · {shared.rounds} rounds"
+    table = ranking.ranking_table(f"{shared.track} · suite {shared.suite} · seed {shared.seed}{rounds}")
+    ranking.add_metrics(table, one.rows[0].evaluation.metrics)
+    ranking.add_columns(table, "matches\nfailed", "date")
+    for row in one.rows:
+        table.add_row(*ranking.evaluation_cells(row.rank, row.evaluation), row.started[: len("2030-01-01")])
+    return table
+
+
+def _signed(one: Standings) -> str:
+    """Return in one line whose ledgers are signed, and with which key."""
+    by_key: dict[str, list[str]] = {}
+    for row in one.rows:
+        if row.key is not None:
+            by_key.setdefault(row.key, []).append(row.evaluation.submission)
+    return "; ".join(
+        f"{'all' if len(names) == len(one.rows) else ', '.join(names)} with the key {key}"
+        for key, names in by_key.items()
+    )
+
+
+def _nothing_found(found: Found, track: str | None, suite: str | None, places: str) -> str:
+    """Return why there is no table, with a suggestion of a similar name."""
+    everything = [one.conditions for one in standings(found.evaluations)]
+    for what, asked, known in (
+        ("track", track, dict.fromkeys(one.track for one in everything)),
+        ("suite", suite, dict.fromkeys(one.suite for one in everything)),
+    ):
+        if asked is not None and known and not any(is_meant(asked, name) for name in known):
+            near = did_you_mean(asked, known)
+            return f"there are no evaluations of {what} {asked}{near} in {places}; it has {', '.join(known)}"
+    wanted = "".join(f" of {what} {name}" for what, name in (("track", track), ("suite", suite)) if name)
+    return f"there are no evaluations{wanted} in {places}: `wildscav evaluate` makes them"

@@ -1,0 +1,202 @@
+"""Standings: the ranking on each track, from the latest evaluation of every submission in some folders."""
+
+import os
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import groupby
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from wildscav.errors import UserError
+from wildscav_engine.tracks import TRACKS
+from wildscav_evaluator.output.layout import COMPARISON_FILE, RESULTS_FILE, TOURNAMENT_FILE
+from wildscav_evaluator.output.results import Evaluation, KeptLimits, Results, Versions, read_results
+from wildscav_evaluator.tournaments.tournament_file import Tournament
+
+
+class Conditions(NamedTuple):
+    """What an evaluation depends on besides its submission. Only equal ones allow a comparison."""
+
+    track: str
+    suite: str
+    seed: str  # or the beginning of the commitment, if it is hidden
+    rounds: int
+    versions: Versions
+    sandbox: str
+    limits: KeptLimits  # that the sandbox enforced
+
+
+class Row(NamedTuple):
+    """One submission's place in the standings."""
+
+    rank: int | None  # 1 is the best; equal scores share a rank; None without a score
+    evaluation: Evaluation
+    started: str  # ISO 8601, UTC
+    key: str | None  # public key that its ledger is signed with
+
+
+class Standings(NamedTuple):
+    """The ranking of comparable evaluations on one suite of one track."""
+
+    conditions: Conditions
+    rows: tuple[Row, ...]
+
+
+class Found(NamedTuple):
+    """The evaluations and tournaments in some folders."""
+
+    evaluations: tuple[Results, ...]
+    tournaments: tuple[tuple[str, Tournament], ...]  # each with the moment it started, ISO 8601, UTC
+    unreadable: tuple[str, ...]  # what is left out, and why, a line each
+
+
+def find_results(places: Iterable[Path]) -> Found:
+    """Read the results in some places.
+
+    Args:
+        places: Files of results, folders of evaluations, and folders that contain such folders at any depth.
+            Only what is named itself must be readable. Comparisons inside a folder are left out.
+
+    Raises:
+        UserError: A place does not exist, or is a file that holds no results.
+    """
+    evaluations, tournaments, unreadable = [], [], []
+    for place in places:
+        if not place.exists():
+            raise UserError(f"{place} does not exist", exit_code=2)
+        for path in _results_files(place):
+            try:
+                results = read_results(path)
+                if results.tournament is None:
+                    evaluations.append(results)
+                else:
+                    rated = Tournament.read(path.with_name(TOURNAMENT_FILE))
+                    tournaments.append((results.timings.started, rated))
+            except (UserError, OSError) as error:
+                if path in (place, place / RESULTS_FILE):
+                    raise
+                unreadable.append(str(error))
+    return Found(tuple(evaluations), tuple(tournaments), tuple(unreadable))
+
+
+def _results_files(place: Path) -> Iterator[Path]:
+    if place.is_file():
+        yield place
+        return
+    for folder, below, files in os.walk(place):
+        if RESULTS_FILE in files or COMPARISON_FILE in files:
+            below.clear()  # its folders are of its matches
+            if COMPARISON_FILE not in files:
+                yield Path(folder) / RESULTS_FILE
+        below.sort()
+
+
+def is_meant(asked: str | None, name: str) -> bool:
+    """Return whether a track or suite matches the requested name or prefix; None matches all."""
+    return asked is None or name.startswith(asked)
+
+
+def standings(
+    evaluated: Iterable[Results], track: str | None = None, suite: str | None = None
+) -> Iterator[Standings]:
+    """Yield the standings of each set of comparable evaluations on the requested tracks and suites.
+
+    A submission appears once, under its name, with its latest evaluation. A newer version replaces an older
+    one even if it is worse, since it is its author's current choice.
+    """
+    # Sorting is stable: within a key the latest evaluation stays the last.
+    found = [
+        (_conditions(results, one.track), Row(None, one, results.timings.started, results.key))
+        for results in sorted(evaluated, key=lambda results: results.timings.started)
+        for one in results.evaluations
+        if is_meant(track, one.track) and is_meant(suite, results.suite)
+    ]
+    for conditions, group in groupby(sorted(found, key=_sort_key), lambda pair: pair[0]):
+        latest = {row.evaluation.submission: row for _, row in group}
+        ranks = ranked(latest[name].evaluation for name in sorted(latest))
+        rows = tuple(latest[one.submission]._replace(rank=rank) for rank, one in ranks)
+        yield Standings(conditions, rows)
+
+
+def latest_tournaments(found: Found, track: str | None = None, suite: str | None = None) -> list[Tournament]:
+    """Return the latest tournament on each suite of each track, as far as requested."""
+    latest = {
+        (one.track, one.suite): one
+        for _, one in sorted(found.tournaments, key=lambda pair: pair[0])
+        if is_meant(track, one.track) and is_meant(suite, one.suite)
+    }
+    return [latest[key] for key in sorted(latest)]
+
+
+def _conditions(results: Results, track: str) -> Conditions:
+    return Conditions(
+        track=track,
+        suite=results.suite,
+        seed=results.seed_label,
+        rounds=results.rounds,
+        versions=results.versions,
+        sandbox=results.sandbox,
+        limits=results.limits.get(track, KeptLimits()),
+    )
+
+
+def _sort_key(pair: tuple[Conditions, Row]) -> tuple[object, ...]:
+    """Return the sort key of the standings: the engine's order of the tracks, then the conditions."""
+    conditions, tracks = pair[0], list(TRACKS)
+    place = tracks.index(conditions.track) if conditions.track in tracks else len(tracks)
+    versions, limits = conditions.versions, conditions.limits
+    return (
+        place,
+        *conditions[:4],
+        *(versions.engine, versions.simulation, versions.generator, versions.record),
+        conditions.sandbox,
+        limits.model_dump_json(exclude_none=True),
+    )
+
+
+def ranked(evaluations: Iterable[Evaluation]) -> list[tuple[int | None, Evaluation]]:
+    """Return the evaluations of one track with their ranks, best first; equal scores share a rank.
+
+    Those without a score come last and have no rank.
+    """
+    ones = list(evaluations)
+    scored = sorted(
+        (one for one in ones if one.score is not None), key=lambda one: (_order(one), one.submission)
+    )
+    ranks = [1 + sum(_order(other) < _order(one) for other in scored) for one in scored]
+    return [*zip(ranks, scored, strict=True), *((None, one) for one in ones if one.score is None)]
+
+
+def _order(evaluation: Evaluation) -> float:
+    """Return the sort key of a scored evaluation; less is better."""
+    metric = evaluation.metrics[0]
+    mean = evaluation.summary[metric.name].mean
+    return mean if metric.lower_is_better else -mean
+
+
+def document(one: Standings) -> dict[str, Any]:
+    """Return the standings on one suite of one track as ``wildscav leaderboard --json`` prints them."""
+    shared = one.conditions._asdict()
+    versions: Versions = shared.pop("versions")
+    named = {f"{part}_version": number for part, number in versions}
+    limits = one.conditions.limits.model_dump(exclude_none=True)
+    return shared | named | {"limits": limits, "rows": [_document_of_row(row) for row in one.rows]}
+
+
+def _document_of_row(row: Row) -> dict[str, Any]:
+    one = row.evaluation
+    measured: Sequence[dict[str, Any]] = [
+        metric.model_dump() | one.summary[metric.name].model_dump()
+        for metric in one.metrics
+        if metric.name in one.summary
+    ]
+    return {
+        "rank": row.rank,
+        "submission": one.submission,
+        "version": one.version,
+        "digest": one.digest,
+        "started": row.started,
+        "key": row.key,
+        "matches": len(one.matches),
+        "faults": one.faults,
+        "scores": measured,
+    }

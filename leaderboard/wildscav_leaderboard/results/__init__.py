@@ -1,1 +1,0 @@
-"""The database of local results: what `wildscav evaluate` and `tournament` store, and the standings in it."""
