@@ -70,7 +70,6 @@ def boxes(kinds: Sequence[Kind], where: Pose, corners: Sequence[tuple[float, ...
 
     Args:
         kinds: (N,) the kind of each box.
-        where: The pose of all of them.
         corners: (N, 6) m, the least corner and the greatest of each box; up is the height on the map.
 
     Returns:
@@ -115,8 +114,6 @@ def pitched_roof(
     """Make a pitched roof whose ridge runs along the pose.
 
     Args:
-        kind: The kind of the solid.
-        where: The pose of the roof.
         low: Its least corner, in the axes of the pose.
         high: Its greatest corner; the ridge is at this height.
         eaves: m, height of the vertical band at the eaves. Without it, collision against the pushed-out faces
@@ -138,8 +135,6 @@ def lean_to(kind: Kind, where: Pose, low: Corner, high: Corner, eaves: float) ->
     """Make a roof of one slope, highest along its back.
 
     Args:
-        kind: The kind of the solid.
-        where: The pose of the roof.
         low: Its least corner, in the axes of the pose.
         high: Its greatest corner, the height of its back.
         eaves: m, height of its front above ``low``.
@@ -177,9 +172,7 @@ def stack(
     """Make a solid from scaled copies of one outline above each other: a prism, frustum, pyramid or spindle.
 
     Args:
-        kind: The kind of the solid.
         x: m, of its axis.
-        z: m.
         outline: (N, 2) corners of a convex polygon around (0, 0).
         rings: Height in m and scale of the outline for each ring, upwards. The profile must be convex
             (each scale at least that of the straight line between its neighbours); the first and the last

@@ -42,10 +42,7 @@ def choose_places(
     """Choose the places of a map among the nodes of its graph's largest strongly connected component.
 
     Args:
-        graph: Of the map.
-        houses: Of the map.
         solid_house: (S,) the house of each solid, -1 for none.
-        seed: Of the map.
     """
     nodes, positions = np.nonzero(graph.connected)[0], graph.positions()
     is_on_ground = _on_open_ground(graph, nodes, positions, solid_house)
@@ -66,7 +63,6 @@ def open_ground(graph: WalkGraph, solid_house: NDArray[np.int16]) -> NDArray[np.
     """Return (N, 3) m all reachable whole-metre points on dry, fairly level, open ground.
 
     Args:
-        graph: Of the map.
         solid_house: (S,) the house of each solid, -1 for none.
     """
     nodes, positions = np.nonzero(graph.connected)[0], graph.positions()
@@ -117,10 +113,8 @@ def ground_places(
     """Return (N, 3) m, places on dry, fairly level, open ground: a random node in each square of a grid.
 
     Args:
-        world: The static world.
         nodes: (M, M) the ground node at each whole-metre point, -1 for none.
         positions: Of all nodes, m.
-        seed: Of the map.
     """
     squares = int((nodes.shape[0] - 1) / OUTDOOR_SPACING)
     places = np.empty((squares * squares, 3))

@@ -46,8 +46,6 @@ def fixed_houses(config: MapConfig, seed: int, terrain: Terrain) -> tuple[list[H
     """Draw the placed houses of a config.
 
     Args:
-        config: Of the map.
-        seed: Of the map.
         terrain: Before any ground is levelled.
 
     Returns:
@@ -153,8 +151,6 @@ def placed_solids(config: MapConfig, seed: int, terrain: Terrain) -> list[Solid]
     """Return the solids of the placed blocks, trees, bushes and rocks of a config.
 
     Args:
-        config: Of the map.
-        seed: Of the map.
         terrain: With levelled ground.
 
     Returns:

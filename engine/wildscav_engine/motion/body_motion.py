@@ -41,14 +41,11 @@ def move(
     """Move one body for one frame.
 
     Args:
-        world: The static world.
-        bodies: All bodies, and the index of the one that moves.
         rise: m/s, its vertical speed; 0 on the ground.
         on_ground: Whether it stands on something.
         walk_direction: Degrees, compass.
         walk_speed: m/s. In the air it steers as on the ground: there is no horizontal inertia.
         jump: Whether to jump; this works only on the ground, not in water and not while sliding.
-        water_speed_factor: Factor of the walk speed in water.
 
     Returns:
         The body's state after the frame.

@@ -58,12 +58,10 @@ def trace_images(
             starts below the ground or in a solid. ``KINDS`` and ``INSTANCES``: (N, H, W) uint8 and int32
             labels, see ``labels.write_labels``; their rays hit water, all others go to its bed.
         scenes: The static worlds of N cameras, or one for all.
-        objects: The moving objects of some matches.
         matches: (N,) the match in ``objects`` that each camera is in.
         cameras: N cameras. A camera outside the map sees nothing of it; one below the ground or in a solid
             hits that at distance 0.
         images: Written.
-        turns: In which order to write them, with other threads.
 
     Returns:
         Whether all numbers of the cameras are finite; if not, nothing is written.
@@ -86,10 +84,6 @@ def trace(scene: Scene, moving: Solids, cameras: Cameras, hits: Hits, *, with_wa
     """Find what each ray hits first.
 
     Args:
-        scene: The static world.
-        moving: The moving solids.
-        cameras: N cameras, as in ``trace_images``.
-        hits: Of N images, written.
         with_water: Whether rays hit the surface of water; else they go to its bed.
 
     Returns:

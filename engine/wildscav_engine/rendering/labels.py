@@ -23,9 +23,6 @@ def write_labels(
     """Write the label of what each ray of an image hits, the surface of water included.
 
     Args:
-        traced: The image.
-        objects: The moving objects.
-        first: The first of those in the match.
         by_instance: Whether objects of one kind have labels of their own: solids of the map from FIRST_SOLID
             on by index, agents from FIRST_AGENT on by seat, boxes from FIRST_BOX on by serial number. All
             other labels are a ``Kind``.

@@ -70,11 +70,9 @@ class Panorama:
 
         Args:
             scenes: The static worlds of N viewers, or one for all.
-            objects: The moving objects of some matches.
             matches: (N,) the match in ``objects`` that each viewer is in.
             cameras: N viewers, all of whose numbers are finite; their pitches do not count.
             images: (N, C, A) m, written.
-            turns: In which order to write them, with other threads.
         """
         sectors = self._sectors
         if sectors is None:

@@ -46,9 +46,7 @@ def trace_static_depths(
     Args:
         scenes: The worlds of N cameras, or one for all.
         size: The size of the images, and their half width.
-        cameras: N cameras.
         depths: (N, H, W) m, written.
-        turns: In which order to write them, with other threads.
     """
     eyes, yaws, pitches, _, half_width, far = cameras
     return _trace_static_depths(eyes, yaws, pitches, half_width, far, scenes.tables(size), *turns, depths)

@@ -32,8 +32,6 @@ def events_of(
     """Return all events in chronological order.
 
     Args:
-        history: The match.
-        names: The names of its seats.
         opening: The text of the first event.
         ending: The text of the last event.
     """

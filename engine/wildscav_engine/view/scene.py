@@ -26,9 +26,6 @@ def render(record: Record, game_map: GameMap, history: History, seat: int) -> by
     """Return the content of the file.
 
     Args:
-        record: The record.
-        game_map: The map of the match.
-        history: The history of the match, collected from the record.
         seat: The seat that the cameras follow.
     """
     names = agents.distinct(record.names)

@@ -39,13 +39,8 @@ def hide_targets(
     """Choose the places where targets may be, and measure the ways to them.
 
     Args:
-        graph: Of the map.
-        plan: Of its country.
-        terrain: The finished ground.
-        houses: Of the map.
         indoor: (I, 3) m, its places in houses.
         ground: (S, 3) m, its places on open ground: the starts.
-        seed: Of the map.
     """
     is_upstairs = np.zeros(len(indoor), np.bool_)
     x, _, z = indoor.T

@@ -79,8 +79,6 @@ def plan_country(config: MapConfig, seed: int, terrain: Terrain) -> CountryPlan 
     """Draw the country of a map; None if its config has none.
 
     Args:
-        config: Of the map.
-        seed: Of the map.
         terrain: Before any ground is levelled.
     """
     if config.country is None:
@@ -103,8 +101,6 @@ def shape_country(plan: CountryPlan, seed: int, terrain: Terrain, sites: Sequenc
     """Raise the ground, in place, to its terraces and ridges; return the sites of houses raised with it.
 
     Args:
-        plan: Of the country.
-        seed: Of the map.
         terrain: With levelled ground.
         sites: Of all houses; each stands in one ward.
     """

@@ -33,7 +33,6 @@ class Builder:
         """Add a box over a rectangle, unless it is only as thick as a rounding error.
 
         Args:
-            kind: The kind of the box.
             area: Its horizontal extent.
             bottom: m above the ground floor.
             top: m above the ground floor.
@@ -52,7 +51,6 @@ class Builder:
         """Add a wall: one lintel over all its openings, pillars between them, sills under windows.
 
         Args:
-            wall: The wall.
             floor: m, the height that its openings refer to.
             bottom: m, its bottom.
             top: m, its top.
@@ -85,7 +83,6 @@ class Builder:
         """Add the stairs from a floor to the next.
 
         Args:
-            stairs: The stairs.
             floor: m, the height where they start.
             hangs: Whether there are other stairs below, which need headroom; else the stairs stand on the
                 floor.

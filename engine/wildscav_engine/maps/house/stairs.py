@@ -65,7 +65,6 @@ def draw_stairs(dice: Dice, inside: Rectangle) -> HallPlace:
     """Cut a hall with stairs out of a block, all the way across or along it.
 
     Args:
-        dice: The source of randomness.
         inside: The area within the walls of the block, at least 6.5 m per side.
 
     Returns:

@@ -21,7 +21,6 @@ def raster(game_map: GameMap, window: Window, storey: int | None) -> NDArray[np.
     """Return the picture of a window, (rows, columns, 3).
 
     Args:
-        game_map: The map.
         window: The part to show, one sample per pixel.
         storey: The storey at which to cut houses open, 1 for the ground floor; None to cut none.
     """

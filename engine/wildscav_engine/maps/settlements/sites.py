@@ -80,12 +80,9 @@ def settle(
     """Find sites for houses, and lay the lanes between them.
 
     Args:
-        config: Of the map.
-        seed: Of the map.
         terrain: Before any ground is levelled.
         sizes: m, of each house.
         fixed: Sites of houses placed before; they are not returned.
-        avoided: Sites where no house may stand.
         kept_off: (N, 2) m, x and z of points that houses keep off like the axis of a street.
 
     Returns:

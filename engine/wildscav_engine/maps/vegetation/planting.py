@@ -43,10 +43,7 @@ def plant(
     """Return the solids of all trees, bushes and rocks.
 
     Args:
-        config: Of the map.
-        seed: Of the map.
         terrain: With levelled ground.
-        sites: Of all houses.
         doorsteps: (D, 2) m, x and z in front of each outer doorway.
         lanes: (L, 4) m, see ``sites.Settlement``.
         taken: (F, 6) further footprints where nothing grows.

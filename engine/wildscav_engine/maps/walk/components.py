@@ -30,11 +30,6 @@ def strong_components(
 
     Tarjan, "Depth-First Search and Linear Graph Algorithms", SIAM J. Comput. 1 (1972), with an explicit stack
     instead of recursion.
-
-    Args:
-        edges: (N, 8) nodes, negative for none.
-        leap_start: (N + 1,) where each node's leaps start.
-        leap_end: (L,) nodes.
     """
     count = edges.shape[0]
     component = np.full(count, -1, np.int32)

@@ -61,12 +61,6 @@ def distances_to(
     """Return (N,) m, horizontal, the length of the shortest route of edges from each node to one; inf: none.
 
     Dijkstra, "A Note on Two Problems in Connexion with Graphs", Numerische Mathematik 1 (1959), backwards.
-
-    Args:
-        places: (N, 3) m, of the nodes.
-        first: See ``Sources``.
-        sources: See ``Sources``.
-        end: Node.
     """
     count = places.shape[0]
     far = np.full(count, np.inf)

@@ -75,14 +75,6 @@ def _is_open_around(world: World, x: float, height: float, z: float) -> bool:
 def explore(world: World, nobody: Bodies, lattice: Lattice, nodes: Nodes, start: int, capacity: int) -> int:
     """Find the edges of the nodes from ``start`` on, and of all nodes found in the process.
 
-    Args:
-        world: The static world.
-        nobody: An empty set of bodies.
-        lattice: Of the map.
-        nodes: Filled.
-        start: First node without edges.
-        capacity: Number of nodes that the tables can hold.
-
     Returns:
         The first node without edges; the search stops early if eight more nodes would not fit.
     """
@@ -304,11 +296,7 @@ def walk_straight(world: World, nobody: Bodies, start: Point, x: float, z: float
     """Walk straight to a place with the engine's motion.
 
     Args:
-        world: The static world.
-        nobody: An empty set of bodies.
-        start: m.
         x: m, the destination; so z.
-        z: m.
         stride: m, greatest length of each move.
 
     Returns:

@@ -92,9 +92,7 @@ def fine_route(
     """Return the shortest route over the fine grid to where the target is reached, None if there is none.
 
     Args:
-        graph: Of the map.
         start: (3,) m, soles.
-        goal: The target.
 
     Returns:
         (P, 3) m, the places along the route with the start; and (P,) whether a leap leads to each.

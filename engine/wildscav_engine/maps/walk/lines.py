@@ -24,10 +24,6 @@ def follow_line(
     """Return the number of edges on the straight line from a node to another; 0 if it is not free.
 
     Args:
-        places: (N, 3) m, of the nodes.
-        edges: (N, 8) nodes, negative for none.
-        start: Node.
-        end: Another node.
         along: (M,) the nodes after the start up to the end, written up to its size.
     """
     east, north = places[end, 0] - places[start, 0], places[end, 2] - places[start, 2]

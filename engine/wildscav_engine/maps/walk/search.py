@@ -32,14 +32,6 @@ def shortest_route(
     eight directions of edges do not make routes longer. Line of sight between a node and the turn before it
     is assumed when the node is found, and checked when the search expands it. Lengths are horizontal, like
     ``walked``.
-
-    Args:
-        places: (N, 3) m, of the nodes.
-        edges: (N, 8) nodes, negative for none.
-        leap_start: (N + 1,) where each node's leaps start.
-        leap_end: (L,) nodes.
-        start: Node.
-        end: Node.
     """
     count = places.shape[0]
     length = np.full(count, np.inf)  # m, of the shortest known route from the start
@@ -175,9 +167,6 @@ def pull_straight(
     """Return the nodes of a route that remain when straight walks replace many short ones.
 
     Args:
-        world: The static world.
-        nobody: An empty set of bodies.
-        places: (N, 3) m, of the nodes.
         route: Nodes; each can be walked to from the one before.
     """
     kept = np.empty_like(route)

@@ -71,9 +71,7 @@ def finer_path(
     """Return the path over the fine grid to a place where the target is reached, None if there is none.
 
     Args:
-        graph: Of the map.
         start: (3,) m, soles.
-        goal: The target.
 
     Returns:
         (P, 3) m, its turns, with the start; and (P,) whether a leap leads to each.
@@ -106,10 +104,8 @@ def length_to_target(world: World, turns: NDArray[np.float64], leaps: NDArray[np
     From each turn, the body may also go straight to the target. It is inf if neither gets there.
 
     Args:
-        world: The static world.
         turns: (P, 3) m, soles, with the start.
         leaps: (P,) whether a leap leads to each.
-        goal: The target.
     """
     nobody = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
     before, best = 0.0, np.inf
@@ -144,8 +140,6 @@ def walk_until_reached(
     """Return how far a body walks straight towards a place until a target is reached; inf if it never is.
 
     Args:
-        world: The static world.
-        nobody: An empty set of bodies.
         start: (3,) m, soles.
         end: (3,) m, of which x and z count.
         target: (3,) m.

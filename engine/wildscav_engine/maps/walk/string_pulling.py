@@ -22,8 +22,6 @@ def pull_tight(world: World, nobody: Bodies, turns: NDArray[np.float64]) -> NDAr
     """Return the points of a walk, (P, 3) m, with each turn moved towards the line between its neighbours.
 
     Args:
-        world: The static world.
-        nobody: An empty set of bodies.
         turns: (P, 3) m, soles; each can be reached by a straight walk from the one before. The ends do not
             move.
     """

@@ -39,16 +39,7 @@ def write_ambient(
     """Write the ambient light on the surfaces of a row.
 
     Args:
-        upwards: The columns of floors and roofs.
-        world: The static world.
-        view: The camera of the image.
-        hit: What its rays hit, (H, W) each.
         depths: (H, W) m along the view axis.
-        row: The row.
-        pieces: Of the row; see ``find_pieces``.
-        count: Of pieces.
-        around: Scratch buffers.
-        pixels: The row, with its colours, normals and places.
     """
     _write_skylight(upwards, world, hit.solid[row], pieces, count, pixels)
     write_tilts(view, row, pixels.normal, pixels.tilt)

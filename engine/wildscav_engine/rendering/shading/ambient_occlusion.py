@@ -147,12 +147,7 @@ def unoccluded_share(
 
     Args:
         depths: (H, W) m along the view axis, NOWHERE where there is nothing.
-        row: Of the pixel.
-        column: Of the pixel.
-        view: The camera of the image.
         distance: m along the pixel's ray.
-        tilt: The planes of the surfaces of the row.
-        around: Scratch buffers.
     """
     reach = reach_of(view, distance)
     if reach < 1.0:

@@ -19,7 +19,6 @@ def columns_of(
     """Return the columns of a map along a direction.
 
     Args:
-        world: Of the map.
         direction: It points upwards.
         chosen: (S,) which solids block it.
         steep: Whether the ground may block it as well.
@@ -76,13 +75,8 @@ def _visit(
     """Count what is in each column, or else fill the columns with it, while counting back.
 
     Args:
-        world: The static world.
-        solids: Indices of the solids that count.
-        steep: Whether steep ground counts.
-        columns: Written in the second case.
         planes: (N, 3) scratch buffer.
         counts: (R, C) of items in each column, written.
-        fill: Whether this is the second case.
     """
     # Solids are filled in first, from the back, so that steep ground comes first in its column.
     for solid in solids:

@@ -45,8 +45,6 @@ def is_blocked(columns: Columns, world: World, place: Vector) -> int:
     """Return whether a solid blocks the way from a place along the direction.
 
     Args:
-        columns: For the direction.
-        world: The static world.
         place: m, in the open air or in a solid, but above the ground.
 
     Returns:

@@ -99,8 +99,6 @@ def ground_color(ground: NDArray[np.float32], cell: GroundCell, place: Vector, p
     """Return the colour of the ground at a place, with its grain.
 
     Args:
-        ground: As ``packed_ground`` returns it.
-        cell: Of the place.
         place: m.
         pixel: m, the size of a pixel there.
     """

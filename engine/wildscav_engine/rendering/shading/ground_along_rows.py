@@ -34,14 +34,7 @@ def write_ground(
     """Write the colours without light, and the normals, of the ground from one column to before another.
 
     Args:
-        world: The static world.
-        ground: As ``ground.packed_ground`` returns it.
-        view: The camera of the image.
         distances: (W,) m along the rays of the row.
-        first: The first column.
-        last: The column after the last.
-        scratch: Overwritten.
-        pixels: The row.
     """
     for start in range(first, last, AT_ONCE):
         end = min(last, start + AT_ONCE)

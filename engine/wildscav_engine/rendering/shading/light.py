@@ -38,8 +38,6 @@ def lit(base: Color, normal: Vector, sun: float, sky: float) -> Color:
     """Return the colour of a surface in daylight.
 
     Args:
-        base: Its own colour.
-        normal: Its unit normal.
         sun: Share of the sun's light that reaches it, 0-1.
         sky: Ambient light, 1 for a roof under the open sky.
     """
@@ -110,10 +108,7 @@ def sun_shines(to_sun: Columns, world: World, row: int, number: int, place: Vect
     """Return the same as ``sun_is_clear`` for a place above the ground.
 
     Args:
-        to_sun: The columns towards the sun.
-        world: The static world.
         row: Of the column that the place belongs to, as of ``write_columns``.
-        number: Of that column.
         place: m.
     """
     if row < 0:

@@ -34,7 +34,6 @@ def materials_of(world: World, solid_house: NDArray[np.int16]) -> Materials:
     """Return the materials of a map.
 
     Args:
-        world: Of the map.
         solid_house: (S,) the house that a solid belongs to, -1 for none.
     """
     axis = np.empty((len(world.solid_kind), 2))

@@ -74,11 +74,8 @@ def write_shares(
 
     Args:
         depths: (H, W) m along the view axis, NOWHERE where there is nothing.
-        view: The camera of the image.
-        row: Of the pixels.
         first: Column of the first of C pixels.
         distance: m along the ray of the first.
-        tilt: The planes of the surfaces of the row.
         shares: (C,), written.
     """
     last = first + shares.shape[0]

@@ -78,11 +78,7 @@ def shade(
     """Shade the hits of the rays of one image.
 
     Args:
-        scene: What there is to see.
-        cameras: N cameras.
-        number: Which of them made the image.
         hit: What its rays hit, water included, (H, W) each.
-        canvas: Scratch buffers.
         cosines: (H, W) of the angles between the rays and the view axis.
         image: (H, W, 3) red, green, blue, written.
     """

@@ -50,13 +50,8 @@ def render_pictures(
 
     Args:
         scenes: The static worlds of N cameras, or one for all.
-        appearances: Their appearances.
-        objects: The moving objects of some matches.
         matches: (N,) the match in ``objects`` that each camera is in.
-        cameras: N cameras.
         images: (N, H, W, 3) red, green, blue, written.
-        turns: In which order to render them, with other threads.
-        shadows: Whether solids cast shadows.
 
     Returns:
         Whether all numbers of the cameras are finite; if not, nothing is written.

@@ -44,9 +44,6 @@ def write_sky(
     """Write what is before the clear sky, and how much of the haze is seen, in a piece of a row of C pixels.
 
     Args:
-        ways: (C,) of the pixels.
-        clouds: The map of the clouds.
-        scratch: Overwritten.
         shown: (C,) written.
         fog: (C,) written.
     """

@@ -24,9 +24,6 @@ def textured(kind: int, color: Color, normal: Vector, place: Vector, axis: Vecto
     """Return the colour of a solid's surface at a place.
 
     Args:
-        kind: The kind of the solid.
-        color: The colour of its material.
-        normal: Unit normal of the surface.
         place: m, on the map.
         axis: Level unit vector that its boards run along.
         pixel: m, the size of a pixel there.

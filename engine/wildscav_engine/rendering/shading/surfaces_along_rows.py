@@ -60,13 +60,8 @@ def write_spotted(
     """Write the colours without light of a face of a solid, in a piece of a row of C pixels.
 
     Args:
-        kind: The kind of the solid.
-        color: The colour of its material.
         normal: (C,) the unit normal of the face, which is the same everywhere.
-        view: The camera of the image.
-        ways: (C,) of the pixels.
         distances: (C,) m along their rays.
-        scratch: Overwritten.
         shown: (C,) written.
     """
     to_east, to_north = float(normal.east[0]), float(normal.north[0])

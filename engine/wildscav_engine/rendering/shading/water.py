@@ -35,9 +35,7 @@ def water_color(
     """Return the colour of a water surface.
 
     Args:
-        world: The static world.
         ground: The appearance of its ground; see ``packed_ground``.
-        clouds: The map of the clouds.
         place: m, on the surface.
         direction: Unit vector of the incoming ray.
         sun: Share of the sun's light that reaches it, 0-1.

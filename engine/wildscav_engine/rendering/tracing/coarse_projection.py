@@ -100,9 +100,6 @@ def project_boxes(
 
     Args:
         east: float32 m, from the camera to the origin of the boxes; so up and north.
-        up: See east.
-        north: See east.
-        camera: The camera of the image.
         boxes: (PROJECTED_GROUP,) a group, see ``Blocks``, followed by its projections, which are written. One
             array holds both, so that the compiler need not expect two arrays to overlap and can vectorize.
     """

@@ -91,10 +91,7 @@ def trace_moving_solids(
     Args:
         moving: The moving solids; those that the viewer owns are left out.
         others: Number of the world's solids, which are counted before these.
-        camera: The camera of the image.
         viewer: The owner of the solids that this camera does not see.
-        outside: Scratch buffer with a number for each face of a solid.
-        buffer: The hit buffer of the image, with its rays set.
     """
     for solid in range(moving.boxes.shape[0]):
         box = moving.boxes[solid]
@@ -110,16 +107,7 @@ def trace_moving_solids(
 def trace_world(
     blocks: Blocks, solids: Shapes, camera: Camera, with_water: bool, scratch: Scratch, buffer: HitBuffer
 ) -> None:
-    """Intersect the rays of an image with the static world.
-
-    Args:
-        blocks: The world in blocks.
-        solids: The solids in it.
-        camera: The camera of the image.
-        with_water: Whether rays hit the surface of water.
-        scratch: Scratch buffers.
-        buffer: The hit buffer of the image, with its rays set.
-    """
+    """Intersect the rays of an image with the static world."""
     row = int(np.floor((camera.z - blocks.edges[1]) / CELL))
     column = int(np.floor((camera.x - blocks.edges[0]) / CELL))
     if not (0 <= row < blocks.rows and 0 <= column < blocks.columns):
@@ -184,16 +172,7 @@ def _square_at(blocks: Blocks, row: int, column: int, camera: Camera) -> Square:
 def _queue_blocks(
     blocks: Blocks, row: int, column: int, camera: Camera, camera32: Float32Camera, scratch: Scratch
 ) -> int:
-    """List the blocks that may be visible, from near to far, and return how many there are.
-
-    Args:
-        blocks: The world in blocks.
-        row: Row of the block that the eye is in.
-        column: Its column.
-        camera: The camera of the image.
-        camera32: The same camera in float32.
-        scratch: Its queue is written.
-    """
+    """List the blocks that may be visible, from near to far, and return how many there are."""
     rows, columns = (blocks.rows + BLOCK - 1) // BLOCK, (blocks.columns + BLOCK - 1) // BLOCK
     rings = min(int(camera.far / SIDE) + 1, max(rows, columns))
     ahead = camera.cos_pitch
@@ -239,7 +218,6 @@ def _ways(camera: Camera, ahead: float, above: float, right: float) -> tuple[boo
     """Return whether any ray of a camera may go down along an axis of the map, and whether any may go up.
 
     Args:
-        camera: The camera.
         ahead: Component of the view axis along that axis; so above and right, per unit of tangent.
         above: See ahead; before it is multiplied by the sine of the pitch.
         right: See ahead; its sign does not count.
@@ -262,9 +240,7 @@ def _note_shown(
     Args:
         middles: (N,) m, heights of the blocks' middles.
         radii: (N,) m, radii of their bounding spheres.
-        square: The westernmost block.
         height: m, of the camera.
-        camera: The camera of the image.
         shown: (N,) written: 1 for the blocks that may be visible.
     """
     side = np.float32(SIDE)

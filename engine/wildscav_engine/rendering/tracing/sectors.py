@@ -44,7 +44,6 @@ def divide(azimuths: int, elevations: NDArray[np.float64]) -> Sectors:
     """Divide a panorama into sectors of equal size.
 
     Args:
-        azimuths: The number of its columns.
         elevations: (C,) degrees above the horizon of its rings, at equal distances, the highest first; none
             points straight up or down.
     """

@@ -22,13 +22,7 @@ def trace_solid(
     """Intersect the rays of some pixels with a solid.
 
     Args:
-        shapes: The world's solids or the moving ones.
-        solid: Index of the solid in them.
         met: The number that stands for it in the hit buffer.
-        pixels: The pixels that it may cover.
-        camera: The camera of the image.
-        outside: Scratch buffer with a number for each face of the solid.
-        buffer: The hit buffer of the image, written.
     """
     first, last = nonnegative(shapes.face_start[solid]), nonnegative(shapes.face_start[solid + 1])
     faces = shapes.faces[first:last]
@@ -106,12 +100,8 @@ def write_entered_faces(
     It is the last face that a ray crosses from outside; the first face if the eye is inside.
 
     Args:
-        shapes: The world's solids or the moving ones.
-        solid: Index of the solid in them.
-        camera: The camera of the image.
         start: The first ray.
         first_name: What the first face of the solid is called; the others are numbered consecutively.
-        buffer: The hit buffer of the image.
         entered: (C,) the face of each ray, written.
     """
     entered[:] = first_name

@@ -64,7 +64,6 @@ def shapes_of(solids: Solids, order: NDArray[np.int64], names: NDArray[np.intege
     """Return some solids in the form for kernels.
 
     Args:
-        solids: All solids.
         order: (N,) indices of the wanted solids, in the wanted order.
         names: (N,) integers to name them by.
     """

@@ -85,13 +85,7 @@ def trace_terrain(
     """Intersect the rays of an image with the terrain of a block.
 
     Args:
-        blocks: The world in blocks.
-        square: The block.
-        camera: The camera of the image.
-        camera32: The same camera in float32.
-        projection: Scratch buffer for the projection of the block.
         cells: (65,) scratch buffer for the cells that may be visible.
-        buffer: The hit buffer of the image, written.
     """
     _project_corners(
         blocks.rises[square.block], square, blocks.spans[square.block, 0] - camera.y, camera32, projection
@@ -145,10 +139,7 @@ def _project_corners(
 
     Args:
         rises: (96,) m, heights of the corners above the lowest.
-        square: The block.
         ground: m, height of the lowest corner above the camera.
-        camera: The camera of the image.
-        projection: Written.
     """
     sin_yaw, cos_yaw = camera.sin_yaw, camera.cos_yaw
     sin_pitch, cos_pitch = camera.sin_pitch, camera.cos_pitch
@@ -264,12 +255,8 @@ def _meet_triangle(
     """Return whether a ray hits a triangle of a cell from above, and how far it sinks towards it per metre.
 
     Args:
-        cell: The cell.
-        half: One of its triangles.
         towards: 1 for the south-eastern triangle, -1 for the other.
         east: Component of the ray's unit vector; so up and north.
-        up: See east.
-        north: See east.
     """
     sinking = half.slope_east * east + half.slope_north * north - up
     # Where the ray meets the plane, m from the corner of the cell; times ``sinking``, to save a division.

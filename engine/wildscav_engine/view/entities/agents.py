@@ -64,8 +64,6 @@ def moving_agents(history: History, names: Sequence[str], *, health: bool) -> It
     """Yield the components of the agents that change.
 
     Args:
-        history: The match.
-        names: The names of its seats.
         health: Whether the labels show health, which makes sense where agents can be hurt.
     """
     for seat, name in enumerate(names):

@@ -21,7 +21,6 @@ class GroundOverlay:
         """Create the overlay of a world.
 
         Args:
-            world: The world.
             max_cells: The maximum number of cells along each side.
         """
         across = len(world.heights) - 1

@@ -62,8 +62,6 @@ class Film:
         """Play a record again, and prepare the cameras.
 
         Args:
-            record: The record.
-            look: What the pictures show.
             played: Called after each step that was played again, with its number.
 
         Raises:

@@ -45,10 +45,6 @@ def with_props(
     """Return dynamic objects together with everything else that is there at a moment.
 
     Args:
-        objects: The agents and the supply boxes.
-        world: The map.
-        history: The match.
-        moment: When.
         eye: (3,) m, where the camera is.
         pixel: m, the size of its pixels at a distance of 1 m.
     """

@@ -69,8 +69,6 @@ class Feed:
         """Write the latest news below each other.
 
         Args:
-            picture: To draw over.
-            frame: The time.
             right: Pixels, the right edge of the lines.
             top: Pixels, the upper edge of the first.
             size: Pixels, the height of the text.

@@ -70,14 +70,7 @@ class Hud:
         self._has_health = Field.SHOOT in self.track.fields
 
     def draw(self, picture: Image.Image, camera: Camera, moment: Moment, followed: int | None) -> None:
-        """Write everything over a picture of a camera.
-
-        Args:
-            picture: In red, green and blue.
-            camera: That the picture was taken with.
-            moment: What it shows.
-            followed: The seat that it is about, or None.
-        """
+        """Write everything over a picture of a camera."""
         gap = self.text // 2
         self.draw_tags(picture, camera, moment, followed, reach=TAG_REACH if followed is not None else 1e4)
         put(picture, self.clock(moment), picture.width / 2, gap, anchor="mt")
