@@ -39,11 +39,7 @@ class Places(NamedTuple):
 def choose_places(
     graph: WalkGraph, houses: Sequence[House], solid_house: NDArray[np.int16], seed: int
 ) -> Places:
-    """Choose the places of a map among the nodes of its graph's largest strongly connected component.
-
-    Args:
-        solid_house: (S,) the house of each solid, -1 for none.
-    """
+    """Choose the places of a map among the nodes of its graph's largest strongly connected component."""
     nodes, positions = np.nonzero(graph.connected)[0], graph.positions()
     is_on_ground = _on_open_ground(graph, nodes, positions, solid_house)
     whole = _on_whole_metres(graph, nodes[is_on_ground])
@@ -60,11 +56,7 @@ def choose_places(
 
 
 def open_ground(graph: WalkGraph, solid_house: NDArray[np.int16]) -> NDArray[np.float64]:
-    """Return (N, 3) m all reachable whole-metre points on dry, fairly level, open ground.
-
-    Args:
-        solid_house: (S,) the house of each solid, -1 for none.
-    """
+    """Return (N, 3) m all reachable whole-metre points on dry, fairly level, open ground."""
     nodes, positions = np.nonzero(graph.connected)[0], graph.positions()
     nodes = _on_whole_metres(graph, nodes[_on_open_ground(graph, nodes, positions, solid_house)])
     places = positions[nodes]

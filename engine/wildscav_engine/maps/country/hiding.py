@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.random_numbers import Dice, Stream
 from wildscav_engine.geometry.world import CELL
+from wildscav_engine.maps.country.landforms import ward_of_points
 from wildscav_engine.maps.country.plan import CountryPlan
-from wildscav_engine.maps.country.terraces import ward_of_points
 from wildscav_engine.maps.ground.terrain import Terrain
 from wildscav_engine.maps.settlements.houses import House
 from wildscav_engine.maps.walk import WalkGraph

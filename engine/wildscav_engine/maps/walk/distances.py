@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import array_kernel
-from wildscav_engine.maps.walk.components import successor
-from wildscav_engine.maps.walk.graph import WalkGraph
+from wildscav_engine.maps.walk.graph import WalkGraph, successor
 from wildscav_engine.maps.walk.lattice import SPACING, Lattice, Nodes, node_at
 from wildscav_engine.maps.walk.search import HEAP_FIRST, pop, push
 

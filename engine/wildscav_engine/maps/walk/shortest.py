@@ -7,12 +7,11 @@ from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.world import World
-from wildscav_engine.maps.walk.explore import ARRIVAL
+from wildscav_engine.maps.walk.explore import ARRIVAL, move_on
 from wildscav_engine.maps.walk.fine_search import Goal, fine_route
 from wildscav_engine.maps.walk.graph import WalkGraph
 from wildscav_engine.maps.walk.paths import Place, find_path, pulled
 from wildscav_engine.motion.collision import Bodies, Point
-from wildscav_engine.motion.walking import on_steep_ground, walk
 
 EXACT = 1.005  # times the straight line: a path that is no longer is not searched for a shorter one
 STRIDE = 0.1  # m, of walks that look for the place from which the target is reached
@@ -153,12 +152,8 @@ def walk_until_reached(
     far = np.sqrt(east * east + north * north)
     moves, gone = int(np.ceil(far / STRIDE)), 0.0
     for done in range(moves):
-        share = 1.0 / (moves - done)
-        delta_x, delta_z = (end[0] - at.x) * share, (end[2] - at.z) * share
-        moved = walk(world, nobody, at, delta_x, delta_z)
-        short = abs(moved.x - at.x - delta_x) + abs(moved.z - at.z - delta_z)
-        at = Point(moved.x, moved.y, moved.z)
-        if short > ARRIVAL or not moved.on_ground or on_steep_ground(world, at):
+        at, short, stands = move_on(world, nobody, at, end[0], end[2], moves - done)
+        if short > ARRIVAL or not stands:
             return np.inf
         stride, nearer = far / moves, _apart(at, target)
         if nearer <= reach:

@@ -9,7 +9,7 @@ from PIL import Image, ImageDraw
 from wildscav_engine.geometry.rays import sight_is_clear
 from wildscav_engine.geometry.world import CELL
 from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.maps.picture.raster import raster
+from wildscav_engine.maps.picture.paint import raster
 from wildscav_engine.maps.picture.top_view import Window
 from wildscav_engine.record import Record
 from wildscav_engine.rendering.palette import of_seat
