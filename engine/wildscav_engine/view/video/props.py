@@ -10,9 +10,9 @@ from wildscav_engine.geometry.world import Kind, World
 from wildscav_engine.rendering.dynamic_objects import DynamicObjects
 from wildscav_engine.rendering.palette import of_seat
 from wildscav_engine.rendering.tracing.solids import NO_OWNER, Solids
+from wildscav_engine.view.recording.camera_poses import lay_on_ground
 from wildscav_engine.view.recording.colors import DEAD, NEXT_ZONE, SHOT, TARGET, ZONE
 from wildscav_engine.view.recording.coordinates import directions
-from wildscav_engine.view.recording.ground import lay_on_ground
 from wildscav_engine.view.recording.history import History
 from wildscav_engine.view.video.moments import Moment
 
