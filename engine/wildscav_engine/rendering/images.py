@@ -12,16 +12,14 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.parallel.turns import ALONE, Turns
-from wildscav_engine.rendering.cameras import Cameras, are_finite
+from wildscav_engine.rendering.cameras import TAKEN_ALREADY, Cameras, are_finite, item_at
 from wildscav_engine.rendering.dynamic_objects import ObjectSets, read_objects, sets_of
 from wildscav_engine.rendering.hits import Hits, write_hits
 from wildscav_engine.rendering.labels import write_labels
-from wildscav_engine.rendering.match_images import Matches, objects_in, trace_in_match
 from wildscav_engine.rendering.normals import write_normals
-from wildscav_engine.rendering.trace import Scene, Scenes, write_depths
+from wildscav_engine.rendering.trace import Matches, Scene, Scenes, objects_in, trace_in_match, write_depths
 from wildscav_engine.rendering.tracing.solids import Solids
 from wildscav_engine.rendering.tracing.workspace import Size
-from wildscav_engine.rendering.turns import TAKEN_ALREADY, item_at
 
 
 class Output(IntEnum):

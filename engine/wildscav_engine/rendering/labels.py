@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.kernel import inlined_kernel
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.rendering.dynamic_objects import ObjectArrays
-from wildscav_engine.rendering.match_images import TracedImage
+from wildscav_engine.rendering.trace import TracedImage
 from wildscav_engine.rendering.tracing.frustum import nonnegative
 from wildscav_engine.rendering.tracing.hit_buffer import NOTHING, is_terrain_code
 
@@ -28,7 +28,7 @@ def write_labels(
             other labels are a ``Kind``.
         image: (H, W) integers, written.
     """
-    kinds, statics = traced.workspace.kinds, traced.solids.boxes.shape[0]
+    kinds, statics = traced.workspace.blocks.kinds, traced.solids.boxes.shape[0]
     for row in range(image.shape[0]):
         line, start = image[row], nonnegative(row * image.shape[1])
         mets = traced.buffer.met[start : start + line.shape[0]]

@@ -35,7 +35,15 @@ from wildscav_engine.rendering.tracing.hit_buffer import (
     fill,
     reaches_beyond,
 )
-from wildscav_engine.rendering.tracing.packing import GROUP, LANES, Blocks, Shapes
+from wildscav_engine.rendering.tracing.scene_arrays import (
+    COLUMNS,
+    GROUP,
+    LANES,
+    OVERHANGS,
+    ROWS,
+    Blocks,
+    Shapes,
+)
 from wildscav_engine.rendering.tracing.solid_intersection import trace_solid
 from wildscav_engine.rendering.tracing.terrain_intersection import (
     Square,
@@ -110,16 +118,17 @@ def trace_world(
     """Intersect the rays of an image with the static world."""
     row = int(np.floor((camera.z - blocks.edges[1]) / CELL))
     column = int(np.floor((camera.x - blocks.edges[0]) / CELL))
-    if not (0 <= row < blocks.rows and 0 <= column < blocks.columns):
+    if not (0 <= row < blocks.extent[ROWS] and 0 <= column < blocks.extent[COLUMNS]):
         return
     height, half = height_in(blocks, row, column, camera)
     if camera.y <= height:
-        fill(buffer, 0.0, code_of_triangle(2 * (row * blocks.columns + column) + half))
+        fill(buffer, 0.0, code_of_triangle(2 * (row * blocks.extent[COLUMNS] + column) + half))
         return
     _trace_blocks(blocks, solids, row // BLOCK, column // BLOCK, camera, with_water, scratch, buffer)
-    if blocks.overhangs:
+    if blocks.extent[OVERHANGS]:
         west, south = blocks.edges[0], blocks.edges[1]
-        end_at_edges(buffer, camera, west, south, blocks.columns * CELL, blocks.rows * CELL)
+        width, height = blocks.extent[COLUMNS] * CELL, blocks.extent[ROWS] * CELL
+        end_at_edges(buffer, camera, west, south, width, height)
 
 
 @inlined_kernel
@@ -163,7 +172,7 @@ def _trace_blocks(
 
 @inlined_kernel
 def _square_at(blocks: Blocks, row: int, column: int, camera: Camera) -> Square:
-    block = nonnegative(row * ((blocks.columns + BLOCK - 1) // BLOCK) + column)
+    block = nonnegative(row * ((blocks.extent[COLUMNS] + BLOCK - 1) // BLOCK) + column)
     west, south = blocks.edges[0] + column * SIDE, blocks.edges[1] + row * SIDE
     return Square(block, row * BLOCK, column * BLOCK, west - camera.x, south - camera.z)
 
@@ -173,7 +182,8 @@ def _queue_blocks(
     blocks: Blocks, row: int, column: int, camera: Camera, camera32: Float32Camera, scratch: Scratch
 ) -> int:
     """List the blocks that may be visible, from near to far, and return how many there are."""
-    rows, columns = (blocks.rows + BLOCK - 1) // BLOCK, (blocks.columns + BLOCK - 1) // BLOCK
+    rows = (blocks.extent[ROWS] + BLOCK - 1) // BLOCK
+    columns = (blocks.extent[COLUMNS] + BLOCK - 1) // BLOCK
     rings = min(int(camera.far / SIDE) + 1, max(rows, columns))
     ahead = camera.cos_pitch
     goes_south, goes_north = _ways(camera, camera.cos_yaw * ahead, camera.cos_yaw, camera.sin_yaw)

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel, kernel
 from wildscav_engine.rendering.tracing.frustum import Camera, Rectangle, nonnegative
 from wildscav_engine.rendering.tracing.hit_buffer import FEW, HitBuffer, even_count, start_in_row
-from wildscav_engine.rendering.tracing.packing import Shapes
+from wildscav_engine.rendering.tracing.scene_arrays import Shapes
 
 
 @kernel
@@ -19,11 +19,7 @@ def trace_solid(
     outside: NDArray[np.float64],
     buffer: HitBuffer,
 ) -> None:
-    """Intersect the rays of some pixels with a solid.
-
-    Args:
-        met: The number that stands for it in the hit buffer.
-    """
+    """Intersect the rays of some pixels with a solid; ``met`` stands for it in the hit buffer."""
     first, last = nonnegative(shapes.face_start[solid]), nonnegative(shapes.face_start[solid + 1])
     faces = shapes.faces[first:last]
     for face in range(last - first):
