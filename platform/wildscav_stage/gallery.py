@@ -12,8 +12,7 @@ from wildscav.wire.observations import decode_observation
 from wildscav_engine.sensors import parse_sensors
 from wildscav_engine.sensors.optics.dynamic_objects import dynamic_objects_of
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
-from wildscav_engine.view.video.cameras import ABOVE_FAR, ANGLE, HEAD, Camera
-from wildscav_engine.view.video.live_camera import LiveAbove
+from wildscav_engine.view.video.cameras import ABOVE_FAR, ANGLE, HEAD, Camera, LiveAbove
 from wildscav_server.hosting.observations import SeatObservations, match_info
 from wildscav_stage.display import display_of
 from wildscav_stage.eyes import HEIGHT, WIDTH, Eyes, Moment, as_jpeg, moment_of

@@ -78,12 +78,9 @@ def columns_along(
     """Return the first and last column of a row whose squares hold places up to ``reach`` m from a segment.
 
     Args:
-        squares: The grid.
         row: Row of squares.
         x: m, where the segment starts; so z.
-        z: m.
         dx: m, from its start to its end; so dz.
-        dz: m.
         reach: m, in x and z.
     """
     enter, leave = 0.0, 1.0

@@ -34,9 +34,7 @@ def find_nearby_solids(
     """Find all solids whose boxes are near a body.
 
     Args:
-        world: The static world.
         x: m, the middle of the body.
-        z: m.
         reach: m to all sides, less than half a cell.
         low: m, the lowest height that counts.
         high: m, the greatest.

@@ -67,13 +67,8 @@ def cast_ray(world: World, x: float, y: float, z: float, dx: float, dy: float, d
     """Return the nearest hit of a ray.
 
     Args:
-        world: The static world.
         x: m, where the ray starts; so y and z. A start outside the map hits nothing.
-        y: m.
-        z: m.
         dx: Unit vector of the ray's direction; so dy and dz.
-        dy: See dx.
-        dz: See dx.
         far: m, hits beyond it are ignored.
 
     Returns:
@@ -101,11 +96,8 @@ def leave_square(ray: Ray, step: Step, row: int, column: int, side: int, far: fl
     """Return the first step of a ray beyond the square of cells that it is in.
 
     Args:
-        ray: The ray.
-        step: Its current position.
         row: Least row of the square.
         column: Least column.
-        side: Cells along each side.
         far: m; the step goes no farther, and may then still be in the square.
     """
     edge_column = column + side if ray.d_east > 0.0 else column

@@ -146,13 +146,8 @@ def sweep_world(world: World, x: float, y: float, z: float, dx: float, dy: float
     """Return how far a body can move before it touches a solid. The caller handles the terrain.
 
     Args:
-        world: The static world.
         x: m, the middle of the soles; so y and z.
-        y: m.
-        z: m.
         dx: m, the displacement; so dy and dz.
-        dy: m.
-        dz: m.
 
     Returns:
         The first contact.
@@ -202,11 +197,7 @@ def sweep_bodies(
         others: (N,) indices of the bodies that it can touch; the mover may be among them.
         mover: Index of the body that moves; it does not touch itself.
         x: m, the middle of its soles; so y and z.
-        y: m.
-        z: m.
         dx: m, the displacement; so dy and dz.
-        dy: m.
-        dz: m.
 
     Returns:
         The first contact. Bodies that already overlap do not stop each other.
@@ -280,10 +271,7 @@ def is_body_near(
     Args:
         bodies: (A, 3) m, the soles of all bodies.
         others: (N,) indices of the bodies that it can touch; the mover may be among them.
-        mover: Index of the body that moves.
         x: m, the middle of its soles; so y and z.
-        y: m.
-        z: m.
         reach: m.
     """
     apart = 2.0 * BODY_RADIUS + reach

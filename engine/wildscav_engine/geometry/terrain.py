@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.geometry.world import CELL, World, cell_of
@@ -48,3 +49,13 @@ def is_steep(ground: Ground) -> bool:
     """Return whether ground is too steep to stand on."""
     steepness = ground.slope_x * ground.slope_x + ground.slope_z * ground.slope_z
     return bool(steepness > TAN_SLOPE_LIMIT * TAN_SLOPE_LIMIT)
+
+
+def spread(water: NDArray[np.float64], cells: int) -> NDArray[np.float64]:
+    """Return the greatest height within some rows and columns of each, for (R, C) m; -inf without any."""
+    nearby = water.copy()
+    for _ in range(cells):
+        for part in (nearby, nearby.T):
+            part[1:] = np.maximum(part[1:], part[:-1])
+            part[:-1] = np.maximum(part[:-1], part[1:])
+    return nearby

@@ -115,12 +115,7 @@ def packed(game_map: GameMap) -> bytes:
 
 
 def store_packed(spec: MapSpec, content: bytes) -> None:
-    """Cache a map on disk as ``store`` does.
-
-    Args:
-        spec: The spec of the map.
-        content: What ``packed`` returned for the map, on this machine or another.
-    """
+    """Cache a map on disk as ``store`` does, given what ``packed`` returned for it, here or elsewhere."""
     path = path_of(spec)
     with contextlib.suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -16,8 +16,7 @@ from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 if TYPE_CHECKING:
     from wildscav_engine.maps.walk import WalkGraph
     from wildscav_engine.maps.walk.paths import Place
-    from wildscav_engine.rendering.shading.appearance import Appearance
-    from wildscav_engine.rendering.shading.materials import Materials
+    from wildscav_engine.rendering.shading.appearance import Appearance, Materials
     from wildscav_engine.rendering.trace import Scene
 
 # Incremented by every change that produces a different map from the same config and seed.
@@ -108,7 +107,7 @@ class GameMap:
     @cached_property
     def materials(self) -> "Materials":
         """The appearance of this map's surfaces, created on first use."""
-        from wildscav_engine.rendering.shading.materials import materials_of
+        from wildscav_engine.rendering.shading.appearance import materials_of
 
         return materials_of(self.world, self.solid_house)
 

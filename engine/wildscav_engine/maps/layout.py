@@ -37,11 +37,6 @@ class Layout(NamedTuple):
 def lay_out(config: MapConfig, seed: int, avoided: Sequence[Site] = ()) -> Layout:
     """Lay out a map: ground, placed and random houses, then plants and rocks.
 
-    Args:
-        config: Of the map.
-        seed: Of the map.
-        avoided: Sites where no random house may stand.
-
     Raises:
         MapError: The config asks for something impossible; the message names the field.
     """
@@ -100,10 +95,7 @@ def settle_houses(
     """Draw the houses and find their sites, placed ones first; if they do not fit, draw smaller ones.
 
     Args:
-        config: Of the map.
-        seed: Of the map.
         terrain: Before any ground is levelled.
-        avoided: Sites where no random house may stand.
         country: Whose towns are settled after the placed houses, and whose borders houses keep off.
 
     Returns:

@@ -39,14 +39,7 @@ class Places(NamedTuple):
 def choose_places(
     graph: WalkGraph, houses: Sequence[House], solid_house: NDArray[np.int16], seed: int
 ) -> Places:
-    """Choose the places of a map among the nodes of its graph's largest strongly connected component.
-
-    Args:
-        graph: Of the map.
-        houses: Of the map.
-        solid_house: (S,) the house of each solid, -1 for none.
-        seed: Of the map.
-    """
+    """Choose the places of a map among the nodes of its graph's largest strongly connected component."""
     nodes, positions = np.nonzero(graph.connected)[0], graph.positions()
     is_on_ground = _on_open_ground(graph, nodes, positions, solid_house)
     whole = _on_whole_metres(graph, nodes[is_on_ground])
@@ -63,12 +56,7 @@ def choose_places(
 
 
 def open_ground(graph: WalkGraph, solid_house: NDArray[np.int16]) -> NDArray[np.float64]:
-    """Return (N, 3) m all reachable whole-metre points on dry, fairly level, open ground.
-
-    Args:
-        graph: Of the map.
-        solid_house: (S,) the house of each solid, -1 for none.
-    """
+    """Return (N, 3) m all reachable whole-metre points on dry, fairly level, open ground."""
     nodes, positions = np.nonzero(graph.connected)[0], graph.positions()
     nodes = _on_whole_metres(graph, nodes[_on_open_ground(graph, nodes, positions, solid_house)])
     places = positions[nodes]
@@ -117,10 +105,8 @@ def ground_places(
     """Return (N, 3) m, places on dry, fairly level, open ground: a random node in each square of a grid.
 
     Args:
-        world: The static world.
         nodes: (M, M) the ground node at each whole-metre point, -1 for none.
         positions: Of all nodes, m.
-        seed: Of the map.
     """
     squares = int((nodes.shape[0] - 1) / OUTDOOR_SPACING)
     places = np.empty((squares * squares, 3))

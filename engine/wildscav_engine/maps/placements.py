@@ -5,8 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.geometry.ring_stacks import allocate_ring_stacks, solids_of
-from wildscav_engine.geometry.shapes import Pose, box, pose
+from wildscav_engine.geometry.shapes import Pose, allocate_ring_stacks, box, pose, solids_of
 from wildscav_engine.geometry.world import Kind, Solid
 from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.ground.terrain import LEVEL_MARGIN, Terrain, distance_to_footprint, room_of_join
@@ -21,11 +20,11 @@ from wildscav_engine.maps.vegetation.growing_ground import (
     Fields,
     GrowingGround,
     land_of,
+    shores,
 )
 from wildscav_engine.maps.vegetation.planting import conifers
 from wildscav_engine.maps.vegetation.scatter import Spots, allocate_spots, place_one, scatter
 from wildscav_engine.maps.vegetation.species import PARTS, grow
-from wildscav_engine.maps.vegetation.woods import shores
 from wildscav_engine.specs.map_spec import MapConfig, Placement
 
 NUMBER = 10_000  # of the first placed house; random ones are numbered from 0
@@ -46,8 +45,6 @@ def fixed_houses(config: MapConfig, seed: int, terrain: Terrain) -> tuple[list[H
     """Draw the placed houses of a config.
 
     Args:
-        config: Of the map.
-        seed: Of the map.
         terrain: Before any ground is levelled.
 
     Returns:
@@ -153,8 +150,6 @@ def placed_solids(config: MapConfig, seed: int, terrain: Terrain) -> list[Solid]
     """Return the solids of the placed blocks, trees, bushes and rocks of a config.
 
     Args:
-        config: Of the map.
-        seed: Of the map.
         terrain: With levelled ground.
 
     Returns:

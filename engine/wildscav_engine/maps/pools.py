@@ -72,7 +72,6 @@ class MapPool:
         """Create a pool.
 
         Args:
-            size: The number of maps.
             specs: Returns the specs to try in turn for a map by its number.
         """
         self._size, self._specs, self._limit = size, specs, size_limit(MEMORY_LIMIT, MEMORY)

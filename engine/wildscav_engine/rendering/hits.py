@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel, kernel
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
-from wildscav_engine.rendering.match_images import TracedImage
+from wildscav_engine.rendering.trace import TracedImage
 from wildscav_engine.rendering.tracing.frustum import Camera, nonnegative
 from wildscav_engine.rendering.tracing.hit_buffer import NOTHING, HitBuffer, index_in_code, is_terrain_code
-from wildscav_engine.rendering.tracing.packing import Shapes
+from wildscav_engine.rendering.tracing.scene_arrays import Shapes
 from wildscav_engine.rendering.tracing.solid_intersection import write_entered_faces
 
 WATER_HIT = -3

@@ -12,16 +12,14 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.parallel.turns import ALONE, Turns
-from wildscav_engine.rendering.cameras import Cameras, are_finite
+from wildscav_engine.rendering.cameras import TAKEN_ALREADY, Cameras, are_finite, item_at
 from wildscav_engine.rendering.dynamic_objects import ObjectSets, read_objects, sets_of
 from wildscav_engine.rendering.hits import Hits, write_hits
 from wildscav_engine.rendering.labels import write_labels
-from wildscav_engine.rendering.match_images import Matches, objects_in, trace_in_match
 from wildscav_engine.rendering.normals import write_normals
-from wildscav_engine.rendering.trace import Scene, Scenes, write_depths
+from wildscav_engine.rendering.trace import Matches, Scene, Scenes, objects_in, trace_in_match, write_depths
 from wildscav_engine.rendering.tracing.solids import Solids
 from wildscav_engine.rendering.tracing.workspace import Size
-from wildscav_engine.rendering.turns import TAKEN_ALREADY, item_at
 
 
 class Output(IntEnum):
@@ -58,12 +56,10 @@ def trace_images(
             starts below the ground or in a solid. ``KINDS`` and ``INSTANCES``: (N, H, W) uint8 and int32
             labels, see ``labels.write_labels``; their rays hit water, all others go to its bed.
         scenes: The static worlds of N cameras, or one for all.
-        objects: The moving objects of some matches.
         matches: (N,) the match in ``objects`` that each camera is in.
         cameras: N cameras. A camera outside the map sees nothing of it; one below the ground or in a solid
             hits that at distance 0.
         images: Written.
-        turns: In which order to write them, with other threads.
 
     Returns:
         Whether all numbers of the cameras are finite; if not, nothing is written.
@@ -86,10 +82,6 @@ def trace(scene: Scene, moving: Solids, cameras: Cameras, hits: Hits, *, with_wa
     """Find what each ray hits first.
 
     Args:
-        scene: The static world.
-        moving: The moving solids.
-        cameras: N cameras, as in ``trace_images``.
-        hits: Of N images, written.
         with_water: Whether rays hit the surface of water; else they go to its bed.
 
     Returns:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.kernel import inlined_kernel
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.rendering.dynamic_objects import ObjectArrays
-from wildscav_engine.rendering.match_images import TracedImage
+from wildscav_engine.rendering.trace import TracedImage
 from wildscav_engine.rendering.tracing.frustum import nonnegative
 from wildscav_engine.rendering.tracing.hit_buffer import NOTHING, is_terrain_code
 
@@ -23,15 +23,12 @@ def write_labels(
     """Write the label of what each ray of an image hits, the surface of water included.
 
     Args:
-        traced: The image.
-        objects: The moving objects.
-        first: The first of those in the match.
         by_instance: Whether objects of one kind have labels of their own: solids of the map from FIRST_SOLID
             on by index, agents from FIRST_AGENT on by seat, boxes from FIRST_BOX on by serial number. All
             other labels are a ``Kind``.
         image: (H, W) integers, written.
     """
-    kinds, statics = traced.workspace.kinds, traced.solids.boxes.shape[0]
+    kinds, statics = traced.workspace.blocks.kinds, traced.solids.boxes.shape[0]
     for row in range(image.shape[0]):
         line, start = image[row], nonnegative(row * image.shape[1])
         mets = traced.buffer.met[start : start + line.shape[0]]

@@ -5,20 +5,18 @@ from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import inlined_kernel
 from wildscav_engine.geometry.world import BLOCK, CELL
-from wildscav_engine.rendering.match_images import TracedImage
+from wildscav_engine.rendering.trace import TracedImage
 from wildscav_engine.rendering.tracing.frustum import Camera, nonnegative
 from wildscav_engine.rendering.tracing.hit_buffer import NOTHING, HitBuffer, index_in_code
-from wildscav_engine.rendering.tracing.packing import CORNERS, Blocks, Shapes, unpack_blocks
+from wildscav_engine.rendering.tracing.scene_arrays import COLUMNS, CORNERS, Blocks, Shapes
 from wildscav_engine.rendering.tracing.solid_intersection import write_entered_faces
 
 
 @inlined_kernel
 def write_normals(traced: TracedImage, image: NDArray[np.float32]) -> None:
     """Write (H, W, 3) unit normals; zeros where a ray hits nothing, or starts in the ground or a solid."""
-    parts = traced.workspace
-    blocks = unpack_blocks(parts.numbers, parts.indices, parts.float32s)
     for row in range(image.shape[0]):
-        _write_row(traced, blocks, nonnegative(row * image.shape[1]), image[row])
+        _write_row(traced, traced.workspace.blocks, nonnegative(row * image.shape[1]), image[row])
 
 
 @inlined_kernel
@@ -68,8 +66,9 @@ def _fill(part: NDArray[np.float32], normal: tuple[float, float, float]) -> None
 def _normal_of_ground(blocks: Blocks, triangle: int) -> tuple[float, float, float]:
     """Return the unit normal of a triangle of the terrain, numbered as in ``Hits``."""
     cell, half = triangle // 2, triangle % 2
-    row, column = cell // blocks.columns, cell % blocks.columns
-    block = (row // BLOCK) * (-(-blocks.columns // BLOCK)) + column // BLOCK
+    columns = blocks.extent[COLUMNS]
+    row, column = cell // columns, cell % columns
+    block = (row // BLOCK) * (-(-columns // BLOCK)) + column // BLOCK
     corner = (row % BLOCK) * CORNERS + column % BLOCK
     heights = blocks.heights[block]
     h00, h01 = heights[corner], heights[corner + 1]

@@ -1,7 +1,10 @@
 """Ray tracing for panoramas: how far the rays of a LIDAR go.
 
-Most rings are traced like images, sector by sector; see ``tracing.sectors``. Rings that point steeply up or
-down would need images of endless height. Their rays are short, so they are cast one by one.
+Most rings are traced like images, sector by sector, as cameras see them that look around on the level. Their
+rays are at equal angles, and the tangents of equal angles are not at equal distances: on the image of a
+pinhole camera, columns of rays are farther apart at the sides; rings are farther apart at the top and bottom,
+and rise or fall towards the sides. So a sector has optics of its own, see ``Camera``. Rings that point
+steeply up or down would need images of endless height. Their rays are short, so they are cast one by one.
 """
 
 from typing import NamedTuple
@@ -15,20 +18,113 @@ from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.geometry.rays import Ray, cast_ray, make_ray, meet_faces
 from wildscav_engine.geometry.world import CELL, World
 from wildscav_engine.parallel.turns import ALONE, Turns
-from wildscav_engine.rendering.cameras import Cameras
+from wildscav_engine.rendering.cameras import TAKEN_ALREADY, Cameras, item_at
 from wildscav_engine.rendering.dynamic_objects import ObjectSets, read_objects
-from wildscav_engine.rendering.match_images import Matches, shapes_of_match, workspace_of
-from wildscav_engine.rendering.trace import Scene, Scenes, trace_moving, trace_static
+from wildscav_engine.rendering.trace import (
+    Matches,
+    Scene,
+    Scenes,
+    shapes_of_match,
+    trace_moving,
+    trace_static,
+    workspace_of,
+)
 from wildscav_engine.rendering.tracing.frustum import MARGIN, Camera
 from wildscav_engine.rendering.tracing.hit_buffer import NOTHING, HitBuffer, fill, hit_buffer_in
-from wildscav_engine.rendering.tracing.sectors import Optics, Sectors, divide
 from wildscav_engine.rendering.tracing.solids import Solids
 from wildscav_engine.rendering.tracing.workspace import Size
-from wildscav_engine.rendering.turns import TAKEN_ALREADY, item_at
 
+WIDEST = 36.0  # degrees of one sector; wide ones select more rays in vain, more of them repeat more work
+BESIDE = (
+    1.0  # columns that a sector is wider than its rays on either side, so that clear misses count as such
+)
+ALOFT = 1e-6  # tangents that it is higher, to allow for rounding
+SINGLE = 50.0  # columns or rows per radian where there is only one, and any number would do
 STEEPEST = 80.0  # degrees up and down of the rings that are traced like images
 MIN_COSINE = 1e-12  # rays straight up and down lean by this little
 SPHERE = 1.0 + 1e-9  # by which the squares of radii are enlarged to allow for rounding
+
+
+class Optics(NamedTuple):
+    """The numbers of the camera that sees one sector; see ``Camera``."""
+
+    scale: float
+    curve: float
+    scale_up: float
+    spread: float
+    level: float
+    half_width: float
+    half_height: float
+    margin: float
+    margin_up: float
+
+
+class Sectors(NamedTuple):
+    """A panorama in S sectors of N columns; the last may reach into the first."""
+
+    number: int  # S
+    columns: int  # N
+    optics: Optics
+
+
+def divide(azimuths: int, elevations: NDArray[np.float64]) -> Sectors:
+    """Divide a panorama into sectors of equal size.
+
+    Args:
+        elevations: (C,) degrees above the horizon of its rings, at equal distances, the highest first; none
+            points straight up or down.
+    """
+    number = -(-azimuths // max(1, int(azimuths * WIDEST / 360.0)))
+    columns = -(-azimuths // number)
+    angle = 2.0 * np.pi / azimuths
+    places = np.arange(columns) - (columns - 1) / 2.0
+    right = np.tan(places * angle)
+    scale, curve = _scale_of(places, right)
+    margin = np.abs(scale * right + curve * right**3 - places).max()
+    side = np.cos(places[-1] * angle)
+    half_width = right[-1] + BESIDE / (scale + 3.0 * curve * right[-1] ** 2)
+    scale_up, spread, level, margin_up = _rows_of(np.radians(elevations), float(side))
+    half_height = np.tan(np.radians(np.abs(elevations).max())) / side + ALOFT
+    optics = Optics(
+        float(scale),
+        float(curve),
+        scale_up,
+        spread,
+        level,
+        float(half_width),
+        float(half_height),
+        float(margin),
+        margin_up,
+    )
+    return Sectors(number, columns, optics)
+
+
+def _scale_of(places: NDArray[np.floating], right: NDArray[np.floating]) -> tuple[float, float]:
+    """Return the scale and the curve that fit columns best, given their places and their tangents."""
+    if len(places) == 1:
+        return SINGLE, 0.0
+    if len(places) == 2:
+        return float(places[1] / right[1]), 0.0
+    scale, curve = np.linalg.lstsq(np.stack([right, right**3], axis=1), places, rcond=None)[0]
+    return float(scale), float(curve)
+
+
+def _rows_of(elevations: NDArray[np.float64], side: float) -> tuple[float, float, float, float]:
+    """Return the scale upwards, the spread, the level and the margin upwards.
+
+    Args:
+        elevations: (C,) radians.
+        side: The cosine of the angle between the middle and the side of the sector.
+    """
+    span = float(elevations[0] - elevations[-1])
+    per_radian = (len(elevations) - 1) / span if span > 0.0 else SINGLE
+    # Over the tangent upwards on the image, the angle is 1 for a level ray, and least for the steepest at the
+    # side.
+    steepest = float(np.abs(elevations).max())
+    least = side * steepest / np.tan(steepest) if steepest > 0.0 else side
+    scale_up, spread = per_radian * (1.0 + least) / 2.0, per_radian * (1.0 - least) / 2.0
+    margin = 0.0 if span > 0.0 else len(elevations) - 1.0  # All rings may be at the same place.
+    return float(scale_up), float(spread), float(elevations[0] * per_radian) + 0.5, margin
 
 
 class Rings(NamedTuple):
@@ -70,11 +166,9 @@ class Panorama:
 
         Args:
             scenes: The static worlds of N viewers, or one for all.
-            objects: The moving objects of some matches.
             matches: (N,) the match in ``objects`` that each viewer is in.
             cameras: N viewers, all of whose numbers are finite; their pitches do not count.
             images: (N, C, A) m, written.
-            turns: In which order to write them, with other threads.
         """
         sectors = self._sectors
         if sectors is None:
@@ -138,8 +232,8 @@ def _trace_sectors(
         if image == TAKEN_ALREADY:
             continue
         parts, others = workspace_of(shown, image), shapes_of_match(shown, image)
-        columns = parts.met.shape[0] // rings.levels.shape[0]
-        buffer = hit_buffer_in(columns, parts.rays, parts.met, parts.strips)
+        columns = parts.image.met.shape[0] // rings.levels.shape[0]
+        buffer = hit_buffer_in(columns, *parts.image)
         for sector in range(sectors):
             first, last = sector * columns, min((sector + 1) * columns, azimuths)
             middle = yaws[image] + 360.0 * (first + (columns - 1) * 0.5) / azimuths

@@ -9,25 +9,21 @@ in the same way, whichever image the ray belongs to.
 
 from collections.abc import Callable
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel, only_for
 from wildscav_engine.parallel.turns import ALONE, Turns
-from wildscav_engine.rendering.cameras import Cameras, are_finite
-from wildscav_engine.rendering.tracing.front_to_back import Scratch, trace_moving_solids, trace_world
+from wildscav_engine.rendering.cameras import TAKEN_ALREADY, Cameras, are_finite, item_at
+from wildscav_engine.rendering.dynamic_objects import ObjectArrays, shapes_between
+from wildscav_engine.rendering.tracing.front_to_back import trace_moving_solids, trace_world
 from wildscav_engine.rendering.tracing.frustum import Camera, camera_at
-from wildscav_engine.rendering.tracing.hit_buffer import (
-    NOTHING,
-    HitBuffer,
-    aim_rays,
-    hit_buffer_in,
-)
-from wildscav_engine.rendering.tracing.packing import Shapes, unpack_blocks, unpack_shapes
+from wildscav_engine.rendering.tracing.hit_buffer import NOTHING, HitBuffer, aim_rays, hit_buffer_in
 from wildscav_engine.rendering.tracing.scene import Scene, Scenes, scene_of
+from wildscav_engine.rendering.tracing.scene_arrays import Shapes
 from wildscav_engine.rendering.tracing.workspace import Size, Workspace, read_workspace
-from wildscav_engine.rendering.turns import TAKEN_ALREADY, item_at
 
 __all__ = [
     "Scene",
@@ -46,9 +42,7 @@ def trace_static_depths(
     Args:
         scenes: The worlds of N cameras, or one for all.
         size: The size of the images, and their half width.
-        cameras: N cameras.
         depths: (N, H, W) m, written.
-        turns: In which order to write them, with other threads.
     """
     eyes, yaws, pitches, _, half_width, far = cameras
     return _trace_static_depths(eyes, yaws, pitches, half_width, far, scenes.tables(size), *turns, depths)
@@ -83,7 +77,7 @@ def _trace_static_depths(
         if image == TAKEN_ALREADY:
             continue
         parts = read_workspace(workspaces[image if workspaces.shape[0] > 1 else 0])
-        buffer = hit_buffer_in(width, parts.rays, parts.met, parts.strips)
+        buffer = hit_buffer_in(width, *parts.image)
         camera = camera_at(eyes[image], yaws[image], pitches[image], half_width, width, height, far)
         aim_rays(buffer, camera)
         trace_static(parts, camera, False, buffer)
@@ -112,31 +106,14 @@ def depths_tracer() -> Callable[..., bool]:
 @inlined_kernel
 def trace_static(parts: Workspace, camera: Camera, with_water: bool, buffer: HitBuffer) -> None:
     """Trace an image of a static world, whose rays have been aimed."""
-    blocks = unpack_blocks(parts.numbers, parts.indices, parts.float32s)
-    solids = unpack_shapes(parts.numbers, parts.indices)
-    trace_world(blocks, solids, camera, with_water, _scratch_in(parts), buffer)
+    trace_world(parts.blocks, parts.solids, camera, with_water, parts.scratch, buffer)
 
 
 @inlined_kernel
 def trace_moving(parts: Workspace, others: Shapes, camera: Camera, viewer: int, buffer: HitBuffer) -> None:
     """Trace moving solids in an image whose static world has been traced."""
-    solids = unpack_shapes(parts.numbers, parts.indices)
-    trace_moving_solids(others, solids.boxes.shape[0], camera, viewer, parts.outside, buffer)
-
-
-@inlined_kernel
-def _scratch_in(parts: Workspace) -> Scratch:
-    """Return the scratch buffers of a workspace."""
-    return Scratch(
-        parts.projection,
-        parts.boxes,
-        parts.outside,
-        parts.shown,
-        parts.queue,
-        parts.rings,
-        parts.cells,
-        parts.done,
-    )
+    statics = parts.solids.boxes.shape[0]
+    trace_moving_solids(others, statics, camera, viewer, parts.scratch.outside, buffer)
 
 
 @inlined_kernel
@@ -148,3 +125,59 @@ def write_depths(buffer: HitBuffer, depths: NDArray[np.float32]) -> None:
         distance, met, along = buffer.distance[first:last], buffer.met[first:last], buffer.along[first:last]
         for column in range(buffer.width):
             line[column] = distance[column] * (along[column] if met[column] != NOTHING else 1.0)
+
+
+class Matches(NamedTuple):
+    """Matches that are seen, as kernels read them."""
+
+    workspaces: NDArray[np.int64]  # (N, F, 6) the tables of the workspaces for N cameras, or of one for all
+    objects: ObjectArrays  # the moving objects of all matches
+    start: NDArray[np.int64]  # (M + 1,) where those of each match start
+    seen: NDArray[np.int64]  # (N,) the match that each camera is in
+
+
+class TracedImage(NamedTuple):
+    """An image, and what its rays hit."""
+
+    workspace: Workspace
+    camera: Camera
+    solids: Shapes  # of the world
+    moving: Shapes
+    buffer: HitBuffer
+
+
+@inlined_kernel
+def trace_in_match(
+    matches: Matches, cameras: Cameras, image: int, height: int, width: int, with_water: bool
+) -> TracedImage:
+    """Trace the image of one of some cameras, and return it; it is valid until the next one is traced."""
+    workspace, moving = workspace_of(matches, image), shapes_of_match(matches, image)
+    buffer = hit_buffer_in(width, *workspace.image)
+    eye, yaw, pitch = cameras.eyes[image], cameras.yaws[image], cameras.pitches[image]
+    camera = camera_at(eye, yaw, pitch, cameras.half_width, width, height, cameras.far)
+    aim_rays(buffer, camera)
+    trace_static(workspace, camera, with_water, buffer)
+    trace_moving(workspace, moving, camera, cameras.viewers[image], buffer)
+    return TracedImage(workspace, camera, workspace.solids, moving, buffer)
+
+
+@inlined_kernel
+def workspace_of(matches: Matches, image: int) -> Workspace:
+    """Return what an image is traced in."""
+    place = image if matches.workspaces.shape[0] > 1 else 0
+    workspace: Workspace = read_workspace(matches.workspaces[place])
+    return workspace
+
+
+@inlined_kernel
+def shapes_of_match(matches: Matches, image: int) -> Shapes:
+    """Return the moving objects that an image may show."""
+    first, last = objects_in(matches, image)
+    return shapes_between(matches.objects, first, last)
+
+
+@inlined_kernel
+def objects_in(matches: Matches, image: int) -> tuple[int, int]:
+    """Return where the objects of the match of a camera start, and where those of the next match do."""
+    match = matches.seen[image]
+    return matches.start[match], matches.start[match + 1]

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import rerun as rr
 
-from wildscav_engine.simulation.state import NOBODY, NOT_ELIMINATED
+from wildscav_engine.simulation.state import NOBODY
 from wildscav_engine.view.recording import colors
 from wildscav_engine.view.recording.columns import Columns
 from wildscav_engine.view.recording.history import History, seats_where
@@ -29,14 +29,7 @@ def events_of(
     opening: str = "The match begins",
     ending: str = "The match is over",
 ) -> list[Event]:
-    """Return all events in chronological order.
-
-    Args:
-        history: The match.
-        names: The names of its seats.
-        opening: The text of the first event.
-        ending: The text of the last event.
-    """
+    """Return all events in chronological order, between one each for the start and the end."""
     events = [
         *(event for find_events in KINDS for event in find_events(history, names)),
         Event(0, "START", opening, colors.START_END),
@@ -70,20 +63,14 @@ def _pick_ups(history: History, names: Sequence[str]) -> Iterator[Event]:
 
 
 def _hits(history: History, names: Sequence[str]) -> Iterator[Event]:
-    agents = history.agents
-    for row, seat in seats_where(agents.fired & (agents.hit_seat != NOBODY)):
-        victim = int(agents.hit_seat[row, seat])
-        text = f"{names[seat]} hits {names[victim]}, {agents.health[row, victim]} hp left"
+    for row, seat, victim in history.hits():
+        text = f"{names[seat]} hits {names[victim]}, {history.agents.health[row, victim]} hp left"
         yield Event(row, "HIT", text, colors.HURT)
 
 
 def _deaths(history: History, names: Sequence[str], *, kills_first: bool = False) -> Iterator[Event]:
     """Yield deaths; with ``kills_first``, the text starts with the killer and has its team's colour."""
-    agents = history.agents
-    died = np.diff(agents.deaths, axis=0, prepend=agents.deaths[:1]) > 0
-    for row, seat in seats_where(died):
-        by = int(agents.hit_by_seat[row, seat])
-        out = agents.eliminated[row, seat] != NOT_ELIMINATED
+    for row, seat, by, out in history.deaths():
         end, kind = ("is out", "OUT") if out else ("dies", "DEATH")
         if kills_first and by != NOBODY:
             text = f"{names[by]} shoots {names[seat]}{', who is out' if out else ''}"
@@ -100,10 +87,10 @@ def _respawns(history: History, names: Sequence[str]) -> Iterator[Event]:
 
 
 def _goals(history: History, names: Sequence[str]) -> Iterator[Event]:
-    reached = np.nonzero(history.reached_by != NOBODY)[0]
-    if len(reached):
-        seat = int(history.reached_by[reached[0]])
-        yield Event(int(reached[0]), "TARGET", f"{names[seat]} reaches the target", colors.GOAL)
+    arrival = history.arrival()
+    if arrival is not None:
+        row, seat = arrival
+        yield Event(row, "TARGET", f"{names[seat]} reaches the target", colors.GOAL)
 
 
 KINDS = (_pick_ups, _hits, _deaths, _respawns, _goals)

@@ -41,11 +41,7 @@ class LiveView:
         self._step = 0
 
     def begin(self, match: Any) -> None:
-        """Show a new match.
-
-        Args:
-            match: A ``Match``, or an object with the same properties.
-        """
+        """Show a new match, which may be any object with the properties of a ``Match``."""
         if self._recording is None:
             self._recording = open_recording()
         if match.game_map is not self._map:

@@ -23,12 +23,7 @@ def format_time(frame: int) -> str:
 
 
 def describe_outcome(result: MatchResult, names: Sequence[str]) -> str:
-    """Return a sentence without a full stop that says who won and with what score.
-
-    Args:
-        result: The result of the match at its end.
-        names: The names of the seats.
-    """
+    """Return a sentence without a full stop that says who won and with what score."""
     metric = TRACKS[result.track].metrics[0]
     teams = _ranked(result, names, metric)
     if TRACKS[result.track].has_target and "success" in teams[0].metrics:

@@ -13,8 +13,7 @@ from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_engine.tracks import TRACKS
 from wildscav_engine.view import standings
 from wildscav_engine.view.blueprint import TRANSPARENT_PATHS, Layout, blueprint
-from wildscav_engine.view.entities import agents, follow_cameras, heat, objects, scenery, zone
-from wildscav_engine.view.entities.ground_overlay import GroundOverlay
+from wildscav_engine.view.entities import agents, follow_cameras, ground_overlay, objects, scenery
 from wildscav_engine.view.events import EVENTS, KILLS, event_columns, events_of, kills_of
 from wildscav_engine.view.outcome import describe_outcome, format_time
 from wildscav_engine.view.overview import overview
@@ -23,16 +22,9 @@ from wildscav_engine.view.recording.history import History
 
 
 def render(record: Record, game_map: GameMap, history: History, seat: int) -> bytes:
-    """Return the content of the file.
-
-    Args:
-        record: The record.
-        game_map: The map of the match.
-        history: The history of the match, collected from the record.
-        seat: The seat that the cameras follow.
-    """
+    """Return the content of the file; the cameras follow a seat."""
     names = agents.distinct(record.names)
-    overlay = GroundOverlay(game_map.world)
+    overlay = ground_overlay.GroundOverlay(game_map.world)
     scene = dict(scenery.static_scene(game_map))
     layout = _layout(record, history, names, seat, scene)
     identity = _identity(record, layout)
@@ -45,8 +37,8 @@ def render(record: Record, game_map: GameMap, history: History, seat: int) -> by
     statics = (
         *scene.items(),
         *objects.static_objects(history, record.spec.rules.target_distance),
-        *heat.static_heat(history),
-        *zone.static_zone(history),
+        *ground_overlay.static_heat(history),
+        *ground_overlay.static_zone(history),
         *agents.static_agents(history, names),
         *follow_cameras.static_cameras(history),
         *standings.static_standings(),
@@ -56,8 +48,8 @@ def render(record: Record, game_map: GameMap, history: History, seat: int) -> by
     for columns in (
         *agents.moving_agents(history, names, health=layout.kills),
         *objects.changing_objects(history, game_map),
-        *heat.moving_heat(history, overlay),
-        *zone.moving_zone(history, game_map),
+        *ground_overlay.moving_heat(history, overlay),
+        *ground_overlay.moving_zone(history, game_map),
         *follow_cameras.moving_cameras(game_map, history, seat),
         standings.moving_standings(record, history, names, seat),
         *_logs(record, history, names),

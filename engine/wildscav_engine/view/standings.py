@@ -1,56 +1,22 @@
 """The standings of a match over time as a table, and its outcome in one sentence."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 import rerun as rr
-from numpy.typing import NDArray
 
 from wildscav_engine.record import Record
-from wildscav_engine.simulation.state import NOT_ELIMINATED
-from wildscav_engine.simulation.track import Track
 from wildscav_engine.specs.actions import Field
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_engine.tracks import TRACKS
 from wildscav_engine.view.outcome import describe_outcome, format_time
 from wildscav_engine.view.recording.columns import Columns
 from wildscav_engine.view.recording.history import History, changes
+from wildscav_engine.view.recording.ranking import Column, Keys, first_of, order_at, ranking_keys
 
-Keys = tuple[NDArray[np.generic], ...]  # (T + 1, A) each, the most significant first; less comes first
 PATH = "standings"
 MAX_LINES = 12  # agents in the table, which always include the followed one
-
-
-def ranking_keys(track: Track, history: History) -> Keys:
-    """Return what the seats are sorted by in each row of the history."""
-    agents = history.agents
-    keys: list[NDArray[np.generic]] = []
-    if history.target is not None:
-        keys.append(history.distance_to_target)
-    if not track.respawns:
-        out = agents.eliminated != NOT_ELIMINATED
-        keys += [out, -np.where(out, agents.eliminated, 0)]
-    if track.has_supplies:
-        keys += [-history.supplies_of_team, history.teams + 0 * agents.supplies, -agents.supplies]
-    # In a track without anything to be ordered by during the match, seats stand in their order.
-    keys.append(np.broadcast_to(np.arange(agents.health.shape[1]), agents.health.shape))
-    return tuple(keys)
-
-
-def order_at(keys: Keys, row: int) -> list[int]:
-    """Return the seats in their order, best first."""
-    order: list[int] = np.lexsort([key[row] for key in reversed(keys)]).tolist()
-    return order
-
-
-class Column(NamedTuple):
-    """A column of the table."""
-
-    title: str
-    values: NDArray[np.generic]  # (T + 1, A)
-    write: Callable[[float], str] = lambda value: f"{value:.0f}"
-    immediate: bool = True  # whether a change gives a new table at once, or only in the next second
 
 
 class Table(NamedTuple):
@@ -113,9 +79,7 @@ def _page(table: Table, row: int, frame: int, over: bool) -> str:
     headline = f"**{_plain(table.outcome)}**" if over else f"**{time}**"
     order = order_at(table.keys, row)
     places = {seat: place for place, seat in enumerate(order, start=1)}
-    shown = order[:MAX_LINES]
-    if table.followed not in shown:
-        shown[-1] = table.followed
+    shown = first_of(order, MAX_LINES, table.followed)
     lines = [
         f"# {table.title}",
         "",

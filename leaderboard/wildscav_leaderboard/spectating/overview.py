@@ -9,7 +9,7 @@ from wildscav.errors import UserError
 from wildscav_engine.geometry.world import CELL
 from wildscav_engine.maps import MapError, map_of
 from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.maps.picture.raster import raster
+from wildscav_engine.maps.picture.paint import raster
 from wildscav_engine.maps.picture.top_view import Window
 from wildscav_engine.record import RecordError, read_record
 from wildscav_engine.specs.map_spec import MapSpec

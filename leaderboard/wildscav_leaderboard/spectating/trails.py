@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from wildscav.errors import UserError
 from wildscav_engine.record import Record, RecordError, read_record, resimulate
-from wildscav_engine.simulation.state import NOBODY, NOT_ELIMINATED, State
+from wildscav_engine.simulation.state import NOBODY, State
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.specs.result import SeatResult
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
@@ -162,13 +162,10 @@ def _samples(history: History) -> Samples:
 def _events(history: History) -> Iterator[Event]:
     """Yield what agents did, one kind after the other."""
     agents, frame = history.agents, history.frame.tolist()
-    for row, seat in seats_where(agents.fired & (agents.hit_seat != NOBODY)):
-        other = int(agents.hit_seat[row, seat])
+    for row, seat, other in history.hits():
         left = int(agents.health[row, other])
         yield Event(frame=frame[row], kind="hit", seat=seat, other=other, amount=left)
-    for row, seat in seats_where(np.diff(agents.deaths, axis=0, prepend=agents.deaths[:1]) > 0):
-        by = int(agents.hit_by_seat[row, seat])
-        is_out = agents.eliminated[row, seat] != NOT_ELIMINATED
+    for row, seat, by, is_out in history.deaths():
         other_seat = None if by == NOBODY else by
         yield Event(frame=frame[row], kind="out" if is_out else "death", seat=seat, other=other_seat)
     alive = agents.health > 0
@@ -176,10 +173,10 @@ def _events(history: History) -> Iterator[Event]:
         yield Event(frame=frame[row + 1], kind="respawn", seat=seat)
     for row, seat in seats_where(agents.gained > 0):
         yield Event(frame=frame[row], kind="pick_up", seat=seat, amount=int(agents.gained[row, seat]))
-    reached = np.flatnonzero(history.reached_by != NOBODY)
-    if len(reached):
-        row = int(reached[0])
-        yield Event(frame=frame[row], kind="target", seat=int(history.reached_by[row]))
+    arrival = history.arrival()
+    if arrival is not None:
+        row, seat = arrival
+        yield Event(frame=frame[row], kind="target", seat=seat)
 
 
 def _boxes(history: History) -> list[Box]:

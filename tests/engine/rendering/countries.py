@@ -4,17 +4,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from tests.engine.rendering.brute_force import (
-    Surface,
-    disagreements,
-    surface_of,
-)
-from tests.engine.rendering.views import (
-    NOTHING_MOVES,
-    View,
-    directions,
-    seen_by,
-)
+from tests.engine.rendering.brute_force import Surface, disagreements, surface_of
+from tests.engine.rendering.views import NOTHING_MOVES, View, directions, seen_by
 
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import World

@@ -7,16 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.builders import box, flat_world
-from tests.engine.rendering.brute_force import (
-    surface_of,
-)
+from tests.engine.rendering.brute_force import surface_of
 from tests.engine.rendering.countries import EDGES, check
-from tests.engine.rendering.views import (
-    View,
-    directions,
-    look,
-    seen_by,
-)
+from tests.engine.rendering.views import View, directions, look, seen_by
 
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.geometry.shapes import box as turned_box

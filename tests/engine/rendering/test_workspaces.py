@@ -21,28 +21,28 @@ def scene(height: float = 3.0) -> Scene:
 
 def test_a_scene_keeps_the_workspaces_of_small_images() -> None:
     one = scene()
-    assert one.workspaces.of(one.packed, SMALL) is one.workspaces.of(one.packed, SMALL)
+    assert one.workspaces.of(one.arrays, SMALL) is one.workspaces.of(one.arrays, SMALL)
     assert SMALL in one.workspaces.cached
 
 
 def test_scenes_share_the_arrays_for_images_of_a_size_and_threads_do_not() -> None:
     one, other = scene(), scene()
-    first, second = (each.workspaces.of(each.packed, SMALL).arrays for each in (one, other))
-    assert first.rays is second.rays
-    assert first.numbers is not second.numbers
+    first, second = (each.workspaces.of(each.arrays, SMALL).arrays for each in (one, other))
+    assert first.image.rays is second.image.rays
+    assert first.solids is not second.solids
     with ThreadPoolExecutor(1) as thread:
-        elsewhere = thread.submit(lambda: one.workspaces.of(one.packed, SMALL).arrays).result()
-    assert elsewhere.rays is not first.rays
+        elsewhere = thread.submit(lambda: one.workspaces.of(one.arrays, SMALL).arrays).result()
+    assert elsewhere.image.rays is not first.image.rays
 
 
 def test_scenes_of_about_one_size_share_scratch_buffers_that_suffice_for_each() -> None:
     one, other, large = scene(), scene(), scene_of(flat_world(400))
-    first, second, third = (each.workspaces.of(each.packed, SMALL).arrays for each in (one, other, large))
-    assert first.queue is second.queue
-    assert third.queue is not first.queue
-    assert third.shown.shape[0] >= large.packed.blocks
-    assert first.done.shape[0] > one.packed.solids
-    assert first.outside.shape[0] >= one.packed.most_faces
+    first, second, third = (each.workspaces.of(each.arrays, SMALL).arrays for each in (one, other, large))
+    assert first.scratch.queue is second.scratch.queue
+    assert third.scratch.queue is not first.scratch.queue
+    assert len(third.scratch.shown) >= len(large.arrays.blocks.spans)
+    assert len(first.scratch.done) > len(one.arrays.solids.boxes)
+    assert len(first.scratch.outside) >= np.diff(one.arrays.solids.face_start).max()
 
 
 def test_small_images_of_two_maps_in_one_call_are_those_of_each_alone() -> None:
@@ -60,14 +60,14 @@ def test_small_images_of_two_maps_in_one_call_are_those_of_each_alone() -> None:
 
 def test_only_the_latest_workspace_of_a_large_image_is_kept() -> None:
     one, other = scene(), scene()
-    first = one.workspaces.of(one.packed, LARGE)
-    assert one.workspaces.of(one.packed, LARGE) is first
+    first = one.workspaces.of(one.arrays, LARGE)
+    assert one.workspaces.of(one.arrays, LARGE) is first
     assert LARGE not in one.workspaces.cached
     taller = LARGE._replace(height=LARGE.height + 1)
-    assert one.workspaces.of(one.packed, taller) is not first
-    second = other.workspaces.of(other.packed, LARGE)
-    assert second.arrays.numbers is other.packed.numbers
-    assert one.workspaces.of(one.packed, LARGE) is not first
+    assert one.workspaces.of(one.arrays, taller) is not first
+    second = other.workspaces.of(other.arrays, LARGE)
+    assert second.arrays.solids is other.arrays.solids
+    assert one.workspaces.of(one.arrays, LARGE) is not first
 
 
 def test_large_images_of_two_maps_in_turns_are_those_of_each_alone() -> None:

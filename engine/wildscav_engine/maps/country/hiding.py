@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.random_numbers import Dice, Stream
 from wildscav_engine.geometry.world import CELL
+from wildscav_engine.maps.country.landforms import ward_of_points
 from wildscav_engine.maps.country.plan import CountryPlan
-from wildscav_engine.maps.country.terraces import ward_of_points
 from wildscav_engine.maps.ground.terrain import Terrain
 from wildscav_engine.maps.settlements.houses import House
 from wildscav_engine.maps.walk import WalkGraph
@@ -39,13 +39,8 @@ def hide_targets(
     """Choose the places where targets may be, and measure the ways to them.
 
     Args:
-        graph: Of the map.
-        plan: Of its country.
-        terrain: The finished ground.
-        houses: Of the map.
         indoor: (I, 3) m, its places in houses.
         ground: (S, 3) m, its places on open ground: the starts.
-        seed: Of the map.
     """
     is_upstairs = np.zeros(len(indoor), np.bool_)
     x, _, z = indoor.T

@@ -96,11 +96,6 @@ def draw_town(
     """Draw a town. Its streets are a maze; among pieces kept for testing, a main street with lanes off it.
 
     Args:
-        config: Of the map.
-        country: Its settings.
-        seed: Of the map.
-        number: Of the town.
-        block: Where it is.
         gates: m, x and z, of the gates in its wall.
         terrain: Before any ground is levelled.
     """

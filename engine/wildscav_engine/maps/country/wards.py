@@ -98,9 +98,6 @@ def draw_wards(size: int, country: Country, seed: int, blocks: Sequence[Block]) 
 
     Args:
         size: m, of the map.
-        country: Its settings.
-        seed: Of the map.
-        blocks: The towns.
     """
     count, side = grid_of(size, country)
     dice = Dice(seed, Stream.COUNTRY)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from wildscav_engine.geometry.world import CELL, Kind, World
 from wildscav_engine.maps.export.mesh import Mesh, solids_mesh, terrain_mesh, water_mesh
 from wildscav_engine.maps.game_map import GENERATOR_VERSION, GameMap
-from wildscav_engine.maps.picture.raster import water_nearby
+from wildscav_engine.maps.picture.paint import water_nearby
 from wildscav_engine.rendering.palette import DRY_GRASS, GRASS, WATER, of_solids, of_terrain
 from wildscav_engine.storage.files import write_whole
 

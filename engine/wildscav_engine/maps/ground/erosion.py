@@ -24,9 +24,6 @@ def rain(seed: np.uint64, number: int, drops: int, heights: NDArray[np.float64])
     smooth the change instead.
 
     Args:
-        seed: Of the map.
-        number: Number of the rain, the key of its random numbers.
-        drops: Number of drops.
         heights: (R, C) m, changed.
     """
     rows, columns = heights.shape
@@ -107,7 +104,6 @@ def crumble(steepest: float, cliffs: NDArray[np.float64], rounds: int, heights: 
     Args:
         steepest: m, greatest stable height difference between neighbours without rock.
         cliffs: (R, C) how rocky the ground is, 0 to 1.
-        rounds: Number of rounds.
         heights: (R, C) m, changed.
     """
     rows, columns = heights.shape

@@ -162,9 +162,6 @@ def compose_land(
     """Compose the land from noise of low and high frequency.
 
     Args:
-        landform: The parameters of the relief.
-        gradients: Of the noise.
-        origins: Of its layers.
         broad: (R, C) m, uplands and mountain chains, written.
         hills: (R, C) m, to be added to them, written.
         cliffs: (R, C) 0 to 1, how much slopes are gathered into cliffs, written.

@@ -7,9 +7,8 @@ from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.world import CELL
-from wildscav_engine.maps.ground.connected_components import largest_component
 from wildscav_engine.maps.ground.erosion import add_finely, crumble, rain
-from wildscav_engine.maps.ground.lakes import DEEPEST_WATER, flood, smooth_least, softened
+from wildscav_engine.maps.ground.lakes import DEEPEST_WATER, flood, largest_component, smooth_least, softened
 from wildscav_engine.maps.ground.relief import (
     LEAST_RANGE,
     compose_land,

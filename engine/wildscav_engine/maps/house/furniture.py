@@ -168,10 +168,7 @@ def furnish(
     """Furnish a room.
 
     Args:
-        dice: The source of randomness.
         area: The part of it that may be furnished, between its walls.
-        purpose: Of the room.
-        gaps: Its doorways and windows.
         sides: The walls that furniture may stand at.
 
     Returns:

@@ -30,8 +30,6 @@ def draw_plan(
     """Draw one house of a map.
 
     Args:
-        seed: Of the map.
-        number: Number of the house, the key of its random numbers.
         storeys: Least and greatest number of storeys.
         small: Whether to draw a small house.
         area: Its size across and along in m; drawn if not given.
@@ -84,9 +82,7 @@ def draw_wings(dice: Dice, size: tuple[float, float], storeys: int) -> tuple[Win
     """Draw the blocks of a house that fill a rectangle of a size in m, the main block first.
 
     Args:
-        dice: The source of randomness.
         size: Across and along.
-        storeys: Of the main block.
 
     Returns:
         One or two wings.

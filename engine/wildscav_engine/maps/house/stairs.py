@@ -8,14 +8,7 @@ from typing import NamedTuple
 
 from wildscav_engine.arithmetic.random_numbers import Dice
 from wildscav_engine.geometry.shapes import Rectangle
-from wildscav_engine.maps.house.plan import (
-    INNER_WALL,
-    NARROWEST_ROOM,
-    PASSAGE_WIDTH,
-    Flight,
-    Side,
-    Stairs,
-)
+from wildscav_engine.maps.house.plan import INNER_WALL, NARROWEST_ROOM, PASSAGE_WIDTH, Flight, Side, Stairs
 
 RISE, GOING = 0.2, 0.28  # m, of a step
 RISES = 15  # from floor to floor
@@ -65,7 +58,6 @@ def draw_stairs(dice: Dice, inside: Rectangle) -> HallPlace:
     """Cut a hall with stairs out of a block, all the way across or along it.
 
     Args:
-        dice: The source of randomness.
         inside: The area within the walls of the block, at least 6.5 m per side.
 
     Returns:

@@ -83,12 +83,8 @@ def draw_storey(
     """Draw one storey.
 
     Args:
-        dice: The source of randomness.
-        wings: The wings of the house.
-        level: Of the storey.
         top: The level where the stairs end, a storey or the roof.
         place: The hall with stairs, if there is one.
-        style: Of the house.
 
     Returns:
         The storey, the wings to whose roofs a doorway leads, and the outer doors on the ground floor.

@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 from wildscav_engine.geometry.world import CELL, Kind
 from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.maps.picture.paint import CUT_WALL, DEEP, SHALLOW, STOREYS, contour_interval
-from wildscav_engine.maps.picture.raster import raster
+from wildscav_engine.maps.picture.paint import CUT_WALL, DEEP, SHALLOW, STOREYS, contour_interval, raster
 from wildscav_engine.maps.picture.top_view import Window, outlines
 from wildscav_engine.maps.settlements.houses import House
 

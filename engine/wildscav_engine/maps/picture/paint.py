@@ -1,13 +1,19 @@
-"""Painting a top view: colours, shading, shadows, contour lines and outlines."""
+"""Painting a top view: colours, shading, shadows, contour lines and outlines.
 
+A map is viewed and painted in bands, at twice the picture's resolution.
+"""
+
+import os
+from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.geometry.world import Kind
+from wildscav_engine.geometry.terrain import spread
+from wildscav_engine.geometry.world import Kind, World
 from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.maps.picture.top_view import TopView
+from wildscav_engine.maps.picture.top_view import TopView, Window, allocate_top_view, cast_top_view, cuts_at
 from wildscav_engine.rendering.palette import of_solids
 
 Value = TypeVar("Value", bound=np.generic)
@@ -45,6 +51,10 @@ SHADE = np.array([0.60, 0.65, 0.76], np.float32)  # factor of the light in shado
 DARKEST = 0.62 * SHADE
 INDOOR_SHADE = np.array([0.84, 0.85, 0.89], np.float32)
 RELIEF = 0.72  # strength of the shading
+FINER = 2  # samples along each side of a pixel
+BAND = 48  # rows of pixels painted at once
+BORDER = 1  # samples around a band, for outlines
+ABOVE = 1.0  # m above the highest point of the world, where rays start
 
 
 class Contours(NamedTuple):
@@ -190,3 +200,38 @@ def _shifted(array: NDArray[Value], axis: int, by: int) -> NDArray[Value]:
     """Return an array without its last (0) or its first (1) row or column."""
     chosen = slice(by, array.shape[axis] - 1 + by)
     return array[chosen] if axis == 0 else array[:, chosen]
+
+
+def raster(game_map: GameMap, window: Window, storey: int | None) -> NDArray[np.uint8]:
+    """Return the picture of a window, (rows, columns, 3), houses cut open as in ``draw_map``."""
+    world, fine = game_map.world, window.step / FINER
+    water, cuts, style = water_nearby(world), cuts_at(game_map, storey), style_of(game_map, fine)
+    sky = float(world.block_top.max()) + ABOVE
+
+    def band(first: int) -> NDArray[np.uint8]:
+        rows = min(BAND, window.rows - first)
+        part = Window(
+            window.west - BORDER * fine,
+            window.north - first * window.step + BORDER * fine,
+            fine,
+            rows * FINER + 2 * BORDER,
+            window.columns * FINER + 2 * BORDER,
+        )
+        seen = allocate_top_view(part.rows, part.columns)
+        cast_top_view(world, water, sky, cuts, part, seen)
+        picture = paint(seen, style)[BORDER:-BORDER, BORDER:-BORDER]
+        pixels = picture.reshape(rows, FINER, window.columns, FINER, 3).mean(axis=(1, 3))
+        return np.asarray(pixels + 0.5, np.uint8)
+
+    # Kernels and NumPy release the interpreter lock, so bands are rendered in parallel.
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return np.concatenate(list(pool.map(band, range(0, window.rows, BAND))))
+
+
+def water_nearby(world: World) -> NDArray[np.float64]:
+    """Return (R, C) the height in m of the water in or near each cell, -inf without any.
+
+    The picture's smoothed ground crosses the water's surface slightly beside the real shore, perhaps in the
+    next cell, and the picture also shows beaches.
+    """
+    return spread(world.water, 2)

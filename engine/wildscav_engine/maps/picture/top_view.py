@@ -66,7 +66,6 @@ def cuts_at(game_map: GameMap, storey: int | None) -> NDArray[np.float64]:
     """Return the rectangles in which rays start lower, so that houses are cut open at a storey.
 
     Args:
-        game_map: The map.
         storey: The storey, 1 for the ground floor; None cuts nothing.
 
     Returns:
@@ -103,12 +102,10 @@ def cast_top_view(
     """Cast the rays of a window.
 
     Args:
-        world: The static world.
         water: (R, C) m, height of the water in or near each cell, -inf without any.
         sky: m, the height where rays start, above everything.
         cuts: (N, 9) from ``cuts_at``.
         window: The part of the map to show.
-        seen: Written.
     """
     suns = _direction_to_sun(0), _direction_to_sun(1), _direction_to_sun(2), _direction_to_sun(3)
     for row in range(window.rows):

@@ -55,19 +55,6 @@ class Settlement(NamedTuple):
     lanes: NDArray[np.float64]  # (L, 4) m, x and z of both ends of each segment of a lane's axis
 
 
-def place_houses(
-    config: MapConfig,
-    seed: int,
-    terrain: Terrain,
-    sizes: Sequence[Size],
-    fixed: Sequence[Site] = (),
-    avoided: Sequence[Site] = (),
-    kept_off: NDArray[np.float64] = NOWHERE,
-) -> list[Site]:
-    """Return sites for as many houses of the given sizes in m as fit; see ``settle``."""
-    return settle(config, seed, terrain, sizes, fixed, avoided, kept_off).sites
-
-
 def settle(
     config: MapConfig,
     seed: int,
@@ -80,12 +67,9 @@ def settle(
     """Find sites for houses, and lay the lanes between them.
 
     Args:
-        config: Of the map.
-        seed: Of the map.
         terrain: Before any ground is levelled.
         sizes: m, of each house.
         fixed: Sites of houses placed before; they are not returned.
-        avoided: Sites where no house may stand.
         kept_off: (N, 2) m, x and z of points that houses keep off like the axis of a street.
 
     Returns:
@@ -121,7 +105,7 @@ def room_for(
     """Return how many of the houses, counted from the first, certainly fit if no more are asked for."""
     asked = len(sizes)
     while True:
-        found = len(place_houses(config, seed, terrain, sizes[:asked], fixed, avoided, kept_off))
+        found = len(settle(config, seed, terrain, sizes[:asked], fixed, avoided, kept_off).sites)
         if found == asked:
             return found
         asked = found

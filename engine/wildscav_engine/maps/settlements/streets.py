@@ -38,8 +38,6 @@ def draw_streets(dice: Dice, plots: Plots, houses: int, center: Place) -> list[S
     """Return the streets of a town for so many houses, the main street first.
 
     Args:
-        dice: For the choices.
-        plots: What the streets must avoid.
         houses: Approximate number of houses along them.
         center: The middle of the town, and the yaw of its main street.
 
@@ -96,8 +94,6 @@ def _walk(dice: Dice, plots: Plots, start: Place, length: float, streets: list[l
     """Trace a winding street until it is long enough or something blocks it.
 
     Args:
-        dice: For the bends.
-        plots: What to avoid.
         start: Where the street starts, and its first yaw.
         length: m.
         streets: Streets to stay well away from, except near the start.
@@ -190,11 +186,7 @@ def town_center(dice: Dice, terrain: Terrain, radius: float, others: list[Place]
     """Return the middle of a new town and the yaw of its main street: the best of some random places.
 
     Args:
-        dice: For the places.
-        terrain: Of the map.
         radius: m, of the town.
-        others: Towns to stay away from.
-        choices: Number of places to compare.
 
     Returns:
         The place.

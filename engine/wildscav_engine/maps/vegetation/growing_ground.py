@@ -1,17 +1,115 @@
-"""The ground for plants: where they grow and what they must stay away from."""
+"""The ground for plants: where they grow and what they must stay away from.
+
+Woods, meadows, stony slopes and shores come from low-frequency noise and the terrain.
+"""
 
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.arithmetic.random_numbers import Stream, uniform
+from wildscav_engine.compilation.kernel import array_kernel, kernel
+from wildscav_engine.geometry.world import CELL
 from wildscav_engine.maps.ground.terrain import Terrain
 from wildscav_engine.maps.settlements.footprints import corner_of
-from wildscav_engine.maps.vegetation.woods import PATCH
 
+STREAM = int(Stream.VEGETATION)
+PATCH = 4.0  # m, side of the squares that are wooded or not
+LARGEST_WOODS, SMALLEST_WOODS = 80.0, 18.0  # m, approximate size of woods and clearings
+LEAST_WOODED, MAX_WOODED = 0.08, 0.42  # share of the map under woods, with minimal and full vegetation
+EDGE = 0.05  # range of the noise over which a wood thins out
+SHORE_REACH = 2  # patches from the water that are shore
 TREES, BUSHES, ROCKS = range(3)  # categories of plants
 NEAR = 10.0  # m; houses, doorsteps and lanes farther away need no test
+
+
+def wooded(seed: int, size: int, vegetation: float) -> NDArray[np.float64]:
+    """Return the density of woods on each patch, 0 to 1: distinct woods with narrow edges."""
+    noise = slow_noise(seed, size, 0)
+    ascending = np.sort(noise, axis=None, kind="stable")
+    share = LEAST_WOODED + (MAX_WOODED - LEAST_WOODED) * vegetation
+    threshold = ascending[min(ascending.size - 1, int((1.0 - share) * ascending.size))]
+    inside: NDArray[np.float64] = np.clip((noise - threshold) / EDGE + 0.5, 0.0, 1.0)
+    return inside * inside * (3.0 - 2.0 * inside)
+
+
+def slow_noise(seed: int, size: int, layer: int) -> NDArray[np.float64]:
+    """Return (P, P) noise from 0 to 1 that changes slowly from patch to patch."""
+    patches = int(size / PATCH) + 1
+    wave = max(SMALLEST_WOODS, min(LARGEST_WOODS, size / 4.0)) / PATCH
+    noise = np.zeros((patches, patches))
+    _add_noise(np.uint64(seed), 2 * layer, wave, 0.7, noise)
+    _add_noise(np.uint64(seed), 2 * layer + 1, wave * 0.37, 0.3, noise)
+    return noise
+
+
+@array_kernel
+def _add_noise(seed: np.uint64, layer: int, wave: float, weight: float, noise: NDArray[np.float64]) -> None:
+    """Add value noise with a wavelength of ``wave`` patches."""
+    patches = noise.shape[0]
+    points = int(1.4 * patches / wave) + 3
+    values = np.empty((points, points))
+    for row in range(points):
+        for column in range(points):
+            values[row, column] = uniform(seed, STREAM, 0, layer * 4096 + row, column)
+    shift_x = uniform(seed, STREAM, 0, layer * 4096 + points, 0)
+    shift_z = uniform(seed, STREAM, 0, layer * 4096 + points, 1)
+    for row in range(patches):
+        for column in range(patches):
+            # The grid is rotated, so that edges of woods do not align with the map's.
+            x = (0.8 * column + 0.6 * row) / wave + shift_x
+            z = (0.8 * row + 0.6 * (patches - 1 - column)) / wave + shift_z
+            west, south = int(x), int(z)
+            east, north = x - west, z - south
+            east, north = east * east * (3.0 - 2.0 * east), north * north * (3.0 - 2.0 * north)
+            lower = values[south, west] * (1.0 - east) + values[south, west + 1] * east
+            upper = values[south + 1, west] * (1.0 - east) + values[south + 1, west + 1] * east
+            noise[row, column] += weight * (lower * (1.0 - north) + upper * north)
+
+
+def shores(terrain: Terrain, patches: int) -> NDArray[np.bool_]:
+    """Return (P, P) which patches lie at a lake."""
+    shore = np.zeros((patches, patches), np.bool_)
+    _mark_shores(terrain.heights, terrain.water_level, shore)
+    return shore
+
+
+@kernel
+def _mark_shores(heights: NDArray[np.float64], water_level: float, shore: NDArray[np.bool_]) -> None:
+    step = int(PATCH / CELL)
+    for row in range(heights.shape[0] // step):
+        for column in range(heights.shape[1] // step):
+            if heights[row * step, column * step] >= water_level:
+                continue
+            for near_row in range(max(0, row - SHORE_REACH), min(shore.shape[0], row + SHORE_REACH + 1)):
+                for near in range(
+                    max(0, column - SHORE_REACH), min(shore.shape[1], column + SHORE_REACH + 1)
+                ):
+                    shore[near_row, near] = True
+
+
+def steepness(terrain: Terrain, patches: int) -> NDArray[np.float64]:
+    """Return (P, P) m up per m, the steepest ground within about 6 m of each patch."""
+    steep = np.zeros((patches, patches))
+    _measure_slopes(terrain.heights, steep)
+    return steep
+
+
+@kernel
+def _measure_slopes(heights: NDArray[np.float64], steep: NDArray[np.float64]) -> None:
+    step = int(PATCH / CELL)
+    for row in range(steep.shape[0]):
+        for column in range(steep.shape[1]):
+            steepest = 0.0
+            for south in range(max(0, (row - 1) * step), min(heights.shape[0] - 1, (row + 2) * step)):
+                for west in range(
+                    max(0, (column - 1) * step), min(heights.shape[1] - 1, (column + 2) * step)
+                ):
+                    east = heights[south, west + 1] - heights[south, west]
+                    north = heights[south + 1, west] - heights[south, west]
+                    steepest = max(steepest, east * east + north * north)
+            steep[row, column] = np.sqrt(steepest) / CELL
 
 
 class Fields(NamedTuple):

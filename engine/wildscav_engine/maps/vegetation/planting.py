@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.geometry.ring_stacks import allocate_ring_stacks, solids_of
+from wildscav_engine.geometry.shapes import allocate_ring_stacks, solids_of
 from wildscav_engine.geometry.world import Solid
 from wildscav_engine.maps.ground.terrain import Terrain
 from wildscav_engine.maps.settlements.footprints import Site, footprints_of, placed_footprints
@@ -17,13 +17,13 @@ from wildscav_engine.maps.vegetation.growing_ground import (
     Fields,
     GrowingGround,
     land_of,
+    shores,
+    slow_noise,
+    steepness,
+    wooded,
 )
-from wildscav_engine.maps.vegetation.scatter import (
-    allocate_spots,
-    scatter,
-)
+from wildscav_engine.maps.vegetation.scatter import allocate_spots, scatter
 from wildscav_engine.maps.vegetation.species import PARTS, grow
-from wildscav_engine.maps.vegetation.woods import shores, slow_noise, steepness, wooded
 from wildscav_engine.specs.map_spec import MapConfig
 
 SHARES = {ROCKS: 0.003, TREES: 0.0075, BUSHES: 0.004}  # per m², with vegetation 1; large ones come first
@@ -43,10 +43,7 @@ def plant(
     """Return the solids of all trees, bushes and rocks.
 
     Args:
-        config: Of the map.
-        seed: Of the map.
         terrain: With levelled ground.
-        sites: Of all houses.
         doorsteps: (D, 2) m, x and z in front of each outer doorway.
         lanes: (L, 4) m, see ``sites.Settlement``.
         taken: (F, 6) further footprints where nothing grows.

@@ -86,14 +86,10 @@ def scatter(
     """Add plants of one category by rejection sampling; those without a place are left out.
 
     Args:
-        seed: Of the map.
         first_key: The key of the first plant; the others have consecutive keys.
         category: TREES, BUSHES or ROCKS.
-        wanted: Greatest number to add.
         area: (6,) the footprint to fill.
-        land: The growing ground.
         spots: The plants placed so far; added to, up to its capacity.
-        found: Their number.
 
     Returns:
         The new number of plants.
@@ -181,8 +177,6 @@ def can_stand(land: GrowingGround, spots: Spots, number: int, group: int) -> boo
     """Return whether a plant can stand at its place; also writes the heights of its ground.
 
     Args:
-        land: The growing ground.
-        spots: All plants.
         number: Index of the plant; only those before ``group`` count as others.
         group: Index of the first plant of its group, whose members may touch it.
 

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.arithmetic.random_numbers import Stream, uniform
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.geometry.ring_stacks import MAX_SIDES, RingStacks
+from wildscav_engine.geometry.shapes import MAX_SIDES, RingStacks
 from wildscav_engine.geometry.world import Kind
 
 STREAM = int(Stream.VEGETATION)

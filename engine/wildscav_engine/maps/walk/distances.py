@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import array_kernel
-from wildscav_engine.maps.walk.components import successor
-from wildscav_engine.maps.walk.graph import WalkGraph
+from wildscav_engine.maps.walk.graph import WalkGraph, successor
 from wildscav_engine.maps.walk.lattice import SPACING, Lattice, Nodes, node_at
 from wildscav_engine.maps.walk.search import HEAP_FIRST, pop, push
 
@@ -61,12 +60,6 @@ def distances_to(
     """Return (N,) m, horizontal, the length of the shortest route of edges from each node to one; inf: none.
 
     Dijkstra, "A Note on Two Problems in Connexion with Graphs", Numerische Mathematik 1 (1959), backwards.
-
-    Args:
-        places: (N, 3) m, of the nodes.
-        first: See ``Sources``.
-        sources: See ``Sources``.
-        end: Node.
     """
     count = places.shape[0]
     far = np.full(count, np.inf)

@@ -8,7 +8,7 @@ need no walk.
 
 import numpy as np
 
-from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.geometry.clearance import has_clearance, is_clear, is_free
 from wildscav_engine.geometry.sweep import sweep_world
 from wildscav_engine.geometry.terrain import ground_at
@@ -74,14 +74,6 @@ def _is_open_around(world: World, x: float, height: float, z: float) -> bool:
 @kernel
 def explore(world: World, nobody: Bodies, lattice: Lattice, nodes: Nodes, start: int, capacity: int) -> int:
     """Find the edges of the nodes from ``start`` on, and of all nodes found in the process.
-
-    Args:
-        world: The static world.
-        nobody: An empty set of bodies.
-        lattice: Of the map.
-        nodes: Filled.
-        start: First node without edges.
-        capacity: Number of nodes that the tables can hold.
 
     Returns:
         The first node without edges; the search stops early if eight more nodes would not fit.
@@ -304,30 +296,47 @@ def walk_straight(world: World, nobody: Bodies, start: Point, x: float, z: float
     """Walk straight to a place with the engine's motion.
 
     Args:
-        world: The static world.
-        nobody: An empty set of bodies.
-        start: m.
         x: m, the destination; so z.
-        z: m.
         stride: m, greatest length of each move.
 
     Returns:
         m, the height at which it arrives; -inf if it does not arrive, NaN if it walks off an edge or slides.
     """
+    return walk_within(world, nobody, start, x, z, stride, ARRIVAL)
+
+
+@kernel
+def walk_within(
+    world: World, nobody: Bodies, start: Point, x: float, z: float, stride: float, arrival: float
+) -> float:
+    """Do the same as ``walk_straight``, if no move ends farther than ``arrival`` m from where it should."""
     at = start
     far = np.sqrt((x - start.x) * (x - start.x) + (z - start.z) * (z - start.z))
     moves = int(np.ceil(far / stride))
     for done in range(moves):
-        share = 1.0 / (moves - done)
-        delta_x, delta_z = (x - at.x) * share, (z - at.z) * share
-        moved = walk(world, nobody, at, delta_x, delta_z)
-        short = abs(moved.x - at.x - delta_x) + abs(moved.z - at.z - delta_z)
-        at = Point(moved.x, moved.y, moved.z)
-        if short > ARRIVAL:
+        at, short, stands = move_on(world, nobody, at, x, z, moves - done)
+        if short > arrival:
             return -np.inf
-        if not moved.on_ground or on_steep_ground(world, at):
+        if not stands:
             return np.nan
     return at.y
+
+
+@inlined_kernel
+def move_on(
+    world: World, nobody: Bodies, at: Point, x: float, z: float, left: int
+) -> tuple[Point, float, bool]:
+    """Make the first of the ``left`` equal moves that lead straight to a place.
+
+    Returns:
+        Where the body is then; how far in m it is from where it should be; and whether it stands there.
+    """
+    share = 1.0 / left
+    delta_x, delta_z = (x - at.x) * share, (z - at.z) * share
+    moved = walk(world, nobody, at, delta_x, delta_z)
+    short = abs(moved.x - at.x - delta_x) + abs(moved.z - at.z - delta_z)
+    here = Point(moved.x, moved.y, moved.z)
+    return here, short, moved.on_ground and not on_steep_ground(world, here)
 
 
 @kernel

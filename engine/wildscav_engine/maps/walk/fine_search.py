@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import World
-from wildscav_engine.maps.walk.explore import SIDE_CLEARANCE, leaves_clearance
+from wildscav_engine.maps.walk.explore import SIDE_CLEARANCE, leaves_clearance, walk_within
 from wildscav_engine.maps.walk.graph import WalkGraph
 from wildscav_engine.maps.walk.lattice import (
     BORDER,
@@ -28,7 +28,6 @@ from wildscav_engine.maps.walk.lattice import (
 )
 from wildscav_engine.maps.walk.search import pop, push
 from wildscav_engine.motion.collision import Bodies, Point
-from wildscav_engine.motion.walking import on_steep_ground, walk
 from wildscav_engine.specs.body import TAN_SLOPE_LIMIT
 
 FINENESS = 2  # grid points along the distance of two lattice points
@@ -86,15 +85,24 @@ class Leaps(NamedTuple):
     end: NDArray[np.int32]  # (L,) node
 
 
+class Search(NamedTuple):
+    """A search, with what it looks at and what it has found."""
+
+    world: World
+    nobody: Bodies
+    leaps: Leaps
+    grid: Grid
+    found: Found
+    goal: Goal
+
+
 def fine_route(
     graph: WalkGraph, start: NDArray[np.float64], goal: Goal
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]] | None:
     """Return the shortest route over the fine grid to where the target is reached, None if there is none.
 
     Args:
-        graph: Of the map.
         start: (3,) m, soles.
-        goal: The target.
 
     Returns:
         (P, 3) m, the places along the route with the start; and (P,) whether a leap leads to each.
@@ -105,7 +113,7 @@ def fine_route(
     capacity = 16 * 1024
     while True:
         found = _no_places(grid, capacity)
-        last = search(graph.world, nobody, leaps, grid, found, start, goal)
+        last = search_on(Search(graph.world, nobody, leaps, grid, found, goal), start)
         if last != FULL:
             break
         capacity *= 4
@@ -147,17 +155,10 @@ def _no_places(grid: Grid, capacity: int) -> Found:
 
 
 @kernel
-def search(
-    world: World,
-    nobody: Bodies,
-    leaps: Leaps,
-    grid: Grid,
-    found: Found,
-    start: NDArray[np.float64],
-    goal: Goal,
-) -> int:
+def search_on(search: Search, start: NDArray[np.float64]) -> int:
     """Return the place where the shortest route reaches the target, NONE or FULL: A* over the fine grid."""
-    _relax(found, goal, NONE, NONE, start[0], start[1], start[2], 0.0, False)
+    found, goal, columns = search.found, search.goal, search.grid.columns
+    _relax(found, goal, NONE, NONE, Point(start[0], start[1], start[2]), 0.0, False)
     room, room_in_heap = found.point.shape[0] - MAX_MOVES, found.heap.shape[0] - MAX_MOVES
     while found.counts[1] > 0:
         place = int(found.heap[1])
@@ -170,39 +171,30 @@ def search(
         if found.counts[0] >= room or found.counts[1] >= room_in_heap:
             return FULL
         if place == 0:
-            _leave_start(world, nobody, leaps, grid, found, goal)
+            _leave_start(search)
         else:
-            row, column = found.point[place] // grid.columns, found.point[place] % grid.columns
+            row, column = found.point[place] // columns, found.point[place] % columns
             for move in range(MOVES):
-                _go(world, nobody, leaps, grid, found, goal, place, row + NORTH[move], column + EAST[move])
-            _leap(world, leaps, grid, found, goal, place, row, column)
+                _go(search, place, row + NORTH[move], column + EAST[move])
+            _leap(search, place, row, column)
     return NONE
 
 
 @kernel
-def _leave_start(world: World, nobody: Bodies, leaps: Leaps, grid: Grid, found: Found, goal: Goal) -> None:
+def _leave_start(search: Search) -> None:
     """Walk from the start to the grid points around it."""
-    start = found.place[0]
+    start, world, grid = search.found.place[0], search.world, search.grid
     near_row = int((start[2] - world.corner[1]) / STEP + 0.5) - grid.row
     near_column = int((start[0] - world.corner[0]) / STEP + 0.5) - grid.column
     for row in range(near_row - AROUND, near_row + AROUND + 1):
         for column in range(near_column - AROUND, near_column + AROUND + 1):
-            _go(world, nobody, leaps, grid, found, goal, 0, row, column)
+            _go(search, 0, row, column)
 
 
 @kernel
-def _go(
-    world: World,
-    nobody: Bodies,
-    leaps: Leaps,
-    grid: Grid,
-    found: Found,
-    goal: Goal,
-    place: int,
-    row: int,
-    column: int,
-) -> None:
+def _go(search: Search, place: int, row: int, column: int) -> None:
     """Walk from a place to a grid point, unless no shorter route can come of it."""
+    world, nobody, leaps, grid, found, goal = search
     if not (0 <= row < grid.rows and 0 <= column < grid.columns):
         return
     x = world.corner[0] + STEP * (grid.column + column)
@@ -220,7 +212,7 @@ def _go(
     if height == -np.inf:
         height = _height_after_walk(world, nobody, here, x, z, place != 0)
     if abs(height) < np.inf:
-        _relax(found, goal, place, point, x, height, z, length, False)
+        _relax(found, goal, place, point, Point(x, height, z), length, False)
 
 
 @kernel
@@ -229,33 +221,14 @@ def _height_after_walk(
 ) -> float:
     """Return the height in m at which a body arrives, -inf or NaN if it does not.
 
-    A start may be so close to a wall that there is no clearance beside it.
+    Nothing may be touched on the way: whoever arrived a centimetre off could stand in a wall when it goes on
+    from the place, and then leave the wall on its other side. A start may be so close to a wall that there is
+    no clearance beside it.
     """
-    height = walk_exactly(world, nobody, here, x, z, STRIDE)
+    height = walk_within(world, nobody, here, x, z, STRIDE, EXACT)
     if not with_clearance or not abs(height) < np.inf:
         return height
     return height if leaves_clearance(world, nobody, here, x, z, height, SIDE_CLEARANCE, STRIDE) else -np.inf
-
-
-@kernel
-def walk_exactly(world: World, nobody: Bodies, start: Point, x: float, z: float, stride: float) -> float:
-    """Walk straight to a place, as ``walk_straight`` does, but only if nothing is touched on the way.
-
-    Whoever arrived a centimetre off could stand in a wall when it goes on from the place, and then leave the
-    wall on its other side.
-    """
-    at = start
-    far = np.sqrt((x - start.x) * (x - start.x) + (z - start.z) * (z - start.z))
-    moves = int(np.ceil(far / stride))
-    for done in range(moves):
-        share = 1.0 / (moves - done)
-        delta_x, delta_z = (x - at.x) * share, (z - at.z) * share
-        moved = walk(world, nobody, at, delta_x, delta_z)
-        short = abs(moved.x - at.x - delta_x) + abs(moved.z - at.z - delta_z)
-        at = Point(moved.x, moved.y, moved.z)
-        if short > EXACT or not moved.on_ground or on_steep_ground(world, at):
-            return -np.inf
-    return at.y
 
 
 @kernel
@@ -292,17 +265,9 @@ def _height_on_open_ground(world: World, here: Point, x: float, z: float) -> flo
 
 
 @kernel
-def _leap(
-    world: World,
-    leaps: Leaps,
-    grid: Grid,
-    found: Found,
-    goal: Goal,
-    place: int,
-    row: int,
-    column: int,
-) -> None:
+def _leap(search: Search, place: int, row: int, column: int) -> None:
     """Take the leaps of the graph's node at a place, if there is one."""
+    world, _, leaps, grid, found, goal = search
     side, corner = leaps.lattice.side, world.corner
     row, column = row + grid.row, column + grid.column
     if row % FINENESS != 0 or column % FINENESS != 0:
@@ -322,22 +287,15 @@ def _leap(
             length = found.length[place] + np.sqrt(east * east + north * north)
             point = to_row * grid.columns + to_column
             if length + _left(goal, x, z) <= goal.bound:
-                _relax(found, goal, place, point, x, leaps.nodes.height[end], z, length, True)
+                _relax(found, goal, place, point, Point(x, leaps.nodes.height[end], z), length, True)
 
 
 @kernel
 def _relax(
-    found: Found,
-    goal: Goal,
-    before: int,
-    point: int,
-    x: float,
-    y: float,
-    z: float,
-    length: float,
-    leapt: bool,
+    found: Found, goal: Goal, before: int, point: int, place: Point, length: float, leapt: bool
 ) -> None:
     """Add a place, or the shorter route to a known one."""
+    x, y, z = place
     other = int(found.first[point]) if point >= 0 else NONE
     while other >= 0 and abs(found.place[other, 1] - y) > SAME_SURFACE:
         other = int(found.following[other])

@@ -71,13 +71,7 @@ def find_leaps(
     """Find the leaps from the nodes that have all their edges, beginning with ``start``.
 
     Args:
-        world: The static world.
-        body: One body, which is moved.
-        lattice: Of the map.
-        nodes: With edges; nodes that only leaps lead to are added.
-        leaps: Filled.
         start: First node whose leaps are not known.
-        capacity: Numbers of nodes and leaps that the tables can hold.
 
     Returns:
         The first node whose leaps are not known, like ``explore``.

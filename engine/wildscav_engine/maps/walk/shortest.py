@@ -7,12 +7,11 @@ from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.world import World
-from wildscav_engine.maps.walk.explore import ARRIVAL
+from wildscav_engine.maps.walk.explore import ARRIVAL, move_on
 from wildscav_engine.maps.walk.fine_search import Goal, fine_route
 from wildscav_engine.maps.walk.graph import WalkGraph
 from wildscav_engine.maps.walk.paths import Place, find_path, pulled
 from wildscav_engine.motion.collision import Bodies, Point
-from wildscav_engine.motion.walking import on_steep_ground, walk
 
 EXACT = 1.005  # times the straight line: a path that is no longer is not searched for a shorter one
 STRIDE = 0.1  # m, of walks that look for the place from which the target is reached
@@ -71,9 +70,7 @@ def finer_path(
     """Return the path over the fine grid to a place where the target is reached, None if there is none.
 
     Args:
-        graph: Of the map.
         start: (3,) m, soles.
-        goal: The target.
 
     Returns:
         (P, 3) m, its turns, with the start; and (P,) whether a leap leads to each.
@@ -106,10 +103,8 @@ def length_to_target(world: World, turns: NDArray[np.float64], leaps: NDArray[np
     From each turn, the body may also go straight to the target. It is inf if neither gets there.
 
     Args:
-        world: The static world.
         turns: (P, 3) m, soles, with the start.
         leaps: (P,) whether a leap leads to each.
-        goal: The target.
     """
     nobody = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
     before, best = 0.0, np.inf
@@ -144,8 +139,6 @@ def walk_until_reached(
     """Return how far a body walks straight towards a place until a target is reached; inf if it never is.
 
     Args:
-        world: The static world.
-        nobody: An empty set of bodies.
         start: (3,) m, soles.
         end: (3,) m, of which x and z count.
         target: (3,) m.
@@ -159,12 +152,8 @@ def walk_until_reached(
     far = np.sqrt(east * east + north * north)
     moves, gone = int(np.ceil(far / STRIDE)), 0.0
     for done in range(moves):
-        share = 1.0 / (moves - done)
-        delta_x, delta_z = (end[0] - at.x) * share, (end[2] - at.z) * share
-        moved = walk(world, nobody, at, delta_x, delta_z)
-        short = abs(moved.x - at.x - delta_x) + abs(moved.z - at.z - delta_z)
-        at = Point(moved.x, moved.y, moved.z)
-        if short > ARRIVAL or not moved.on_ground or on_steep_ground(world, at):
+        at, short, stands = move_on(world, nobody, at, end[0], end[2], moves - done)
+        if short > ARRIVAL or not stands:
             return np.inf
         stride, nearer = far / moves, _apart(at, target)
         if nearer <= reach:

@@ -1,4 +1,4 @@
-"""The appearance of the ground: a colour and a smooth normal at each corner of the cells."""
+"""The appearance of the ground: a colour and a smooth normal at each corner of the cells, and its grain."""
 
 from typing import NamedTuple
 
@@ -6,16 +6,33 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
-from wildscav_engine.geometry.world import CELL, World, cell_of
+from wildscav_engine.geometry.terrain import spread
+from wildscav_engine.geometry.world import CELL, World
 from wildscav_engine.rendering.palette import of_terrain
-from wildscav_engine.rendering.shading.color_arithmetic import Color, Vector, clipped, dimmed
-from wildscav_engine.rendering.shading.noise import endless_noise, noise
-from wildscav_engine.rendering.shading.surfaces import sharpness
+from wildscav_engine.rendering.shading.noise import (
+    FOURS,
+    between,
+    corner_of,
+    eased32,
+    endless_noise,
+    write_seen,
+)
+from wildscav_engine.rendering.shading.pixel_rows import (
+    AT_ONCE,
+    Channels,
+    Normals,
+    TextureScratch,
+    TracedRow,
+    Ways,
+    write_footprints,
+    write_places,
+)
+from wildscav_engine.rendering.tracing.frustum import nonnegative
 
-ONE = np.float32(1.0)
 SHORE = 3  # cells around water that show sand
 # The grain of the ground: sizes in m of its details, and between the darkest and the brightest of them.
 FINE, MEDIUM, COARSE = (0.11, 0.34), (0.45, 0.26), (2.3, 0.20)
+NONE, HALF, ONE, ONE_AND_HALF = (np.float32(number) for number in (0.0, 0.5, 1.0, 1.5))
 
 
 class GroundAppearance(NamedTuple):
@@ -45,12 +62,7 @@ def _water_nearby(world: World) -> NDArray[np.float64]:
         for column in range(2):
             part = nearby[row : row + rows, column : column + columns]
             np.maximum(part, world.water, out=part)
-    for _ in range(SHORE):
-        nearby[1:] = np.maximum(nearby[1:], nearby[:-1])
-        nearby[:-1] = np.maximum(nearby[:-1], nearby[1:])
-        nearby[:, 1:] = np.maximum(nearby[:, 1:], nearby[:, :-1])
-        nearby[:, :-1] = np.maximum(nearby[:, :-1], nearby[:, 1:])
-    return nearby
+    return spread(nearby, SHORE)
 
 
 @kernel
@@ -73,51 +85,6 @@ def packed_ground(appearance: GroundAppearance) -> NDArray[np.float32]:
     packed = np.zeros((*appearance.color.shape[:2], 8), np.float32)
     packed[..., :3], packed[..., 3:6] = appearance.color, appearance.normal
     return packed
-
-
-class GroundCell(NamedTuple):
-    """Where a place is on the ground."""
-
-    row: int  # of its cell
-    column: int
-    north: float  # position in the cell, 0-1
-    east: float
-
-
-@inlined_kernel
-def cell_at(world: World, x: float, z: float) -> GroundCell:
-    """Return the cell of a place and its position in it."""
-    rows, columns = world.water.shape
-    row, column = cell_of(world.corner[1], z, rows), cell_of(world.corner[0], x, columns)
-    north = (z - world.corner[1]) / CELL - row
-    east = (x - world.corner[0]) / CELL - column
-    return GroundCell(row, column, clipped(north, 0.0, 1.0), clipped(east, 0.0, 1.0))
-
-
-@inlined_kernel
-def ground_color(ground: NDArray[np.float32], cell: GroundCell, place: Vector, pixel: float) -> Color:
-    """Return the colour of the ground at a place, with its grain.
-
-    Args:
-        ground: As ``packed_ground`` returns it.
-        cell: Of the place.
-        place: m.
-        pixel: m, the size of a pixel there.
-    """
-    grain = _grain(place, FINE, pixel) + _grain(place, MEDIUM, pixel) + _grain(place, COARSE, pixel)
-    corners = corners_of(ground, cell.row, cell.column, np.float32(cell.north), np.float32(cell.east))
-    base = (float(blend(corners, 0)), float(blend(corners, 1)), float(blend(corners, 2)))
-    return dimmed(base, 1.0 + grain)
-
-
-@inlined_kernel
-def _grain(place: Vector, details: tuple[float, float], pixel: float) -> float:
-    """Return how much brighter the ground is for details of one size."""
-    size, strength = details
-    seen = strength * sharpness(size, pixel)
-    if seen == 0.0:
-        return 0.0
-    return seen * (noise(place[0] * (1.0 / size), place[2] * (1.0 / size)) - 0.5)
 
 
 class Corners(NamedTuple):
@@ -160,3 +127,107 @@ def blend(corners: Corners, part: int) -> np.float32:
         + corners.share_north_west * corners.north_west[part]
         + corners.share_north_east * corners.north_east[part]
     )
+
+
+@inlined_kernel
+def write_ground(
+    world: World,
+    ground: NDArray[np.float32],
+    row: TracedRow,
+    first: int,
+    last: int,
+    scratch: TextureScratch,
+) -> None:
+    """Write the colours without light, and the normals, of the ground from one column to before another."""
+    view, pixels = row.camera, row.pixels
+    for start in range(first, last, AT_ONCE):
+        end = min(last, start + AT_ONCE)
+        own, color, normal = pixels.ways, pixels.color, pixels.normal
+        ways = Ways(own.east[start:end], own.up[start:end], own.north[start:end])
+        red, green, blue = color.red[start:end], color.green[start:end], color.blue[start:end]
+        east, up, north = normal.east[start:end], normal.up[start:end], normal.north[start:end]
+        some = row.hit.distance[row.number, start:end]
+        write_places(view, ways, some, scratch)
+        _write_cells(world, end - start, scratch)
+        _write_smooth(ground, scratch, Channels(red, green, blue), Normals(east, up, north))
+        write_footprints(view, ways, some, Normals(east, up, north), scratch)
+        _write_grain(end - start, scratch)
+        for column in range(end - start):
+            red[column] *= scratch.grain[column]
+            green[column] *= scratch.grain[column]
+            blue[column] *= scratch.grain[column]
+
+
+@inlined_kernel
+def _write_cells(world: World, count: int, scratch: TextureScratch) -> None:
+    """Write the cells of places and the positions in them, 0-1; those beyond the map are at its edge."""
+    rows, columns = world.water.shape
+    west, south, per_m = np.float32(world.corner[0]), np.float32(world.corner[1]), np.float32(1.0 / CELL)
+    last_row, last_column = np.float32(rows - 1), np.float32(columns - 1)
+    for column in range(count):
+        along = (scratch.x[column] - west) * per_m
+        cell = min(last_column, max(NONE, np.floor(along)))
+        scratch.column[column] = np.int32(cell)
+        scratch.east[column] = min(ONE, max(NONE, along - cell))
+    for column in range(count):
+        along = (scratch.z[column] - south) * per_m
+        cell = min(last_row, max(NONE, np.floor(along)))
+        scratch.row[column] = np.int32(cell)
+        scratch.north[column] = min(ONE, max(NONE, along - cell))
+
+
+@inlined_kernel
+def _write_smooth(
+    ground: NDArray[np.float32], scratch: TextureScratch, color: Channels, normal: Normals
+) -> None:
+    """Write colours without grain, and unit normals, which are smooth across the edges of triangles."""
+    for column in range(color.red.shape[0]):
+        row, first = nonnegative(scratch.row[column]), nonnegative(scratch.column[column])
+        east, north = scratch.east[column], scratch.north[column]
+        corners = corners_of(ground, row, first, north, east)
+        color.red[column] = blend(corners, 0)
+        color.green[column] = blend(corners, 1)
+        color.blue[column] = blend(corners, 2)
+        normal.east[column] = blend(corners, 3)
+        normal.up[column] = blend(corners, 4)
+        normal.north[column] = blend(corners, 5)
+    for column in range(color.red.shape[0]):
+        x, y, z = normal.east[column], normal.up[column], normal.north[column]
+        # Its length is nearly 1, so this is nearly the reciprocal of it, by Newton's method.
+        scale = ONE_AND_HALF - HALF * (x * x + y * y + z * z)
+        normal.east[column], normal.up[column], normal.north[column] = x * scale, y * scale, z * scale
+
+
+@inlined_kernel
+def _write_grain(count: int, scratch: TextureScratch) -> None:
+    """Write how bright the ground is for its grain."""
+    for column in range(count):
+        scratch.grain[column] = ONE
+    _add_grain(FINE, count, scratch)
+    _add_grain(MEDIUM, count, scratch)
+    _add_grain(COARSE, count, scratch)
+
+
+@inlined_kernel
+def _add_grain(details: tuple[float, float], count: int, scratch: TextureScratch) -> None:
+    """Add the grain of one size, unless no pixel shows it."""
+    (size, strength), seen = details, scratch.seen
+    if not write_seen(np.float32(size), np.float32(strength), count, scratch.pixel, seen):
+        return
+    _place_in_noise(np.float32(1.0 / size), count, scratch)
+    for column in range(count):
+        scratch.corner[column] = FOURS[nonnegative(scratch.corner[column])]
+    for column in range(count):
+        bright = between(scratch.corner[column], scratch.east[column], scratch.north[column])
+        scratch.grain[column] += seen[column] * (bright - HALF)
+
+
+@inlined_kernel
+def _place_in_noise(per_m: np.float32, count: int, scratch: TextureScratch) -> None:
+    """Write where places are in the noise, of which so much is in a metre; see ``noise.noise``."""
+    for column in range(count):
+        x, z = scratch.x[column] * per_m, scratch.z[column] * per_m
+        west, south = np.floor(x), np.floor(z)
+        scratch.east[column] = eased32(x - west)
+        scratch.north[column] = eased32(z - south)
+        scratch.corner[column] = corner_of(int(np.int32(west)), int(np.int32(south)))

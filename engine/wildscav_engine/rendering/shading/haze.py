@@ -5,16 +5,10 @@ from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import inlined_kernel
 from wildscav_engine.rendering.shading.pixel_rows import RowOfPixels
-from wildscav_engine.rendering.shading.sky import BELOW, HORIZON, ZENITH
-from wildscav_engine.rendering.shading.water import DEEP, MURK
+from wildscav_engine.rendering.shading.sky import haze, levelness
+from wildscav_engine.rendering.shading.water import DEEP_WATER, MURK
 
 NONE, HALF, ONE, MOST = np.float32(0.0), np.float32(0.5), np.float32(1.0), np.float32(255.0)
-# The numbers of ``sky.haze`` in float32.
-STEEPLY = np.float32(-2.5)
-CLEAR_SKY = (np.float32(ZENITH[0]), np.float32(ZENITH[1]), np.float32(ZENITH[2]))
-TO_HORIZON = tuple(np.float32(far - high) for far, high in zip(HORIZON, ZENITH, strict=True))
-TO_BELOW = tuple(np.float32(low - far) for low, far in zip(BELOW, HORIZON, strict=True))
-DEEP_WATER = (np.float32(DEEP[0]), np.float32(DEEP[1]), np.float32(DEEP[2]))
 MURKINESS = np.float32(1.0 / MURK)
 
 # Short loops over few arrays, which the compiler can vectorize.
@@ -34,8 +28,7 @@ def write_hazy(pixels: RowOfPixels, colors: NDArray[np.uint8]) -> None:
     """Write (W, 3) the colours of a row, with the haze of the open air."""
     up, level = pixels.ways.up, pixels.level
     for column in range(colors.shape[0]):
-        rest = ONE - max(NONE, up[column])
-        level[column] = rest * rest * rest * rest
+        level[column] = levelness(up[column])
     _blend_haze(pixels.color.red, level, up, pixels.fog, 0)
     _blend_haze(pixels.color.green, level, up, pixels.fog, 1)
     _blend_haze(pixels.color.blue, level, up, pixels.fog, 2)
@@ -50,12 +43,9 @@ def _blend_haze(
     fog: NDArray[np.float32],
     channel: int,
 ) -> None:
-    """Blend one channel of a row with the haze in each direction; it is ``sky.haze`` without branches."""
-    high, to_horizon, to_below = CLEAR_SKY[channel], TO_HORIZON[channel], TO_BELOW[channel]
+    """Blend one channel of a row with the haze in each direction."""
     for column in range(own.shape[0]):
-        low = min(ONE, max(NONE, STEEPLY * up[column]))
-        haze = high + to_horizon * level[column] + to_below * low
-        own[column] = _rounded(own[column], haze, fog[column])
+        own[column] = _rounded(own[column], haze(channel, up[column], level[column]), fog[column])
 
 
 @inlined_kernel

@@ -1,17 +1,20 @@
-"""Deterministic noise for the grain of surfaces in pictures."""
+"""Deterministic noise for the grain of surfaces in pictures, and how much of its details pixels show."""
 
 import math
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.kernel import inlined_kernel, kernel
+from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel, kernel
 
 LOW_32 = 0xFFFFFFFF
 PERIOD = 128  # after which smooth noise repeats; a power of two
 BYTE, PER_BYTE = np.int32(255), np.float32(1.0 / 255.0)
 BEYOND = 2.0**20  # a multiple of the period that no coordinate of a map exceeds
-TWO, THREE = np.float32(2.0), np.float32(3.0)
+NONE, ONE, TWO, THREE = (np.float32(number) for number in (0.0, 1.0, 2.0, 3.0))
+# How visible details are: SHARPEST less BLUR times the size of a pixel, in sizes of the details.
+SHARPEST, BLUR = 1.6, 2.4
+SHARPEST_32, BLUR_32 = np.float32(SHARPEST), np.float32(BLUR)
 FACTORS = (374761393, 668265263, 974634533, 1274126177)
 
 
@@ -92,3 +95,31 @@ def _eased(share: float) -> float:
 def eased32(share: np.float32) -> np.float32:
     """Return a share from 0 to 1 that starts and ends level."""
     return share * share * (THREE - TWO * share)
+
+
+# Where a size is constant, so are these quotients: the compiler then replaces divisions, which are slow.
+
+
+@inlined_kernel
+def sharpness(size: float, pixel: float) -> float:
+    """Return how visible a detail of some size in m is, 0-1, at a pixel size in m."""
+    return min(1.0, max(0.0, SHARPEST - pixel * (BLUR / size)))
+
+
+@inlined_kernel
+def sharpness32(size: np.float32, pixel: np.float32) -> np.float32:
+    """Do the same in float32."""
+    return min(ONE, max(NONE, SHARPEST_32 - pixel * (BLUR_32 / size)))
+
+
+@disjoint_kernel
+def write_seen(
+    size: np.float32, strength: np.float32, count: int, pixel: NDArray[np.float32], seen: NDArray[np.float32]
+) -> bool:
+    """Write how visible details of some size are; return whether any is."""
+    is_any = np.int32(0)
+    for column in range(count):
+        sharp = sharpness32(size, pixel[column])
+        seen[column] = strength * sharp
+        is_any |= np.int32(sharp > NONE)
+    return bool(is_any != 0)

@@ -5,43 +5,47 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.kernel import inlined_kernel, kernel
+from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel, kernel
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.geometry.terrain import water_at
 from wildscav_engine.geometry.world import World
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.hits import WATER_HIT, Hits
-from wildscav_engine.rendering.shading.ambient_light import place_of, write_ambient, write_places_off
-from wildscav_engine.rendering.shading.ambient_occlusion import Around, write_depths
+from wildscav_engine.rendering.shading.appearance import Materials
 from wildscav_engine.rendering.shading.color_arithmetic import Color, Vector
-from wildscav_engine.rendering.shading.columns import write_columns
-from wildscav_engine.rendering.shading.ground_along_rows import write_ground
+from wildscav_engine.rendering.shading.ground import write_ground
 from wildscav_engine.rendering.shading.haze import write_fog, write_hazy, write_murky
-from wildscav_engine.rendering.shading.light import DIRECT, SKY_COLOR, SUN_COLOR, sun_shines
-from wildscav_engine.rendering.shading.materials import Materials
-from wildscav_engine.rendering.shading.moving_shadows import Casters, find_casters, is_shaded_by
-from wildscav_engine.rendering.shading.pieces import find_pieces
-from wildscav_engine.rendering.shading.pixel_rays import (
-    View,
+from wildscav_engine.rendering.shading.light.ambient_light import place_of, write_ambient, write_places_off
+from wildscav_engine.rendering.shading.light.ambient_occlusion import Around, write_depths
+from wildscav_engine.rendering.shading.light.columns import write_columns
+from wildscav_engine.rendering.shading.light.moving_shadows import Casters, find_casters, is_shaded_by
+from wildscav_engine.rendering.shading.light.sunlight import DIRECT, SKY_COLOR, SUN_COLOR, sun_shines
+from wildscav_engine.rendering.shading.pixel_rows import (
+    AT_ONCE,
+    Channels,
+    Normals,
+    Places,
+    RowOfPixels,
+    TextureScratch,
+    TracedRow,
     Ways,
     footprint,
     point_along,
+    row_in,
     view_of,
     way_of,
     write_ways,
 )
-from wildscav_engine.rendering.shading.pixel_rows import Channels, Normals, Places, RowOfPixels, row_in
-from wildscav_engine.rendering.shading.sky import SUN_DIRECTION
-from wildscav_engine.rendering.shading.sky_along_rows import write_sky
-from wildscav_engine.rendering.shading.surfaces import textured
-from wildscav_engine.rendering.shading.surfaces_along_rows import has_spots, write_spotted
-from wildscav_engine.rendering.shading.texture_scratch import AT_ONCE, TextureScratch
-from wildscav_engine.rendering.shading.water import water_color
+from wildscav_engine.rendering.shading.sky import SUN_DIRECTION, write_sky
+from wildscav_engine.rendering.shading.surfaces import has_spots, textured, write_spotted
+from wildscav_engine.rendering.shading.water import lighten, write_bed, write_reflection
+from wildscav_engine.rendering.tracing.frustum import nonnegative
 from wildscav_engine.rendering.tracing.solids import Solids
 
 NONE = np.float32(0.0)
 SUN_32 = tuple(np.float32(part) for part in SUN_COLOR)
 SKY_32 = tuple(np.float32(part) for part in SKY_COLOR)
+COMPARED = 16  # pixels that are compared at once
 
 
 class ShadedScene(NamedTuple):
@@ -78,11 +82,7 @@ def shade(
     """Shade the hits of the rays of one image.
 
     Args:
-        scene: What there is to see.
-        cameras: N cameras.
-        number: Which of them made the image.
         hit: What its rays hit, water included, (H, W) each.
-        canvas: Scratch buffers.
         cosines: (H, W) of the angles between the rays and the view axis.
         image: (H, W, 3) red, green, blue, written.
     """
@@ -90,42 +90,41 @@ def shade(
     count = find_casters(scene.moving, view.eye, scene.casters) if scene.shadows else 0
     write_depths(hit.distance, cosines, canvas.depths)
     is_under_water = water_at(scene.world, view.eye[0], view.eye[2]) > view.eye[1]
-    for row in range(view.height):
-        pixels = row_in(canvas.rows, row)
-        write_ways(view, row, cosines[row], pixels.ways)
-        write_fog(hit.distance[row], cameras.far, pixels.fog)
-        pieces = find_pieces(hit.solid[row], hit.face[row], canvas.pieces)
-        if pieces > 1 or hit.solid[row, 0] != NOTHING_HIT:
-            _write_surfaces(scene, view, hit, row, pieces, canvas, pixels)
-            _light_surfaces(scene, view, hit, row, pieces, count, canvas, pixels)
-            _write_waters(scene, view, hit, row, pieces, canvas, pixels)
-        _write_sky(scene.materials.clouds, hit.solid[row], pieces, canvas, pixels)
+    for number_of_row in range(view.height):
+        solids, distances = hit.solid[number_of_row], hit.distance[number_of_row]
+        pixels, colors = row_in(canvas.rows, number_of_row), image[number_of_row]
+        write_ways(view, number_of_row, cosines[number_of_row], pixels.ways)
+        write_fog(distances, cameras.far, pixels.fog)
+        pieces = find_pieces(solids, hit.face[number_of_row], canvas.pieces)
+        row = TracedRow(view, hit, number_of_row, canvas.pieces, pieces, pixels)
+        if pieces > 1 or solids[0] != NOTHING_HIT:
+            _write_surfaces(scene, row, canvas.texture)
+            _light_surfaces(scene, row, count, canvas)
+            _write_reflections(scene.materials.clouds, row, canvas.texture)
+        _write_sky(scene.materials.clouds, row, canvas.texture)
         if is_under_water:
-            write_murky(hit.distance[row], pixels, image[row])
+            write_murky(distances, pixels, colors)
         else:
-            write_hazy(pixels, image[row])
+            write_hazy(pixels, colors)
 
 
 @inlined_kernel
-def _write_surfaces(
-    scene: ShadedScene, view: View, hit: Hits, row: int, pieces: int, canvas: Canvas, pixels: RowOfPixels
-) -> None:
+def _write_surfaces(scene: ShadedScene, row: TracedRow, scratch: TextureScratch) -> None:
     """Write the colours without light, and the normals, of what the rays of a row hit."""
     ground, statics = scene.materials.ground, scene.world.solid_kind.shape[0]
-    scratch = canvas.texture
-    for piece in range(pieces):
-        first, last = canvas.pieces[piece], canvas.pieces[piece + 1]
-        solid = hit.solid[row, first]
+    for piece in range(row.piece_count):
+        first, last = row.pieces[piece], row.pieces[piece + 1]
+        solid, face = row.hit.solid[row.number, first], row.hit.face[row.number, first]
         if solid == TERRAIN_HIT:
-            write_ground(scene.world, ground, view, hit.distance[row], first, last, scratch, pixels)
+            write_ground(scene.world, ground, row, first, last, scratch)
+        elif solid == WATER_HIT:
+            write_bed(scene.world, ground, row, first, last, scratch)
         elif solid >= statics:
-            _write_moving(scene, solid - statics, hit.face[row, first], first, last, pixels)
+            _write_moving(scene, solid - statics, face, first, last, row.pixels)
         elif solid >= 0:
-            _write_solid(
-                scene, solid, hit.face[row, first], view, hit.distance[row], first, last, scratch, pixels
-            )
+            _write_solid(scene, solid, face, row, first, last, scratch)
         else:
-            _write_plain((0.0, 0.0, 0.0), (0.0, 1.0, 0.0), first, last, pixels)
+            _write_plain((0.0, 0.0, 0.0), (0.0, 1.0, 0.0), first, last, row.pixels)
 
 
 @inlined_kernel
@@ -154,17 +153,10 @@ def _write_moving(
 
 @inlined_kernel
 def _write_solid(
-    scene: ShadedScene,
-    solid: int,
-    face: int,
-    view: View,
-    distances: NDArray[np.float32],
-    first: int,
-    last: int,
-    scratch: TextureScratch,
-    pixels: RowOfPixels,
+    scene: ShadedScene, solid: int, face: int, row: TracedRow, first: int, last: int, scratch: TextureScratch
 ) -> None:
     """Write what shows a face of a static solid."""
+    view, distances, pixels = row.camera, row.hit.distance[row.number], row.pixels
     walls, colors, axes = scene.world.faces, scene.materials.color, scene.materials.axis
     kind, normal = scene.world.solid_kind[solid], (walls[face, 0], walls[face, 1], walls[face, 2])
     base = (colors[solid, 0], colors[solid, 1], colors[solid, 2])
@@ -188,23 +180,18 @@ def _write_solid(
 
 
 @inlined_kernel
-def _light_surfaces(
-    scene: ShadedScene,
-    view: View,
-    hit: Hits,
-    row: int,
-    pieces: int,
-    count: int,
-    canvas: Canvas,
-    pixels: RowOfPixels,
-) -> None:
+def _light_surfaces(scene: ShadedScene, row: TracedRow, casters: int, canvas: Canvas) -> None:
     """Apply the light of the sky and the sun to the colours of a row."""
-    write_places_off(view, pixels.ways, pixels.normal, hit.distance[row], pixels.place)
-    upwards, starts = scene.materials.upwards, canvas.pieces
-    write_ambient(upwards, scene.world, view, hit, canvas.depths, row, starts, pieces, canvas.around, pixels)
+    pixels, solids = row.pixels, row.hit.solid[row.number]
+    write_places_off(row.camera, pixels.ways, pixels.normal, row.hit.distance[row.number], pixels.place)
+    write_ambient(scene.materials.upwards, scene.world, row, canvas.depths, canvas.around)
     _write_direct(pixels.normal, pixels.direct)
     if scene.shadows:
-        _write_shadows(scene, hit, row, count, canvas.texture, pixels)
+        _write_shadows(scene, solids, casters, canvas.texture, pixels)
+    for piece in range(row.piece_count):
+        first, last = row.pieces[piece], row.pieces[piece + 1]
+        if solids[first] == WATER_HIT:
+            lighten(pixels.direct[first:last])
     _light(pixels, 0, pixels.color.red)
     _light(pixels, 1, pixels.color.green)
     _light(pixels, 2, pixels.color.blue)
@@ -221,7 +208,7 @@ def _write_direct(normal: Normals, direct: NDArray[np.float32]) -> None:
 
 @inlined_kernel
 def _write_shadows(
-    scene: ShadedScene, hit: Hits, row: int, count: int, scratch: TextureScratch, pixels: RowOfPixels
+    scene: ShadedScene, solids: NDArray[np.int32], casters: int, scratch: TextureScratch, pixels: RowOfPixels
 ) -> None:
     """Take the sun's light from the surfaces of a row that are in a shadow."""
     to_sun, own, direct = scene.materials.to_sun, pixels.place, pixels.direct
@@ -230,9 +217,9 @@ def _write_shadows(
         places = Places(own.x[start:end], own.y[start:end], own.z[start:end])
         write_columns(to_sun, places, scratch.row[: end - start], scratch.column[: end - start])
         for column in range(start, end):
-            if hit.solid[row, column] != NOTHING_HIT and direct[column] > NONE:
+            if solids[column] != NOTHING_HIT and direct[column] > NONE:
                 place = place_of(own, column)
-                is_shaded = is_shaded_by(scene.moving, scene.casters, count, place)
+                is_shaded = is_shaded_by(scene.moving, scene.casters, casters, place)
                 at = column - start
                 if is_shaded or not sun_shines(
                     to_sun, scene.world, scratch.row[at], scratch.column[at], place
@@ -242,49 +229,59 @@ def _write_shadows(
 
 @inlined_kernel
 def _light(pixels: RowOfPixels, channel: int, own: NDArray[np.float32]) -> None:
-    """Apply the light on surfaces to one channel of a row, as ``light.lit`` does."""
+    """Apply the light on surfaces to one channel of a row."""
     sun, sky, direct, ambient = SUN_32[channel], SKY_32[channel], pixels.direct, pixels.ambient
     for column in range(own.shape[0]):
         own[column] = own[column] * (direct[column] * sun + ambient[column] * sky)
 
 
 @inlined_kernel
-def _write_sky(
-    clouds: NDArray[np.float32], solids: NDArray[np.int32], pieces: int, canvas: Canvas, pixels: RowOfPixels
-) -> None:
+def _write_sky(clouds: NDArray[np.float32], row: TracedRow, scratch: TextureScratch) -> None:
     """Write what is before the clear sky where the rays of a row hit nothing."""
-    own, color, fog = pixels.ways, pixels.color, pixels.fog
-    for piece in range(pieces):
-        first, last = canvas.pieces[piece], canvas.pieces[piece + 1]
-        if solids[first] == NOTHING_HIT:
+    own, color, fog = row.pixels.ways, row.pixels.color, row.pixels.fog
+    for piece in range(row.piece_count):
+        first, last = row.pieces[piece], row.pieces[piece + 1]
+        if row.hit.solid[row.number, first] == NOTHING_HIT:
             ways = Ways(own.east[first:last], own.up[first:last], own.north[first:last])
             shown = Channels(color.red[first:last], color.green[first:last], color.blue[first:last])
-            write_sky(ways, clouds, canvas.texture, shown, fog[first:last])
+            write_sky(ways, clouds, scratch, shown, fog[first:last])
 
 
 @inlined_kernel
-def _write_waters(
-    scene: ShadedScene, view: View, hit: Hits, row: int, pieces: int, canvas: Canvas, pixels: RowOfPixels
-) -> None:
-    """Write the colours of water in its light."""
-    for piece in range(pieces):
-        first, last = canvas.pieces[piece], canvas.pieces[piece + 1]
-        if hit.solid[row, first] == WATER_HIT:
-            for column in range(first, last):
-                _write_water(scene, view, float(hit.distance[row, column]), column, pixels)
+def _write_reflections(clouds: NDArray[np.float32], row: TracedRow, scratch: TextureScratch) -> None:
+    """Write what water reflects."""
+    for piece in range(row.piece_count):
+        first, last = row.pieces[piece], row.pieces[piece + 1]
+        if row.hit.solid[row.number, first] == WATER_HIT:
+            write_reflection(clouds, row, first, last, scratch)
 
 
-@inlined_kernel
-def _write_water(scene: ShadedScene, view: View, distance: float, column: int, pixels: RowOfPixels) -> None:
-    """Write the colour of one pixel of water."""
-    direction = way_of(pixels.ways, column)
-    pixels.color.red[column], pixels.color.green[column], pixels.color.blue[column] = water_color(
-        scene.world,
-        scene.materials.ground,
-        scene.materials.clouds,
-        point_along(view.eye, direction, distance),
-        direction,
-        1.0 if pixels.direct[column] > NONE else 0.0,
-        float(pixels.ambient[column]),
-        footprint(view, direction, distance, (0.0, 1.0, 0.0)),
-    )
+@disjoint_kernel
+def find_pieces(solids: NDArray[np.int32], faces: NDArray[np.int32], pieces: NDArray[np.int32]) -> int:
+    """Find the pieces of a row, given what its W rays hit, as in ``Hits``; return how many there are.
+
+    ``pieces``, (W + 1,), gets the first column of each, then the column after the last.
+    """
+    width, count = solids.shape[0], 1
+    pieces[0] = 0
+    for start in range(1, width, COMPARED):
+        end = min(width, start + COMPARED)
+        if _is_one_surface(solids[start - 1 : end], faces[start - 1 : end]):
+            continue
+        for column in range(start, end):
+            # Always written, counted only if it begins a piece: this avoids branches.
+            pieces[nonnegative(count)] = column
+            is_other_face = (faces[column] != faces[column - 1]) & (solids[column] != TERRAIN_HIT)
+            count += (solids[column] != solids[column - 1]) | is_other_face
+    pieces[nonnegative(count)] = width
+    return count
+
+
+@disjoint_kernel
+def _is_one_surface(solids: NDArray[np.int32], faces: NDArray[np.int32]) -> bool:
+    """Return whether successive pixels all show one surface, in a loop that vectorizes."""
+    is_other = np.int32(0)
+    for column in range(1, solids.shape[0]):
+        is_other_face = np.int32(faces[column] != faces[0]) & np.int32(solids[0] != TERRAIN_HIT)
+        is_other |= np.int32(solids[column] != solids[0]) | is_other_face
+    return bool(is_other == 0)

@@ -1,15 +1,116 @@
-"""What is computed for one row of pixels, and space for it."""
+"""A row of pixels: its rays, the same as those of ``trace``, what is computed for them, and space for it."""
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.kernel import inlined_kernel
-from wildscav_engine.rendering.shading.pixel_rays import Ways
+from wildscav_engine.arithmetic.elementary_functions import cosine, sine
+from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel, kernel
+from wildscav_engine.rendering.cameras import Cameras
+from wildscav_engine.rendering.hits import Hits
+from wildscav_engine.rendering.shading.color_arithmetic import Vector, dot
 
+LEAST_FACING = 0.2  # cosine between a normal and the way to the eye; pixels are no longer at flatter angles
+LEAST_FACING_32 = np.float32(LEAST_FACING)
 ROWS = 21  # of numbers that a row of pixels needs
 COLOR, UNOCCLUDED, NORMAL, TILT, PLACE, OTHERS = 3, 6, 8, 11, 14, 17  # the first row of each
+AT_ONCE = 128  # pixels, whose numbers stay in the fastest cache
+FLOATS = 9  # buffers of float32; the other ones are int32
+
+
+class View(NamedTuple):
+    """One camera and its image size."""
+
+    eye: Vector  # m
+    sin_yaw: float
+    cos_yaw: float
+    sin_pitch: float
+    cos_pitch: float
+    pixel: float  # side of a pixel at distance 1 m along the axis, m
+    left: float  # tangent of the angle to the right of the view axis of the first column's pixels
+    top: float  # the same upwards of the first row
+    height: int  # pixels
+    width: int
+
+
+@kernel
+def view_of(cameras: Cameras, image: int, height: int, width: int) -> View:
+    """Return the view of one of the cameras."""
+    yaw, pitch = cameras.yaws[image], cameras.pitches[image]
+    eye = (cameras.eyes[image, 0], cameras.eyes[image, 1], cameras.eyes[image, 2])
+    pixel = 2.0 * cameras.half_width / width
+    left, top = (0.5 - 0.5 * width) * pixel, (0.5 * height - 0.5) * pixel
+    return View(eye, sine(yaw), cosine(yaw), sine(pitch), cosine(pitch), pixel, left, top, height, width)
+
+
+@kernel
+def direction_of(view: View, row: int, column: int) -> Vector:
+    """Return the unit vector of a pixel's ray."""
+    up = (view.height * 0.5 - row - 0.5) * view.pixel
+    right = (column + 0.5 - view.width * 0.5) * view.pixel
+    level, rise = view.cos_pitch + view.sin_pitch * up, view.cos_pitch * up - view.sin_pitch
+    along = 1.0 / np.sqrt(1.0 + up * up + right * right)
+    return (
+        (view.sin_yaw * level + view.cos_yaw * right) * along,
+        rise * along,
+        (view.cos_yaw * level - view.sin_yaw * right) * along,
+    )
+
+
+@lru_cache(maxsize=4)
+def cosines_of(half_width: float, height: int, width: int) -> NDArray[np.float32]:
+    """Return (H, W) the cosines of the angles between the view axis and the rays."""
+    pixel = 2.0 * half_width / width
+    right = (np.arange(width) + 0.5 - 0.5 * width) * pixel
+    above = (0.5 * height - np.arange(height) - 0.5) * pixel
+    return (1.0 / np.sqrt(1.0 + above[:, None] ** 2 + right**2)).astype(np.float32)
+
+
+@inlined_kernel
+def footprint(view: View, direction: Vector, distance: float, normal: Vector) -> float:
+    """Return the size in m of a pixel on a surface."""
+    return view.pixel * distance / max(LEAST_FACING, -dot(direction, normal))
+
+
+class Ways(NamedTuple):
+    """The unit vectors of the rays of one row of pixels, (W,) each."""
+
+    east: NDArray[np.float32]
+    up: NDArray[np.float32]
+    north: NDArray[np.float32]
+
+
+@inlined_kernel
+def write_ways(view: View, row: int, cosines: NDArray[np.float32], ways: Ways) -> None:
+    """Write the rays of a row, given (W,) the cosines of their angles to the view axis."""
+    above = view.top - row * view.pixel
+    level = np.float32(view.cos_pitch + view.sin_pitch * above)
+    rise = np.float32(view.cos_pitch * above - view.sin_pitch)
+    sin_yaw, cos_yaw = np.float32(view.sin_yaw), np.float32(view.cos_yaw)
+    left, pixel = np.float32(view.left), np.float32(view.pixel)
+    for column in range(cosines.shape[0]):
+        right = left + pixel * np.float32(np.int32(column))
+        ways.east[column] = (sin_yaw * level + cos_yaw * right) * cosines[column]
+        ways.up[column] = rise * cosines[column]
+        ways.north[column] = (cos_yaw * level - sin_yaw * right) * cosines[column]
+
+
+@inlined_kernel
+def way_of(ways: Ways, column: int) -> Vector:
+    """Return the unit vector of one ray of a row."""
+    return float(ways.east[column]), float(ways.up[column]), float(ways.north[column])
+
+
+@kernel
+def point_along(eye: Vector, direction: Vector, distance: float) -> Vector:
+    """Return the place at a distance in m along a ray."""
+    return (
+        eye[0] + direction[0] * distance,
+        eye[1] + direction[1] * distance,
+        eye[2] + direction[2] * distance,
+    )
 
 
 class Channels(NamedTuple):
@@ -65,6 +166,17 @@ def allocate_rows(width: int) -> NDArray[np.float32]:
     return np.empty((ROWS, width), np.float32)
 
 
+class TracedRow(NamedTuple):
+    """A row of an image to be shaded: what its rays hit, and what is computed for its pixels."""
+
+    camera: View
+    hit: Hits  # of the whole image, (H, W) each
+    number: int  # of the row
+    pieces: NDArray[np.int32]  # (W + 1,) the first column of each piece that shows one surface, then W
+    piece_count: int
+    pixels: RowOfPixels
+
+
 @inlined_kernel
 def row_in(space: NDArray[np.float32], row: int) -> RowOfPixels:
     """Return the arrays of a row."""
@@ -82,3 +194,69 @@ def row_in(space: NDArray[np.float32], row: int) -> RowOfPixels:
         space[OTHERS + 2],
         space[OTHERS + 3],
     )
+
+
+class TextureScratch(NamedTuple):
+    """Buffers for the textures along a row, (AT_ONCE,) each."""
+
+    x: NDArray[np.float32]  # m
+    y: NDArray[np.float32]
+    z: NDArray[np.float32]
+    pixel: NDArray[np.float32]  # m, size on the surface
+    grain: NDArray[np.float32]  # brightness
+    seen: NDArray[np.float32]  # how visible details of one size are
+    east: NDArray[np.float32]  # position in a cell, or among the numbers of the noise, 0-1
+    north: NDArray[np.float32]
+    rise: NDArray[np.float32]  # position between two levels of the noise, 0-1
+    row: NDArray[np.int32]  # of the cell
+    column: NDArray[np.int32]
+    corner: NDArray[np.int32]  # index in ``noise.FOURS``, then what is there
+    corner_above: NDArray[np.int32]  # the same in the level above
+
+
+def allocate_texture_scratch() -> TextureScratch:
+    """Return buffers of zeros, because some loops also read a few numbers that nobody has written."""
+    floats = np.zeros((FLOATS, AT_ONCE), np.float32)
+    return TextureScratch(*floats, *np.zeros((len(TextureScratch._fields) - FLOATS, AT_ONCE), np.int32))
+
+
+@inlined_kernel
+def texture_scratch_in(floats: NDArray[np.float32], integers: NDArray[np.int32]) -> TextureScratch:
+    """Return the buffers in (FLOATS, AT_ONCE) and (4, AT_ONCE) numbers."""
+    return TextureScratch(
+        floats[0],
+        floats[1],
+        floats[2],
+        floats[3],
+        floats[4],
+        floats[5],
+        floats[6],
+        floats[7],
+        floats[8],
+        integers[0],
+        integers[1],
+        integers[2],
+        integers[3],
+    )
+
+
+@disjoint_kernel
+def write_places(view: View, ways: Ways, distances: NDArray[np.float32], scratch: TextureScratch) -> None:
+    """Write where the pixels of a piece of a row show something."""
+    x, y, z = np.float32(view.eye[0]), np.float32(view.eye[1]), np.float32(view.eye[2])
+    for column in range(distances.shape[0]):
+        scratch.x[column] = x + ways.east[column] * distances[column]
+        scratch.y[column] = y + ways.up[column] * distances[column]
+        scratch.z[column] = z + ways.north[column] * distances[column]
+
+
+@disjoint_kernel
+def write_footprints(
+    view: View, ways: Ways, distances: NDArray[np.float32], normal: Normals, scratch: TextureScratch
+) -> None:
+    """Write the sizes of pixels on surfaces with these normals, as ``footprint`` does."""
+    pixel = np.float32(view.pixel)
+    for column in range(distances.shape[0]):
+        away = ways.east[column] * normal.east[column] + ways.up[column] * normal.up[column]
+        facing = -(away + ways.north[column] * normal.north[column])
+        scratch.pixel[column] = pixel * distances[column] / max(LEAST_FACING_32, facing)

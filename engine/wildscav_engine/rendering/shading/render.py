@@ -13,24 +13,22 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.array_tables import Addresses, ArrayTable, reader
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.parallel.turns import ALONE, Turns
-from wildscav_engine.rendering.cameras import Cameras, are_finite
+from wildscav_engine.rendering.cameras import TAKEN_ALREADY, Cameras, are_finite, item_at
 from wildscav_engine.rendering.dynamic_objects import ObjectSets, read_objects, solids_between
 from wildscav_engine.rendering.hits import Hits, write_hits
-from wildscav_engine.rendering.match_images import Matches, objects_in, trace_in_match
-from wildscav_engine.rendering.shading.ambient_occlusion import LOOKED_AT, around_in
 from wildscav_engine.rendering.shading.appearance import Appearance, Appearances, materials_in, world_in
-from wildscav_engine.rendering.shading.moving_shadows import Casters, allocate_casters
+from wildscav_engine.rendering.shading.light.ambient_occlusion import LOOKED_AT, around_in
+from wildscav_engine.rendering.shading.light.moving_shadows import Casters, allocate_casters
 from wildscav_engine.rendering.shading.pictures import Canvas, ShadedScene, shade
-from wildscav_engine.rendering.shading.pixel_rays import cosines_of
-from wildscav_engine.rendering.shading.pixel_rows import allocate_rows
-from wildscav_engine.rendering.shading.texture_scratch import (
+from wildscav_engine.rendering.shading.pixel_rows import (
     FLOATS,
+    allocate_rows,
     allocate_texture_scratch,
+    cosines_of,
     texture_scratch_in,
 )
-from wildscav_engine.rendering.trace import Scene, Scenes
+from wildscav_engine.rendering.trace import Matches, Scene, Scenes, objects_in, trace_in_match
 from wildscav_engine.rendering.tracing.workspace import Size
-from wildscav_engine.rendering.turns import TAKEN_ALREADY, item_at
 
 MAX_KEPT = 2**18  # pixels of the largest picture whose scratch buffers are kept for the next one
 
@@ -50,13 +48,8 @@ def render_pictures(
 
     Args:
         scenes: The static worlds of N cameras, or one for all.
-        appearances: Their appearances.
-        objects: The moving objects of some matches.
         matches: (N,) the match in ``objects`` that each camera is in.
-        cameras: N cameras.
         images: (N, H, W, 3) red, green, blue, written.
-        turns: In which order to render them, with other threads.
-        shadows: Whether solids cast shadows.
 
     Returns:
         Whether all numbers of the cameras are finite; if not, nothing is written.

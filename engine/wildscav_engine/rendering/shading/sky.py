@@ -1,4 +1,7 @@
-"""The sky: a gradient, the sun's disc, a few clouds, and the haze that distant surfaces fade into."""
+"""The sky: a gradient, the sun's disc, a few clouds, and the haze that distant surfaces fade into.
+
+The sky of a row of pixels is written in loops that vectorize.
+"""
 
 import math
 from functools import cache
@@ -6,10 +9,11 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.kernel import inlined_kernel, kernel
+from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel, kernel
 from wildscav_engine.rendering.palette import SUN
-from wildscav_engine.rendering.shading.color_arithmetic import Color, Vector, clipped, dot, mixed
 from wildscav_engine.rendering.shading.noise import endless_noise
+from wildscav_engine.rendering.shading.pixel_rows import AT_ONCE, Channels, TextureScratch, Ways
+from wildscav_engine.rendering.tracing.frustum import nonnegative
 
 ZENITH, HORIZON = (84.0, 138.0, 206.0), (200.0, 217.0, 232.0)
 BELOW = (168.0, 182.0, 192.0)  # below the horizon, beyond the edge of the map
@@ -28,49 +32,18 @@ CLOUDS_REACH = 10.0  # greatest coordinate of a cloud, on that plane
 CLOUDS_STEP = 0.0625  # between two numbers of the clouds' map
 DISC, GLOW = 0.9994, 0.97  # cosines of the angles from the sun's centre where its disc and its glow end
 GLOW_STRENGTH = 0.7  # next to the disc
-
-
-@kernel
-def haze(direction: Vector) -> Color:
-    """Return the colour of the clear sky along a unit vector, without the sun."""
-    if direction[1] < 0.0:
-        return mixed(HORIZON, BELOW, clipped(-2.5 * direction[1], 0.0, 1.0))
-    rest = 1.0 - min(1.0, direction[1])
-    return mixed(ZENITH, HORIZON, rest * rest * rest * rest)
-
-
-@inlined_kernel
-def sky(direction: Vector, clouds: NDArray[np.float32]) -> Color:
-    """Return the colour of the sky along a unit vector, given the map of the clouds."""
-    color = haze(direction)
-    if direction[1] > CLOUDS_FROM:
-        color = mixed(color, CLOUD, _cloud(direction, clouds))
-    to_sun = dot(direction, SUN_DIRECTION)
-    if to_sun > GLOW:
-        color = mixed(color, SUN_COLOR, _glow(to_sun))
-    return color
-
-
-@inlined_kernel
-def _glow(to_sun: float) -> float:
-    """Return how much the sun outshines the sky, by the cosine of the angle to its centre."""
-    glow = (to_sun - GLOW) / (1.0 - GLOW)
-    return 1.0 if to_sun > DISC else GLOW_STRENGTH * glow * glow
-
-
-@inlined_kernel
-def _cloud(direction: Vector, clouds: NDArray[np.float32]) -> float:
-    """Return how much of the sky clouds cover, 0-1, less towards the horizon."""
-    scale = CLOUDS_WIDTH / (direction[1] + FLATTENED)
-    x = (direction[0] * scale + CLOUDS_REACH) * (1.0 / CLOUDS_STEP)
-    z = (direction[2] * scale + CLOUDS_REACH) * (1.0 / CLOUDS_STEP)
-    last = clouds.shape[0] - 2
-    column, row = min(last, max(0, int(x))), min(last, max(0, int(z)))
-    east, north = x - column, z - row
-    south = clouds[row, column] + (clouds[row, column + 1] - clouds[row, column]) * east
-    top = clouds[row + 1, column] + (clouds[row + 1, column + 1] - clouds[row + 1, column]) * east
-    cover = float(south + (top - south) * north)
-    return cover * clipped((direction[1] - CLOUDS_FROM) * INTO_CLOUDS, 0.0, 1.0)
+NONE, ONE, LEAST = np.float32(0.0), np.float32(1.0), np.float32(1e-6)
+WIDTH, FROM, FLAT = np.float32(CLOUDS_WIDTH), np.float32(CLOUDS_FROM), np.float32(FLATTENED)
+REACH, PER_STEP, INTO = np.float32(CLOUDS_REACH), np.float32(1.0 / CLOUDS_STEP), np.float32(INTO_CLOUDS)
+GLOW_32, PER_GLOW, DISC_32 = np.float32(GLOW), np.float32(1.0 / (1.0 - GLOW)), np.float32(DISC)
+STRENGTH = np.float32(GLOW_STRENGTH)
+SUN_EAST, SUN_UP, SUN_NORTH = (np.float32(part) for part in SUN_DIRECTION)
+OF_CLOUDS = tuple(np.float32(part) for part in CLOUD)
+TO_SUN = tuple(np.float32(sun - cloud) for sun, cloud in zip(SUN_COLOR, CLOUD, strict=True))
+STEEPLY = np.float32(-2.5)
+OF_ZENITH = tuple(np.float32(part) for part in ZENITH)
+TO_HORIZON = tuple(np.float32(far - high) for far, high in zip(HORIZON, ZENITH, strict=True))
+TO_BELOW = tuple(np.float32(low - far) for low, far in zip(BELOW, HORIZON, strict=True))
 
 
 @cache
@@ -89,4 +62,75 @@ def _write_clouds(clouds: NDArray[np.float32]) -> None:
             x, z = column * CLOUDS_STEP - CLOUDS_REACH, row * CLOUDS_STEP - CLOUDS_REACH
             wide, fine = endless_noise(x, z), endless_noise(4.3 * x, 4.3 * z + 5.0)
             cover = 0.56 * wide + 0.29 * endless_noise(2.1 * x + 9.0, 2.1 * z) + 0.15 * fine
-            clouds[row, column] = 0.75 * clipped((cover - 0.50) * 3.2, 0.0, 1.0)
+            clouds[row, column] = 0.75 * min(1.0, max(0.0, (cover - 0.50) * 3.2))
+
+
+@inlined_kernel
+def levelness(up: np.float32) -> np.float32:
+    """Return how near a ray is to the horizon, 0-1, given the upward part of its unit vector."""
+    rest = ONE - max(NONE, up)
+    return np.float32(rest * rest * rest * rest)
+
+
+@inlined_kernel
+def haze(channel: int, up: np.float32, level: np.float32) -> np.float32:
+    """Return the colour of the clear sky along a ray, without the sun; ``level`` is its ``levelness``."""
+    low = min(ONE, max(NONE, STEEPLY * up))
+    return np.float32(OF_ZENITH[channel] + TO_HORIZON[channel] * level + TO_BELOW[channel] * low)
+
+
+@inlined_kernel
+def write_sky(
+    ways: Ways,
+    clouds: NDArray[np.float32],
+    scratch: TextureScratch,
+    shown: Channels,
+    fog: NDArray[np.float32],
+) -> None:
+    """Write what is before the clear sky, and how much of the haze is seen, in a piece of a row."""
+    for start in range(0, fog.shape[0], AT_ONCE):
+        end = min(fog.shape[0], start + AT_ONCE)
+        some = Ways(ways.east[start:end], ways.up[start:end], ways.north[start:end])
+        _place_in_clouds(some, np.float32(clouds.shape[0] - 2), scratch)
+        for column in range(end - start):
+            row, first = nonnegative(scratch.row[column]), nonnegative(scratch.column[column])
+            east, south, north = scratch.east[column], clouds[row], clouds[row + 1]
+            low = south[first] + (south[first + 1] - south[first]) * east
+            high = north[first] + (north[first + 1] - north[first]) * east
+            scratch.seen[column] *= low + (high - low) * scratch.north[column]
+        _write_glow(some, scratch, fog[start:end])
+        _write_channel(0, scratch, shown.red[start:end])
+        _write_channel(1, scratch, shown.green[start:end])
+        _write_channel(2, scratch, shown.blue[start:end])
+
+
+@disjoint_kernel
+def _place_in_clouds(ways: Ways, last: np.float32, scratch: TextureScratch) -> None:
+    """Write where rays meet the clouds, and how much of these is seen there: less towards the horizon."""
+    for column in range(ways.up.shape[0]):
+        up = ways.up[column]
+        scratch.seen[column] = min(ONE, max(NONE, (up - FROM) * INTO))
+        scale = WIDTH / (max(FROM, up) + FLAT)
+        x, z = (ways.east[column] * scale + REACH) * PER_STEP, (ways.north[column] * scale + REACH) * PER_STEP
+        west, south = min(last, max(NONE, np.floor(x))), min(last, max(NONE, np.floor(z)))
+        scratch.column[column], scratch.row[column] = np.int32(west), np.int32(south)
+        scratch.east[column], scratch.north[column] = x - west, z - south
+
+
+@disjoint_kernel
+def _write_glow(ways: Ways, scratch: TextureScratch, fog: NDArray[np.float32]) -> None:
+    """Write the shares of the haze, and of the sun in what is before it."""
+    for column in range(fog.shape[0]):
+        to_sun = ways.east[column] * SUN_EAST + ways.up[column] * SUN_UP + ways.north[column] * SUN_NORTH
+        near = max(NONE, (to_sun - GLOW_32) * PER_GLOW)
+        glow = ONE if to_sun > DISC_32 else STRENGTH * near * near
+        rest = (ONE - scratch.seen[column]) * (ONE - glow)
+        fog[column] = rest
+        scratch.grain[column] = glow / max(LEAST, ONE - rest)
+
+
+@disjoint_kernel
+def _write_channel(channel: int, scratch: TextureScratch, shown: NDArray[np.float32]) -> None:
+    cloud, to_sun = OF_CLOUDS[channel], TO_SUN[channel]
+    for column in range(shown.shape[0]):
+        shown[column] = cloud + to_sun * scratch.grain[column]

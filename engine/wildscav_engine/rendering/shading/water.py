@@ -3,65 +3,109 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.compilation.kernel import inlined_kernel
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import World
-from wildscav_engine.rendering.shading.color_arithmetic import Color, Vector, clipped, dot, mixed
-from wildscav_engine.rendering.shading.ground import cell_at, ground_color
-from wildscav_engine.rendering.shading.light import lit
-from wildscav_engine.rendering.shading.noise import noise
-from wildscav_engine.rendering.shading.sky import sky
-from wildscav_engine.rendering.shading.surfaces import sharpness
+from wildscav_engine.rendering.shading.color_arithmetic import Vector, dot
+from wildscav_engine.rendering.shading.ground import write_ground
+from wildscav_engine.rendering.shading.light.sunlight import DIRECT
+from wildscav_engine.rendering.shading.noise import noise, sharpness
+from wildscav_engine.rendering.shading.pixel_rows import (
+    AT_ONCE,
+    Channels,
+    TextureScratch,
+    TracedRow,
+    View,
+    Ways,
+    footprint,
+    point_along,
+    way_of,
+)
+from wildscav_engine.rendering.shading.sky import SUN_DIRECTION, haze, levelness, write_sky
 
 DEEP = (26.0, 84.0, 132.0)
+DEEP_WATER = (np.float32(DEEP[0]), np.float32(DEEP[1]), np.float32(DEEP[2]))
 CLEAR = 0.9  # m of depth at which a quarter of the bed's colour is still seen
 UP = (0.0, 1.0, 0.0)
 WAVES = 0.9  # m from one ripple to the next
 STEEPNESS = 0.16  # of ripples
 MURK = 9.0  # m, the range of sight under water
+LIT, IN_SHADOW = np.float32(0.4), np.float32(0.6 * DIRECT * SUN_DIRECTION[1])  # water in a shadow keeps 60 %
 
 
-@kernel
-def water_color(
+@inlined_kernel
+def write_bed(
     world: World,
     ground: NDArray[np.float32],
-    clouds: NDArray[np.float32],
-    place: Vector,
-    direction: Vector,
-    sun: float,
-    ambient: float,
-    pixel: float,
-) -> Color:
-    """Return the colour of a water surface.
+    row: TracedRow,
+    first: int,
+    last: int,
+    scratch: TextureScratch,
+) -> None:
+    """Write the colours without light, and the normals, of water from one column to before another."""
+    write_ground(world, ground, row, first, last, scratch)
+    pixels, distances = row.pixels, row.hit.distance[row.number]
+    for column in range(first, last):
+        place = point_along(row.camera.eye, way_of(pixels.ways, column), float(distances[column]))
+        depth = max(0.0, place[1] - ground_at(world, place[0], place[2]).height)
+        clear = np.float32(CLEAR / (CLEAR + depth))
+        for channel in range(3):
+            color, deep = pixels.color[channel], DEEP_WATER[channel]
+            color[column] = deep + (color[column] - deep) * clear * clear
+            pixels.normal[channel][column] = UP[channel]
 
-    Args:
-        world: The static world.
-        ground: The appearance of its ground; see ``packed_ground``.
-        clouds: The map of the clouds.
-        place: m, on the surface.
-        direction: Unit vector of the incoming ray.
-        sun: Share of the sun's light that reaches it, 0-1.
-        ambient: Ambient light, as for ``lit``.
-        pixel: m, the size of a pixel there.
+
+@inlined_kernel
+def lighten(direct: NDArray[np.float32]) -> None:
+    """Soften the shadows on water, given the light of the sun on its pixels."""
+    for column in range(direct.shape[0]):
+        direct[column] = IN_SHADOW + LIT * direct[column]
+
+
+@inlined_kernel
+def write_reflection(
+    clouds: NDArray[np.float32], row: TracedRow, first: int, last: int, scratch: TextureScratch
+) -> None:
+    """Blend the reflected sky into the colours of lit water, from one column to before another.
+
+    The places and the light of these pixels have been used, and are overwritten.
     """
-    depth = max(0.0, place[1] - ground_at(world, place[0], place[2]).height)
-    bed = ground_color(ground, cell_at(world, place[0], place[2]), place, pixel)
-    clear = CLEAR / (CLEAR + depth)
-    body = lit(mixed(DEEP, bed, clear * clear), UP, 0.6 + 0.4 * sun, ambient)
-    normal = _rippled(place, pixel)
-    facing = clipped(-dot(direction, normal), 0.0, 1.0)
-    # Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", Eurographics 1994.
-    rest = 1.0 - facing
-    reflected = 0.02 + 0.98 * rest * rest * rest * rest * rest
-    mirrored = (
-        direction[0] + 2.0 * facing * normal[0],
-        max(0.02, direction[1] + 2.0 * facing * normal[1]),
-        direction[2] + 2.0 * facing * normal[2],
-    )
-    return mixed(body, sky(mirrored, clouds), min(0.75, reflected))
+    pixels, place, color = row.pixels, row.pixels.place, row.pixels.color
+    for start in range(first, last, AT_ONCE):
+        end = min(last, start + AT_ONCE)
+        count = end - start
+        ways = Ways(pixels.ways.east[start:end], pixels.ways.up[start:end], pixels.ways.north[start:end])
+        mirrored = Ways(scratch.x[:count], scratch.y[:count], scratch.z[:count])
+        sky = Channels(place.x[start:end], place.y[start:end], place.z[start:end])
+        share, fog = pixels.ambient[start:end], pixels.direct[start:end]
+        _mirror(row.camera, ways, row.hit.distance[row.number, start:end], mirrored, share)
+        write_sky(mirrored, clouds, scratch, sky, fog)
+        _reflect(0, mirrored.up, sky.red, fog, share, color.red[start:end])
+        _reflect(1, mirrored.up, sky.green, fog, share, color.green[start:end])
+        _reflect(2, mirrored.up, sky.blue, fog, share, color.blue[start:end])
 
 
-@kernel
+@inlined_kernel
+def _mirror(
+    view: View, ways: Ways, distances: NDArray[np.float32], mirrored: Ways, share: NDArray[np.float32]
+) -> None:
+    """Write where rays go that ripples reflect, and the shares of their light.
+
+    Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", Eurographics 1994.
+    """
+    for column in range(share.shape[0]):
+        direction, distance = way_of(ways, column), float(distances[column])
+        pixel = footprint(view, direction, distance, UP)
+        normal = _rippled(point_along(view.eye, direction, distance), pixel)
+        facing = min(1.0, max(0.0, -dot(direction, normal)))
+        rest = 1.0 - facing
+        share[column] = min(0.75, 0.02 + 0.98 * rest * rest * rest * rest * rest)
+        mirrored.east[column] = direction[0] + 2.0 * facing * normal[0]
+        mirrored.up[column] = max(0.02, direction[1] + 2.0 * facing * normal[1])
+        mirrored.north[column] = direction[2] + 2.0 * facing * normal[2]
+
+
+@inlined_kernel
 def _rippled(place: Vector, pixel: float) -> Vector:
     """Return the unit normal of a water surface at a place."""
     steep = STEEPNESS * sharpness(WAVES, pixel)
@@ -72,3 +116,19 @@ def _rippled(place: Vector, pixel: float) -> Vector:
     north = steep * (noise(x + 71.0, 0.6 * z) + 0.6 * noise(2.3 * x, 1.7 * z + 93.0) - 0.8)
     length = np.sqrt(1.0 + east * east + north * north)
     return east / length, 1.0 / length, north / length
+
+
+@inlined_kernel
+def _reflect(
+    channel: int,
+    up: NDArray[np.float32],
+    sky: NDArray[np.float32],
+    fog: NDArray[np.float32],
+    share: NDArray[np.float32],
+    own: NDArray[np.float32],
+) -> None:
+    """Blend one channel of the sky, and of the haze behind it, into the colours of water."""
+    for column in range(own.shape[0]):
+        clear = haze(channel, up[column], levelness(up[column]))
+        seen = sky[column] + (clear - sky[column]) * fog[column]
+        own[column] += (seen - own[column]) * share[column]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.rendering.tracing.frustum import Camera, Rectangle
-from wildscav_engine.rendering.tracing.packing import GROUP, LANES
+from wildscav_engine.rendering.tracing.scene_arrays import GROUP, LANES
 
 NEAR = 1.0  # m ahead; nearer boxes are projected in float64
 NEAR_RADII = 1.0 / 16.0  # of its radius, up to which a large box counts as near, because it is rounded more
@@ -100,9 +100,6 @@ def project_boxes(
 
     Args:
         east: float32 m, from the camera to the origin of the boxes; so up and north.
-        up: See east.
-        north: See east.
-        camera: The camera of the image.
         boxes: (PROJECTED_GROUP,) a group, see ``Blocks``, followed by its projections, which are written. One
             array holds both, so that the compiler need not expect two arrays to overlap and can vectorize.
     """

@@ -35,7 +35,15 @@ from wildscav_engine.rendering.tracing.hit_buffer import (
     fill,
     reaches_beyond,
 )
-from wildscav_engine.rendering.tracing.packing import GROUP, LANES, Blocks, Shapes
+from wildscav_engine.rendering.tracing.scene_arrays import (
+    COLUMNS,
+    GROUP,
+    LANES,
+    OVERHANGS,
+    ROWS,
+    Blocks,
+    Shapes,
+)
 from wildscav_engine.rendering.tracing.solid_intersection import trace_solid
 from wildscav_engine.rendering.tracing.terrain_intersection import (
     Square,
@@ -91,10 +99,7 @@ def trace_moving_solids(
     Args:
         moving: The moving solids; those that the viewer owns are left out.
         others: Number of the world's solids, which are counted before these.
-        camera: The camera of the image.
         viewer: The owner of the solids that this camera does not see.
-        outside: Scratch buffer with a number for each face of a solid.
-        buffer: The hit buffer of the image, with its rays set.
     """
     for solid in range(moving.boxes.shape[0]):
         box = moving.boxes[solid]
@@ -110,28 +115,20 @@ def trace_moving_solids(
 def trace_world(
     blocks: Blocks, solids: Shapes, camera: Camera, with_water: bool, scratch: Scratch, buffer: HitBuffer
 ) -> None:
-    """Intersect the rays of an image with the static world.
-
-    Args:
-        blocks: The world in blocks.
-        solids: The solids in it.
-        camera: The camera of the image.
-        with_water: Whether rays hit the surface of water.
-        scratch: Scratch buffers.
-        buffer: The hit buffer of the image, with its rays set.
-    """
+    """Intersect the rays of an image with the static world."""
     row = int(np.floor((camera.z - blocks.edges[1]) / CELL))
     column = int(np.floor((camera.x - blocks.edges[0]) / CELL))
-    if not (0 <= row < blocks.rows and 0 <= column < blocks.columns):
+    if not (0 <= row < blocks.extent[ROWS] and 0 <= column < blocks.extent[COLUMNS]):
         return
     height, half = height_in(blocks, row, column, camera)
     if camera.y <= height:
-        fill(buffer, 0.0, code_of_triangle(2 * (row * blocks.columns + column) + half))
+        fill(buffer, 0.0, code_of_triangle(2 * (row * blocks.extent[COLUMNS] + column) + half))
         return
     _trace_blocks(blocks, solids, row // BLOCK, column // BLOCK, camera, with_water, scratch, buffer)
-    if blocks.overhangs:
+    if blocks.extent[OVERHANGS]:
         west, south = blocks.edges[0], blocks.edges[1]
-        end_at_edges(buffer, camera, west, south, blocks.columns * CELL, blocks.rows * CELL)
+        width, height = blocks.extent[COLUMNS] * CELL, blocks.extent[ROWS] * CELL
+        end_at_edges(buffer, camera, west, south, width, height)
 
 
 @inlined_kernel
@@ -175,7 +172,7 @@ def _trace_blocks(
 
 @inlined_kernel
 def _square_at(blocks: Blocks, row: int, column: int, camera: Camera) -> Square:
-    block = nonnegative(row * ((blocks.columns + BLOCK - 1) // BLOCK) + column)
+    block = nonnegative(row * ((blocks.extent[COLUMNS] + BLOCK - 1) // BLOCK) + column)
     west, south = blocks.edges[0] + column * SIDE, blocks.edges[1] + row * SIDE
     return Square(block, row * BLOCK, column * BLOCK, west - camera.x, south - camera.z)
 
@@ -184,17 +181,9 @@ def _square_at(blocks: Blocks, row: int, column: int, camera: Camera) -> Square:
 def _queue_blocks(
     blocks: Blocks, row: int, column: int, camera: Camera, camera32: Float32Camera, scratch: Scratch
 ) -> int:
-    """List the blocks that may be visible, from near to far, and return how many there are.
-
-    Args:
-        blocks: The world in blocks.
-        row: Row of the block that the eye is in.
-        column: Its column.
-        camera: The camera of the image.
-        camera32: The same camera in float32.
-        scratch: Its queue is written.
-    """
-    rows, columns = (blocks.rows + BLOCK - 1) // BLOCK, (blocks.columns + BLOCK - 1) // BLOCK
+    """List the blocks that may be visible, from near to far, and return how many there are."""
+    rows = (blocks.extent[ROWS] + BLOCK - 1) // BLOCK
+    columns = (blocks.extent[COLUMNS] + BLOCK - 1) // BLOCK
     rings = min(int(camera.far / SIDE) + 1, max(rows, columns))
     ahead = camera.cos_pitch
     goes_south, goes_north = _ways(camera, camera.cos_yaw * ahead, camera.cos_yaw, camera.sin_yaw)
@@ -239,7 +228,6 @@ def _ways(camera: Camera, ahead: float, above: float, right: float) -> tuple[boo
     """Return whether any ray of a camera may go down along an axis of the map, and whether any may go up.
 
     Args:
-        camera: The camera.
         ahead: Component of the view axis along that axis; so above and right, per unit of tangent.
         above: See ahead; before it is multiplied by the sine of the pitch.
         right: See ahead; its sign does not count.
@@ -262,9 +250,7 @@ def _note_shown(
     Args:
         middles: (N,) m, heights of the blocks' middles.
         radii: (N,) m, radii of their bounding spheres.
-        square: The westernmost block.
         height: m, of the camera.
-        camera: The camera of the image.
         shown: (N,) written: 1 for the blocks that may be visible.
     """
     side = np.float32(SIDE)

@@ -33,13 +33,7 @@ class HitBuffer(NamedTuple):
 
 
 def allocate_rays(height: int, width: int, half_width: float) -> NDArray[np.float64]:
-    """Return (7, height * width): space for the rays, and the values that do not depend on the camera's pose.
-
-    Args:
-        height: Of the image, pixels.
-        width: Of the image, pixels.
-        half_width: The tangent of half the horizontal field of view.
-    """
+    """Return (7, height * width): space for the rays, and what does not depend on the pose of the camera."""
     rays = np.empty((7, height, width))
     pixel = 2.0 * half_width / width
     right = ((np.arange(width) + 0.5 - width * 0.5) * pixel)[None, :]
@@ -131,7 +125,6 @@ def end_at_edges(
     """Clear hits beyond the edges of the map.
 
     Args:
-        buffer: Written.
         camera: The camera of the image; it is on the map.
         west: m, x of the map's western edge.
         south: m, z of its southern edge.

@@ -13,15 +13,14 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.kernel import array_kernel
 from wildscav_engine.geometry.world import BLOCK, CELL, World
 from wildscav_engine.rendering.tracing.coarse_projection import NEVER_SEEN, ROUNDED, SLACK
-from wildscav_engine.rendering.tracing.packing import (
+from wildscav_engine.rendering.tracing.scene_arrays import (
     CORNERS,
     GROUP,
     LANES,
     SQUARE,
     Blocks,
-    Packed,
+    SceneArrays,
     Shapes,
-    pack_scene,
 )
 from wildscav_engine.rendering.tracing.solids import Solids, shapes_of, solids_of_world
 from wildscav_engine.rendering.tracing.workspace import MAX_CACHED, Size, Workspaces, WorkspaceTable
@@ -34,12 +33,12 @@ class Scene(NamedTuple):
 
     world: World
     solids: Solids  # of the world, in its order
-    packed: Packed  # for kernels: the same in the order of blocks, for locality
+    arrays: SceneArrays  # for kernels: the same in the order of blocks, for locality
     workspaces: Workspaces  # the workspaces to trace in
 
     def tables(self, size: Size) -> NDArray[np.int64]:
         """Return (1, F, 6) the table of the workspace for images of a size."""
-        return self.workspaces.of(self.packed, size).tables
+        return self.workspaces.of(self.arrays, size).tables
 
 
 class Scenes(threading.local):
@@ -60,7 +59,7 @@ class Scenes(threading.local):
             if len(self._cached) >= MAX_CACHED:
                 self._cached.clear()
             # The tables are addresses, so the workspaces are kept as well.
-            workspaces = [scene.workspaces.of(scene.packed, size) for scene in self.scenes]
+            workspaces = [scene.workspaces.of(scene.arrays, size) for scene in self.scenes]
             tables = np.concatenate([workspace.tables for workspace in workspaces])
             self._cached[size] = workspaces, tables
         return self._cached[size][1]
@@ -92,11 +91,10 @@ def scene_of(world: World) -> Scene:
         middles,
         radii,
         _groups_of(world, shapes, spans[:, 0], group_start, grouped),
-        world.water.shape[0],
-        world.water.shape[1],
-        _overhangs(world),
+        np.array([*world.water.shape, _overhangs(world)]),
+        world.solid_kind[order],
     )
-    return Scene(world, solids, pack_scene(blocks, shapes, world.solid_kind[order]), Workspaces())
+    return Scene(world, solids, SceneArrays(shapes, blocks), Workspaces())
 
 
 def _overhangs(world: World) -> bool:

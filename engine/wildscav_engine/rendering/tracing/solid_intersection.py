@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel, kernel
 from wildscav_engine.rendering.tracing.frustum import Camera, Rectangle, nonnegative
 from wildscav_engine.rendering.tracing.hit_buffer import FEW, HitBuffer, even_count, start_in_row
-from wildscav_engine.rendering.tracing.packing import Shapes
+from wildscav_engine.rendering.tracing.scene_arrays import Shapes
 
 
 @kernel
@@ -19,17 +19,7 @@ def trace_solid(
     outside: NDArray[np.float64],
     buffer: HitBuffer,
 ) -> None:
-    """Intersect the rays of some pixels with a solid.
-
-    Args:
-        shapes: The world's solids or the moving ones.
-        solid: Index of the solid in them.
-        met: The number that stands for it in the hit buffer.
-        pixels: The pixels that it may cover.
-        camera: The camera of the image.
-        outside: Scratch buffer with a number for each face of the solid.
-        buffer: The hit buffer of the image, written.
-    """
+    """Intersect the rays of some pixels with a solid; ``met`` stands for it in the hit buffer."""
     first, last = nonnegative(shapes.face_start[solid]), nonnegative(shapes.face_start[solid + 1])
     faces = shapes.faces[first:last]
     for face in range(last - first):
@@ -106,12 +96,8 @@ def write_entered_faces(
     It is the last face that a ray crosses from outside; the first face if the eye is inside.
 
     Args:
-        shapes: The world's solids or the moving ones.
-        solid: Index of the solid in them.
-        camera: The camera of the image.
         start: The first ray.
         first_name: What the first face of the solid is called; the others are numbered consecutively.
-        buffer: The hit buffer of the image.
         entered: (C,) the face of each ray, written.
     """
     entered[:] = first_name

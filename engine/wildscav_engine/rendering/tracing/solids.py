@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.polyhedra import polyhedron
 from wildscav_engine.geometry.world import Solid, World
-from wildscav_engine.rendering.tracing.packing import Shapes
+from wildscav_engine.rendering.tracing.scene_arrays import Shapes
 
 NO_OWNER = -1
 UPRIGHT = 1e-6  # greatest upward part of the unit normal of an upright face
@@ -61,13 +61,7 @@ def gather_solids(solids: Sequence[Solid], owners: Sequence[int] | None = None) 
 
 
 def shapes_of(solids: Solids, order: NDArray[np.int64], names: NDArray[np.integer]) -> Shapes:
-    """Return some solids in the form for kernels.
-
-    Args:
-        solids: All solids.
-        order: (N,) indices of the wanted solids, in the wanted order.
-        names: (N,) integers to name them by.
-    """
+    """Return some solids, in an order and with names, in the form for kernels."""
     corners, corner_start = _picked(solids.corners, solids.corner_start, order)
     faces, face_start = _picked(solids.faces, solids.face_start, order)
     picked = solids._replace(faces=faces, face_start=face_start, corners=corners, corner_start=corner_start)

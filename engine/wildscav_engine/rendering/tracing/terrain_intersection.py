@@ -29,7 +29,7 @@ from wildscav_engine.rendering.tracing.hit_buffer import (
     even_count,
     start_in_row,
 )
-from wildscav_engine.rendering.tracing.packing import CORNERS, SQUARE, Blocks
+from wildscav_engine.rendering.tracing.scene_arrays import COLUMNS, CORNERS, ROWS, SQUARE, Blocks
 
 CELLS = 80  # of which 72 count; padded so that loops over them vectorize evenly
 OVERLAP = 1e-8  # m that a triangle reaches beyond its edges, so that no ray slips between two
@@ -61,7 +61,7 @@ class Square(NamedTuple):
 @inlined_kernel
 def height_in(blocks: Blocks, row: int, column: int, camera: Camera) -> tuple[float, int]:
     """Return the height in m of the ground under a camera, and the triangle of its cell there, 0 or 1."""
-    block = row // BLOCK * ((blocks.columns + BLOCK - 1) // BLOCK) + column // BLOCK
+    block = row // BLOCK * ((blocks.extent[COLUMNS] + BLOCK - 1) // BLOCK) + column // BLOCK
     at = row % BLOCK * CORNERS + column % BLOCK
     heights = blocks.heights[block]
     h00, h01, h10, h11 = heights[at], heights[at + 1], heights[at + CORNERS], heights[at + CORNERS + 1]
@@ -82,22 +82,12 @@ def trace_terrain(
     cells: NDArray[np.int64],
     buffer: HitBuffer,
 ) -> None:
-    """Intersect the rays of an image with the terrain of a block.
-
-    Args:
-        blocks: The world in blocks.
-        square: The block.
-        camera: The camera of the image.
-        camera32: The same camera in float32.
-        projection: Scratch buffer for the projection of the block.
-        cells: (65,) scratch buffer for the cells that may be visible.
-        buffer: The hit buffer of the image, written.
-    """
+    """Intersect the rays of an image with the terrain of a block."""
     _project_corners(
         blocks.rises[square.block], square, blocks.spans[square.block, 0] - camera.y, camera32, projection
     )
     _find_pixels_of_cells(camera32, projection)
-    rows, columns = blocks.rows - square.row, blocks.columns - square.column
+    rows, columns = blocks.extent[ROWS] - square.row, blocks.extent[COLUMNS] - square.column
     count = 0
     for row in range(BLOCK):
         for column in range(BLOCK):
@@ -145,10 +135,7 @@ def _project_corners(
 
     Args:
         rises: (96,) m, heights of the corners above the lowest.
-        square: The block.
         ground: m, height of the lowest corner above the camera.
-        camera: The camera of the image.
-        projection: Written.
     """
     sin_yaw, cos_yaw = camera.sin_yaw, camera.cos_yaw
     sin_pitch, cos_pitch = camera.sin_pitch, camera.cos_pitch
@@ -240,7 +227,7 @@ def _trace_cell(
     heights = blocks.heights[square.block]
     h00, h01, h10, h11 = heights[at], heights[at + 1], heights[at + CORNERS], heights[at + CORNERS + 1]
     east, north = -(square.east + column * CELL), -(square.north + row * CELL)
-    triangle = 2 * ((square.row + row) * blocks.columns + square.column + column)
+    triangle = 2 * ((square.row + row) * blocks.extent[COLUMNS] + square.column + column)
     up = camera.y - h00
     se_east, se_north, nw_east, nw_north = (
         (h01 - h00) / CELL,
@@ -264,12 +251,8 @@ def _meet_triangle(
     """Return whether a ray hits a triangle of a cell from above, and how far it sinks towards it per metre.
 
     Args:
-        cell: The cell.
-        half: One of its triangles.
         towards: 1 for the south-eastern triangle, -1 for the other.
         east: Component of the ray's unit vector; so up and north.
-        up: See east.
-        north: See east.
     """
     sinking = half.slope_east * east + half.slope_north * north - up
     # Where the ray meets the plane, m from the corner of the cell; times ``sinking``, to save a division.
@@ -309,8 +292,8 @@ def _trace_pixels(cell: Cell, pixels: Rectangle, buffer: HitBuffer) -> None:
 @kernel
 def trace_water(blocks: Blocks, square: Square, camera: Camera, buffer: HitBuffer) -> None:
     """Intersect the rays of an image with the water of a block, from above; see ``trace_terrain``."""
-    for row in range(min(BLOCK, blocks.rows - square.row)):
-        for column in range(min(BLOCK, blocks.columns - square.column)):
+    for row in range(min(BLOCK, blocks.extent[ROWS] - square.row)):
+        for column in range(min(BLOCK, blocks.extent[COLUMNS] - square.column)):
             above = camera.y - blocks.water[square.block, row * BLOCK + column]
             if 0.0 < above < np.inf:
                 _trace_water_of_cell(blocks, square, camera, row, column, above, buffer)
@@ -334,6 +317,9 @@ def _trace_water_of_cell(
     pixels = pixels_of(camera, outline)
     if pixels.left < pixels.right:
         surface = Triangle(
-            above, 0.0, 0.0, code_of_water((square.row + row) * blocks.columns + square.column + column)
+            above,
+            0.0,
+            0.0,
+            code_of_water((square.row + row) * blocks.extent[COLUMNS] + square.column + column),
         )
         _trace_pixels(Cell(-east, -north, surface, surface), pixels, buffer)

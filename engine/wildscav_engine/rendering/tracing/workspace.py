@@ -6,10 +6,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.array_tables import ArrayTable, reader
+from wildscav_engine.compilation.array_tables import Addresses, addresses_of, reader
+from wildscav_engine.compilation.kernel import inlined_kernel
 from wildscav_engine.rendering.tracing.front_to_back import Scratch, allocate_scratch
 from wildscav_engine.rendering.tracing.hit_buffer import allocate_rays, allocate_strips
-from wildscav_engine.rendering.tracing.packing import Packed
+from wildscav_engine.rendering.tracing.scene_arrays import Blocks, SceneArrays, Shapes
 
 MAX_CACHED = 8  # workspaces per thread and scene
 LARGEST_CACHED = 2**16  # rays of the largest image whose workspace is cached in its scene
@@ -22,26 +23,6 @@ class Size(NamedTuple):
     width: int  # pixels
     half_width: float  # see ``Cameras``
     most_faces: int = 0  # of any moving solid
-
-
-class Workspace(NamedTuple):
-    """The arrays for tracing images of one size in one scene."""
-
-    numbers: NDArray[np.float64]  # the scene; see ``Packed``
-    indices: NDArray[np.int64]
-    float32s: NDArray[np.float32]
-    kinds: NDArray[np.int8]
-    rays: NDArray[np.float64]  # the image; see ``hit_buffer_in``
-    met: NDArray[np.int32]
-    strips: NDArray[np.float64]
-    projection: NDArray[np.float32]  # from here to ``done``, see ``Scratch``
-    boxes: NDArray[np.float32]
-    outside: NDArray[np.float64]
-    shown: NDArray[np.float32]
-    queue: NDArray[np.int64]
-    rings: NDArray[np.int64]
-    cells: NDArray[np.int64]
-    done: NDArray[np.int64]
 
 
 class ImageArrays(NamedTuple):
@@ -83,32 +64,56 @@ class Scratches(threading.local):
 scratches = Scratches()
 
 
-def allocate_workspace(scene: Packed, size: Size, image: ImageArrays) -> Workspace:
+class Workspace(NamedTuple):
+    """The arrays for tracing images of one size in one scene."""
+
+    solids: Shapes
+    blocks: Blocks
+    image: ImageArrays
+    scratch: Scratch
+
+
+def allocate_workspace(scene: SceneArrays, size: Size, image: ImageArrays) -> Workspace:
     """Return a workspace for images of a size."""
-    return Workspace(
-        scene.numbers,
-        scene.indices,
-        scene.float32s,
-        scene.kinds,
-        image.rays,
-        image.met,
-        image.strips,
-        *scratches.of(scene.blocks, scene.solids, max(scene.most_faces, size.most_faces)),
-    )
+    most_faces = int(np.diff(scene.solids.face_start).max(initial=0))
+    sizes = len(scene.blocks.spans), len(scene.solids.boxes), max(most_faces, size.most_faces)
+    return Workspace(*scene, image, scratches.of(*sizes))
 
 
-NOWHERE = Packed(np.zeros(0), np.zeros(0, np.int64), np.zeros(0, np.float32), np.zeros(0, np.int8), 0, 0, 0)
-POINT = Size(1, 1, 1.0)
-read_workspace = reader(allocate_workspace(NOWHERE, POINT, allocate_image(POINT)))
-
-
-class WorkspaceTable(ArrayTable):
-    """A workspace and the table of its addresses."""
+class WorkspaceTable:
+    """A workspace, which it keeps alive, and the table of its addresses."""
 
     def __init__(self, workspace: Workspace) -> None:
         """Store the addresses of the arrays."""
-        super().__init__(workspace)
-        self.tables = self.addresses[np.newaxis]  # (1, F, 6) in the form that kernels take for several images
+        self.arrays = workspace
+        # (1, F, 6) in the form that kernels take for several images
+        self.tables = np.concatenate([addresses_of(part) for part in workspace])[np.newaxis]
+
+
+_ROWS, _INTEGERS, _FLOATS = np.zeros((0, 1)), np.zeros(0, np.int64), np.zeros(0, np.float32)
+_read_solids = reader(Shapes(_ROWS, _INTEGERS, _ROWS, _INTEGERS, _INTEGERS))
+_read_blocks = reader(
+    Blocks(
+        *(_ROWS, _ROWS, _ROWS, np.zeros(2), _INTEGERS, _INTEGERS, np.zeros((0, 1), np.float32)),
+        *(_FLOATS, _FLOATS, np.zeros((0, 1), np.float32), _INTEGERS, np.zeros(0, np.int8)),
+    )
+)
+_read_image = reader(allocate_image(Size(1, 1, 1.0)))
+_read_scratch = reader(allocate_scratch(1, 1, 1))
+BLOCKS = len(Shapes._fields)  # the row of a table where the blocks begin
+IMAGE = BLOCKS + len(Blocks._fields)
+SCRATCH = IMAGE + len(ImageArrays._fields)
+
+
+@inlined_kernel
+def read_workspace(table: Addresses) -> Workspace:
+    """Return the workspace of a table."""
+    return Workspace(
+        _read_solids(table[:BLOCKS]),
+        _read_blocks(table[BLOCKS:IMAGE]),
+        _read_image(table[IMAGE:SCRATCH]),
+        _read_scratch(table[SCRATCH:]),
+    )
 
 
 class Images(threading.local):
@@ -144,11 +149,11 @@ class Workspaces(threading.local):
         """Copies and pickles are empty."""
         return Workspaces, ()
 
-    def of(self, scene: Packed, size: Size) -> WorkspaceTable:
+    def of(self, scene: SceneArrays, size: Size) -> WorkspaceTable:
         """Return the workspace for images of a size; ``scene`` is always the same one."""
         return self.cached.get(size) or self.make(scene, size)
 
-    def make(self, scene: Packed, size: Size) -> WorkspaceTable:
+    def make(self, scene: SceneArrays, size: Size) -> WorkspaceTable:
         """Allocate a workspace that is not cached yet."""
         if size.height * size.width > LARGEST_CACHED:
             return latest_large.of(scene, size)
@@ -169,10 +174,10 @@ class LatestLarge(threading.local):
         self._size: Size | None = None
         self._workspace: WorkspaceTable | None = None
 
-    def of(self, scene: Packed, size: Size) -> WorkspaceTable:
+    def of(self, scene: SceneArrays, size: Size) -> WorkspaceTable:
         """Return the workspace for images of a size in a scene."""
         workspace = self._workspace
-        if workspace is None or self._size != size or workspace.arrays.numbers is not scene.numbers:
+        if workspace is None or self._size != size or workspace.arrays.solids is not scene.solids:
             self._workspace = None  # so that its memory is free before more is taken
             workspace = WorkspaceTable(allocate_workspace(scene, size, allocate_image(size)))
             self._size, self._workspace = size, workspace

@@ -69,7 +69,7 @@ class DepthCamera(PinholeCamera):
             # The shortest path through the code: a small image is traced in the time of a few Python calls.
             scene, size, lens = game_map.scene, self._size, self.lens
             # The same as ``workspaces.of``, but faster.
-            workspace = scene.workspaces.cached.get(size) or scene.workspaces.make(scene.packed, size)
+            workspace = scene.workspaces.cached.get(size) or scene.workspaces.make(scene.arrays, size)
             trace = depths_tracer()
             try:
                 depths = np.empty((len(yaws), size[0], size[1]), DEPTH)  # type: ignore[arg-type]

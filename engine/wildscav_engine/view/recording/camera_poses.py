@@ -5,16 +5,24 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import World
 from wildscav_engine.simulation.state import Agents
 from wildscav_engine.specs.body import EYE_HEIGHT
 from wildscav_engine.view.recording.coordinates import directions
-from wildscav_engine.view.recording.ground import lay_on_ground
 
 BACK, ABOVE = 7.0, 6.0  # m from the agent's head to the camera
 HEAD = 1.7  # m above the soles, the point at which the camera looks
 CLEARANCE = 1.0  # m that the camera keeps above the ground; walls and trees in between are transparent
 SMOOTH_STEPS = 5  # before and after, over whose mean the camera turns
+
+
+@kernel
+def lay_on_ground(world: World, lift: float, points: NDArray[np.float64]) -> None:
+    """Set the height of (N, 3) points to ``lift`` metres above the ground."""
+    for point in range(points.shape[0]):
+        points[point, 1] = ground_at(world, points[point, 0], points[point, 2]).height + lift
 
 
 class Poses(NamedTuple):

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.sensors import ColorCamera, DepthCamera
 from wildscav_engine.simulation.match import Match
-from wildscav_engine.simulation.state import Agents
+from wildscav_engine.simulation.state import NOBODY, NOT_ELIMINATED, Agents
 from wildscav_engine.simulation.systems.zone import phase_at, zone_at
 from wildscav_engine.view.recording import camera_poses
 
@@ -34,6 +34,15 @@ class ImageSequence(NamedTuple):
 
     rows: NDArray[np.int64]  # (D,) the row of each image
     images: NDArray[Any]  # (D, *shape)
+
+
+class Death(NamedTuple):
+    """An agent dies."""
+
+    row: int
+    seat: int
+    by: int  # the seat whose shot it was, or NOBODY
+    is_out: bool
 
 
 class History(NamedTuple):
@@ -75,6 +84,24 @@ class History(NamedTuple):
         """How far each seat is from the target, (T + 1, A) m; infinite where there is none."""
         target = np.full(3, np.inf) if self.target is None else self.target
         return np.asarray(np.linalg.norm(self.agents.position - target, axis=-1))
+
+    def hits(self) -> Iterator[tuple[int, int, int]]:
+        """Yield (row, seat, victim) of every shot that hit somebody, in chronological order."""
+        agents = self.agents
+        for row, seat in seats_where(agents.fired & (agents.hit_seat != NOBODY)):
+            yield row, seat, int(agents.hit_seat[row, seat])
+
+    def deaths(self) -> Iterator[Death]:
+        """Yield all deaths in chronological order."""
+        agents = self.agents
+        for row, seat in seats_where(np.diff(agents.deaths, axis=0, prepend=agents.deaths[:1]) > 0):
+            by, is_out = int(agents.hit_by_seat[row, seat]), agents.eliminated[row, seat] != NOT_ELIMINATED
+            yield Death(row, seat, by, bool(is_out))
+
+    def arrival(self) -> tuple[int, int] | None:
+        """Return the row in which the target is reached, and by which seat; None if it is not."""
+        reached = np.flatnonzero(self.reached_by != NOBODY)
+        return (int(reached[0]), int(self.reached_by[reached[0]])) if len(reached) else None
 
     def team_of(self, seat: int) -> int:
         """Return the team of a seat."""

@@ -76,7 +76,6 @@ def write_video(
     """Write a match as a video.
 
     Args:
-        film: The match.
         path: The file to write: ``.mp4``, ``.gif`` or ``.webp``.
         pace: Which part of it, and how fast; None for all of it.
         threads: That take pictures at the same time; None for one a processor core.
@@ -101,7 +100,6 @@ def write_poster(film: Film, path: Path, seconds: float | None = None) -> None:
     """Write one picture of a match.
 
     Args:
-        film: The match.
         path: The file to write: ``.png``, ``.webp`` or ``.jpg``.
         seconds: The time in the match; None for the moment that shows most.
 

@@ -18,7 +18,7 @@ from wildscav_engine.simulation.state import NOBODY
 from wildscav_engine.specs.body import EYE_HEIGHT
 from wildscav_engine.specs.match_spec import SUBMISSION
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
-from wildscav_engine.view.recording.history import History, collect_history, seats_where
+from wildscav_engine.view.recording.history import History, collect_history
 from wildscav_engine.view.video.cameras import ANGLE, Above, Camera, Follower, at_the_eyes
 from wildscav_engine.view.video.moments import Moment, moment_at, objects_at
 from wildscav_engine.view.video.overlay.drawing import put
@@ -62,8 +62,6 @@ class Film:
         """Play a record again, and prepare the cameras.
 
         Args:
-            record: The record.
-            look: What the pictures show.
             played: Called after each step that was played again, with its number.
 
         Raises:
@@ -227,13 +225,12 @@ def interest(history: History) -> NDArray[np.float64]:
     agents = history.agents
     worth = SHOT * agents.fired + PICK_UP * (agents.gained > 0)
     worth = worth + DEATH * np.diff(agents.deaths, axis=0, prepend=agents.deaths[:1])
-    for row, seat in seats_where(agents.fired & (agents.hit_seat != NOBODY)):
+    for row, seat, victim in history.hits():
         worth[row, seat] += HIT
-        worth[row, int(agents.hit_seat[row, seat])] += HIT / 2
-    for row, seat in seats_where(np.diff(agents.deaths, axis=0) > 0):
-        by = int(agents.hit_by_seat[row + 1, seat])
-        if by != NOBODY:
-            worth[row + 1, by] += DEATH
+        worth[row, victim] += HIT / 2
+    for death in history.deaths():
+        if death.by != NOBODY:
+            worth[death.row, death.by] += DEATH
     walked = np.diff(agents.walked, axis=0, prepend=agents.walked[:1])
     return np.asarray(worth + WALKING * (walked > 0.0), np.float64)
 

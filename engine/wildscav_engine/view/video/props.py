@@ -10,9 +10,9 @@ from wildscav_engine.geometry.world import Kind, World
 from wildscav_engine.rendering.dynamic_objects import DynamicObjects
 from wildscav_engine.rendering.palette import of_seat
 from wildscav_engine.rendering.tracing.solids import NO_OWNER, Solids
+from wildscav_engine.view.recording.camera_poses import lay_on_ground
 from wildscav_engine.view.recording.colors import DEAD, NEXT_ZONE, SHOT, TARGET, ZONE
 from wildscav_engine.view.recording.coordinates import directions
-from wildscav_engine.view.recording.ground import lay_on_ground
 from wildscav_engine.view.recording.history import History
 from wildscav_engine.view.video.moments import Moment
 
@@ -45,10 +45,6 @@ def with_props(
     """Return dynamic objects together with everything else that is there at a moment.
 
     Args:
-        objects: The agents and the supply boxes.
-        world: The map.
-        history: The match.
-        moment: When.
         eye: (3,) m, where the camera is.
         pixel: m, the size of its pixels at a distance of 1 m.
     """

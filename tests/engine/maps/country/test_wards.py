@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from wildscav_engine.maps.country.terraces import ward_of_points
+from wildscav_engine.maps.country.landforms import ward_of_points
 from wildscav_engine.maps.country.wards import Barrier, Block, Wards, draw_wards
 from wildscav_engine.maps.ground.terrain import Terrain
 from wildscav_engine.specs.map_spec import Country

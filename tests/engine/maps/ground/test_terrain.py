@@ -17,7 +17,7 @@ from wildscav_engine.maps.ground.terrain import (
     make_terrain,
     water_of_cells,
 )
-from wildscav_engine.maps.settlements.sites import footprints_of, place_houses
+from wildscav_engine.maps.settlements.sites import footprints_of, settle
 from wildscav_engine.specs.map_spec import MapConfig
 
 TOO_STEEP = 1.0  # tangent of 45°
@@ -243,9 +243,9 @@ def test_default_country_has_room_for_houses(density: str) -> None:
     for size, count in ((100, 4), (200, 8), (500, 15)):
         for seed in range(6):
             config = MapConfig(size=size, houses=count, density=density)
-            sites = place_houses(
+            sites = settle(
                 config, seed, make_terrain(config, seed), [(14.0, 11.0), (11.0, 9.0)] * count
-            )
+            ).sites
 
             assert len(sites) >= count
 
@@ -253,7 +253,7 @@ def test_default_country_has_room_for_houses(density: str) -> None:
 def test_sites_are_dry() -> None:
     config = MapConfig(size=100, houses=5, water=0.4)
     terrain = make_terrain(config, 0)
-    sites = place_houses(config, 0, terrain, [(10.0, 8.0)] * 5)
+    sites = settle(config, 0, terrain, [(10.0, 8.0)] * 5).sites
 
     for footprint in footprints_of(sites):
         for row, column in zip(*np.nonzero(terrain.heights < 0.0), strict=True):

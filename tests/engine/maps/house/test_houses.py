@@ -11,8 +11,7 @@ from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.house import FLOOR_LIFT, Opening, Wall, doorsteps, draw_plan, house_of
-from wildscav_engine.maps.house.box_builder import around_hole
-from wildscav_engine.maps.house.build import can_be_walked_to
+from wildscav_engine.maps.house.build import around_hole, can_be_walked_to
 from wildscav_engine.maps.house.plan import Roof
 from wildscav_engine.maps.house.stairs import RISE
 from wildscav_engine.specs.body import BODY_HEIGHT

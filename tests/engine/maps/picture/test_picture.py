@@ -15,8 +15,7 @@ from wildscav_engine.geometry.world import Kind, World
 from wildscav_engine.maps import GameMap, House, MapError, generate_map
 from wildscav_engine.maps.picture import draw_map
 from wildscav_engine.maps.picture.draw import INDOOR_DOT
-from wildscav_engine.maps.picture.paint import STOREYS, contour_interval
-from wildscav_engine.maps.picture.raster import raster
+from wildscav_engine.maps.picture.paint import STOREYS, contour_interval, raster
 from wildscav_engine.maps.picture.sheet import lay_out, round_length
 from wildscav_engine.maps.picture.top_view import (
     TopView,

@@ -16,7 +16,6 @@ from wildscav_engine.maps.settlements.sites import (
     door_paths,
     footprints_of,
     gap_between,
-    place_houses,
     room_for,
     settle,
 )
@@ -68,7 +67,7 @@ def distance_to_nearest(sites: list[Site]) -> float:
 def test_houses_stand_apart_on_dry_ground_of_the_map(seed: int, density: str, size: int, houses: int) -> None:
     config = MapConfig.model_validate({"size": size, "houses": houses, "density": density})
     terrain = make_terrain(config, seed)
-    sites = place_houses(config, seed, terrain, sizes_of(houses, seed % 1000))
+    sites = settle(config, seed, terrain, sizes_of(houses, seed % 1000)).sites
     footprints = footprints_of(sites)
 
     assert len(sites) <= houses
@@ -133,9 +132,9 @@ def test_farmsteads_have_no_lanes() -> None:
 def test_no_house_stands_where_the_ground_is_steep_or_under_water(density: str) -> None:
     config = MapConfig.model_validate({"size": 200, "houses": 5, "density": density})
 
-    assert place_houses(config, 0, level(200, slope=0.6), sizes_of(5)) == []
-    assert place_houses(config, 0, level(200, water_level=0.5), sizes_of(5)) == []
-    half_wet = place_houses(config, 0, level(200, slope=0.1, water_level=0.0), sizes_of(5))
+    assert settle(config, 0, level(200, slope=0.6), sizes_of(5)).sites == []
+    assert settle(config, 0, level(200, water_level=0.5), sizes_of(5)).sites == []
+    half_wet = settle(config, 0, level(200, slope=0.1, water_level=0.0), sizes_of(5)).sites
     assert len(half_wet) == 5
     assert all(site.pose.x > 0 for site in half_wet)
 
@@ -149,15 +148,15 @@ def test_as_many_houses_have_room_as_it_is_said(density: str, seed: int) -> None
     room = room_for(config, seed, terrain, sizes)
 
     assert 0 < room < 60
-    assert len(place_houses(config, seed, terrain, sizes[:room])) == room
+    assert len(settle(config, seed, terrain, sizes[:room]).sites) == room
 
 
 @pytest.mark.parametrize("density", ["low", "high"])
 def test_houses_keep_clear_of_what_is_placed_by_hand(density: str) -> None:
     block = Placement(kind="block", location=(-20.0, 0.0), area=(40.0, 4.0), orientation=30.0)
     config = MapConfig.model_validate({"size": 120, "houses": 8, "density": density, "placements": (block,)})
-    fixed = [Site(*old) for old in place_houses(MapConfig(size=120), 9, level(120), [(12.0, 9.0)])]
-    sites = place_houses(config, 0, level(120), sizes_of(8), fixed)
+    fixed = [Site(*old) for old in settle(MapConfig(size=120), 9, level(120), [(12.0, 9.0)]).sites]
+    sites = settle(config, 0, level(120), sizes_of(8), fixed).sites
     wall = footprints_of(
         [Site(fixed[0].pose._replace(x=-20.0, z=0.0, sine=0.5, cosine=0.75**0.5), 30, (40, 4), 0)]
     )

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from wildscav_engine.geometry.rays import cast_ray
-from wildscav_engine.geometry.ring_stacks import allocate_ring_stacks, solids_of
+from wildscav_engine.geometry.shapes import allocate_ring_stacks, solids_of
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import Kind, Solid, World, build_world
 from wildscav_engine.maps.ground.terrain import (

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.world import World
-from wildscav_engine.maps.walk.explore import leaves_clearance
-from wildscav_engine.maps.walk.fine_search import walk_exactly
+from wildscav_engine.maps.walk.explore import leaves_clearance, walk_within
+from wildscav_engine.maps.walk.fine_search import EXACT
 from wildscav_engine.motion.collision import Bodies, Point
 
 GRID = 0.2  # m
@@ -102,7 +102,7 @@ def _height_at(
 ) -> float:
     """Return the height at which a body arrives that walks to x and z, -inf or NaN if it does not arrive."""
     start = Point(here[0], here[1], here[2])
-    height = walk_exactly(world, nobody, start, x, z, STRIDE)
+    height = walk_within(world, nobody, start, x, z, STRIDE, EXACT)
     if not needs_clearance or not abs(height) < np.inf:
         return height
     return height if leaves_clearance(world, nobody, start, x, z, height, CLEARANCE, STRIDE) else -np.inf

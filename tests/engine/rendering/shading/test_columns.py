@@ -8,18 +8,20 @@ from tests.builders import box, flat_world
 from wildscav_engine.geometry.rays import NOTHING_HIT, cast_ray
 from wildscav_engine.geometry.world import CELL, Kind, World, build_world
 from wildscav_engine.maps import generate_map
-from wildscav_engine.rendering.shading.column_index import MAX_COLUMNS, SIDE, columns_of
-from wildscav_engine.rendering.shading.columns import (
+from wildscav_engine.rendering.shading.appearance import UP
+from wildscav_engine.rendering.shading.light.columns import (
     BLOCKED,
     CLEAR,
+    MAX_COLUMNS,
+    SIDE,
     STEEP,
     UNKNOWN,
     Columns,
+    columns_of,
     is_blocked,
     write_columns,
 )
-from wildscav_engine.rendering.shading.light import SHADOW_REACH, sun_shines
-from wildscav_engine.rendering.shading.materials import UP
+from wildscav_engine.rendering.shading.light.sunlight import SHADOW_REACH, sun_shines
 from wildscav_engine.rendering.shading.pixel_rows import Places
 from wildscav_engine.rendering.shading.sky import SUN_DIRECTION
 from wildscav_engine.specs.map_spec import MapConfig

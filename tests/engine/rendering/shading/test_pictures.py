@@ -4,23 +4,27 @@ import os
 import subprocess
 import sys
 from hashlib import blake2b
+from itertools import groupby
 from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from numpy.typing import NDArray
 from tests.builders import box, flat_world, map_from
 
-from wildscav_engine.geometry.rays import NOTHING_HIT, cast_ray
+from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT, cast_ray
 from wildscav_engine.geometry.world import Kind, Solid, build_world
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.rendering.hits import allocate_hits
+from wildscav_engine.rendering.hits import WATER_HIT, allocate_hits
 from wildscav_engine.rendering.images import trace
 from wildscav_engine.rendering.palette import SUN
-from wildscav_engine.rendering.shading.light import SHADOW_REACH, sun_is_clear
+from wildscav_engine.rendering.shading.light.sunlight import SHADOW_REACH, sun_is_clear
 from wildscav_engine.rendering.shading.noise import PERIOD, endless_noise, grain, noise
-from wildscav_engine.rendering.shading.pixel_rays import (
+from wildscav_engine.rendering.shading.pictures import find_pieces
+from wildscav_engine.rendering.shading.pixel_rows import (
     Ways,
     cosines_of,
     direction_of,
@@ -28,7 +32,7 @@ from wildscav_engine.rendering.shading.pixel_rays import (
     view_of,
     write_ways,
 )
-from wildscav_engine.rendering.shading.sky import DISC, HORIZON, SUN_DIRECTION, haze
+from wildscav_engine.rendering.shading.sky import DISC, HORIZON, SUN_DIRECTION, haze, levelness
 from wildscav_engine.rendering.tracing.solids import gather_solids
 from wildscav_engine.sensors import ColorCamera
 from wildscav_engine.specs.map_spec import MapConfig
@@ -36,6 +40,7 @@ from wildscav_engine.specs.map_spec import MapConfig
 Place = tuple[float, float, float]
 CONFIG = MapConfig(size=60, houses=2, water=0.1, vegetation=0.8)
 ONE = ColorCamera(width=1, height=1, far=1000.0, field_of_view=1.0)
+HITS = st.tuples(st.sampled_from([NOTHING_HIT, TERRAIN_HIT, WATER_HIT, 0, 7]), st.integers(0, 2))
 
 
 def look(
@@ -129,8 +134,11 @@ def test_what_is_far_fades_to_the_colour_of_the_horizon() -> None:
 
 
 def test_the_sky_is_bluest_above_and_the_sun_is_where_the_light_comes_from() -> None:
-    assert np.abs(np.array(haze((1.0, 0.0, 0.0))) - HORIZON).max() == 0.0
-    assert haze((0.0, 1.0, 0.0))[0] < haze((0.8, 0.6, 0.0))[0] < HORIZON[0]
+    def clear(up: float) -> list[float]:
+        return [haze(channel, np.float32(up), levelness(np.float32(up))) for channel in range(3)]
+
+    assert clear(0.0) == pytest.approx(HORIZON)
+    assert clear(1.0)[0] < clear(0.6)[0] < HORIZON[0]
     yaw = float(np.degrees(np.arctan2(SUN_DIRECTION[0], SUN_DIRECTION[2])))
     pitch = -float(np.degrees(np.arcsin(SUN_DIRECTION[1])))
     narrow = 2 * float(np.degrees(np.arccos(DISC)))
@@ -279,3 +287,17 @@ def test_the_rays_of_a_row_are_those_of_its_pixels() -> None:
         write_ways(view, row, cosines_of(cameras.half_width, 5, 9)[row], ways)
         wanted = np.array([direction_of(view, row, column) for column in range(9)])
         assert np.stack(ways, axis=1) == pytest.approx(wanted, abs=1e-6)
+
+
+def pieces_of(hits: list[tuple[int, int]]) -> list[int]:
+    """Return where the pieces of a row begin, and where the last ends."""
+    solids, faces = np.array(hits, np.int32).T.copy()
+    pieces = np.empty(len(hits) + 1, np.int32)
+    return pieces[: find_pieces(solids, faces, pieces) + 1].tolist()
+
+
+@given(st.lists(HITS, min_size=1, max_size=60))
+def test_a_piece_shows_one_face_of_a_solid_or_ground_of_any_triangle(hits: list[tuple[int, int]]) -> None:
+    shown = [(solid, 0 if solid == TERRAIN_HIT else face) for solid, face in hits]
+    lengths = [len(list(group)) for _, group in groupby(shown)]
+    assert pieces_of(hits) == [0, *np.cumsum(lengths).tolist()]

@@ -100,10 +100,6 @@ def put(picture: Image.Image, patch: Image.Image, x: float, y: float, *, anchor:
     """Lay a patch over a picture.
 
     Args:
-        picture: In red, green and blue.
-        patch: With transparency.
-        x: Pixels to the right.
-        y: Pixels down.
         anchor: Which point of the patch lies there: left, middle or right, then top, middle or bottom.
     """
     width, height = patch.size

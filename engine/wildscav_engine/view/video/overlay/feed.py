@@ -6,10 +6,10 @@ from typing import NamedTuple
 import numpy as np
 from PIL import Image
 
-from wildscav_engine.simulation.state import NOBODY, NOT_ELIMINATED
+from wildscav_engine.simulation.state import NOBODY
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_engine.view.recording.colors import TARGET
-from wildscav_engine.view.recording.history import History, seats_where
+from wildscav_engine.view.recording.history import History
 from wildscav_engine.view.video.overlay.drawing import WHITE, Color, panel, put, text
 
 SHOWN_FOR = 6.0  # s
@@ -32,22 +32,17 @@ class News(NamedTuple):
 
 def news_of(history: History, names: Sequence[str]) -> list[News]:
     """Return everything that the feed of a match tells, in its order."""
-    agents = history.agents
     news = []
-    for row, seat in seats_where(np.diff(agents.deaths, axis=0) > 0):
-        after = row + 1
-        by = int(agents.hit_by_seat[after, seat])
-        is_out = agents.eliminated[after, seat] != NOT_ELIMINATED
-        end = Part("is out" if is_out else "died")
-        parts: tuple[Part, ...] = (Part(names[seat], seat), end)
+    for row, seat, by, is_out in history.deaths():
+        parts: tuple[Part, ...] = (Part(names[seat], seat), Part("is out" if is_out else "died"))
         if by != NOBODY:
             parts = (Part(names[by], by), Part("shot"), Part(names[seat], seat))
-        news.append(News(int(history.frame[after]), parts))
-    reached = np.nonzero(history.reached_by != NOBODY)[0]
-    if len(reached):
-        seat = int(history.reached_by[reached[0]])
+        news.append(News(int(history.frame[row]), parts))
+    arrival = history.arrival()
+    if arrival is not None:
+        row, seat = arrival
         parts = (Part(names[seat], seat), Part("reached the target"))
-        news.append(News(int(history.frame[reached[0]]), parts))
+        news.append(News(int(history.frame[row]), parts))
     return news
 
 
@@ -69,8 +64,6 @@ class Feed:
         """Write the latest news below each other.
 
         Args:
-            picture: To draw over.
-            frame: The time.
             right: Pixels, the right edge of the lines.
             top: Pixels, the upper edge of the first.
             size: Pixels, the height of the text.

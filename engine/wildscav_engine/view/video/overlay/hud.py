@@ -9,7 +9,7 @@ from PIL import Image, ImageDraw
 from wildscav_engine.geometry.rays import sight_is_clear
 from wildscav_engine.geometry.world import CELL
 from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.maps.picture.raster import raster
+from wildscav_engine.maps.picture.paint import raster
 from wildscav_engine.maps.picture.top_view import Window
 from wildscav_engine.record import Record
 from wildscav_engine.rendering.palette import of_seat
@@ -70,14 +70,7 @@ class Hud:
         self._has_health = Field.SHOOT in self.track.fields
 
     def draw(self, picture: Image.Image, camera: Camera, moment: Moment, followed: int | None) -> None:
-        """Write everything over a picture of a camera.
-
-        Args:
-            picture: In red, green and blue.
-            camera: That the picture was taken with.
-            moment: What it shows.
-            followed: The seat that it is about, or None.
-        """
+        """Write everything over a picture of a camera."""
         gap = self.text // 2
         self.draw_tags(picture, camera, moment, followed, reach=TAG_REACH if followed is not None else 1e4)
         put(picture, self.clock(moment), picture.width / 2, gap, anchor="mt")

@@ -1,38 +1,20 @@
 """The standings beside a picture: who leads, with what, and how everybody is."""
 
-from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
 
 from wildscav_engine.simulation.track import Track
 from wildscav_engine.specs.actions import Field
 from wildscav_engine.view.recording.history import History
-from wildscav_engine.view.standings import order_at, ranking_keys
-from wildscav_engine.view.video.overlay.drawing import (
-    SOFT,
-    WHITE,
-    Color,
-    health_bar,
-    panel,
-    put,
-    text,
-)
+from wildscav_engine.view.recording.ranking import Column, first_of, order_at, ranking_keys
+from wildscav_engine.view.video.overlay.drawing import SOFT, WHITE, Color, health_bar, panel, put, text
 
 MAX_LINES = 10
 NAME, NUMBER = 8.2, 3.4  # times the height of the text, the widths of the columns
 LINE = 1.5  # times the height of the text, the height of a line
 DEAD = (140, 146, 154)
-
-
-class Column(NamedTuple):
-    """One number of every seat."""
-
-    title: str
-    values: NDArray[np.generic]  # (T + 1, A)
-    write: Callable[[float], str] = lambda value: f"{value:.0f}"
 
 
 class Standings:
@@ -64,9 +46,7 @@ class Standings:
     def draw(self, row: int, followed: int | None) -> Image.Image:
         """Return the standings after a step, with the best seats, and always with the followed one."""
         order = order_at(self._keys, row)
-        shown = order[:MAX_LINES]
-        if followed is not None and followed not in shown:
-            shown[-1] = followed
+        shown = first_of(order, MAX_LINES, followed)
         lines = tuple(
             (seat, tuple(column.write(float(column.values[row, seat])) for column in self._columns))
             for seat in shown

@@ -5,7 +5,7 @@ import pytest
 from tests.engine.view.rotations import turned
 
 from wildscav_engine.sensors.optics.dynamic_objects import placed_objects
-from wildscav_engine.view.entities.bodies import body_colors, body_mesh, poses
+from wildscav_engine.view.entities.agents import body_colors, body_mesh, poses
 from wildscav_engine.view.recording import coordinates
 
 

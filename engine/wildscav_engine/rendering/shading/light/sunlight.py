@@ -1,67 +1,19 @@
-"""Light on a surface: from the sun and the sky, and what blocks it."""
+"""Light from the sun, and what blocks it."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel, kernel
-from wildscav_engine.geometry.rays import (
-    Ray,
-    Step,
-    leave_square,
-    make_ray,
-    meet_solid,
-    meet_terrain,
-)
+from wildscav_engine.compilation.kernel import inlined_kernel, kernel
+from wildscav_engine.geometry.rays import Ray, Step, leave_square, make_ray, meet_solid, meet_terrain
 from wildscav_engine.geometry.world import BLOCK, World
 from wildscav_engine.rendering.palette import SKYLIGHT, SUNLIGHT
-from wildscav_engine.rendering.shading.color_arithmetic import Color, Vector, dot
-from wildscav_engine.rendering.shading.columns import (
-    BLOCKED,
-    CLEAR,
-    UNKNOWN,
-    Columns,
-    blocked_in,
-    is_blocked,
-)
-from wildscav_engine.rendering.shading.pixel_rows import Normals
+from wildscav_engine.rendering.shading.color_arithmetic import Vector
+from wildscav_engine.rendering.shading.light.columns import CLEAR, UNKNOWN, Columns, blocked_in
 from wildscav_engine.rendering.shading.sky import SUN_DIRECTION
 
 SUN_COLOR = (float(SUNLIGHT[0]), float(SUNLIGHT[1]), float(SUNLIGHT[2]))
 DIRECT = 0.90  # share of the palette's sunlight: less contrast, so that pictures show more of shaded places
 SKY_COLOR = (float(SKYLIGHT[0]), float(SKYLIGHT[1]), float(SKYLIGHT[2]))
-SIDE_LIGHT = (-0.10, -0.04)  # additional ambient light on surfaces that face east, and north
 SHADOW_REACH = 80.0  # m, up to which an object casts a shadow
-
-
-@inlined_kernel
-def lit(base: Color, normal: Vector, sun: float, sky: float) -> Color:
-    """Return the colour of a surface in daylight.
-
-    Args:
-        base: Its own colour.
-        normal: Its unit normal.
-        sun: Share of the sun's light that reaches it, 0-1.
-        sky: Ambient light, 1 for a roof under the open sky.
-    """
-    direct = DIRECT * sun * max(0.0, dot(normal, SUN_DIRECTION))
-    return (
-        base[0] * (direct * SUN_COLOR[0] + sky * SKY_COLOR[0]),
-        base[1] * (direct * SUN_COLOR[1] + sky * SKY_COLOR[1]),
-        base[2] * (direct * SUN_COLOR[2] + sky * SKY_COLOR[2]),
-    )
-
-
-@disjoint_kernel
-def write_skylight(normal: Normals, roofed: bool, ambient: NDArray[np.float32]) -> None:
-    """Write the ambient light on surfaces.
-
-    Under the open sky most of it comes from above, in a house from all walls. It is slightly brighter on one
-    side, so that the edge between two walls is visible.
-    """
-    level, rise = (0.94, 0.06) if roofed else (0.90, 0.30)
-    for column in range(ambient.shape[0]):
-        east, up, north = float(normal.east[column]), float(normal.up[column]), float(normal.north[column])
-        ambient[column] = level + rise * up + (SIDE_LIGHT[0] * east + SIDE_LIGHT[1] * north)
 
 
 @kernel
@@ -100,22 +52,8 @@ def _is_stopped(world: World, ray: Ray, step: Step, leave: float) -> bool:
 
 
 @inlined_kernel
-def is_roofed(upwards: Columns, world: World, place: Vector) -> bool:
-    """Return whether there is a floor or a roof above a place, given the columns of these."""
-    return is_blocked(upwards, world, place) == BLOCKED
-
-
-@inlined_kernel
 def sun_shines(to_sun: Columns, world: World, row: int, number: int, place: Vector) -> bool:
-    """Return the same as ``sun_is_clear`` for a place above the ground.
-
-    Args:
-        to_sun: The columns towards the sun.
-        world: The static world.
-        row: Of the column that the place belongs to, as of ``write_columns``.
-        number: Of that column.
-        place: m.
-    """
+    """Return the same as ``sun_is_clear`` for a place above the ground, given its column."""
     if row < 0:
         return True
     found = blocked_in(to_sun, world, row, number, place)

@@ -5,7 +5,7 @@ import pytest
 
 from wildscav_engine.maps.generate import generate_map
 from wildscav_engine.specs.map_spec import MapConfig
-from wildscav_engine.view.video.live_camera import LiveAbove
+from wildscav_engine.view.video.cameras import LiveAbove
 
 WIDTH, HEIGHT = 640, 360  # pixels
 WORLD = generate_map(MapConfig(size=120, houses=2), seed=1).world

@@ -7,96 +7,75 @@ from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.geometry.world import World
 from wildscav_engine.rendering.hits import WATER_HIT, Hits
-from wildscav_engine.rendering.shading.ambient_occlusion import REACH, Around, reach_of, unoccluded_share
 from wildscav_engine.rendering.shading.color_arithmetic import Vector
-from wildscav_engine.rendering.shading.columns import Columns
-from wildscav_engine.rendering.shading.light import is_roofed, write_skylight
-from wildscav_engine.rendering.shading.occlusion_along_rows import are_alike_far, write_shares, write_tilts
-from wildscav_engine.rendering.shading.pixel_rays import View, Ways
-from wildscav_engine.rendering.shading.pixel_rows import Normals, Places, RowOfPixels
+from wildscav_engine.rendering.shading.light.ambient_occlusion import (
+    REACH,
+    Around,
+    are_alike_far,
+    reach_of,
+    unoccluded_share,
+    write_shares,
+    write_tilts,
+)
+from wildscav_engine.rendering.shading.light.columns import BLOCKED, Columns, is_blocked
+from wildscav_engine.rendering.shading.pixel_rows import Normals, Places, RowOfPixels, TracedRow, View, Ways
 
 # m, and m per m of distance, off the surface, where a ray to the light starts.
 LIFT, LIFT_SHARE = np.float32(0.004), np.float32(2e-4)
 FARTHEST = np.float32(2000.0)  # m, the greatest range of cameras
 WIDE = 2.0  # pixels, within which nearby surfaces occlude, from where on four pixels share the result
 SPAN, FEWEST = 32, 8  # pixels of a row that are looked at together, at most and at least
+SIDE_LIGHT = (-0.10, -0.04)  # additional ambient light on surfaces that face east, and north
 MARGIN = 1.2  # how much farther around others than the first of them may be looked at
 
 
 @inlined_kernel
 def write_ambient(
-    upwards: Columns,
-    world: World,
-    view: View,
-    hit: Hits,
-    depths: NDArray[np.float32],
-    row: int,
-    pieces: NDArray[np.int32],
-    count: int,
-    around: Around,
-    pixels: RowOfPixels,
+    upwards: Columns, world: World, row: TracedRow, depths: NDArray[np.float32], around: Around
 ) -> None:
-    """Write the ambient light on the surfaces of a row.
-
-    Args:
-        upwards: The columns of floors and roofs.
-        world: The static world.
-        view: The camera of the image.
-        hit: What its rays hit, (H, W) each.
-        depths: (H, W) m along the view axis.
-        row: The row.
-        pieces: Of the row; see ``find_pieces``.
-        count: Of pieces.
-        around: Scratch buffers.
-        pixels: The row, with its colours, normals and places.
-    """
-    _write_skylight(upwards, world, hit.solid[row], pieces, count, pixels)
-    write_tilts(view, row, pixels.normal, pixels.tilt)
-    distances = hit.distance[row]
+    """Write the ambient light on the surfaces of a row, given (H, W) m the depths along the view axis."""
+    view, pixels = row.camera, row.pixels
+    solids, distances = row.hit.solid[row.number], row.hit.distance[row.number]
+    _write_skylight(upwards, world, row)
+    write_tilts(view, row.number, pixels.normal, pixels.tilt)
     for first in range(0, view.width, SPAN):
         last = min(view.width, first + SPAN)
         are_alike = are_alike_far(distances[first:last])
-        if are_alike and hit.solid[row, first] == NOTHING_HIT:
+        if are_alike and solids[first] == NOTHING_HIT:
             continue
-        low, high = _together(view, hit, row, first, last) if are_alike else (last, last)
-        _write_each(view, hit, depths, row, first, low, around, pixels)
+        low, high = _together(row, first, last) if are_alike else (last, last)
+        _write_each(row, depths, first, low, around)
         if low < high:
             shares, distance = pixels.unoccluded[low:high], float(distances[low])
-            write_shares(depths, view, row, low, distance, pixels.tilt, shares)
-        _write_each(view, hit, depths, row, high, last, around, pixels)
+            write_shares(depths, view, row.number, low, distance, pixels.tilt, shares)
+        _write_each(row, depths, high, last, around)
     for column in range(view.width):
         pixels.ambient[column] *= pixels.unoccluded[column]
 
 
 @inlined_kernel
-def _together(view: View, hit: Hits, row: int, first: int, last: int) -> tuple[int, int]:
+def _together(row: TracedRow, first: int, last: int) -> tuple[int, int]:
     """Return which of the columns from ``first`` to before ``last`` are looked at together, possibly none.
 
     All are about as far. The pixels around them must be in the image, and nothing takes light from water.
     """
-    if hit.solid[row, first] == WATER_HIT:
+    if row.hit.solid[row.number, first] == WATER_HIT:
         return last, last
-    far = int(reach_of(view, float(hit.distance[row, first])) * MARGIN + 1.0)
-    low, high = max(first, far), min(last, view.width - far)
+    far = int(reach_of(row.camera, float(row.hit.distance[row.number, first])) * MARGIN + 1.0)
+    low, high = max(first, far), min(last, row.camera.width - far)
     return (low, high) if high - low >= FEWEST else (last, last)
 
 
 @inlined_kernel
-def _write_skylight(
-    upwards: Columns,
-    world: World,
-    solids: NDArray[np.int32],
-    pieces: NDArray[np.int32],
-    count: int,
-    pixels: RowOfPixels,
-) -> None:
+def _write_skylight(upwards: Columns, world: World, row: TracedRow) -> None:
     """Write the light from the sky on the surfaces of a row, as if nothing were near.
 
     Where both ends of a short piece of one surface are under a roof, or neither is, so is the rest.
     """
+    pixels, pieces = row.pixels, row.pieces
     write_skylight(pixels.normal, False, pixels.ambient)
-    for piece in range(count):
-        if solids[pieces[piece]] == NOTHING_HIT:
+    for piece in range(row.piece_count):
+        if row.hit.solid[row.number, pieces[piece]] == NOTHING_HIT:
             continue
         for first in range(pieces[piece], pieces[piece + 1], SPAN):
             last = min(pieces[piece + 1], first + SPAN)
@@ -108,6 +87,25 @@ def _write_skylight(
                 for column in range(first, last):
                     if is_roofed(upwards, world, place_of(pixels.place, column)):
                         _write_roofed(column, column + 1, pixels)
+
+
+@inlined_kernel
+def is_roofed(upwards: Columns, world: World, place: Vector) -> bool:
+    """Return whether there is a floor or a roof above a place, given the columns of these."""
+    return is_blocked(upwards, world, place) == BLOCKED
+
+
+@disjoint_kernel
+def write_skylight(normal: Normals, roofed: bool, ambient: NDArray[np.float32]) -> None:
+    """Write the ambient light on surfaces.
+
+    Under the open sky most of it comes from above, in a house from all walls. It is slightly brighter on one
+    side, so that the edge between two walls is visible.
+    """
+    level, rise = (0.94, 0.06) if roofed else (0.90, 0.30)
+    for column in range(ambient.shape[0]):
+        east, up, north = float(normal.east[column]), float(normal.up[column]), float(normal.north[column])
+        ambient[column] = level + rise * up + (SIDE_LIGHT[0] * east + SIDE_LIGHT[1] * north)
 
 
 @inlined_kernel
@@ -139,32 +137,24 @@ def place_of(place: Places, column: int) -> Vector:
 
 
 @inlined_kernel
-def _write_each(
-    view: View,
-    hit: Hits,
-    depths: NDArray[np.float32],
-    row: int,
-    first: int,
-    last: int,
-    around: Around,
-    pixels: RowOfPixels,
-) -> None:
+def _write_each(row: TracedRow, depths: NDArray[np.float32], first: int, last: int, around: Around) -> None:
     """Write the shares of light that nearby surfaces leave of some columns one by one.
 
     They change little from pixel to pixel, so four pixels share one if they show the same surface.
     """
-    shares = pixels.unoccluded
+    hit, number, shares = row.hit, row.number, row.pixels.unoccluded
     for column in range(first, last):
-        distance = float(hit.distance[row, column])
-        is_wide = WIDE * distance * view.pixel <= REACH
-        if hit.solid[row, column] in (NOTHING_HIT, WATER_HIT):
+        distance = float(hit.distance[number, column])
+        is_wide = WIDE * distance * row.camera.pixel <= REACH
+        if hit.solid[number, column] in (NOTHING_HIT, WATER_HIT):
             shares[column] = 1.0
-        elif is_wide and column & 1 and _is_same(hit, row, column, row, column - 1):
+        elif is_wide and column & 1 and _is_same(hit, number, column, number, column - 1):
             shares[column] = shares[column - 1]
-        elif is_wide and row & 1 and _is_same(hit, row, column, row - 1, column):
-            shares[column] = pixels.unoccluded_above[column]
+        elif is_wide and number & 1 and _is_same(hit, number, column, number - 1, column):
+            shares[column] = row.pixels.unoccluded_above[column]
         else:
-            shares[column] = unoccluded_share(depths, row, column, view, distance, pixels.tilt, around)
+            tilt = row.pixels.tilt
+            shares[column] = unoccluded_share(depths, number, column, row.camera, distance, tilt, around)
 
 
 @inlined_kernel
