@@ -26,7 +26,7 @@ from wildscav_engine.maps.ground.terrain import water_of_cells
 from wildscav_engine.maps.layout import Layout, lay_out
 from wildscav_engine.maps.locations import Places, choose_places
 from wildscav_engine.maps.pools import LEVELS
-from wildscav_engine.maps.walk import WalkGraph, build_graph, find_path
+from wildscav_engine.maps.walk import NavGraph, build_graph, find_path
 from wildscav_engine.specs.map_spec import MapConfig
 
 WARM_UP_SEED = 999
@@ -107,7 +107,7 @@ def index(layout: Layout) -> World:
     return build_world(terrain.corner, terrain.heights, water, layout.solids, np.zeros((0, 3)))
 
 
-def explore(world: World, layout: Layout, seed: int) -> tuple[WalkGraph, Places]:
+def explore(world: World, layout: Layout, seed: int) -> tuple[NavGraph, Places]:
     """Find the reachable part of a map, and choose the places of the map there."""
     graph = build_graph(world)
     return graph, choose_places(graph, layout.houses, np.array(layout.solid_house, np.int16), seed)
@@ -124,7 +124,7 @@ def measure(watch: Stopwatch, config: MapConfig, seed: int) -> None:
     find_paths(watch, game_map, graph, np.concatenate([places.ground, places.high, places.indoor]))
 
 
-def find_paths(watch: Stopwatch, game_map: GameMap, graph: WalkGraph, places: np.ndarray) -> None:
+def find_paths(watch: Stopwatch, game_map: GameMap, graph: NavGraph, places: np.ndarray) -> None:
     """Find paths between random places of a map."""
     random = np.random.default_rng(game_map.spec.seed)
     for start, end in places[random.integers(len(places), size=(PATHS, 2))]:

@@ -63,13 +63,15 @@ class Step(NamedTuple):
 
 
 @kernel
-def cast_ray(world: World, x: float, y: float, z: float, dx: float, dy: float, dz: float, far: float) -> Hit:
+def cast_ray(
+    world: World, x: float, y: float, z: float, dx: float, dy: float, dz: float, max_distance: float
+) -> Hit:
     """Return the nearest hit of a ray.
 
     Args:
         x: m, where the ray starts; so y and z. A start outside the map hits nothing.
         dx: Unit vector of the ray's direction; so dy and dz.
-        far: m, hits beyond it are ignored.
+        max_distance: m, hits beyond it are ignored.
 
     Returns:
         The hit; at distance 0 if the ray starts inside a solid or below the ground.
@@ -78,33 +80,33 @@ def cast_ray(world: World, x: float, y: float, z: float, dx: float, dy: float, d
     rows, columns = world.water.shape
     step = Step(0.0, int(np.floor(ray.north)), int(np.floor(ray.east)))
     best = Hit(np.inf, NOTHING_HIT, 0)
-    while step.at < far and 0 <= step.row < rows and 0 <= step.column < columns:
+    while step.at < max_distance and 0 <= step.row < rows and 0 <= step.column < columns:
         block_row, block_column = step.row // BLOCK, step.column // BLOCK
-        over = leave_square(ray, step, block_row * BLOCK, block_column * BLOCK, BLOCK, far)
+        over = leave_square(ray, step, block_row * BLOCK, block_column * BLOCK, BLOCK, max_distance)
         if min(y + dy * step.at, y + dy * over.at) > world.block_top[block_row, block_column]:
             step = over
             continue
-        step, best = _cross_block(world, ray, step, block_row, block_column, far, best)
+        step, best = _cross_block(world, ray, step, block_row, block_column, max_distance, best)
         # The hit may lie beyond the cells visited so far; then later cells may still hold a nearer one.
         if best.distance <= step.at:
             break
-    return best if best.distance <= far else Hit(np.inf, NOTHING_HIT, 0)
+    return best if best.distance <= max_distance else Hit(np.inf, NOTHING_HIT, 0)
 
 
 @kernel
-def leave_square(ray: Ray, step: Step, row: int, column: int, side: int, far: float) -> Step:
+def leave_square(ray: Ray, step: Step, row: int, column: int, side: int, max_distance: float) -> Step:
     """Return the first step of a ray beyond the square of cells that it is in.
 
     Args:
         row: Least row of the square.
         column: Least column.
-        far: m; the step goes no farther, and may then still be in the square.
+        max_distance: m; the step goes no farther, and may then still be in the square.
     """
     edge_column = column + side if ray.d_east > 0.0 else column
     edge_row = row + side if ray.d_north > 0.0 else row
     out_east = (edge_column - ray.east) * ray.per_east if ray.d_east != 0.0 else np.inf
     out_north = (edge_row - ray.north) * ray.per_north if ray.d_north != 0.0 else np.inf
-    at = min(out_east, out_north, far)
+    at = min(out_east, out_north, max_distance)
     # The coordinate that crosses the edge is exact; the other is clamped to the square against rounding.
     if out_east <= out_north:
         beyond = edge_column if ray.d_east > 0.0 else edge_column - 1
@@ -117,18 +119,18 @@ def leave_square(ray: Ray, step: Step, row: int, column: int, side: int, far: fl
 
 @kernel
 def _cross_block(
-    world: World, ray: Ray, step: Step, block_row: int, block_column: int, far: float, best: Hit
+    world: World, ray: Ray, step: Step, block_row: int, block_column: int, max_distance: float, best: Hit
 ) -> tuple[Step, Hit]:
     """Move a ray through the cells of a block until it leaves the block, hits something or ends."""
     rows, columns = world.water.shape
     while (
-        step.at < far
+        step.at < max_distance
         and step.row // BLOCK == block_row
         and step.column // BLOCK == block_column
         and 0 <= step.row < rows
         and 0 <= step.column < columns
     ):
-        over = leave_square(ray, step, step.row, step.column, 1, far)
+        over = leave_square(ray, step, step.row, step.column, 1, max_distance)
         if min(ray.y + ray.dy * step.at, ray.y + ray.dy * over.at) <= world.cell_top[step.row, step.column]:
             best = _nearer_in_cell(world, ray, step, over.at, best)
         step = over
@@ -140,20 +142,20 @@ def _cross_block(
 @kernel
 def _nearer_in_cell(world: World, ray: Ray, step: Step, leave: float, best: Hit) -> Hit:
     """Return the nearest of the best hit so far and the hits in a cell, which the ray leaves at ``leave``."""
-    distance, triangle = meet_terrain(world, ray, step, leave)
+    distance, triangle = intersect_terrain(world, ray, step, leave)
     if distance < best.distance:
         best = Hit(distance, TERRAIN_HIT, triangle)
     cell = step.row * world.water.shape[1] + step.column
     for item in range(world.cell_start[cell], world.cell_start[cell + 1]):
         solid = world.cell_solids[item]
-        distance, face = meet_solid(world, solid, ray, best.distance)
+        distance, face = intersect_solid(world, solid, ray, best.distance)
         if distance < best.distance:
             best = Hit(distance, solid, face)
     return best
 
 
 @kernel
-def meet_terrain(world: World, ray: Ray, step: Step, leave: float) -> tuple[float, int]:
+def intersect_terrain(world: World, ray: Ray, step: Step, leave: float) -> tuple[float, int]:
     """Return where a ray hits one of a cell's two triangles, and which one; inf if it hits neither."""
     h00, h01 = world.heights[step.row, step.column], world.heights[step.row, step.column + 1]
     h10, h11 = world.heights[step.row + 1, step.column], world.heights[step.row + 1, step.column + 1]
@@ -185,13 +187,13 @@ def meet_terrain(world: World, ray: Ray, step: Step, leave: float) -> tuple[floa
 
 
 @kernel
-def meet_solid(world: World, solid: int, ray: Ray, nearest: float) -> tuple[float, int]:
+def intersect_solid(world: World, solid: int, ray: Ray, nearest: float) -> tuple[float, int]:
     """Return where a ray enters a solid and through which face; inf if it does not before ``nearest``."""
-    return meet_faces(world.faces, world.solid_start[solid], world.solid_start[solid + 1], ray, nearest)
+    return intersect_faces(world.faces, world.solid_start[solid], world.solid_start[solid + 1], ray, nearest)
 
 
 @kernel
-def meet_faces(
+def intersect_faces(
     faces: NDArray[np.float64], start: int, end: int, ray: Ray, nearest: float
 ) -> tuple[float, int]:
     """Return where a ray enters the solid with rows ``start`` to ``end`` of faces, and through which face.

@@ -73,9 +73,6 @@ def boxes(kinds: Sequence[Kind], where: Pose, corners: Sequence[tuple[float, ...
     Args:
         kinds: (N,) the kind of each box.
         corners: (N, 6) m, the least corner and the greatest of each box; up is the height on the map.
-
-    Returns:
-        (N,) boxes.
     """
     planes, low, high = _boxes(where, np.array(corners, np.float64).reshape(-1, 6))
     return [Solid(kind, planes[box], low[box], high[box]) for box, kind in enumerate(kinds)]

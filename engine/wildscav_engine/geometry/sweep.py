@@ -148,9 +148,6 @@ def sweep_world(world: World, x: float, y: float, z: float, dx: float, dy: float
     Args:
         x: m, the middle of the soles; so y and z.
         dx: m, the displacement; so dy and dz.
-
-    Returns:
-        The first contact.
     """
     rows, columns = world.water.shape
     first = FREE

@@ -164,9 +164,6 @@ def build_world(
         water: (R, C) m, -inf where dry.
         solids: All solids; the parts of them beyond the grid are not indexed.
         spawns: (N, 3) m, where an agent may start or respawn.
-
-    Returns:
-        The world.
     """
     rows, columns = water.shape
     low = np.array([solid.low for solid in solids], np.float64).reshape(-1, 3)

@@ -14,7 +14,7 @@ from wildscav_engine.maps.settlements.houses import House
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 
 if TYPE_CHECKING:
-    from wildscav_engine.maps.walk import WalkGraph
+    from wildscav_engine.maps.walk import NavGraph
     from wildscav_engine.maps.walk.paths import Place
     from wildscav_engine.rendering.shading.appearance import Appearance, Materials
     from wildscav_engine.rendering.trace import Scene
@@ -50,7 +50,7 @@ class GameMap:
         return self.spec.config
 
     @cached_property
-    def graph(self) -> "WalkGraph":
+    def graph(self) -> "NavGraph":
         """Where a body can go on this map; computing it takes about as long as generating the map."""
         from wildscav_engine.maps.walk import build_graph
 

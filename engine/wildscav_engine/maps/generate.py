@@ -11,7 +11,7 @@ from wildscav_engine.maps.ground.terrain import water_of_cells
 from wildscav_engine.maps.layout import Layout, lay_out
 from wildscav_engine.maps.locations import Places, choose_places, houses_cut_off
 from wildscav_engine.maps.settlements.sites import Site
-from wildscav_engine.maps.walk import WalkGraph, build_graph
+from wildscav_engine.maps.walk import NavGraph, build_graph
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 
 LAYOUTS = 8  # attempts to place the houses so that all of their rooms can be entered
@@ -55,7 +55,7 @@ def generate_map(config: MapConfig, seed: int) -> GameMap:
     )
 
 
-def _hidden_targets(layout: Layout, graph: WalkGraph, places: Places, seed: int) -> Hidden:
+def _hidden_targets(layout: Layout, graph: NavGraph, places: Places, seed: int) -> Hidden:
     """Return where targets are hidden; nowhere in open country."""
     plan = layout.country
     if plan is None or not plan.country.hidden_targets:
@@ -63,7 +63,7 @@ def _hidden_targets(layout: Layout, graph: WalkGraph, places: Places, seed: int)
     return hide_targets(graph, plan, layout.terrain, layout.houses, places.indoor, places.ground, seed)
 
 
-def _with_open_houses(config: MapConfig, seed: int) -> tuple[Layout, World, WalkGraph, Places]:
+def _with_open_houses(config: MapConfig, seed: int) -> tuple[Layout, World, NavGraph, Places]:
     """Lay out and explore a map; if a room cannot be entered, lay it out again with that house elsewhere.
 
     Only exploring the map shows this. It is very rare: a cliff around a house has to be steep and close.

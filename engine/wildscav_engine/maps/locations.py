@@ -13,7 +13,7 @@ from wildscav_engine.geometry.rays import cast_ray
 from wildscav_engine.geometry.terrain import ground_at, water_at
 from wildscav_engine.geometry.world import Kind, World
 from wildscav_engine.maps.settlements.houses import House
-from wildscav_engine.maps.walk import WalkGraph
+from wildscav_engine.maps.walk import NavGraph
 from wildscav_engine.maps.walk.lattice import FINE
 
 STREAM = int(Stream.LOCATIONS)
@@ -37,7 +37,7 @@ class Places(NamedTuple):
 
 
 def choose_places(
-    graph: WalkGraph, houses: Sequence[House], solid_house: NDArray[np.int16], seed: int
+    graph: NavGraph, houses: Sequence[House], solid_house: NDArray[np.int16], seed: int
 ) -> Places:
     """Choose the places of a map among the nodes of its graph's largest strongly connected component."""
     nodes, positions = np.nonzero(graph.connected)[0], graph.positions()
@@ -55,7 +55,7 @@ def choose_places(
     return Places(ground, high, np.concatenate([indoor, inside]))
 
 
-def open_ground(graph: WalkGraph, solid_house: NDArray[np.int16]) -> NDArray[np.float64]:
+def open_ground(graph: NavGraph, solid_house: NDArray[np.int16]) -> NDArray[np.float64]:
     """Return (N, 3) m all reachable whole-metre points on dry, fairly level, open ground."""
     nodes, positions = np.nonzero(graph.connected)[0], graph.positions()
     nodes = _on_whole_metres(graph, nodes[_on_open_ground(graph, nodes, positions, solid_house)])
@@ -64,7 +64,7 @@ def open_ground(graph: WalkGraph, solid_house: NDArray[np.int16]) -> NDArray[np.
 
 
 def _on_open_ground(
-    graph: WalkGraph, nodes: NDArray[np.int64], positions: NDArray[np.float64], solid_house: NDArray[np.int16]
+    graph: NavGraph, nodes: NDArray[np.int64], positions: NDArray[np.float64], solid_house: NDArray[np.int16]
 ) -> NDArray[np.bool_]:
     """Return (N,) whether each node is on the terrain and not under a roof, except the eaves of a house."""
     is_on_ground = stand_on_ground(graph.world, positions, nodes)
@@ -85,12 +85,12 @@ def stand_on_ground(world: World, places: NDArray[np.float64], nodes: NDArray[np
     return on_ground
 
 
-def _on_whole_metres(graph: WalkGraph, nodes: NDArray[np.int64]) -> NDArray[np.int64]:
+def _on_whole_metres(graph: NavGraph, nodes: NDArray[np.int64]) -> NDArray[np.int64]:
     point = graph.nodes.point[nodes]
     return np.asarray(nodes[(point // graph.lattice.side % 2 == 0) & (point % graph.lattice.side % 2 == 0)])
 
 
-def _lookup(graph: WalkGraph, nodes: NDArray[np.int64]) -> NDArray[np.int32]:
+def _lookup(graph: NavGraph, nodes: NDArray[np.int64]) -> NDArray[np.int32]:
     """Return (M, M) the node at each whole-metre point of the map, row after row northwards, -1 for none."""
     side = graph.lattice.side
     found = np.full((side // 2 + 1, side // 2 + 1), -1, np.int32)

@@ -152,9 +152,6 @@ def placed_solids(config: MapConfig, seed: int, terrain: Terrain) -> list[Solid]
     Args:
         terrain: With levelled ground.
 
-    Returns:
-        The solids.
-
     Raises:
         MapError: Something is placed outside the map, in water, in a house, or without the area it needs.
     """

@@ -163,9 +163,6 @@ def move(
         walk_direction: Degrees, compass.
         walk_speed: m/s. In the air it steers as on the ground: there is no horizontal inertia.
         jump: Whether to jump; this works only on the ground, not in water and not while sliding.
-
-    Returns:
-        The body's state after the frame.
     """
     east, north = walk_speed * sine(walk_direction), walk_speed * cosine(walk_direction)
     return move_by(world, bodies, rise, on_ground, east, north, jump, water_speed_factor)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
-from wildscav_engine.geometry.rays import Ray, cast_ray, make_ray, meet_faces
+from wildscav_engine.geometry.rays import Ray, cast_ray, intersect_faces, make_ray
 from wildscav_engine.geometry.world import CELL, World
 from wildscav_engine.parallel.turns import ALONE, Turns
 from wildscav_engine.rendering.cameras import TAKEN_ALREADY, Cameras, item_at
@@ -233,7 +233,7 @@ def _trace_sectors(
             continue
         parts, others = workspace_of(shown, image), shapes_of_match(shown, image)
         columns = parts.image.met.shape[0] // rings.levels.shape[0]
-        buffer = hit_buffer_in(columns, *parts.image)
+        buffer = hit_buffer_in(columns, parts.image)
         for sector in range(sectors):
             first, last = sector * columns, min((sector + 1) * columns, azimuths)
             middle = yaws[image] + 360.0 * (first + (columns - 1) * 0.5) / azimuths
@@ -332,7 +332,7 @@ def _nearest(moving: Solids, viewer: int, ray: Ray, nearest: float) -> float:
     for solid in range(moving.kind.shape[0]):
         if moving.owner[solid] != viewer and _passes(ray, moving, solid):
             start, end = moving.face_start[solid], moving.face_start[solid + 1]
-            nearest = min(nearest, meet_faces(moving.faces, start, end, ray, nearest)[0])
+            nearest = min(nearest, intersect_faces(moving.faces, start, end, ray, nearest)[0])
     return nearest
 
 

@@ -77,7 +77,7 @@ def _trace_static_depths(
         if image == TAKEN_ALREADY:
             continue
         parts = read_workspace(workspaces[image if workspaces.shape[0] > 1 else 0])
-        buffer = hit_buffer_in(width, *parts.image)
+        buffer = hit_buffer_in(width, parts.image)
         camera = camera_at(eyes[image], yaws[image], pitches[image], half_width, width, height, far)
         aim_rays(buffer, camera)
         trace_static(parts, camera, False, buffer)
@@ -152,7 +152,7 @@ def trace_in_match(
 ) -> TracedImage:
     """Trace the image of one of some cameras, and return it; it is valid until the next one is traced."""
     workspace, moving = workspace_of(matches, image), shapes_of_match(matches, image)
-    buffer = hit_buffer_in(width, *workspace.image)
+    buffer = hit_buffer_in(width, workspace.image)
     eye, yaw, pitch = cameras.eyes[image], cameras.yaws[image], cameras.pitches[image]
     camera = camera_at(eye, yaw, pitch, cameras.half_width, width, height, cameras.far)
     aim_rays(buffer, camera)

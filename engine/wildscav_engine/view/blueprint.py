@@ -6,8 +6,7 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from wildscav_engine.view.entities.agents import path_of
-from wildscav_engine.view.entities.depth import DEPTH, SCALE_HEIGHT
-from wildscav_engine.view.entities.follow_cameras import ABOVE, COLOR, EYES
+from wildscav_engine.view.entities.follow_cameras import ABOVE, COLOR, DEPTH, EYES, SCALE_HEIGHT
 from wildscav_engine.view.events import EVENTS, KILLS
 from wildscav_engine.view.overview import Overview
 from wildscav_engine.view.recording import coordinates

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.envs import SeatController
-from wildscav_engine.maps.walk import Path, WalkGraph, find_path, node_near
+from wildscav_engine.maps.walk import NavGraph, Path, find_path, node_near
 from wildscav_engine.maps.walk.explore import ARRIVAL
 from wildscav_engine.maps.walk.lattice import NO_EDGE
 from wildscav_engine.maps.walk.leaps import LEAP_SPEED
@@ -74,7 +74,7 @@ class PathWalker:
     it up, too, there is a gap in the floor that the graph does not know: it takes a path without that edge.
     """
 
-    def __init__(self, graph: WalkGraph, start: NDArray[np.float64], target: NDArray[np.float64]) -> None:
+    def __init__(self, graph: NavGraph, start: NDArray[np.float64], target: NDArray[np.float64]) -> None:
         """Search for the path.
 
         Args:
@@ -138,7 +138,7 @@ class PathWalker:
             self._follow(path)
 
 
-def without_edge(graph: WalkGraph, start: Place, end: Place) -> WalkGraph:
+def without_edge(graph: NavGraph, start: Place, end: Place) -> NavGraph:
     """Return a graph without the edge between two nodes; the same where they are none, or have none.
 
     Args:

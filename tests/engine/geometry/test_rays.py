@@ -12,9 +12,9 @@ from wildscav_engine.geometry.rays import (
     NOTHING_HIT,
     TERRAIN_HIT,
     cast_ray,
+    intersect_solid,
     kind_of,
     make_ray,
-    meet_solid,
     sight_is_clear,
 )
 from wildscav_engine.geometry.terrain import ground_at
@@ -71,7 +71,7 @@ def by_brute_force(world: World, eye: np.ndarray, way: np.ndarray, far: float) -
     nearest = far
     ray = make_ray(world, *eye, *way)
     for solid in range(len(world.solid_kind)):
-        nearest = min(nearest, meet_solid(world, solid, ray, nearest)[0])
+        nearest = min(nearest, intersect_solid(world, solid, ray, nearest)[0])
 
     def above(t: float) -> float:
         x, y, z = eye + way * t

@@ -7,11 +7,10 @@ from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.random_numbers import uniform
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.geometry.nearby_solids import find_nearby_solids
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import World
 from wildscav_engine.motion.body_motion import move
-from wildscav_engine.motion.collision import Bodies
+from wildscav_engine.motion.collision import Bodies, find_nearby_solids
 from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS, EDGE_MARGIN, GRAVITY, JUMP_SPEED
 from wildscav_engine.specs.rules import FRAME
 

@@ -1,14 +1,12 @@
 """Rays are processed in whole groups, which contain all that were asked for and none of another image."""
 
-import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
 from wildscav_engine.rendering.tracing.frustum import Rectangle
 from wildscav_engine.rendering.tracing.hit_buffer import (
     RAYS_PER_VECTOR,
-    allocate_rays,
-    allocate_strips,
+    allocate_image,
     even_count,
     hit_buffer_in,
     start_in_row,
@@ -21,15 +19,13 @@ SIDES = st.integers(1, 40)
 def test_groups_of_rays_contain_the_pixels_of_a_row(width: int, height: int, data: st.DataObject) -> None:
     left, row = data.draw(st.integers(0, width - 1)), data.draw(st.integers(0, height - 1))
     pixels = Rectangle(left, data.draw(st.integers(left + 1, width)), row, row + 1)
-    strips = allocate_strips(height, width)
-    buffer = hit_buffer_in(
-        width, allocate_rays(height, width, 0.5), np.zeros(width * height, np.int32), strips
-    )
+    image = allocate_image(height, width, 0.5)
+    buffer = hit_buffer_in(width, image)
 
     count = even_count(buffer, pixels)
     start = start_in_row(buffer, pixels, row, count)
 
     assert 0 <= start <= row * width + pixels.left
     assert row * width + pixels.right <= start + count <= width * height
-    assert count <= strips.shape[1]
+    assert count <= image.strips.shape[1]
     assert count % RAYS_PER_VECTOR == 0 or count == width * height

@@ -15,7 +15,7 @@ from wildscav_engine.record import Record, resimulate
 from wildscav_engine.sensors.display.colors import distance_colors
 from wildscav_engine.view import ViewError, write_replay
 from wildscav_engine.view.entities.agents import line_color
-from wildscav_engine.view.entities.depth import distances_of
+from wildscav_engine.view.entities.follow_cameras import distances_of
 from wildscav_engine.view.outcome import describe_outcome
 from wildscav_engine.view.recording.history import DEPTH_CAMERA, History, collect_history
 

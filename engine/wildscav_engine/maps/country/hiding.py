@@ -12,7 +12,7 @@ from wildscav_engine.maps.country.landforms import ward_of_points
 from wildscav_engine.maps.country.plan import CountryPlan
 from wildscav_engine.maps.ground.terrain import Terrain
 from wildscav_engine.maps.settlements.houses import House
-from wildscav_engine.maps.walk import WalkGraph
+from wildscav_engine.maps.walk import NavGraph
 from wildscav_engine.maps.walk.distances import LONGER, distances_to, nodes_of, sources_of
 
 UPSTAIRS, INDOORS, DEAD_ENDS = 6, 4, 6  # targets of each kind, if the map has them
@@ -28,7 +28,7 @@ class Hidden(NamedTuple):
 
 
 def hide_targets(
-    graph: WalkGraph,
+    graph: NavGraph,
     plan: CountryPlan,
     terrain: Terrain,
     houses: Sequence[House],
@@ -67,7 +67,7 @@ def _draw(dice: Dice, places: NDArray[np.float64], wanted: int) -> NDArray[np.fl
     return places[chosen]
 
 
-def measure(graph: WalkGraph, targets: NDArray[np.float64], starts: NDArray[np.float64]) -> Hidden:
+def measure(graph: NavGraph, targets: NDArray[np.float64], starts: NDArray[np.float64]) -> Hidden:
     """Measure the ways to targets (T, 3) m from starts (S, 3) m; all of them are nodes of the graph."""
     positions, sources = graph.positions(), sources_of(graph)
     from_nodes = nodes_of(graph, starts)

@@ -199,11 +199,7 @@ def house_of(plan: HousePlan, site: Site) -> House:
 
 
 def build_roofs(builder: Builder, plan: HousePlan) -> list[Solid]:
-    """Build a roof on every wing; flat roofs and attic floors are added to the builder.
-
-    Returns:
-        The pitched roofs.
-    """
+    """Return the pitched roofs of all wings; flat roofs and attic floors are added to the builder."""
     solids = []
     for number, wing in enumerate(plan.wings):
         top = wing.storeys * STOREY_HEIGHT

@@ -114,11 +114,7 @@ def edges_of(faces: list[Face], rooms: list[Rectangle], stairs: Stairs | None) -
 def choose_outer_doors(
     dice: Dice, faces: list[Face], edges: list[Edge], wings: tuple[Wing, ...], hall: int
 ) -> list[Edge]:
-    """Choose the front door, preferably into the hall, and for a large house a second door on another side.
-
-    Returns:
-        The doors, each with its span.
-    """
+    """Choose the front door, preferably into the hall, and for a large house a second one on another side."""
     wide = [edge for edge in edges if edge.span[1] - edge.span[0] >= DOOR_WIDTH + 2.0 * PILLAR]
     fronts = [edge for edge in wide if faces[edge.face].facing is Side.FRONT] or wide
     in_hall = [edge for edge in fronts if edge.room == hall]

@@ -34,9 +34,6 @@ def draw_plan(
         small: Whether to draw a small house.
         area: Its size across and along in m; drawn if not given.
 
-    Returns:
-        The plan.
-
     Raises:
         MapError: A house cannot have this size.
     """

@@ -59,9 +59,6 @@ def draw_stairs(dice: Dice, inside: Rectangle) -> HallPlace:
 
     Args:
         inside: The area within the walls of the block, at least 6.5 m per side.
-
-    Returns:
-        The hall and the rest.
     """
     runs_along = dice.uniform() < 0.7
     low, high = (inside.left, inside.right) if runs_along else (inside.back, inside.front)

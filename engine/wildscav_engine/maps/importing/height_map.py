@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import CELL
-from wildscav_engine.maps.base import HIGHEST, LARGEST, LOWEST, SMALLEST, Base, BaseError
-from wildscav_engine.maps.importing.imported import Imported, finish
+from wildscav_engine.maps.base import HIGHEST, LARGEST, LOWEST, SMALLEST, Base, BaseError, Imported, finish
 
 if TYPE_CHECKING:
     from PIL.Image import Image

@@ -19,8 +19,9 @@ from wildscav_engine.maps.base import (
     SMALLEST,
     Base,
     BaseError,
+    Imported,
+    finish,
 )
-from wildscav_engine.maps.importing.imported import Imported, finish
 from wildscav_engine.maps.importing.parts import Part, read_parts
 
 # The kind of a part by a word in its name; the last such word counts, as in "ground floor".

@@ -187,9 +187,6 @@ def town_center(dice: Dice, terrain: Terrain, radius: float, others: list[Place]
 
     Args:
         radius: m, of the town.
-
-    Returns:
-        The place.
     """
     half = -terrain.corner[0]
     reach = max(0.3 * half, half - radius - EDGE_MARGIN)

@@ -179,9 +179,6 @@ def can_stand(land: GrowingGround, spots: Spots, number: int, group: int) -> boo
     Args:
         number: Index of the plant; only those before ``group`` count as others.
         group: Index of the first plant of its group, whose members may touch it.
-
-    Returns:
-        Whether it can stand there.
     """
     spot = spots.rows[number]
     half = -land.corner[0] - EDGE_MARGIN

@@ -1,13 +1,16 @@
 """Where a body can go: the walkable graph of a map, reachability, and shortest paths."""
 
-from wildscav_engine.maps.walk.graph import WalkGraph, build_graph
+import warnings
+from typing import Any
+
+from wildscav_engine.maps.walk.graph import NavGraph, build_graph
 from wildscav_engine.maps.walk.paths import Leg, Path, find_path, is_reached, leads_out, node_near
 from wildscav_engine.maps.walk.shortest import shortest_length, straight_length
 
 __all__ = [
     "Leg",
+    "NavGraph",
     "Path",
-    "WalkGraph",
     "build_graph",
     "find_path",
     "is_reached",
@@ -16,3 +19,11 @@ __all__ = [
     "shortest_length",
     "straight_length",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Return a name by its old spelling, for one release."""
+    if name != "WalkGraph":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    warnings.warn("WalkGraph is called NavGraph now", DeprecationWarning, stacklevel=2)
+    return NavGraph

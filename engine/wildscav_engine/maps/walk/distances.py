@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import array_kernel
-from wildscav_engine.maps.walk.graph import WalkGraph, successor
+from wildscav_engine.maps.walk.graph import NavGraph, successor
 from wildscav_engine.maps.walk.lattice import SPACING, Lattice, Nodes, node_at
 from wildscav_engine.maps.walk.search import HEAP_FIRST, pop, push
 
@@ -21,7 +21,7 @@ class Sources(NamedTuple):
     node: NDArray[np.int32]  # (E,) from which an edge or leap leads there
 
 
-def sources_of(graph: WalkGraph) -> Sources:
+def sources_of(graph: NavGraph) -> Sources:
     """Return the edges and leaps of a graph, reversed."""
     return Sources(*_reverse(graph.nodes.edges, graph.leap_start, graph.leap_end))
 
@@ -85,7 +85,7 @@ def distances_to(
     return far
 
 
-def nodes_of(graph: WalkGraph, places: NDArray[np.float64]) -> NDArray[np.int64]:
+def nodes_of(graph: NavGraph, places: NDArray[np.float64]) -> NDArray[np.int64]:
     """Return (P,) the nodes at places (P, 3) m, -1 where there is none."""
     return np.asarray(_nodes_of(graph.world.corner, graph.lattice, graph.nodes, places))
 

@@ -15,7 +15,7 @@ from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import World
 from wildscav_engine.maps.walk.explore import SIDE_CLEARANCE, leaves_clearance, walk_within
-from wildscav_engine.maps.walk.graph import WalkGraph
+from wildscav_engine.maps.walk.graph import NavGraph
 from wildscav_engine.maps.walk.lattice import (
     BORDER,
     OPEN,
@@ -97,7 +97,7 @@ class Search(NamedTuple):
 
 
 def fine_route(
-    graph: WalkGraph, start: NDArray[np.float64], goal: Goal
+    graph: NavGraph, start: NDArray[np.float64], goal: Goal
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]] | None:
     """Return the shortest route over the fine grid to where the target is reached, None if there is none.
 
@@ -126,7 +126,7 @@ def fine_route(
     return found.place[along], found.leapt[along]
 
 
-def _grid_around(graph: WalkGraph, start: NDArray[np.float64], goal: Goal) -> Grid:
+def _grid_around(graph: NavGraph, start: NDArray[np.float64], goal: Goal) -> Grid:
     """Return the part of the grid that routes within the bound can touch."""
     low, high, corner = [], [], graph.world.corner
     last = FINENESS * (graph.lattice.side - 1 - BORDER)
@@ -166,7 +166,7 @@ def search_on(search: Search, start: NDArray[np.float64]) -> int:
         if found.done[place]:
             continue
         found.done[place] = True
-        if _apart_3d(found.place[place], goal.target) <= goal.reach:
+        if _distance(found.place[place], goal.target) <= goal.reach:
             return place
         if found.counts[0] >= room or found.counts[1] >= room_in_heap:
             return FULL
@@ -320,6 +320,6 @@ def _left(goal: Goal, x: float, z: float) -> float:
 
 
 @kernel
-def _apart_3d(place: NDArray[np.float64], other: NDArray[np.float64]) -> float:
+def _distance(place: NDArray[np.float64], other: NDArray[np.float64]) -> float:
     dx, dy, dz = other[0] - place[0], other[1] - place[1], other[2] - place[2]
     return float(np.sqrt(dx * dx + dy * dy + dz * dz))

@@ -84,7 +84,7 @@ def strong_components(
 
 
 @dataclass(frozen=True, eq=False)
-class WalkGraph:
+class NavGraph:
     """Where a body can stand, and where it can walk, climb, drop and jump to from there.
 
     Edges and leaps are directed: after a drop from a roof there may be no path back.
@@ -132,7 +132,7 @@ class WalkGraph:
         return places
 
 
-def build_graph(world: World) -> WalkGraph:
+def build_graph(world: World) -> NavGraph:
     """Find every place that the engine's motion can walk, climb, drop and jump to on a map."""
     lattice = make_lattice(world)
     whole = lattice.side // 2 + 1
@@ -208,7 +208,7 @@ def _longer(table: NDArray[Number], capacity: int) -> NDArray[Number]:
     return longer
 
 
-def _finish(world: World, lattice: Lattice, nodes: Nodes, leaps: Leaps) -> WalkGraph:
+def _finish(world: World, lattice: Lattice, nodes: Nodes, leaps: Leaps) -> NavGraph:
     """Cut the tables to length and sort the leaps by their starts."""
     count, leap_count = int(nodes.found[0]), int(leaps.found[0])
     nodes = nodes._replace(
@@ -220,7 +220,7 @@ def _finish(world: World, lattice: Lattice, nodes: Nodes, leaps: Leaps) -> WalkG
     order = np.argsort(leaps.start[:leap_count], kind="stable")
     leap_start = np.zeros(count + 1, np.int64)
     np.cumsum(np.bincount(leaps.start[:leap_count], minlength=count), out=leap_start[1:])
-    return WalkGraph(
+    return NavGraph(
         world,
         lattice,
         nodes,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.kernel import array_kernel, kernel
 from wildscav_engine.geometry.world import World
 from wildscav_engine.maps.walk.explore import walk_straight
-from wildscav_engine.maps.walk.graph import WalkGraph
+from wildscav_engine.maps.walk.graph import NavGraph
 from wildscav_engine.maps.walk.lattice import SAME_SURFACE, SPACING
 from wildscav_engine.maps.walk.search import LEG_STRIDE, is_edge, is_straight, pull_straight, shortest_route
 from wildscav_engine.motion.collision import Bodies, Point
@@ -47,9 +47,9 @@ def pull_tight(world: World, nobody: Bodies, turns: NDArray[np.float64]) -> NDAr
 def _move_in(world: World, nobody: Bodies, turns: NDArray[np.float64], turn: int) -> float:
     """Move a turn as far as possible in one step; return how many m shorter the path becomes."""
     before, here, after = _point(turns, turn - 1), _point(turns, turn), _point(turns, turn + 1)
-    old = _apart_level(before, here) + _apart_level(here, after)
+    old = _level_distance(before, here) + _level_distance(here, after)
     foot_x, foot_z = _nearest_on(before, after, here)
-    whole = _apart_level(here, Point(foot_x, here.y, foot_z))
+    whole = _level_distance(here, Point(foot_x, here.y, foot_z))
     for share in SHARES:
         moved = share * whole - CORNER_CLEARANCE
         if moved <= 0.0:
@@ -58,7 +58,7 @@ def _move_in(world: World, nobody: Bodies, turns: NDArray[np.float64], turn: int
         if not furthest.y < np.inf:
             continue
         there = _turn_at(world, nobody, before, here, after, foot_x, foot_z, moved / whole)
-        gain = old - _apart_level(before, there) - _apart_level(there, after)
+        gain = old - _level_distance(before, there) - _level_distance(there, after)
         if there.y < np.inf and gain > 0.0:
             turns[turn, 0], turns[turn, 1], turns[turn, 2] = there.x, there.y, there.z
             return gain
@@ -95,7 +95,7 @@ def _point(turns: NDArray[np.float64], turn: int) -> Point:
 
 
 @kernel
-def _apart_level(one: Point, other: Point) -> float:
+def _level_distance(one: Point, other: Point) -> float:
     """Return the horizontal distance in m between two points."""
     return float(np.sqrt((other.x - one.x) * (other.x - one.x) + (other.z - one.z) * (other.z - one.z)))
 
@@ -137,7 +137,7 @@ class Path:
         return float(np.sqrt(offsets[:, 0] * offsets[:, 0] + offsets[:, 1] * offsets[:, 1]).sum())
 
 
-def find_path(graph: WalkGraph, start: Place, end: Place, *, straight: bool = True) -> Path | None:
+def find_path(graph: NavGraph, start: Place, end: Place, *, straight: bool = True) -> Path | None:
     """Return the shortest known path between two places of a map.
 
     The shortest route over the graph is straightened wherever a straight walk also arrives, and its turns are
@@ -173,7 +173,7 @@ def find_path(graph: WalkGraph, start: Place, end: Place, *, straight: bool = Tr
     return Path(_triple(start), tuple(legs))
 
 
-def is_reached(graph: WalkGraph, place: Place, distance: float) -> bool:
+def is_reached(graph: NavGraph, place: Place, distance: float) -> bool:
     """Return whether a place (or a point within a distance in m of it) can be reached from all over the map.
 
     Args:
@@ -188,7 +188,7 @@ def is_reached(graph: WalkGraph, place: Place, distance: float) -> bool:
     return bool(((offsets * offsets).sum(axis=1) <= distance * distance).any())
 
 
-def leads_out(graph: WalkGraph, place: Place) -> bool:
+def leads_out(graph: NavGraph, place: Place) -> bool:
     """Return whether all of the map can be reached from a place (x, y, z in m, soles)."""
     node = node_near(graph, place, leave=True)
     if node is None or graph.connected[node]:
@@ -198,7 +198,7 @@ def leads_out(graph: WalkGraph, place: Place) -> bool:
     return len(shortest_route(graph.positions(), *tables, node, anywhere)) > 0
 
 
-def node_near(graph: WalkGraph, place: Place, *, leave: bool) -> int | None:
+def node_near(graph: NavGraph, place: Place, *, leave: bool) -> int | None:
     """Return the nearest node connected to a place by a straight walk, or None.
 
     Args:
@@ -218,7 +218,7 @@ def node_near(graph: WalkGraph, place: Place, *, leave: bool) -> int | None:
     return None
 
 
-def _nodes_around(graph: WalkGraph, x: float, z: float) -> NDArray[np.int64]:
+def _nodes_around(graph: NavGraph, x: float, z: float) -> NDArray[np.int64]:
     """Return all nodes over the lattice points within ATTACH of a place."""
     column, row = (x - graph.world.corner[0]) / SPACING, (z - graph.world.corner[1]) / SPACING
     reach, side = ATTACH / SPACING, graph.lattice.side
@@ -232,14 +232,14 @@ def _nodes_around(graph: WalkGraph, x: float, z: float) -> NDArray[np.int64]:
     return np.array(found, np.int64)
 
 
-def _leads_to(graph: WalkGraph, start: Point, end: Point) -> bool:
+def _leads_to(graph: NavGraph, start: Point, end: Point) -> bool:
     nobody = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
     height = walk_straight(graph.world, nobody, start, end.x, end.z, SPACING)
     return bool(abs(height - end.y) <= SAME_SURFACE)
 
 
 def _legs(
-    graph: WalkGraph,
+    graph: NavGraph,
     places: NDArray[np.float64],
     route: NDArray[np.int32],
     is_leap: Sequence[bool],
@@ -261,7 +261,7 @@ def _legs(
     return legs
 
 
-def pulled(graph: WalkGraph, places: NDArray[np.float64], route: NDArray[np.int32]) -> NDArray[np.float64]:
+def pulled(graph: NavGraph, places: NDArray[np.float64], route: NDArray[np.int32]) -> NDArray[np.float64]:
     """Return (P, 3) m the turns of a walk after it is pulled straight and tight."""
     nobody = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
     while True:
@@ -274,7 +274,7 @@ def pulled(graph: WalkGraph, places: NDArray[np.float64], route: NDArray[np.int3
     return np.asarray(turns[kept])
 
 
-def _begins_with_jump(graph: WalkGraph, start: int, end: int) -> bool:
+def _begins_with_jump(graph: NavGraph, start: int, end: int) -> bool:
     """Return whether the leap between two nodes begins with a jump."""
     leaps = slice(graph.leap_start[start], graph.leap_start[start + 1])
     return bool(graph.leap_jump[leaps][graph.leap_end[leaps] == end].all())

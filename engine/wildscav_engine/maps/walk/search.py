@@ -126,13 +126,13 @@ def shortest_route(
                 continue
             # A straight line cannot start before a leap and end after it.
             before = turn[node] if number <= DIRECTIONS else node
-            far = length[before] + _apart(places, before, other)
+            far = length[before] + _distance(places, before, other)
             if far < length[other]:
                 length[other], previous[other], turn[other] = far, node, before
                 if size + 1 == heap.shape[0]:
                     heap = np.concatenate((heap, np.empty_like(heap)))
                     priority = np.concatenate((priority, np.empty_like(priority)))
-                size = push(heap, priority, size, other, far + _apart(places, other, end))
+                size = push(heap, priority, size, other, far + _distance(places, other, end))
     return _trace_back(places, edges, previous, turn, start, end) if done[end] else nowhere
 
 
@@ -148,18 +148,18 @@ def _turn_before(
 ) -> None:
     """Turn the route to a node at its best neighbour, since the assumed turn has no line of sight to it."""
     best = previous[node]
-    shortest = length[best] + _apart(places, best, node)
+    shortest = length[best] + _distance(places, best, node)
     for direction in range(DIRECTIONS):
         other = edges[node, direction]
         if other >= 0 and done[other] and edges[other, (direction + DIRECTIONS // 2) % DIRECTIONS] == node:
-            far = length[other] + _apart(places, other, node)
+            far = length[other] + _distance(places, other, node)
             if far < shortest:
                 best, shortest = other, far
     length[node], previous[node], turn[node] = shortest, best, best
 
 
 @kernel
-def _apart(places: NDArray[np.float64], one: int, other: int) -> float:
+def _distance(places: NDArray[np.float64], one: int, other: int) -> float:
     """Return the horizontal distance in m between two nodes."""
     east, north = places[other, 0] - places[one, 0], places[other, 2] - places[one, 2]
     return float(np.sqrt(east * east + north * north))

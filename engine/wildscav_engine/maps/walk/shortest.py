@@ -9,7 +9,7 @@ from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.world import World
 from wildscav_engine.maps.walk.explore import ARRIVAL, move_on
 from wildscav_engine.maps.walk.fine_search import Goal, fine_route
-from wildscav_engine.maps.walk.graph import WalkGraph
+from wildscav_engine.maps.walk.graph import NavGraph
 from wildscav_engine.maps.walk.paths import Place, find_path, pulled
 from wildscav_engine.motion.collision import Bodies, Point
 
@@ -18,7 +18,7 @@ STRIDE = 0.1  # m, of walks that look for the place from which the target is rea
 FARTHEST_DETOUR = 3.0  # times the straight line, of what is searched where the graph knows no path
 
 
-def shortest_length(graph: WalkGraph, start: Place, target: Place, reach: float) -> float:
+def shortest_length(graph: NavGraph, start: Place, target: Place, reach: float) -> float:
     """Return the length in m of the shortest way from a start to where a target is reached.
 
     It is horizontal, like ``walked``. No way that leaves a body 0.15 m free on each side is more than 2 %
@@ -37,7 +37,7 @@ def shortest_length(graph: WalkGraph, start: Place, target: Place, reach: float)
     if best < np.inf:
         return best
     first, goal = np.array(start, np.float64), Goal(np.array(target, np.float64), float(reach), np.inf)
-    least = max(0.0, _apart_level(first, goal.target) - goal.reach)
+    least = max(0.0, _level_distance(first, goal.target) - goal.reach)
     path = find_path(graph, first, goal.target)
     if path is not None:
         leaps = np.array([False, *(leg.leap for leg in path.legs)])
@@ -65,7 +65,7 @@ def straight_length(world: World, start: Place, target: Place, reach: float) -> 
 
 
 def finer_path(
-    graph: WalkGraph, start: NDArray[np.float64], goal: Goal
+    graph: NavGraph, start: NDArray[np.float64], goal: Goal
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]] | None:
     """Return the path over the fine grid to a place where the target is reached, None if there is none.
 
@@ -80,7 +80,7 @@ def finer_path(
 
 
 def _straightened(
-    graph: WalkGraph, places: NDArray[np.float64], leapt: NDArray[np.bool_]
+    graph: NavGraph, places: NDArray[np.float64], leapt: NDArray[np.bool_]
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Return the turns of a route, and which of them a leap leads to, with its walks pulled straight."""
     turns, leaps = [places[:1]], [np.zeros(1, np.bool_)]
@@ -117,11 +117,11 @@ def length_to_target(world: World, turns: NDArray[np.float64], leaps: NDArray[np
         after = turns[number + 1]
         if not leaps[number + 1]:
             best = min(best, before + walk_until_reached(world, nobody, turn, after, goal.target, goal.reach))
-        before += _apart_level(turn, after)
+        before += _level_distance(turn, after)
     return best
 
 
-def _apart_level(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
+def _level_distance(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
     """Return the horizontal distance in m between two places."""
     east, north = float(other[0] - one[0]), float(other[2] - one[2])
     return math.sqrt(east * east + north * north)
@@ -145,7 +145,7 @@ def walk_until_reached(
         reach: m, 3D.
     """
     at = Point(start[0], start[1], start[2])
-    apart = _apart(at, target)
+    apart = _distance(at, target)
     if apart <= reach:
         return 0.0
     east, north = end[0] - start[0], end[2] - start[2]
@@ -155,7 +155,7 @@ def walk_until_reached(
         at, short, stands = move_on(world, nobody, at, end[0], end[2], moves - done)
         if short > ARRIVAL or not stands:
             return np.inf
-        stride, nearer = far / moves, _apart(at, target)
+        stride, nearer = far / moves, _distance(at, target)
         if nearer <= reach:
             return float(gone + stride * (apart - reach) / (apart - nearer))
         gone, apart = gone + stride, nearer
@@ -163,7 +163,7 @@ def walk_until_reached(
 
 
 @kernel
-def _apart(at: Point, target: NDArray[np.float64]) -> float:
+def _distance(at: Point, target: NDArray[np.float64]) -> float:
     """Return the distance in m between a body's soles and a target."""
     dx, dy, dz = target[0] - at.x, target[1] - at.y, target[2] - at.z
     return float(np.sqrt(dx * dx + dy * dy + dz * dz))

@@ -9,29 +9,33 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.array_tables import Addresses, ArrayTable, reader
+from wildscav_engine.compilation.array_tables import Addresses, addresses_of, reader
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.geometry.world import Kind, World, empty_world
 from wildscav_engine.rendering.palette import of_solids
 from wildscav_engine.rendering.shading.ground import ground_appearance, packed_ground
-from wildscav_engine.rendering.shading.light.columns import Columns, columns_of
+from wildscav_engine.rendering.shading.light.columns import ShadowColumns, columns_of
 from wildscav_engine.rendering.shading.sky import SUN_DIRECTION, clouds
 
 UP = (0.0, 1.0, 0.0)
 UPRIGHT = 1e-6  # a face whose normal rises less than this stands upright
 
 
-class Materials(NamedTuple):
-    """The appearance of a map with S solids."""
+class Surfaces(NamedTuple):
+    """The appearance of the surfaces of a map with S solids."""
 
     color: NDArray[np.float64]  # (S, 3) red, green, blue 0-255, unlit
     axis: NDArray[np.float64]  # (S, 2) level unit vector (x, z) that a solid's boards run along
-    ground: NDArray[
-        np.float32
-    ]  # (R + 1, C + 1, 8) colour and normal of each cell corner; see ``packed_ground``
-    to_sun: Columns  # all solids, towards the sun
-    upwards: Columns  # floors and roofs
+    ground: NDArray[np.float32]  # (R + 1, C + 1, 8) of each cell corner; see ``packed_ground``
     clouds: NDArray[np.float32]  # see ``sky.clouds``
+
+
+class Materials(NamedTuple):
+    """The surfaces of a map, and what shades them."""
+
+    surfaces: Surfaces
+    to_sun: ShadowColumns  # all solids, towards the sun
+    upwards: ShadowColumns  # floors and roofs
 
 
 def materials_of(world: World, solid_house: NDArray[np.int16]) -> Materials:
@@ -39,13 +43,11 @@ def materials_of(world: World, solid_house: NDArray[np.int16]) -> Materials:
     axis = np.empty((len(world.solid_kind), 2))
     _write_axes(world, axis)
     kinds = world.solid_kind
+    ground = packed_ground(ground_appearance(world))
     return Materials(
-        of_solids(kinds, solid_house),
-        axis,
-        packed_ground(ground_appearance(world)),
+        Surfaces(of_solids(kinds, solid_house), axis, ground, clouds()),
         columns_of(world, SUN_DIRECTION, np.ones(len(kinds), np.bool_), steep=True),
         columns_of(world, UP, (kinds == Kind.FLOOR) | (kinds == Kind.ROOF), steep=False),
-        clouds(),
     )
 
 
@@ -60,26 +62,6 @@ def _write_axes(world: World, axis: NDArray[np.float64]) -> None:
                 break
 
 
-class Surfaces(NamedTuple):
-    """The arrays of ``Materials``."""
-
-    color: NDArray[np.float64]
-    axis: NDArray[np.float64]
-    ground: NDArray[np.float32]
-    clouds: NDArray[np.float32]
-
-
-class ColumnArrays(NamedTuple):
-    """The fields of ``Columns`` as arrays."""
-
-    numbers: NDArray[np.float64]  # (5,) lean_x, lean_z, west, south, per_side
-    record: NDArray[np.int32]
-    clear: NDArray[np.float32]
-    closed: NDArray[np.float32]
-    start: NDArray[np.int32]
-    solids: NDArray[np.int32]
-
-
 _FLOATS, _INTEGERS = np.zeros(0, np.float32), np.zeros(0, np.int32)
 _read_world = reader(empty_world())
 _read_surfaces = reader(
@@ -88,11 +70,11 @@ _read_surfaces = reader(
     )
 )
 _read_columns = reader(
-    ColumnArrays(np.zeros(5), np.zeros((0, 0), np.int32), _FLOATS, _FLOATS, _INTEGERS, _INTEGERS)
+    ShadowColumns(np.zeros(5), np.zeros((0, 0), np.int32), _FLOATS, _FLOATS, _INTEGERS, _INTEGERS)
 )
 SURFACES = len(World._fields)  # the row of a table where the surfaces begin; see ``Appearance``
 TO_SUN = SURFACES + len(Surfaces._fields)
-UPWARDS = TO_SUN + len(ColumnArrays._fields)
+UPWARDS = TO_SUN + len(ShadowColumns._fields)
 
 
 class Appearance:
@@ -107,10 +89,7 @@ class Appearance:
     def __init__(self, world: World, materials: Materials) -> None:
         """Build the table."""
         self.world, self.materials = world, materials
-        surfaces = Surfaces(materials.color, materials.axis, materials.ground, materials.clouds)
-        parts = (world, surfaces, _arrays_of(materials.to_sun), _arrays_of(materials.upwards))
-        self._parts = [ArrayTable(part) for part in parts]  # keep the arrays alive
-        self.tables = np.concatenate([part.addresses for part in self._parts])[np.newaxis]
+        self.tables = np.concatenate([addresses_of(part) for part in (world, *materials)])[np.newaxis]
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Copy and pickle only the arrays: the copies have other addresses."""
@@ -134,10 +113,6 @@ class Appearances:
         return Appearances, (self._appearances,)
 
 
-def _arrays_of(columns: Columns) -> ColumnArrays:
-    return ColumnArrays(np.array(columns[:5], np.float64), *columns[5:])
-
-
 @inlined_kernel
 def world_in(appearance: Addresses) -> World:
     """Return the static world in the table of an ``Appearance``."""
@@ -148,29 +123,8 @@ def world_in(appearance: Addresses) -> World:
 @inlined_kernel
 def materials_in(appearance: Addresses) -> Materials:
     """Return the materials in the table of an ``Appearance``."""
-    surfaces = _read_surfaces(appearance[SURFACES:TO_SUN])
     return Materials(
-        surfaces.color,
-        surfaces.axis,
-        surfaces.ground,
-        _columns_in(_read_columns(appearance[TO_SUN:UPWARDS])),
-        _columns_in(_read_columns(appearance[UPWARDS:])),
-        surfaces.clouds,
-    )
-
-
-@inlined_kernel
-def _columns_in(arrays: ColumnArrays) -> Columns:
-    numbers = arrays.numbers
-    return Columns(
-        numbers[0],
-        numbers[1],
-        numbers[2],
-        numbers[3],
-        numbers[4],
-        arrays.record,
-        arrays.clear,
-        arrays.closed,
-        arrays.start,
-        arrays.solids,
+        _read_surfaces(appearance[SURFACES:TO_SUN]),
+        _read_columns(appearance[TO_SUN:UPWARDS]),
+        _read_columns(appearance[UPWARDS:]),
     )

@@ -7,7 +7,7 @@ Vector = tuple[float, float, float]
 
 
 @kernel
-def mixed(first: Color, second: Color, share: float) -> Color:
+def lerp(first: Color, second: Color, share: float) -> Color:
     """Return the linear blend of two colours, by the share of the second."""
     return (
         first[0] + (second[0] - first[0]) * share,
@@ -17,13 +17,13 @@ def mixed(first: Color, second: Color, share: float) -> Color:
 
 
 @kernel
-def dimmed(color: Color, factor: float) -> Color:
+def scaled(color: Color, factor: float) -> Color:
     """Return a colour multiplied by a factor."""
     return color[0] * factor, color[1] * factor, color[2] * factor
 
 
 @kernel
-def clipped(value: float, low: float, high: float) -> float:
+def clamp(value: float, low: float, high: float) -> float:
     """Return a number limited to a range."""
     return min(high, max(low, value))
 

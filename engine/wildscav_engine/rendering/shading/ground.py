@@ -21,9 +21,9 @@ from wildscav_engine.rendering.shading.pixel_rows import (
     AT_ONCE,
     Channels,
     Normals,
+    RayDirections,
     TextureScratch,
     TracedRow,
-    Ways,
     write_footprints,
     write_places,
 )
@@ -143,7 +143,7 @@ def write_ground(
     for start in range(first, last, AT_ONCE):
         end = min(last, start + AT_ONCE)
         own, color, normal = pixels.ways, pixels.color, pixels.normal
-        ways = Ways(own.east[start:end], own.up[start:end], own.north[start:end])
+        ways = RayDirections(own.east[start:end], own.up[start:end], own.north[start:end])
         red, green, blue = color.red[start:end], color.green[start:end], color.blue[start:end]
         east, up, north = normal.east[start:end], normal.up[start:end], normal.north[start:end]
         some = row.hit.distance[row.number, start:end]

@@ -25,16 +25,16 @@ from wildscav_engine.rendering.shading.pixel_rows import (
     Channels,
     Normals,
     Places,
+    RayDirections,
     RowOfPixels,
     TextureScratch,
     TracedRow,
-    Ways,
     footprint,
     point_along,
     row_in,
     view_of,
     way_of,
-    write_ways,
+    write_directions,
 )
 from wildscav_engine.rendering.shading.sky import SUN_DIRECTION, write_sky
 from wildscav_engine.rendering.shading.surfaces import has_spots, textured, write_spotted
@@ -93,15 +93,15 @@ def shade(
     for number_of_row in range(view.height):
         solids, distances = hit.solid[number_of_row], hit.distance[number_of_row]
         pixels, colors = row_in(canvas.rows, number_of_row), image[number_of_row]
-        write_ways(view, number_of_row, cosines[number_of_row], pixels.ways)
+        write_directions(view, number_of_row, cosines[number_of_row], pixels.ways)
         write_fog(distances, cameras.far, pixels.fog)
         pieces = find_pieces(solids, hit.face[number_of_row], canvas.pieces)
         row = TracedRow(view, hit, number_of_row, canvas.pieces, pieces, pixels)
         if pieces > 1 or solids[0] != NOTHING_HIT:
             _write_surfaces(scene, row, canvas.texture)
             _light_surfaces(scene, row, count, canvas)
-            _write_reflections(scene.materials.clouds, row, canvas.texture)
-        _write_sky(scene.materials.clouds, row, canvas.texture)
+            _write_reflections(scene.materials.surfaces.clouds, row, canvas.texture)
+        _write_sky(scene.materials.surfaces.clouds, row, canvas.texture)
         if is_under_water:
             write_murky(distances, pixels, colors)
         else:
@@ -111,7 +111,7 @@ def shade(
 @inlined_kernel
 def _write_surfaces(scene: ShadedScene, row: TracedRow, scratch: TextureScratch) -> None:
     """Write the colours without light, and the normals, of what the rays of a row hit."""
-    ground, statics = scene.materials.ground, scene.world.solid_kind.shape[0]
+    ground, statics = scene.materials.surfaces.ground, scene.world.solid_kind.shape[0]
     for piece in range(row.piece_count):
         first, last = row.pieces[piece], row.pieces[piece + 1]
         solid, face = row.hit.solid[row.number, first], row.hit.face[row.number, first]
@@ -157,13 +157,13 @@ def _write_solid(
 ) -> None:
     """Write what shows a face of a static solid."""
     view, distances, pixels = row.camera, row.hit.distance[row.number], row.pixels
-    walls, colors, axes = scene.world.faces, scene.materials.color, scene.materials.axis
+    walls, colors, axes = scene.world.faces, scene.materials.surfaces.color, scene.materials.surfaces.axis
     kind, normal = scene.world.solid_kind[solid], (walls[face, 0], walls[face, 1], walls[face, 2])
     base = (colors[solid, 0], colors[solid, 1], colors[solid, 2])
     axis, ways, color = (axes[solid, 0], 0.0, axes[solid, 1]), pixels.ways, pixels.color
     _fill(pixels.normal, normal, first, last)
     if has_spots(kind, normal):
-        some = Ways(ways.east[first:last], ways.up[first:last], ways.north[first:last])
+        some = RayDirections(ways.east[first:last], ways.up[first:last], ways.north[first:last])
         shown = Channels(color.red[first:last], color.green[first:last], color.blue[first:last])
         own = pixels.normal
         facing = Normals(own.east[first:last], own.up[first:last], own.north[first:last])
@@ -242,7 +242,7 @@ def _write_sky(clouds: NDArray[np.float32], row: TracedRow, scratch: TextureScra
     for piece in range(row.piece_count):
         first, last = row.pieces[piece], row.pieces[piece + 1]
         if row.hit.solid[row.number, first] == NOTHING_HIT:
-            ways = Ways(own.east[first:last], own.up[first:last], own.north[first:last])
+            ways = RayDirections(own.east[first:last], own.up[first:last], own.north[first:last])
             shown = Channels(color.red[first:last], color.green[first:last], color.blue[first:last])
             write_sky(ways, clouds, scratch, shown, fog[first:last])
 

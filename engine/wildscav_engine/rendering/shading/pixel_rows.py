@@ -74,7 +74,7 @@ def footprint(view: View, direction: Vector, distance: float, normal: Vector) ->
     return view.pixel * distance / max(LEAST_FACING, -dot(direction, normal))
 
 
-class Ways(NamedTuple):
+class RayDirections(NamedTuple):
     """The unit vectors of the rays of one row of pixels, (W,) each."""
 
     east: NDArray[np.float32]
@@ -83,7 +83,7 @@ class Ways(NamedTuple):
 
 
 @inlined_kernel
-def write_ways(view: View, row: int, cosines: NDArray[np.float32], ways: Ways) -> None:
+def write_directions(view: View, row: int, cosines: NDArray[np.float32], ways: RayDirections) -> None:
     """Write the rays of a row, given (W,) the cosines of their angles to the view axis."""
     above = view.top - row * view.pixel
     level = np.float32(view.cos_pitch + view.sin_pitch * above)
@@ -98,7 +98,7 @@ def write_ways(view: View, row: int, cosines: NDArray[np.float32], ways: Ways) -
 
 
 @inlined_kernel
-def way_of(ways: Ways, column: int) -> Vector:
+def way_of(ways: RayDirections, column: int) -> Vector:
     """Return the unit vector of one ray of a row."""
     return float(ways.east[column]), float(ways.up[column]), float(ways.north[column])
 
@@ -148,7 +148,7 @@ class Places(NamedTuple):
 class RowOfPixels(NamedTuple):
     """What is computed for one row of pixels, (W,) each."""
 
-    ways: Ways
+    ways: RayDirections
     color: Channels  # of the surfaces, first without light, then without haze
     normal: Normals
     tilt: Tilts
@@ -182,7 +182,7 @@ def row_in(space: NDArray[np.float32], row: int) -> RowOfPixels:
     """Return the arrays of a row."""
     this, above = space[UNOCCLUDED + (row & 1)], space[UNOCCLUDED + 1 - (row & 1)]
     return RowOfPixels(
-        Ways(space[0], space[1], space[2]),
+        RayDirections(space[0], space[1], space[2]),
         Channels(space[COLOR], space[COLOR + 1], space[COLOR + 2]),
         Normals(space[NORMAL], space[NORMAL + 1], space[NORMAL + 2]),
         Tilts(space[TILT], space[TILT + 1], space[TILT + 2]),
@@ -241,7 +241,9 @@ def texture_scratch_in(floats: NDArray[np.float32], integers: NDArray[np.int32])
 
 
 @disjoint_kernel
-def write_places(view: View, ways: Ways, distances: NDArray[np.float32], scratch: TextureScratch) -> None:
+def write_places(
+    view: View, ways: RayDirections, distances: NDArray[np.float32], scratch: TextureScratch
+) -> None:
     """Write where the pixels of a piece of a row show something."""
     x, y, z = np.float32(view.eye[0]), np.float32(view.eye[1]), np.float32(view.eye[2])
     for column in range(distances.shape[0]):
@@ -252,7 +254,7 @@ def write_places(view: View, ways: Ways, distances: NDArray[np.float32], scratch
 
 @disjoint_kernel
 def write_footprints(
-    view: View, ways: Ways, distances: NDArray[np.float32], normal: Normals, scratch: TextureScratch
+    view: View, ways: RayDirections, distances: NDArray[np.float32], normal: Normals, scratch: TextureScratch
 ) -> None:
     """Write the sizes of pixels on surfaces with these normals, as ``footprint`` does."""
     pixel = np.float32(view.pixel)

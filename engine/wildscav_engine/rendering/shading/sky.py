@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel, kernel
 from wildscav_engine.rendering.palette import SUN
 from wildscav_engine.rendering.shading.noise import endless_noise
-from wildscav_engine.rendering.shading.pixel_rows import AT_ONCE, Channels, TextureScratch, Ways
+from wildscav_engine.rendering.shading.pixel_rows import AT_ONCE, Channels, RayDirections, TextureScratch
 from wildscav_engine.rendering.tracing.frustum import nonnegative
 
 ZENITH, HORIZON = (84.0, 138.0, 206.0), (200.0, 217.0, 232.0)
@@ -81,7 +81,7 @@ def haze(channel: int, up: np.float32, level: np.float32) -> np.float32:
 
 @inlined_kernel
 def write_sky(
-    ways: Ways,
+    ways: RayDirections,
     clouds: NDArray[np.float32],
     scratch: TextureScratch,
     shown: Channels,
@@ -90,7 +90,7 @@ def write_sky(
     """Write what is before the clear sky, and how much of the haze is seen, in a piece of a row."""
     for start in range(0, fog.shape[0], AT_ONCE):
         end = min(fog.shape[0], start + AT_ONCE)
-        some = Ways(ways.east[start:end], ways.up[start:end], ways.north[start:end])
+        some = RayDirections(ways.east[start:end], ways.up[start:end], ways.north[start:end])
         _place_in_clouds(some, np.float32(clouds.shape[0] - 2), scratch)
         for column in range(end - start):
             row, first = nonnegative(scratch.row[column]), nonnegative(scratch.column[column])
@@ -105,7 +105,7 @@ def write_sky(
 
 
 @disjoint_kernel
-def _place_in_clouds(ways: Ways, last: np.float32, scratch: TextureScratch) -> None:
+def _place_in_clouds(ways: RayDirections, last: np.float32, scratch: TextureScratch) -> None:
     """Write where rays meet the clouds, and how much of these is seen there: less towards the horizon."""
     for column in range(ways.up.shape[0]):
         up = ways.up[column]
@@ -118,7 +118,7 @@ def _place_in_clouds(ways: Ways, last: np.float32, scratch: TextureScratch) -> N
 
 
 @disjoint_kernel
-def _write_glow(ways: Ways, scratch: TextureScratch, fog: NDArray[np.float32]) -> None:
+def _write_glow(ways: RayDirections, scratch: TextureScratch, fog: NDArray[np.float32]) -> None:
     """Write the shares of the haze, and of the sun in what is before it."""
     for column in range(fog.shape[0]):
         to_sun = ways.east[column] * SUN_EAST + ways.up[column] * SUN_UP + ways.north[column] * SUN_NORTH

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel, kernel
 from wildscav_engine.geometry.world import Kind
-from wildscav_engine.rendering.shading.color_arithmetic import Color, Vector, clipped, dimmed, mixed
+from wildscav_engine.rendering.shading.color_arithmetic import Color, Vector, clamp, lerp, scaled
 from wildscav_engine.rendering.shading.noise import (
     FOURS,
     between,
@@ -28,9 +28,9 @@ from wildscav_engine.rendering.shading.pixel_rows import (
     AT_ONCE,
     Channels,
     Normals,
+    RayDirections,
     TextureScratch,
     View,
-    Ways,
     write_footprints,
     write_places,
 )
@@ -74,10 +74,10 @@ def textured(kind: int, color: Color, normal: Vector, place: Vector, axis: Vecto
     along = axis[0] * x + axis[2] * z
     if kind == FLOOR:
         if normal[1] < -0.5:
-            return mixed(color, CEILING, 0.8)
-        return _boarded(color, across, along, 0.18, pixel) if normal[1] > 0.5 else dimmed(color, 0.8)
+            return lerp(color, CEILING, 0.8)
+        return _boarded(color, across, along, 0.18, pixel) if normal[1] > 0.5 else scaled(color, 0.8)
     if kind == STAIR:
-        return _boarded(color, along, across, 0.3, pixel) if normal[1] > 0.5 else dimmed(color, 0.68)
+        return _boarded(color, along, across, 0.3, pixel) if normal[1] > 0.5 else scaled(color, 0.68)
     if kind == ROOF:
         return _tiled(color, normal, place, pixel)
     return color
@@ -89,7 +89,7 @@ def _line(coordinate: float, spacing: float, width: float, pixel: float) -> floa
     phase = coordinate * (1.0 / spacing)
     aside = abs(phase - math.floor(phase + 0.5)) * spacing
     soft = max(0.5 * pixel, 0.25 * width)
-    return clipped((0.5 * width + soft - aside) / (2.0 * soft), 0.0, 1.0) * sharpness(spacing, pixel)
+    return clamp((0.5 * width + soft - aside) / (2.0 * soft), 0.0, 1.0) * sharpness(spacing, pixel)
 
 
 @inlined_kernel
@@ -100,14 +100,14 @@ def _boarded(color: Color, across: float, along: float, width: float, pixel: flo
     own = 1.0 + 0.18 * (grain(board, length, 11) - 0.5) * sharpness(width, pixel)
     joint = _line(across, width, 0.014, pixel)
     fibre = 0.10 * (noise(across * (1.0 / 0.03), along * 2.0) - 0.5) * sharpness(0.05, pixel)
-    return dimmed(color, (own + fibre) * (1.0 - 0.40 * joint))
+    return scaled(color, (own + fibre) * (1.0 - 0.40 * joint))
 
 
 @inlined_kernel
 def _tiled(color: Color, normal: Vector, place: Vector, pixel: float) -> Color:
     """Return the colour of rows of tiles, dark at their lower edges; plain under eaves."""
     if normal[1] < 0.05:
-        return dimmed(color, 0.62)
+        return scaled(color, 0.62)
     level = np.sqrt(normal[0] * normal[0] + normal[2] * normal[2])
     # The distances up the slope and along the eaves.
     up, along = place[1] / level, (normal[2] * place[0] - normal[0] * place[2]) / level
@@ -117,7 +117,7 @@ def _tiled(color: Color, normal: Vector, place: Vector, pixel: float) -> Color:
     seen = sharpness(0.34, pixel)
     own = 1.0 + seen * (0.22 * (grain(row, column, 2) - 0.5) + 0.16 * (up / 0.34 - row - 0.5))
     joint = max(_line(up, 0.34, 0.03, pixel), 0.6 * _line(along, 0.28, 0.02, pixel))
-    return dimmed(color, own * (1.0 - 0.38 * joint))
+    return scaled(color, own * (1.0 - 0.38 * joint))
 
 
 @inlined_kernel
@@ -132,7 +132,7 @@ def write_spotted(
     color: Color,
     normal: Normals,
     view: View,
-    ways: Ways,
+    ways: RayDirections,
     distances: NDArray[np.float32],
     scratch: TextureScratch,
     shown: Channels,
@@ -148,7 +148,7 @@ def write_spotted(
     level = np.sqrt(to_east * to_east + to_north * to_north)
     for start in range(0, distances.shape[0], AT_ONCE):
         end = min(distances.shape[0], start + AT_ONCE)
-        some = Ways(ways.east[start:end], ways.up[start:end], ways.north[start:end])
+        some = RayDirections(ways.east[start:end], ways.up[start:end], ways.north[start:end])
         even = -(-(end - start) // TOGETHER) * TOGETHER
         write_places(view, some, distances[start:end], scratch)
         facing = Normals(normal.east[start:end], normal.up[start:end], normal.north[start:end])

@@ -13,10 +13,10 @@ from wildscav_engine.rendering.shading.noise import noise, sharpness
 from wildscav_engine.rendering.shading.pixel_rows import (
     AT_ONCE,
     Channels,
+    RayDirections,
     TextureScratch,
     TracedRow,
     View,
-    Ways,
     footprint,
     point_along,
     way_of,
@@ -74,8 +74,10 @@ def write_reflection(
     for start in range(first, last, AT_ONCE):
         end = min(last, start + AT_ONCE)
         count = end - start
-        ways = Ways(pixels.ways.east[start:end], pixels.ways.up[start:end], pixels.ways.north[start:end])
-        mirrored = Ways(scratch.x[:count], scratch.y[:count], scratch.z[:count])
+        ways = RayDirections(
+            pixels.ways.east[start:end], pixels.ways.up[start:end], pixels.ways.north[start:end]
+        )
+        mirrored = RayDirections(scratch.x[:count], scratch.y[:count], scratch.z[:count])
         sky = Channels(place.x[start:end], place.y[start:end], place.z[start:end])
         share, fog = pixels.ambient[start:end], pixels.direct[start:end]
         _mirror(row.camera, ways, row.hit.distance[row.number, start:end], mirrored, share)
@@ -87,7 +89,11 @@ def write_reflection(
 
 @inlined_kernel
 def _mirror(
-    view: View, ways: Ways, distances: NDArray[np.float32], mirrored: Ways, share: NDArray[np.float32]
+    view: View,
+    ways: RayDirections,
+    distances: NDArray[np.float32],
+    mirrored: RayDirections,
+    share: NDArray[np.float32],
 ) -> None:
     """Write where rays go that ripples reflect, and the shares of their light.
 

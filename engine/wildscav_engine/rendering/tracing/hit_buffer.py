@@ -32,34 +32,37 @@ class HitBuffer(NamedTuple):
     spare: NDArray[np.float64]  # (strip,) m
 
 
-def allocate_rays(height: int, width: int, half_width: float) -> NDArray[np.float64]:
-    """Return (7, height * width): space for the rays, and what does not depend on the pose of the camera."""
+class ImageArrays(NamedTuple):
+    """The arrays that hold an image of N pixels while it is traced."""
+
+    rays: NDArray[np.float64]  # (7, N) all of a ``HitBuffer`` that there is for each of them but its codes
+    met: NDArray[np.int32]  # (N,)
+    strips: NDArray[np.float64]  # (3, strip) for the rays processed together: of a row, or of a small image
+
+
+def allocate_image(height: int, width: int, half_width: float) -> ImageArrays:
+    """Return the arrays for an image, with what does not depend on the pose of the camera."""
     rays = np.empty((7, height, width))
     pixel = 2.0 * half_width / width
     right = ((np.arange(width) + 0.5 - width * 0.5) * pixel)[None, :]
     above = ((height * 0.5 - np.arange(height) - 0.5) * pixel)[:, None]
     rays[4] = 1.0 / np.sqrt(1.0 + above * above + right * right)
     rays[5], rays[6] = right, above
-    return rays.reshape(7, height * width)
-
-
-def allocate_strips(height: int, width: int) -> NDArray[np.float64]:
-    """Return (3, strip): scratch buffers for the rays that are processed together, a row or a small image."""
-    return np.empty((3, max(width + RAYS_PER_VECTOR, min(height * width, FEW))))
+    strips = np.empty((3, max(width + RAYS_PER_VECTOR, min(height * width, FEW))))
+    return ImageArrays(rays.reshape(7, height * width), np.empty(height * width, np.int32), strips)
 
 
 @inlined_kernel
-def hit_buffer_in(
-    width: int, rays: NDArray[np.float64], met: NDArray[np.int32], strips: NDArray[np.float64]
-) -> HitBuffer:
+def hit_buffer_in(width: int, image: ImageArrays) -> HitBuffer:
     """Return a hit buffer as views of the arrays allocated for it."""
+    rays, strips = image.rays, image.strips
     return HitBuffer(
         width,
         rays[0],
         rays[1],
         rays[2],
         rays[3],
-        met,
+        image.met,
         rays[4],
         rays[5],
         rays[6],

@@ -79,7 +79,7 @@ def scene_of(world: World) -> Scene:
     more = ((0, 0), (0, SQUARE - CORNERS * CORNERS))
     heights = np.pad(_in_blocks(world, world.heights, CORNERS), more, mode="edge")
     group_start, grouped = _in_groups(start, place[members])
-    middles, radii = _balls_of_blocks(spans)
+    middles, radii = _bounding_spheres(spans)
     blocks = Blocks(
         heights,
         _in_blocks(world, world.water, BLOCK),
@@ -114,7 +114,7 @@ def _in_blocks(world: World, values: NDArray[np.float64], side: int) -> NDArray[
     return np.ascontiguousarray(picked.reshape(block_rows * block_columns, side * side))
 
 
-def _balls_of_blocks(spans: NDArray[np.float64]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+def _bounding_spheres(spans: NDArray[np.float64]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Return the heights of the blocks' middles and the radii of their bounding spheres, (B,) m each."""
     low, high = np.minimum(spans[:, 0], spans[:, 2]), spans[:, 1::2].max(axis=1)
     radius = np.sqrt(0.5 * (BLOCK * CELL) ** 2 + 0.25 * (high - low) ** 2)

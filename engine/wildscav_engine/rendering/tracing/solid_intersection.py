@@ -29,16 +29,16 @@ def trace_solid(
     if buffer.met.shape[0] <= FEW:
         # All rays from the first to the last: the few extra rays cost less than many short loops.
         top, bottom = pixels.top * buffer.width, (pixels.bottom - 1) * buffer.width
-        _meet_together(faces, outside, met, top + pixels.left, bottom + pixels.right, beyond, buffer)
+        _intersect_together(faces, outside, met, top + pixels.left, bottom + pixels.right, beyond, buffer)
         return
     count = even_count(buffer, pixels)
     for row in range(pixels.top, pixels.bottom):
         start = start_in_row(buffer, pixels, row, count)
-        _meet_together(faces, outside, met, start, start + count, beyond, buffer)
+        _intersect_together(faces, outside, met, start, start + count, beyond, buffer)
 
 
 @disjoint_kernel
-def _meet_together(
+def _intersect_together(
     faces: NDArray[np.float64],
     outside: NDArray[np.float64],
     met: int,
@@ -47,7 +47,7 @@ def _meet_together(
     beyond: float,
     buffer: HitBuffer,
 ) -> None:
-    """Do for many rays what ``rays.meet_solid`` does for one, in loops that vectorize."""
+    """Do for many rays what ``rays.intersect_solid`` does for one, in loops that vectorize."""
     # Slices that start at 0 make indices provably non-negative; a check for negative ones would prevent
     # vectorization. No loop writes an array that it reads, which would also prevent it.
     count = last - first

@@ -245,7 +245,7 @@ def _trace_cell(
 
 
 @inlined_kernel
-def _meet_triangle(
+def _intersect_triangle(
     cell: Cell, half: Triangle, towards: float, east: float, up: float, north: float
 ) -> tuple[bool, float]:
     """Return whether a ray hits a triangle of a cell from above, and how far it sinks towards it per metre.
@@ -279,8 +279,8 @@ def _trace_pixels(cell: Cell, pixels: Rectangle, buffer: HitBuffer) -> None:
         distances, mets = buffer.distance[first:last], buffer.met[first:last]
         for ray in range(count):
             east, up, north = easts[ray], ups[ray], norths[ray]
-            is_first, sinking = _meet_triangle(cell, cell.south_east, 1.0, east, up, north)
-            is_second, sinking_2 = _meet_triangle(cell, cell.north_west, -1.0, east, up, north)
+            is_first, sinking = _intersect_triangle(cell, cell.south_east, 1.0, east, up, north)
+            is_second, sinking_2 = _intersect_triangle(cell, cell.north_west, -1.0, east, up, north)
             above = cell.south_east.above if is_first else cell.north_west.above
             distance = above / (sinking if is_first else sinking_2)
             is_nearer = (is_first | is_second) & (distance < distances[ray])

@@ -4,12 +4,11 @@ import threading
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wildscav_engine.compilation.array_tables import Addresses, addresses_of, reader
 from wildscav_engine.compilation.kernel import inlined_kernel
 from wildscav_engine.rendering.tracing.front_to_back import Scratch, allocate_scratch
-from wildscav_engine.rendering.tracing.hit_buffer import allocate_rays, allocate_strips
+from wildscav_engine.rendering.tracing.hit_buffer import ImageArrays, allocate_image
 from wildscav_engine.rendering.tracing.scene_arrays import Blocks, SceneArrays, Shapes
 
 MAX_CACHED = 8  # workspaces per thread and scene
@@ -23,23 +22,6 @@ class Size(NamedTuple):
     width: int  # pixels
     half_width: float  # see ``Cameras``
     most_faces: int = 0  # of any moving solid
-
-
-class ImageArrays(NamedTuple):
-    """The arrays of a workspace that hold an image while it is traced."""
-
-    rays: NDArray[np.float64]
-    met: NDArray[np.int32]
-    strips: NDArray[np.float64]
-
-
-def allocate_image(size: Size) -> ImageArrays:
-    """Return the arrays for an image of a size."""
-    return ImageArrays(
-        allocate_rays(size.height, size.width, size.half_width),
-        np.empty(size.height * size.width, np.int32),
-        allocate_strips(size.height, size.width),
-    )
 
 
 class Scratches(threading.local):
@@ -98,7 +80,7 @@ _read_blocks = reader(
         *(_FLOATS, _FLOATS, np.zeros((0, 1), np.float32), _INTEGERS, np.zeros(0, np.int8)),
     )
 )
-_read_image = reader(allocate_image(Size(1, 1, 1.0)))
+_read_image = reader(allocate_image(1, 1, 1.0))
 _read_scratch = reader(allocate_scratch(1, 1, 1))
 BLOCKS = len(Shapes._fields)  # the row of a table where the blocks begin
 IMAGE = BLOCKS + len(Blocks._fields)
@@ -132,7 +114,7 @@ class Images(threading.local):
         if size not in self._cached:
             if len(self._cached) >= MAX_CACHED:
                 self._cached.clear()
-            self._cached[size] = allocate_image(size)
+            self._cached[size] = allocate_image(*size[:3])
         return self._cached[size]
 
 
@@ -179,7 +161,7 @@ class LatestLarge(threading.local):
         workspace = self._workspace
         if workspace is None or self._size != size or workspace.arrays.solids is not scene.solids:
             self._workspace = None  # so that its memory is free before more is taken
-            workspace = WorkspaceTable(allocate_workspace(scene, size, allocate_image(size)))
+            workspace = WorkspaceTable(allocate_workspace(scene, size, allocate_image(*size[:3])))
             self._size, self._workspace = size, workspace
         return workspace
 

@@ -9,7 +9,7 @@ from tests.builders import box, flat_world
 
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import Kind, Solid, World, build_world
-from wildscav_engine.maps.walk import WalkGraph, build_graph, find_path, is_reached, leads_out, node_near
+from wildscav_engine.maps.walk import NavGraph, build_graph, find_path, is_reached, leads_out, node_near
 from wildscav_engine.maps.walk.explore import walk_straight
 from wildscav_engine.maps.walk.lattice import SAME_SURFACE, SPACING
 from wildscav_engine.maps.walk.search import LEG_STRIDE
@@ -18,7 +18,7 @@ from wildscav_engine.motion.collision import Bodies, Point
 HERE, THERE = (-10.0, 0.0, 0.0), (10.0, 0.0, 0.0)
 
 
-def graph_of(*solids: Solid, **world: object) -> WalkGraph:
+def graph_of(*solids: Solid, **world: object) -> NavGraph:
     return build_graph(flat_world(solids=solids, **world))
 
 

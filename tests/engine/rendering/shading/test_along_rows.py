@@ -29,16 +29,16 @@ from wildscav_engine.rendering.shading.pixel_rows import (
     Channels,
     Normals,
     Places,
+    RayDirections,
     RowOfPixels,
     Tilts,
     TracedRow,
-    Ways,
     allocate_rows,
     allocate_texture_scratch,
     cosines_of,
     footprint,
     view_of,
-    write_ways,
+    write_directions,
 )
 from wildscav_engine.rendering.shading.sky import (
     CLOUD,
@@ -75,7 +75,7 @@ def traced(game_map: GameMap, eye: Vector, yaw: float, pitch: float) -> tuple[Ca
 
 def empty_row() -> RowOfPixels:
     rows = iter(allocate_rows(CAMERA.width))
-    ways, color, normal = (part(*islice(rows, 3)) for part in (Ways, Channels, Normals))
+    ways, color, normal = (part(*islice(rows, 3)) for part in (RayDirections, Channels, Normals))
     tilt, place = (part(*islice(rows, 3)) for part in (Tilts, Places))
     return RowOfPixels(ways, color, normal, tilt, place, *rows)
 
@@ -83,7 +83,7 @@ def empty_row() -> RowOfPixels:
 def row_of(cameras: Cameras, row: int) -> RowOfPixels:
     pixels = empty_row()
     view = view_of(cameras, 0, CAMERA.height, CAMERA.width)
-    write_ways(view, row, cosines_of(cameras.half_width, CAMERA.height, CAMERA.width)[row], pixels.ways)
+    write_directions(view, row, cosines_of(cameras.half_width, CAMERA.height, CAMERA.width)[row], pixels.ways)
     return pixels
 
 
@@ -105,7 +105,7 @@ def grain_at(place: NDArray[np.float64], pixel: float) -> float:
 
 def test_ground_has_the_colour_and_normal_of_its_place() -> None:
     game_map = generate_map(MapConfig(size=60, houses=0, vegetation=0.0, relief=1.0), 5)
-    world, ground = game_map.world, game_map.materials.ground
+    world, ground = game_map.world, game_map.materials.surfaces.ground
     eye = tuple(game_map.outdoor[0] + (0.0, 1.5, 0.0))
     cameras, hits = traced(game_map, eye, 30.0, 20.0)
     view = view_of(cameras, 0, CAMERA.height, CAMERA.width)
@@ -197,7 +197,7 @@ def spotted(kind: Kind, normal: Vector, columns: slice) -> NDArray[np.float32]:
     camera = CAMERA._cameras([(3.0, 1.5, -7.0)], [20.0], [5.0], None)
     view, pixels = view_of(camera, 0, CAMERA.height, CAMERA.width), row_of(camera, 50)
     distances = np.linspace(3.0, 6.0, CAMERA.width, dtype=np.float32)[columns]
-    ways = Ways(*(part[columns] for part in pixels.ways))
+    ways = RayDirections(*(part[columns] for part in pixels.ways))
     shown = np.empty((3, len(distances)), np.float32)
     scratch = allocate_texture_scratch()
     normals = Normals(*(np.full(len(distances), part, np.float32) for part in normal))

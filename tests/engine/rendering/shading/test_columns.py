@@ -13,10 +13,11 @@ from wildscav_engine.rendering.shading.light.columns import (
     BLOCKED,
     CLEAR,
     MAX_COLUMNS,
+    PER_SIDE,
     SIDE,
     STEEP,
     UNKNOWN,
-    Columns,
+    ShadowColumns,
     columns_of,
     is_blocked,
     write_columns,
@@ -29,11 +30,11 @@ from wildscav_engine.specs.map_spec import MapConfig
 LIFT = 0.004  # m
 
 
-def to_sun(world: World) -> Columns:
+def to_sun(world: World) -> ShadowColumns:
     return columns_of(world, SUN_DIRECTION, np.ones(len(world.solid_kind), np.bool_), steep=True)
 
 
-def is_sunny(columns: Columns, world: World, place: tuple[float, float, float]) -> bool:
+def is_sunny(columns: ShadowColumns, world: World, place: tuple[float, float, float]) -> bool:
     rows, numbers = np.empty((2, 1), np.int32)
     write_columns(columns, Places(*np.array(place, np.float32)[:, None]), rows, numbers)
     return sun_shines(columns, world, rows[0], numbers[0], place)
@@ -103,7 +104,8 @@ def _is_over(world: World, solid: int, place: NDArray[np.float64]) -> bool:
 def test_a_closed_column_needs_no_solid_and_a_clear_one_neither() -> None:
     world = flat_world(40, [box((-5, 3, -5), (5, 4, 5), Kind.ROOF)])
     upwards = columns_of(world, UP, np.ones(1, np.bool_), steep=False)
-    middle = upwards.record[int(-upwards.south * upwards.per_side), int(-upwards.west * upwards.per_side)]
+    _, _, west, south, per_side = upwards.grid
+    middle = upwards.record[int(-south * per_side), int(-west * per_side)]
     assert upwards.closed[middle] == pytest.approx(4.0, abs=0.01)
     assert upwards.clear[middle] == pytest.approx(4.0, abs=0.01)
     assert [is_blocked(upwards, world, (0.0, y, 0.0)) for y in (0.0, 3.5, 4.1)] == [BLOCKED, BLOCKED, CLEAR]
@@ -124,7 +126,7 @@ def test_only_ground_that_faces_away_from_the_sun_is_left_to_rays() -> None:
 
 
 def test_a_large_map_has_wider_columns_instead_of_more() -> None:
-    assert to_sun(flat_world(40)).per_side == 1.0 / SIDE
+    assert to_sun(flat_world(40)).grid[PER_SIDE] == 1.0 / SIDE
     large = to_sun(flat_world(2000))
     assert large.record.size <= 1.01 * MAX_COLUMNS
-    assert large.per_side < 1.0 / SIDE
+    assert large.grid[PER_SIDE] < 1.0 / SIDE

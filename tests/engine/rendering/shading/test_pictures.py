@@ -25,12 +25,12 @@ from wildscav_engine.rendering.shading.light.sunlight import SHADOW_REACH, sun_i
 from wildscav_engine.rendering.shading.noise import PERIOD, endless_noise, grain, noise
 from wildscav_engine.rendering.shading.pictures import find_pieces
 from wildscav_engine.rendering.shading.pixel_rows import (
-    Ways,
+    RayDirections,
     cosines_of,
     direction_of,
     point_along,
     view_of,
-    write_ways,
+    write_directions,
 )
 from wildscav_engine.rendering.shading.sky import DISC, HORIZON, SUN_DIRECTION, haze, levelness
 from wildscav_engine.rendering.tracing.solids import gather_solids
@@ -283,8 +283,8 @@ def test_the_rays_of_a_row_are_those_of_its_pixels() -> None:
     cameras = camera._cameras([(0.0, 0.0, 0.0)], [31.0], [-12.0], None)
     view = view_of(cameras, 0, 5, 9)
     for row in range(5):
-        ways = Ways(*np.empty((3, 9), np.float32))
-        write_ways(view, row, cosines_of(cameras.half_width, 5, 9)[row], ways)
+        ways = RayDirections(*np.empty((3, 9), np.float32))
+        write_directions(view, row, cosines_of(cameras.half_width, 5, 9)[row], ways)
         wanted = np.array([direction_of(view, row, column) for column in range(9)])
         assert np.stack(ways, axis=1) == pytest.approx(wanted, abs=1e-6)
 

@@ -17,8 +17,15 @@ from wildscav_engine.rendering.shading.light.ambient_occlusion import (
     write_shares,
     write_tilts,
 )
-from wildscav_engine.rendering.shading.light.columns import BLOCKED, Columns, is_blocked
-from wildscav_engine.rendering.shading.pixel_rows import Normals, Places, RowOfPixels, TracedRow, View, Ways
+from wildscav_engine.rendering.shading.light.columns import BLOCKED, ShadowColumns, is_blocked
+from wildscav_engine.rendering.shading.pixel_rows import (
+    Normals,
+    Places,
+    RayDirections,
+    RowOfPixels,
+    TracedRow,
+    View,
+)
 
 # m, and m per m of distance, off the surface, where a ray to the light starts.
 LIFT, LIFT_SHARE = np.float32(0.004), np.float32(2e-4)
@@ -31,7 +38,7 @@ MARGIN = 1.2  # how much farther around others than the first of them may be loo
 
 @inlined_kernel
 def write_ambient(
-    upwards: Columns, world: World, row: TracedRow, depths: NDArray[np.float32], around: Around
+    upwards: ShadowColumns, world: World, row: TracedRow, depths: NDArray[np.float32], around: Around
 ) -> None:
     """Write the ambient light on the surfaces of a row, given (H, W) m the depths along the view axis."""
     view, pixels = row.camera, row.pixels
@@ -67,7 +74,7 @@ def _together(row: TracedRow, first: int, last: int) -> tuple[int, int]:
 
 
 @inlined_kernel
-def _write_skylight(upwards: Columns, world: World, row: TracedRow) -> None:
+def _write_skylight(upwards: ShadowColumns, world: World, row: TracedRow) -> None:
     """Write the light from the sky on the surfaces of a row, as if nothing were near.
 
     Where both ends of a short piece of one surface are under a roof, or neither is, so is the rest.
@@ -90,7 +97,7 @@ def _write_skylight(upwards: Columns, world: World, row: TracedRow) -> None:
 
 
 @inlined_kernel
-def is_roofed(upwards: Columns, world: World, place: Vector) -> bool:
+def is_roofed(upwards: ShadowColumns, world: World, place: Vector) -> bool:
     """Return whether there is a floor or a roof above a place, given the columns of these."""
     return is_blocked(upwards, world, place) == BLOCKED
 
@@ -118,7 +125,7 @@ def _write_roofed(first: int, last: int, pixels: RowOfPixels) -> None:
 
 @disjoint_kernel
 def write_places_off(
-    view: View, ways: Ways, normal: Normals, distances: NDArray[np.float32], place: Places
+    view: View, ways: RayDirections, normal: Normals, distances: NDArray[np.float32], place: Places
 ) -> None:
     """Write the places slightly off the surfaces of a row, where rays to the light start."""
     x, y, z = np.float32(view.eye[0]), np.float32(view.eye[1]), np.float32(view.eye[2])

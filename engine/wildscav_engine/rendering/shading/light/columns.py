@@ -19,6 +19,7 @@ from wildscav_engine.rendering.tracing.frustum import nonnegative
 
 CLEAR, BLOCKED, UNKNOWN = 0, 1, 2  # what is known about the way from a place
 OUTSIDE, NONE = np.float32(-1.0), np.float32(0.0)  # the row of places that belong to no column
+LEAN_X, LEAN_Z, WEST, SOUTH, PER_SIDE = range(5)  # of the grid of columns
 STEEP = -1  # stands for ground that may shade itself, among the solids of a column
 SIDE = 0.5  # m, of a column's section
 MAX_COLUMNS = 2**23  # columns; wider ones are made for a map that would have more
@@ -26,17 +27,14 @@ LEVEL = 1e-9  # a face whose unit normal is this close to level across the direc
 MARGIN = 1e-3  # m, for rounding
 
 
-class Columns(NamedTuple):
+class ShadowColumns(NamedTuple):
     """R by C columns along one direction, N of which have solids in them.
 
     A place belongs to the column of its coordinates (x - lean_x · y, z - lean_z · y).
     """
 
-    lean_x: float  # m east per m upwards along the direction
-    lean_z: float  # m north
-    west: float  # m, the least first coordinate of any column
-    south: float  # m, the least second coordinate
-    per_side: float  # columns per m
+    # (5,) m east and m north per m upwards; m, the least coordinates of any column; columns per m
+    grid: NDArray[np.float64]
     record: NDArray[np.int32]  # (R, C) the row of a column in the following; 0 for columns without solids
     clear: NDArray[np.float32]  # (1 + N,) m, height from which on nothing blocks the direction
     closed: NDArray[np.float32]  # (1 + N,) m, height below which one solid blocks all of it, -inf for none
@@ -45,7 +43,7 @@ class Columns(NamedTuple):
 
 
 @inlined_kernel
-def is_blocked(columns: Columns, world: World, place: Vector) -> int:
+def is_blocked(columns: ShadowColumns, world: World, place: Vector) -> int:
     """Return whether a solid blocks the way from a place along the direction.
 
     Args:
@@ -55,8 +53,8 @@ def is_blocked(columns: Columns, world: World, place: Vector) -> int:
         CLEAR, BLOCKED, or UNKNOWN where steep ground may block it.
     """
     x, y, z = place
-    across = (x - columns.lean_x * y - columns.west) * columns.per_side
-    along = (z - columns.lean_z * y - columns.south) * columns.per_side
+    across = (x - columns.grid[LEAN_X] * y - columns.grid[WEST]) * columns.grid[PER_SIDE]
+    along = (z - columns.grid[LEAN_Z] * y - columns.grid[SOUTH]) * columns.grid[PER_SIDE]
     rows, width = columns.record.shape
     if not (0.0 <= across < width and 0.0 <= along < rows):
         return CLEAR
@@ -65,11 +63,15 @@ def is_blocked(columns: Columns, world: World, place: Vector) -> int:
 
 @disjoint_kernel
 def write_columns(
-    columns: Columns, places: Places, rows: NDArray[np.int32], numbers: NDArray[np.int32]
+    columns: ShadowColumns, places: Places, rows: NDArray[np.int32], numbers: NDArray[np.int32]
 ) -> None:
     """Write which columns places belong to, as rows, OUTSIDE for none, and numbers in them."""
-    lean_x, lean_z = np.float32(columns.lean_x), np.float32(columns.lean_z)
-    west, south, per_side = np.float32(columns.west), np.float32(columns.south), np.float32(columns.per_side)
+    lean_x, lean_z = np.float32(columns.grid[LEAN_X]), np.float32(columns.grid[LEAN_Z])
+    west, south, per_side = (
+        np.float32(columns.grid[WEST]),
+        np.float32(columns.grid[SOUTH]),
+        np.float32(columns.grid[PER_SIDE]),
+    )
     height, width = np.float32(columns.record.shape[0]), np.float32(columns.record.shape[1])
     for place in range(rows.shape[0]):
         x, y, z = places.x[place], places.y[place], places.z[place]
@@ -80,7 +82,7 @@ def write_columns(
 
 
 @inlined_kernel
-def blocked_in(columns: Columns, world: World, row: int, number: int, place: Vector) -> int:
+def blocked_in(columns: ShadowColumns, world: World, row: int, number: int, place: Vector) -> int:
     """Return the same as ``is_blocked``, given the row and the number of the column of the place."""
     y, record = place[1], columns.record[nonnegative(row), nonnegative(number)]
     if record == 0 or y >= columns.clear[record]:
@@ -97,8 +99,8 @@ def blocked_in(columns: Columns, world: World, row: int, number: int, place: Vec
 
 
 @inlined_kernel
-def _is_met(columns: Columns, world: World, solid: int, place: Vector) -> bool:
-    """Return whether a ray along the direction meets a solid, as in ``geometry.rays.meet_faces``.
+def _is_met(columns: ShadowColumns, world: World, solid: int, place: Vector) -> bool:
+    """Return whether a ray along the direction meets a solid, as in ``geometry.rays.intersect_faces``.
 
     Distances are measured upwards.
     """
@@ -107,7 +109,7 @@ def _is_met(columns: Columns, world: World, solid: int, place: Vector) -> bool:
     for face in range(world.solid_start[solid], world.solid_start[solid + 1]):
         n_x, n_y, n_z = faces[face, 0], faces[face, 1], faces[face, 2]
         outside = n_x * place[0] + n_y * place[1] + n_z * place[2] - faces[face, 3]
-        speed = n_x * columns.lean_x + n_y + n_z * columns.lean_z
+        speed = n_x * columns.grid[LEAN_X] + n_y + n_z * columns.grid[LEAN_Z]
         if speed < 0.0:
             enter = max(enter, -outside / speed)
         elif outside > 0.0:
@@ -121,7 +123,7 @@ def _is_met(columns: Columns, world: World, solid: int, place: Vector) -> bool:
 
 def columns_of(
     world: World, direction: tuple[float, float, float], chosen: NDArray[np.bool_], *, steep: bool
-) -> Columns:
+) -> ShadowColumns:
     """Return the columns of a map along a direction.
 
     Args:
@@ -135,8 +137,10 @@ def columns_of(
     side = max(SIDE, float(np.sqrt((east - west) * (north - south) / MAX_COLUMNS)))
     shape = int((north - south) / side) + 1, int((east - west) / side) + 1
     nothing, number = np.zeros(0, np.float32), np.zeros(0, np.int32)
-    bare = Columns(
-        lean_x, lean_z, west, south, 1.0 / side, np.zeros(shape, np.int32), nothing, nothing, number, number
+    bare = ShadowColumns(
+        np.array([lean_x, lean_z, west, south, 1.0 / side]),
+        np.zeros(shape, np.int32),
+        *(nothing, nothing, number, number),
     )
     solids = np.nonzero(chosen)[0]
     planes = np.empty((int(np.diff(world.solid_start).max(initial=0)) ** 2 + 1, 3))
@@ -173,7 +177,7 @@ def _visit(
     world: World,
     solids: NDArray[np.int64],
     steep: bool,
-    columns: Columns,
+    columns: ShadowColumns,
     planes: NDArray[np.float64],
     counts: NDArray[np.int32],
     fill: bool,
@@ -190,22 +194,22 @@ def _visit(
 def _visit_solid(
     world: World,
     solid: int,
-    columns: Columns,
+    columns: ShadowColumns,
     planes: NDArray[np.float64],
     counts: NDArray[np.int32],
     fill: bool,
 ) -> None:
     low, high = world.solid_low[solid], world.solid_high[solid]
-    west = low[0] - max(columns.lean_x * low[1], columns.lean_x * high[1])
-    east = high[0] - min(columns.lean_x * low[1], columns.lean_x * high[1])
-    south = low[2] - max(columns.lean_z * low[1], columns.lean_z * high[1])
-    north = high[2] - min(columns.lean_z * low[1], columns.lean_z * high[1])
+    west = low[0] - max(columns.grid[LEAN_X] * low[1], columns.grid[LEAN_X] * high[1])
+    east = high[0] - min(columns.grid[LEAN_X] * low[1], columns.grid[LEAN_X] * high[1])
+    south = low[2] - max(columns.grid[LEAN_Z] * low[1], columns.grid[LEAN_Z] * high[1])
+    north = high[2] - min(columns.grid[LEAN_Z] * low[1], columns.grid[LEAN_Z] * high[1])
     count = _outline(world, solid, columns, planes)
-    half = 0.5 / columns.per_side
+    half = 0.5 / columns.grid[PER_SIDE]
     for row in range(_row_of(columns, south), _row_of(columns, north) + 1):
-        z = columns.south + (2 * row + 1) * half
+        z = columns.grid[SOUTH] + (2 * row + 1) * half
         for column in range(_column_of(columns, west), _column_of(columns, east) + 1):
-            x = columns.west + (2 * column + 1) * half
+            x = columns.grid[WEST] + (2 * column + 1) * half
             if not _overlaps(planes, count, x, z, half):
                 continue
             counts[row, column] += -1 if fill else 1
@@ -218,23 +222,23 @@ def _visit_solid(
 
 
 @inlined_kernel
-def _visit_ground(world: World, columns: Columns, counts: NDArray[np.int32], fill: bool) -> None:
+def _visit_ground(world: World, columns: ShadowColumns, counts: NDArray[np.int32], fill: bool) -> None:
     """Visit the columns that cross ground that faces away from the direction."""
     rows, width = world.water.shape
     for row in range(rows):
         for column in range(width):
             h00, h01 = world.heights[row, column], world.heights[row, column + 1]
             h10, h11 = world.heights[row + 1, column], world.heights[row + 1, column + 1]
-            first = CELL - (h01 - h00) * columns.lean_x - (h11 - h01) * columns.lean_z
-            second = CELL - (h11 - h10) * columns.lean_x - (h10 - h00) * columns.lean_z
+            first = CELL - (h01 - h00) * columns.grid[LEAN_X] - (h11 - h01) * columns.grid[LEAN_Z]
+            second = CELL - (h11 - h10) * columns.grid[LEAN_X] - (h10 - h00) * columns.grid[LEAN_Z]
             if min(first, second) > LEVEL:
                 continue
             bottom, top = min(h00, h01, h10, h11), max(h00, h01, h10, h11)
             x, z = world.corner[0] + CELL * column, world.corner[1] + CELL * row
-            west = x - max(columns.lean_x * bottom, columns.lean_x * top)
-            east = x + CELL - min(columns.lean_x * bottom, columns.lean_x * top)
-            south = z - max(columns.lean_z * bottom, columns.lean_z * top)
-            north = z + CELL - min(columns.lean_z * bottom, columns.lean_z * top)
+            west = x - max(columns.grid[LEAN_X] * bottom, columns.grid[LEAN_X] * top)
+            east = x + CELL - min(columns.grid[LEAN_X] * bottom, columns.grid[LEAN_X] * top)
+            south = z - max(columns.grid[LEAN_Z] * bottom, columns.grid[LEAN_Z] * top)
+            north = z + CELL - min(columns.grid[LEAN_Z] * bottom, columns.grid[LEAN_Z] * top)
             for r in range(_row_of(columns, south), _row_of(columns, north) + 1):
                 for c in range(_column_of(columns, west), _column_of(columns, east) + 1):
                     counts[r, c] += -1 if fill else 1
@@ -245,17 +249,21 @@ def _visit_ground(world: World, columns: Columns, counts: NDArray[np.int32], fil
 
 
 @inlined_kernel
-def _row_of(columns: Columns, z: float) -> int:
-    return int(min(columns.record.shape[0] - 1, max(0, np.floor((z - columns.south) * columns.per_side))))
+def _row_of(columns: ShadowColumns, z: float) -> int:
+    return int(
+        min(columns.record.shape[0] - 1, max(0, np.floor((z - columns.grid[SOUTH]) * columns.grid[PER_SIDE])))
+    )
 
 
 @inlined_kernel
-def _column_of(columns: Columns, x: float) -> int:
-    return int(min(columns.record.shape[1] - 1, max(0, np.floor((x - columns.west) * columns.per_side))))
+def _column_of(columns: ShadowColumns, x: float) -> int:
+    return int(
+        min(columns.record.shape[1] - 1, max(0, np.floor((x - columns.grid[WEST]) * columns.grid[PER_SIDE])))
+    )
 
 
 @inlined_kernel
-def _outline(world: World, solid: int, columns: Columns, planes: NDArray[np.float64]) -> int:
+def _outline(world: World, solid: int, columns: ShadowColumns, planes: NDArray[np.float64]) -> int:
     """Write the lines around a solid's shadow along the direction, and return how many there are.
 
     A line (a, b, c) has the shadow on its side a · x + b · z <= c. The height is eliminated from the solid's
@@ -283,10 +291,12 @@ def _outline(world: World, solid: int, columns: Columns, planes: NDArray[np.floa
 
 
 @inlined_kernel
-def _speed(world: World, face: int, columns: Columns) -> float:
+def _speed(world: World, face: int, columns: ShadowColumns) -> float:
     """Return how fast the direction leaves a face behind, m per m upwards."""
     faces = world.faces
-    return float(faces[face, 0] * columns.lean_x + faces[face, 1] + faces[face, 2] * columns.lean_z)
+    return float(
+        faces[face, 0] * columns.grid[LEAN_X] + faces[face, 1] + faces[face, 2] * columns.grid[LEAN_Z]
+    )
 
 
 @inlined_kernel
@@ -300,7 +310,7 @@ def _overlaps(planes: NDArray[np.float64], count: int, x: float, z: float, half:
 
 
 @inlined_kernel
-def _least_top(world: World, solid: int, columns: Columns, x: float, z: float, half: float) -> float:
+def _least_top(world: World, solid: int, columns: ShadowColumns, x: float, z: float, half: float) -> float:
     """Return the least height in m at which a column leaves a solid; -inf if some of it passes by.
 
     The top of a convex solid is lowest at one of the corners of the column.

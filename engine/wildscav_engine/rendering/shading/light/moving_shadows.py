@@ -84,7 +84,7 @@ def is_shaded_by(moving: Solids, casters: Casters, count: int, place: Vector) ->
 
 @inlined_kernel
 def _blocks_sun(moving: Solids, solid: int, place: Vector) -> bool:
-    """Return whether a solid blocks the ray to the sun, clipped as in ``geometry.rays.meet_solid``."""
+    """Return whether a solid blocks the ray to the sun, clipped as in ``geometry.rays.intersect_solid``."""
     enter, leave = 0.0, np.inf
     for face in range(moving.face_start[solid], moving.face_start[solid + 1]):
         normal = (moving.faces[face, 0], moving.faces[face, 1], moving.faces[face, 2])

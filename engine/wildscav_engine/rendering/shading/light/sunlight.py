@@ -3,11 +3,18 @@
 import numpy as np
 
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
-from wildscav_engine.geometry.rays import Ray, Step, leave_square, make_ray, meet_solid, meet_terrain
+from wildscav_engine.geometry.rays import (
+    Ray,
+    Step,
+    intersect_solid,
+    intersect_terrain,
+    leave_square,
+    make_ray,
+)
 from wildscav_engine.geometry.world import BLOCK, World
 from wildscav_engine.rendering.palette import SKYLIGHT, SUNLIGHT
 from wildscav_engine.rendering.shading.color_arithmetic import Vector
-from wildscav_engine.rendering.shading.light.columns import CLEAR, UNKNOWN, Columns, blocked_in
+from wildscav_engine.rendering.shading.light.columns import CLEAR, UNKNOWN, ShadowColumns, blocked_in
 from wildscav_engine.rendering.shading.sky import SUN_DIRECTION
 
 SUN_COLOR = (float(SUNLIGHT[0]), float(SUNLIGHT[1]), float(SUNLIGHT[2]))
@@ -41,18 +48,21 @@ def sun_is_clear(world: World, place: Vector) -> bool:
 @inlined_kernel
 def _is_stopped(world: World, ray: Ray, step: Step, leave: float) -> bool:
     """Return whether the ray to the sun hits anything in a cell, which it leaves at ``leave``."""
-    if meet_terrain(world, ray, step, leave)[0] < np.inf:
+    if intersect_terrain(world, ray, step, leave)[0] < np.inf:
         return True
     cell, height = step.row * world.water.shape[1] + step.column, ray.y + ray.dy * step.at
     for item in range(world.cell_start[cell], world.cell_start[cell + 1]):
         solid = world.cell_solids[item]
-        if world.solid_high[solid, 1] >= height and meet_solid(world, solid, ray, SHADOW_REACH)[0] < np.inf:
+        if (
+            world.solid_high[solid, 1] >= height
+            and intersect_solid(world, solid, ray, SHADOW_REACH)[0] < np.inf
+        ):
             return True
     return False
 
 
 @inlined_kernel
-def sun_shines(to_sun: Columns, world: World, row: int, number: int, place: Vector) -> bool:
+def sun_shines(to_sun: ShadowColumns, world: World, row: int, number: int, place: Vector) -> bool:
     """Return the same as ``sun_is_clear`` for a place above the ground, given its column."""
     if row < 0:
         return True

@@ -4,14 +4,9 @@ import numpy as np
 import pytest
 from tests.builders import box, flat_world
 
-from wildscav_engine.geometry.nearby_solids import (
-    BITS,
-    find_nearby_solids,
-    has_nearby_solids,
-    sweep_nearby_solids,
-)
 from wildscav_engine.geometry.sweep import sweep_world
 from wildscav_engine.geometry.world import World
+from wildscav_engine.motion.collision import BITS, find_nearby_solids, has_nearby_solids, sweep_nearby_solids
 
 REACH = 0.9  # m, less than half a cell of 2 m
 # Solids in one cell, from (0, 0) to (2, 2): its south-west corner is at row 10, column 10 of the map.
