@@ -201,11 +201,12 @@ def test_a_deadline_of_the_client_ends_its_call(server: Server, timeout: str, st
 
 def test_calls_that_are_reset_while_they_are_served_leave_nothing(server: Server) -> None:
     with greeted(server.address) as talk:
-        for stream in range(1, 401, 2):  # on one connection, as fast as it is allowed
+        talk.sendall(frame(WINDOW, 0, 0, number(2**30)))  # none waits for what others did not send
+        for stream in range(1, 401, 2):
             path = (ECHO, HANG, LARGE)[stream % 3]
-            talk.sendall(call(stream, path) + message(stream, SOME) + frame(RST, 0, stream, number(8)))
+            talk.sendall(call(stream, path) + message(stream, bytes(1000)) + frame(RST, 0, stream, number(8)))
         talk.sendall(request(1001) + message(1001, SOME) + frame(DATA, 1, 1001))
-        # The windows of calls that were reset are the connection's again: else it would be full by now.
+        # What they received is the connection's again: else its window would be full three times over.
         assert any(one.stream == 1001 and one.flags & 1 for one in answers(talk))
     server.wait_for_calls_to_end()
 

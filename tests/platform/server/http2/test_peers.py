@@ -5,7 +5,7 @@ import re
 import shutil
 import socket
 import subprocess
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import grpc
@@ -33,7 +33,7 @@ def run(*command: str | Path, folder: Path | None = None) -> str:
 
 
 @pytest.fixture
-def channel(server: Server) -> "grpc.Channel":
+def channel(server: Server) -> Iterator[grpc.Channel]:
     options = [("grpc.use_local_subchannel_pool", 1), ("grpc.max_receive_message_length", -1)]
     with grpc.insecure_channel(server.address, options) as channel:
         yield channel
