@@ -16,8 +16,7 @@ from tests.platform.helpers.plain_text import is_plain
 from wildscav.terminal.console import PlainConsole
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.check.findings import Finding, Verdict
-from wildscav_evaluator.cli.result_tables.ranking import track_table
-from wildscav_evaluator.cli.result_tables.timing import sandbox_and_limits, timing_table
+from wildscav_evaluator.cli.result_tables import sandbox_and_limits, timing_table, track_table
 from wildscav_evaluator.cli.sessions import check as checking
 from wildscav_evaluator.cli.sessions import compare as compare_session
 from wildscav_evaluator.cli.sessions import evaluate as session

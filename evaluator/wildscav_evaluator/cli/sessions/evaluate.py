@@ -7,8 +7,14 @@ from rich.table import Table
 from rich.text import Text
 
 from wildscav.terminal.console import console, print_json
-from wildscav_evaluator.cli.result_tables.ranking import LEGEND, add_columns, plain_table, track_table
-from wildscav_evaluator.cli.result_tables.timing import sandbox_and_limits, timing_table
+from wildscav_evaluator.cli.result_tables import (
+    LEGEND,
+    add_columns,
+    plain_table,
+    sandbox_and_limits,
+    timing_table,
+    track_table,
+)
 from wildscav_evaluator.cli.sessions.playing import playing, raise_errors, saving_errors, say, say_files
 from wildscav_evaluator.executors import Executor
 from wildscav_evaluator.monitoring.monitor import MonitorOptions

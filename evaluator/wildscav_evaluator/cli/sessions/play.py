@@ -23,7 +23,7 @@ from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_engine.specs.validation import one_line
 from wildscav_engine.tracks import TRACKS
-from wildscav_evaluator.cli.result_tables.ranking import add_columns, heading, plain_table
+from wildscav_evaluator.cli.result_tables import add_columns, heading, plain_table
 from wildscav_evaluator.cli.sessions.playing import INTERRUPTED, raise_errors
 from wildscav_evaluator.matches.play import PlayedMatch, Seating, play_match, prepare_logs, remove_empty_logs
 from wildscav_evaluator.output.results import FINISHED, metric_infos

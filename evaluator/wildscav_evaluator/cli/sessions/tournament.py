@@ -3,13 +3,13 @@
 from pathlib import Path
 
 from wildscav.terminal.console import console, print_json
-from wildscav_evaluator.cli.result_tables.standings import (
+from wildscav_evaluator.cli.result_tables import (
     MAX_OPPONENTS,
     legend,
     pairs_table,
     standings_table,
+    timing_table,
 )
-from wildscav_evaluator.cli.result_tables.timing import timing_table
 from wildscav_evaluator.cli.sessions.evaluate import show_notes, total_failures
 from wildscav_evaluator.cli.sessions.playing import playing, raise_errors, saving_errors, say, say_files
 from wildscav_evaluator.executors import Executor
