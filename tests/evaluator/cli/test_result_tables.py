@@ -29,7 +29,7 @@ from wildscav_evaluator.cli.sessions import play as play_session
 from wildscav_evaluator.cli.sessions.compare import comparison_table
 from wildscav_evaluator.cli.sessions.evaluate import changes_table, verdict
 from wildscav_evaluator.cli.sessions.leaderboard import ladder_table
-from wildscav_evaluator.matches.play import PlayedMatch, Seating
+from wildscav_evaluator.matches.play import MatchAssignment, PlayedMatch
 from wildscav_evaluator.output.results import (
     CURRENT_VERSIONS,
     Evaluation,
@@ -76,7 +76,7 @@ def of_play(_: Path) -> Table:
         seats=("submission", "fighter"),
         time_limit=1.0,
     )
-    seating = Seating(spec, (Submission(Path("/a"), manifest, ""),), (Path("/log"),))
+    seating = MatchAssignment(spec, (Submission(Path("/a"), manifest, ""),), (Path("/log"),))
     report = SeatReport(seat=0, status=SeatStatus.PROTOCOL_ERROR)
     return play_session._table(seating, PlayedMatch(Match(spec), {0: report}))
 
