@@ -55,7 +55,7 @@ def audit(
     season's secret is opened, it must be the one of the commitment, and give exactly the matches that were
     played. Before, what is published so far is checked, and the rest is listed.
     """
-    from wildscav_evaluator.cli.options.executor import executor_of
+    from wildscav_evaluator.cli.options.running import executor_of
     from wildscav_leaderboard.auditing.record_checks import Wanted
     from wildscav_leaderboard.cli.audit_session import run_audit
 

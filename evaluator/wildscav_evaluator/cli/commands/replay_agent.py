@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from wildscav.system.output_folders import check_folder
-from wildscav_evaluator.cli.options.sandbox import InSandbox, chosen_sandbox
+from wildscav_evaluator.cli.options.running import InSandbox, chosen_sandbox
 
 
 def replay_agent(

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from wildscav.cli.shared_options import AsJson
-from wildscav_evaluator.cli.options.executor import AddressOption, ExecutorOption, executor_of
+from wildscav_evaluator.cli.options.running import AddressOption, ExecutorOption, executor_of
 from wildscav_evaluator.cli.options.signing import KeyOption
 
 
