@@ -7,6 +7,7 @@ import numpy as np
 import typer
 from benchmarks.report import Figure, JsonFile, publish
 
+from wildscav_evaluator.tournaments.meetings import count_meetings
 from wildscav_evaluator.tournaments.pairings import pair_up
 from wildscav_evaluator.tournaments.schedule import Schedule, make_schedule
 
@@ -39,7 +40,10 @@ def main(
     for entrants, seats, length in SIZES:
         schedule, seconds = _fastest(entrants, seats, length, rounds)
         name = f"{entrants:,} entrants, {seats} in a game, {length} rounds"
-        met, seated = schedule.pair_counts[np.triu_indices(entrants, 1)], schedule.seat_counts
+        first = schedule.players[::2].astype(np.int64)  # of the two repeats of a game
+        met = count_meetings(first, entrants)[np.triu_indices(entrants, 1)]
+        seated = np.zeros((entrants, seats), np.int64)
+        np.add.at(seated, (schedule.players, np.arange(seats)), 1)
         note = (
             f"{len(schedule.games):,} matches; pairs meet in {met.min()} to {met.max()} games, and"
             f" entrants have a seat in {seated.min()} to {seated.max()} matches"

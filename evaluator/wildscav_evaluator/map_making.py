@@ -3,8 +3,19 @@
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
 from wildscav.errors import UserError
-from wildscav_engine.maps.cache import LIMIT, SIZE_LIMIT, load_cached, packed, size_limit, store_packed
+from wildscav.terminal.console import console, counted, error_console
+from wildscav_engine.maps.cache import (
+    LIMIT,
+    SIZE_LIMIT,
+    folder,
+    load_cached,
+    packed,
+    size_limit,
+    store_packed,
+)
 from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.generate import generate_map
 from wildscav_engine.maps.pools import Level, MapPool, Split, random_maps
@@ -72,6 +83,28 @@ def make_maps(choices: Iterable[Choices], executor: Executor) -> Iterator[MadeMa
             )
         store_packed(made.spec, made.content)
         yield made
+
+
+def run_make_maps(choices: Sequence[Choices], executor: Executor) -> None:
+    """Make the maps that are not cached yet, and say how many and how large they are.
+
+    Raises:
+        UserError: One cannot be made, they do not fit into the cache, or the command was interrupted.
+    """
+    missing = missing_maps(choices)
+    if len(missing) < len(choices):
+        console.print(f"{len(choices) - len(missing):,} of {counted(len(choices), 'map')} were cached before")
+    made, size = 0, 0
+    columns = (TextColumn("making maps"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=error_console, transient=True) as progress:
+        task = progress.add_task("", total=len(missing))
+        try:
+            for one in make_maps(missing, executor):
+                made, size = made + 1, size + len(one.content)
+                progress.advance(task)
+        except KeyboardInterrupt:
+            raise UserError(f"interrupted: {made:,} of {counted(len(missing), 'map')} made", 130) from None
+    console.print(f"made {counted(made, 'map')}, {size / 1e6:,.0f} MB, in {folder()}", soft_wrap=True)
 
 
 def make_map(specs: Choices) -> MadeMap:

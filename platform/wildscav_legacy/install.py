@@ -1,19 +1,17 @@
 """Installation of the engine and the maps that scripts for the original's client use."""
 
 import json
-import os
 import shlex
 import sys
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from io import BytesIO
-from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wildscav.system.worker_processes import become_worker, starting_workers
+from wildscav.system.worker_pool import WorkerPool
 
 if TYPE_CHECKING:
     from wildscav_engine.maps import GameMap
@@ -84,18 +82,11 @@ def install_maps(ids: list[int], folder: Path, workers: int) -> Iterator[int]:
     folder.mkdir(parents=True, exist_ok=True)
     if not ids:
         return
-    # Spawned, not forked, because kernels may have run in this process.
-    count, spawn = min(workers, len(ids)), get_context("spawn")
-    with ProcessPoolExecutor(count, spawn, become_worker, (os.getpid(),)) as pool:
-        with starting_workers():
-            jobs = {pool.submit(write_map, map_id, folder): map_id for map_id in ids}
-        try:
-            for job in as_completed(jobs):
-                job.result()
-                yield jobs[job]
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+    with WorkerPool(min(workers, len(ids))) as pool:
+        jobs = {pool.submit(write_map, map_id, folder): map_id for map_id in ids}
+        for job in as_completed(jobs):
+            job.result()
+            yield jobs[job]
 
 
 def write_map(map_id: int, folder: Path) -> None:

@@ -11,7 +11,7 @@ from wildscav_engine.record import read_record
 from wildscav_evaluator.bounds import FEWEST_ENTRANTS, MAX_ENTRANTS, MAX_MATCHES, MAX_PLAYERS
 from wildscav_evaluator.cli.commands.tournament import tournament
 from wildscav_evaluator.cli.options.tournament import USUAL_SEATS, USUAL_TEAM
-from wildscav_evaluator.cli.result_tables.standings import MAX_OPPONENTS
+from wildscav_evaluator.cli.result_tables import MAX_OPPONENTS
 from wildscav_evaluator.output.json_files import FileModel
 from wildscav_evaluator.output.layout import STANDINGS_PICTURE, TOURNAMENT_FILE
 from wildscav_evaluator.ratings import standings

@@ -16,12 +16,12 @@ from tests.platform.helpers.plain_text import is_plain
 from wildscav.terminal.console import PlainConsole
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.check.findings import Finding, Verdict
-from wildscav_evaluator.cli.result_tables.ranking import track_table
-from wildscav_evaluator.cli.result_tables.timing import sandbox_and_limits, timing_table
+from wildscav_evaluator.cli.result_tables import sandbox_and_limits, timing_table, track_table
 from wildscav_evaluator.cli.sessions import check as checking
 from wildscav_evaluator.cli.sessions import compare as compare_session
 from wildscav_evaluator.cli.sessions import evaluate as session
 from wildscav_evaluator.cli.sessions import leaderboard as leaderboard_session
+from wildscav_evaluator.cli.sessions import playing as playing_session
 from wildscav_evaluator.cli.sessions import rescore as rescore_session
 from wildscav_evaluator.cli.sessions import verify_records as verify
 from wildscav_evaluator.cli.sessions.playing import raise_errors
@@ -47,7 +47,7 @@ HOSTILE = "[/]\x1b]0;mine\x07\x9b2J\u202e[red]"
 def screen(monkeypatch: pytest.MonkeyPatch) -> PlainConsole:
     """A terminal of 60 columns in place of every console."""
     console = PlainConsole(file=io.StringIO(), width=60, color_system=None)
-    for module in (session, checking, compare_session, rescore_session, leaderboard_session):
+    for module in (session, checking, compare_session, rescore_session, leaderboard_session, playing_session):
         monkeypatch.setattr(module, "console", console)
     monkeypatch.setattr("wildscav_evaluator.cli.sessions.playing.error_console", console)
     return console
@@ -72,7 +72,7 @@ def test_tables_of_results_show_everybody(text: str, screen: PlainConsole) -> No
 
     session._show(results)
     assert list(rescore_session._show(results)) == []
-    session._say_files(results, a_plan())
+    playing_session.say_files(a_plan(), None, results)  # type: ignore[arg-type]
 
     shown = written_on(screen)
     assert is_plain(shown)
@@ -81,7 +81,7 @@ def test_tables_of_results_show_everybody(text: str, screen: PlainConsole) -> No
 
 def a_plan() -> Any:
     class Plan:
-        out = Path("out")
+        out, public_key = Path("out"), None
 
     return Plan()
 

@@ -16,7 +16,13 @@ from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.check import findings
 from wildscav_evaluator.check.findings import Finding
-from wildscav_evaluator.matches.play import PlayedMatch, Seating, agents_at_play, play_match, prepare_logs
+from wildscav_evaluator.matches.play import (
+    MatchAssignment,
+    PlayedMatch,
+    agents_at_play,
+    play_match,
+    prepare_logs,
+)
 from wildscav_evaluator.sandbox import Ending, Launch, Limits, Promise, RunningAgent, Sandbox
 from wildscav_evaluator.sandbox.agents.host_python import socket_path
 from wildscav_evaluator.seats import submission_seats
@@ -63,13 +69,13 @@ class Trial(NamedTuple):
             spec = spec.model_copy(update={"map": fresh})
         return cls(spec, limits, SuiteSeed(drawn))
 
-    def seating(self, submission: Submission, log: Path) -> Seating:
+    def seating(self, submission: Submission, log: Path) -> MatchAssignment:
         """Return the match with a submission in all its seats, and empty logs of its agents."""
         seats = submission_seats(self.spec.seats)
         logs = (log, *(log.with_stem(f"{log.stem}-{number}") for number in range(1, len(seats))))
         prepare_logs(logs)
         seeds = self.seed.private(self.spec, [submission.digest] * len(seats))
-        return Seating(self.spec, (submission,) * len(seats), logs, self.limits, seeds=seeds)
+        return MatchAssignment(self.spec, (submission,) * len(seats), logs, self.limits, seeds=seeds)
 
 
 class ShortMatch(Match):
@@ -180,7 +186,7 @@ def _telling(tell: Tell, what: str, steps: int) -> Callable[[HostedMatch], None]
     return begin
 
 
-async def _delay_replies(seating: Seating, sandbox: Sandbox, tell: Tell) -> PlayedMatch:
+async def _delay_replies(seating: MatchAssignment, sandbox: Sandbox, tell: Tell) -> PlayedMatch:
     """Play a match in which steps are played without the agent's answers."""
     async with delayed_replies(sandbox) as late:
         clock, make = _IdleClock(longest=seating.limits.wall_clock), partial(ShortMatch, LATE_STEPS)
@@ -188,7 +194,7 @@ async def _delay_replies(seating: Seating, sandbox: Sandbox, tell: Tell) -> Play
         return await play_match(seating, sandbox=late, clock=clock, make=make, on_start=begun)
 
 
-async def _cancel_match(seating: Seating, sandbox: Sandbox) -> Ending | None:
+async def _cancel_match(seating: MatchAssignment, sandbox: Sandbox) -> Ending | None:
     """Cancel a match while it is played; return how its first agent's process ended, None if it did not."""
     seat = seating.seats[0]
     async with agents_at_play(seating, sandbox) as (hosted, agents):

@@ -1,16 +1,14 @@
 """The executor of this machine: worker processes."""
 
-import os
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from multiprocessing import active_children, get_context
 from typing import Self
 
 from wildscav.errors import UserError
-from wildscav.system.worker_processes import become_worker, starting_workers
+from wildscav.system.worker_pool import WorkerPool
 from wildscav_engine.parallel.threads import cores
 from wildscav_evaluator.executors.base import Examined, ExecutorError, Item, Node, Value
 from wildscav_evaluator.matches.jobs import Job, sensors_read
@@ -80,29 +78,21 @@ class LocalExecutor:
         if self._at_once == 1:
             yield from map(function, items)
             return
-        before = active_children()
-        spawn = get_context("spawn")
-        with ProcessPoolExecutor(self._at_once, spawn, become_worker, (os.getpid(),)) as pool:
-            try:
+        try:
+            with WorkerPool(self._at_once) as pool:
                 yield from _in_order(pool, function, items, self._at_once * QUEUED)
-            except BrokenProcessPool as error:
-                raise ExecutorError("a worker process died: the machine may have no memory left") from error
-            except BaseException:
-                # Stop the workers: what they are doing may take long and is no longer needed.
-                for worker in set(active_children()).difference(before):
-                    worker.terminate()
-                raise
+        except BrokenProcessPool as error:
+            raise ExecutorError("a worker process died: the machine may have no memory left") from error
 
 
 def _in_order(
-    pool: ProcessPoolExecutor, function: Callable[[Item], Value], items: Iterable[Item], queued: int
+    pool: WorkerPool, function: Callable[[Item], Value], items: Iterable[Item], queued: int
 ) -> Iterator[Value]:
     """Yield the values of a function in the order of the items, of which only some are taken ahead."""
     pending: deque[Future[Value]] = deque()
     alone = True
     for item in items:
-        with starting_workers():
-            pending.append(pool.submit(function, item))
+        pending.append(pool.submit(function, item))
         # The first alone, so that the others find the compiled code in the cache.
         if alone or len(pending) >= queued:
             yield pending.popleft().result()

@@ -12,9 +12,9 @@ from wildscav_evaluator.executors.cluster.bridge import Bridge, check_installed
 from wildscav_evaluator.executors.cluster.connection import check_address
 from wildscav_evaluator.executors.cluster.messages import (
     Call,
-    Ended,
     Examine,
     Happened,
+    MatchEnded,
     Nodes,
     Play,
     Played,
@@ -164,7 +164,7 @@ class RayExecutor:
                 if isinstance(message.event, AttemptFailed):
                     job = mine[message.number] = replace(job, faults=(*job.faults, message.event.reason))
                 on_event(job, message.event)
-            elif isinstance(message, Ended):
+            elif isinstance(message, MatchEnded):
                 yield saved(mine[message.number], message.played)
 
 

@@ -33,14 +33,14 @@ class Resumed(FileModel):
     kind: Literal["resumed"] = "resumed"
 
 
-class Begun(FileModel):
+class MatchStarted(FileModel):
     """A match began, or began again. A match that never ended was interrupted."""
 
     kind: Literal["begun"] = "begun"
     match: str  # the stem of its files' names
 
 
-class Broke(FileModel):
+class AttemptFailed(FileModel):
     """The platform broke a match, which is played again."""
 
     kind: Literal["broke"] = "broke"
@@ -48,7 +48,7 @@ class Broke(FileModel):
     reason: str  # in one line
 
 
-class Ended(FileModel):
+class MatchEnded(FileModel):
     """A match ended, or the platform gave it up."""
 
     kind: Literal["ended"] = "ended"
@@ -77,7 +77,9 @@ class Closed(FileModel):
     scores: tuple[Score, ...]
 
 
-Fact = Annotated[Opened | Resumed | Begun | Broke | Ended | Closed, Field(discriminator="kind")]
+Fact = Annotated[
+    Opened | Resumed | MatchStarted | AttemptFailed | MatchEnded | Closed, Field(discriminator="kind")
+]
 
 
 class Entry(FileModel):

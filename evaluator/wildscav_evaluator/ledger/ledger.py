@@ -14,12 +14,12 @@ from wildscav.errors import UserError, describe
 from wildscav_engine.record import FILE_LIMIT
 from wildscav_engine.storage.files import read_limited
 from wildscav_evaluator.ledger.entries import (
-    Begun,
-    Broke,
+    AttemptFailed,
     Closed,
-    Ended,
     Entry,
     Fact,
+    MatchEnded,
+    MatchStarted,
     Opened,
     digest_of_line,
     is_canonical,
@@ -61,16 +61,16 @@ class Ledger:
         return fact if isinstance(fact, Closed) else None
 
     @property
-    def ended(self) -> dict[str, list[Ended]]:
+    def ended(self) -> dict[str, list[MatchEnded]]:
         """The entries of each match's ends, in order, by the stem of its files' names."""
-        found: dict[str, list[Ended]] = {}
+        found: dict[str, list[MatchEnded]] = {}
         for entry in self.entries:
-            if isinstance(entry.fact, Ended):
+            if isinstance(entry.fact, MatchEnded):
                 found.setdefault(entry.fact.match, []).append(entry.fact)
         return found
 
     @property
-    def played(self) -> dict[str, Ended]:
+    def played(self) -> dict[str, MatchEnded]:
         """The matches that have a result, by the stem of their files' names."""
         return {match: times[-1] for match, times in self.ended.items() if times[-1].record is not None}
 
@@ -80,8 +80,8 @@ class Ledger:
         last: dict[str, Fact] = {}
         left: dict[str, int] = {}
         for fact in (entry.fact for entry in self.entries):
-            if isinstance(fact, Begun | Broke | Ended):
-                if isinstance(fact, Begun) and isinstance(last.get(fact.match), Begun):
+            if isinstance(fact, MatchStarted | AttemptFailed | MatchEnded):
+                if isinstance(fact, MatchStarted) and isinstance(last.get(fact.match), MatchStarted):
                     left[fact.match] = left.get(fact.match, 0) + 1
                 last[fact.match] = fact
         return left

@@ -8,12 +8,12 @@ from pathlib import Path
 from wildscav.errors import UserError
 from wildscav_engine.record import RecordError, read_record
 from wildscav_evaluator.ledger.entries import (
-    Begun,
-    Broke,
+    AttemptFailed,
     Closed,
-    Ended,
     Entry,
     Fact,
+    MatchEnded,
+    MatchStarted,
     Opened,
     Resumed,
     Score,
@@ -48,7 +48,7 @@ class LedgerWriter:
         self._path = out / LEDGER_FILE
         self._number = 0
         self.head = ""  # SHA-256 of the last line, which identifies the whole ledger
-        self._played: dict[str, Ended] = {}
+        self._played: dict[str, MatchEnded] = {}
         self._closed: Closed | None = None
         ledger = self._read_existing(identity)
         self._new = ledger is None
@@ -107,7 +107,7 @@ class LedgerWriter:
             self.end(result)
         return list(kept)
 
-    def _check(self, result: JobResult, ended: Ended) -> None:
+    def _check(self, result: JobResult, ended: MatchEnded) -> None:
         job = result.job
         if (_row(result), result.timing) != (ended.row, ended.timing):
             raise _changed(f"the journal and the ledger disagree about {job.stem}")
@@ -132,12 +132,12 @@ class LedgerWriter:
     def begin(self, match: str) -> None:
         """Enter that a match begins, unless it was played already and only its replay is missing."""
         if match not in self._played:
-            self._append(Begun(match=match))
+            self._append(MatchStarted(match=match))
 
     def broke(self, match: str, reason: str) -> None:
         """Enter that the platform broke a match, which will be played again."""
         if match not in self._played:
-            self._append(Broke(match=match, reason=reason))
+            self._append(AttemptFailed(match=match, reason=reason))
 
     def end(self, result: JobResult) -> None:
         """Enter how a match ended."""
@@ -145,7 +145,7 @@ class LedgerWriter:
         if job.stem in self._played:
             return
         record = None if row.record is None else sha256_of(job.out / row.record)
-        ended = Ended(match=job.stem, record=record, row=row, timing=result.timing)
+        ended = MatchEnded(match=job.stem, record=record, row=row, timing=result.timing)
         self._append(ended)
         if record is not None:
             self._played[job.stem] = ended

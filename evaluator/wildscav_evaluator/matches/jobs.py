@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, Self
 
 from wildscav_engine.record import SUFFIX
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.matches.play import Seating
+from wildscav_evaluator.matches.play import MatchAssignment
 from wildscav_evaluator.matches.snapshots import Snapshot
 from wildscav_evaluator.output.layout import LOGS, RECORDS, REPLAYS, stem_of
 from wildscav_evaluator.output.results import MatchRow, MatchTiming
@@ -90,10 +90,10 @@ class Job:
         return f"{LOGS}/{self.stem}.log" if len(self.seats) == 1 else f"{LOGS}/{self.stem}.seat-{seat}.log"
 
     @property
-    def seating(self) -> Seating:
+    def seating(self) -> MatchAssignment:
         """The match, with the submissions in their seats."""
         logs = tuple(self.out / self.log(seat) for seat in self.seats)
-        return Seating(self.spec, self.submissions, logs, self.limits, self.robots, self.seeds)
+        return MatchAssignment(self.spec, self.submissions, logs, self.limits, self.robots, self.seeds)
 
 
 def sensors_read(jobs: Sequence[Job]) -> list[Wanted]:

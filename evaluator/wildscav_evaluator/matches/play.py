@@ -55,7 +55,7 @@ class PlatformFaultError(WildscavError):
 
 
 @dataclass(frozen=True)
-class Seating:
+class MatchAssignment:
     """A match with its submissions in their seats."""
 
     spec: MatchSpec
@@ -88,7 +88,7 @@ class PlayedMatch:
 
 
 async def play_match(
-    seating: Seating,
+    seating: MatchAssignment,
     *,
     sandbox: Sandbox = SANDBOXES["process"],
     clock: Clock | None = None,
@@ -141,7 +141,7 @@ def _in_a_line(error: Exception) -> str:
 
 
 async def play_once(
-    seating: Seating,
+    seating: MatchAssignment,
     *,
     sandbox: Sandbox = SANDBOXES["process"],
     clock: Clock | None = None,
@@ -177,7 +177,7 @@ async def play_once(
 
 @asynccontextmanager
 async def agents_at_play(
-    seating: Seating,
+    seating: MatchAssignment,
     sandbox: Sandbox,
     clock: Clock | None = None,
     on_start: Callable[[HostedMatch], None] | None = None,

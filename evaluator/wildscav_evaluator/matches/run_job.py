@@ -21,8 +21,8 @@ from wildscav_evaluator.matches.jobs import (
 )
 from wildscav_evaluator.matches.play import (
     MAX_ATTEMPTS,
+    MatchAssignment,
     PlayedMatch,
-    Seating,
     given_up,
     play_match,
     prepare_logs,
@@ -106,7 +106,7 @@ def _play(runner: asyncio.Runner, job: Job, on_event: Callable[[JobEvent], None]
 
 
 async def _play_with_heartbeats(
-    seating: Seating, job: Job, on_event: Callable[[JobEvent], None]
+    seating: MatchAssignment, job: Job, on_event: Callable[[JobEvent], None]
 ) -> PlayedMatch:
     """Play a match and report its progress, from the start again if the match is played again."""
     heartbeats: list[asyncio.Task[None]] = []

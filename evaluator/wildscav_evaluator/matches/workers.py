@@ -1,14 +1,11 @@
 """Worker processes: each plays one match at a time, and the death of one does not affect the others.
 
-Workers are spawned, never forked: a fork after a kernel ran would copy the state of threads but not the
-threads themselves. (The standard library's pool abandons all work when one of its processes dies; here
-another worker plays that one match again.)
+The standard library's pool abandons all work when one of its processes dies; here another worker plays that
+one match again.
 """
 
 import asyncio
 import contextlib
-import multiprocessing
-import os
 import signal
 import time
 from collections import deque
@@ -16,10 +13,10 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from multiprocessing.connection import Connection, wait
-from multiprocessing.process import BaseProcess
 from typing import cast
 
-from wildscav.system.worker_processes import become_worker, starting_workers
+from wildscav.system.worker_pool import start_worker
+from wildscav.system.worker_processes import become_worker
 from wildscav_evaluator.matches.jobs import AttemptFailed, Job, JobEvent, JobResult, Wanted
 from wildscav_evaluator.matches.run_job import after_worker_death, run_job
 from wildscav_evaluator.matches.watchdog import CHECK_INTERVAL, Patience, Watchdog
@@ -53,13 +50,7 @@ class Worker:
     """
 
     def __init__(self, lock: Lock | None, patience: Patience) -> None:
-        context = multiprocessing.get_context("spawn")
-        self.connection, theirs = context.Pipe()
-        arguments = (theirs, os.getpid(), lock)
-        self.process: BaseProcess = context.Process(target=_work, args=arguments, daemon=True)
-        with starting_workers():
-            self.process.start()
-        theirs.close()
+        self.process, self.connection = start_worker(_work, lock)
         self.job: Job | None = None
         self._watchdog: Watchdog | None = None
         self._patience = patience

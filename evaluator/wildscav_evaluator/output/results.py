@@ -4,7 +4,6 @@ Two runs of the same command give equal files, except for ``timings``.
 """
 
 import math
-import re
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, Literal, Self
@@ -15,9 +14,8 @@ from wildscav.errors import UserError
 from wildscav_engine import ENGINE_VERSION, SIMULATION_VERSION
 from wildscav_engine.maps import GENERATOR_VERSION
 from wildscav_engine.record import RECORD_VERSION
-from wildscav_engine.storage.files import read_limited
 from wildscav_evaluator.bounds import MAX_EVALUATIONS, MAX_ROUNDS
-from wildscav_evaluator.output.json_files import LARGEST, FileModel, FileModelError, WithOptionalFields
+from wildscav_evaluator.output.json_files import FileModel, FileModelError, WithOptionalFields
 from wildscav_evaluator.output.layout import RESULTS_FILE
 from wildscav_evaluator.suites.seeds import label
 
@@ -290,19 +288,7 @@ def read_results(path: Path) -> Results:
     except FileNotFoundError as error:
         raise UserError(f"{path} does not exist") from error
     except FileModelError as error:
-        if _is_of_format_1(path):
-            raise UserError(
-                f"{path} is of format 1, which does not name the versions of the simulation, the map "
-                "generator and the records with which it was played, and has no ledger: it cannot be "
-                f"compared with results of format {FORMAT} or checked; evaluate its submissions again"
-            ) from error
         raise UserError(f"{path} is not a results file of format {FORMAT}: {error}") from error
-
-
-def _is_of_format_1(path: Path) -> bool:
-    """Return whether a file's content looks like results of an older version of Wildscav."""
-    content = read_limited(path, LARGEST)
-    return re.search(rb'"format":\s*1\b', content) is not None and b'"engine_version":' in content
 
 
 def write_results(results: Results, folder: Path) -> Path:

@@ -16,7 +16,7 @@ from wildscav.terminal.console import counted, printable
 from wildscav_engine.record.format import WITHOUT_SEEDS
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.tracks import TRACKS
-from wildscav_evaluator.ledger.entries import Ended
+from wildscav_evaluator.ledger.entries import MatchEnded
 from wildscav_evaluator.ledger.ledger import Ledger, LedgerError, check_key, read_ledger, sha256_of
 from wildscav_evaluator.output.identity import Identity, digest_of, read_identity
 from wildscav_evaluator.output.layout import IDENTITY_FILE, LEDGER_FILE, RESULTS_FILE, stem_of
@@ -264,7 +264,7 @@ def _of_ledger(folder: AuditedFolder) -> Iterator[str]:
     yield from _of_matches(folder.out, reported, ledger.ended)
 
 
-def _of_matches(out: Path, reported: Results, ended: Mapping[str, Sequence[Ended]]) -> Iterator[str]:
+def _of_matches(out: Path, reported: Results, ended: Mapping[str, Sequence[MatchEnded]]) -> Iterator[str]:
     """Compare each match in the results with the ledger."""
     timings = {(one.submission, one.track, one.index): one for one in reported.timings.matches}
     known = set()
@@ -287,12 +287,12 @@ def _of_matches(out: Path, reported: Results, ended: Mapping[str, Sequence[Ended
             yield f"{match}: is in {LEDGER_FILE}, but not in the results"
 
 
-def _row_of(ended: Ended, evaluation: Evaluation, reported: Results) -> MatchRow:
+def _row_of(ended: MatchEnded, evaluation: Evaluation, reported: Results) -> MatchRow:
     """Return how a match ended for one submission, according to the ledger."""
     return ended.row if reported.tournament is None else ended.row.of_entrant(evaluation.submission)
 
 
-def _of_ended(out: Path, match: str, times: Sequence[Ended]) -> Iterator[str]:
+def _of_ended(out: Path, match: str, times: Sequence[MatchEnded]) -> Iterator[str]:
     """Check that a match was played once, and that its record is the one in the ledger."""
     if any(one.record is not None for one in times[:-1]):
         yield f"{match}: was played more than once"

@@ -4,13 +4,15 @@ import os
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wildscav.errors import UserError
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.output.layout import COMPARISON_FILE, RESULTS_FILE, TOURNAMENT_FILE
 from wildscav_evaluator.output.results import Evaluation, KeptLimits, Results, Versions, read_results
-from wildscav_evaluator.tournaments.tournament_file import Tournament
+
+if TYPE_CHECKING:  # loads SciPy, which most commands can do without
+    from wildscav_evaluator.tournaments.tournament_file import Tournament
 
 
 class Conditions(NamedTuple):
@@ -45,7 +47,7 @@ class Found(NamedTuple):
     """The evaluations and tournaments in some folders."""
 
     evaluations: tuple[Results, ...]
-    tournaments: tuple[tuple[str, Tournament], ...]  # each with the moment it started, ISO 8601, UTC
+    tournaments: "tuple[tuple[str, Tournament], ...]"  # each with the moment it started, ISO 8601, UTC
     unreadable: tuple[str, ...]  # what is left out, and why, a line each
 
 
@@ -59,6 +61,8 @@ def find_results(places: Iterable[Path]) -> Found:
     Raises:
         UserError: A place does not exist, or is a file that holds no results.
     """
+    from wildscav_evaluator.tournaments.tournament_file import Tournament
+
     evaluations, tournaments, unreadable = [], [], []
     for place in places:
         if not place.exists():
@@ -117,7 +121,9 @@ def standings(
         yield Standings(conditions, rows)
 
 
-def latest_tournaments(found: Found, track: str | None = None, suite: str | None = None) -> list[Tournament]:
+def latest_tournaments(
+    found: Found, track: str | None = None, suite: str | None = None
+) -> "list[Tournament]":
     """Return the latest tournament on each suite of each track, as far as requested."""
     latest = {
         (one.track, one.suite): one

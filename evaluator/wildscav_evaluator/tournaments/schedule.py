@@ -8,23 +8,20 @@ play equally often, P / g times.
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_evaluator.bounds import FEWEST_ENTRANTS, MAX_ENTRANTS, MAX_MATCHES, MAX_PLAYERS
 from wildscav_evaluator.tournaments.draws import Draws
-from wildscav_evaluator.tournaments.meetings import count_meetings, spread_of
 from wildscav_evaluator.tournaments.pairings import pair_up, round_games
 from wildscav_evaluator.tournaments.seating import seat_games, seat_teammates
 
 Int = NDArray[np.int64]
 
 
-@dataclass(frozen=True, eq=False)
-class Schedule:
+class Schedule(NamedTuple):
     """The M matches of a tournament among n entrants, in the order in which they count for ratings.
 
     The repeats of a game follow each other, and so do the games of a round.
@@ -33,57 +30,9 @@ class Schedule:
     rounds: NDArray[np.int32]  # (M,) the round of each match, from 0
     games: NDArray[np.int32]  # (M,) the game of each match, from 0
     players: NDArray[np.int32]  # (M, K) the entrant at each seat
-    teams: tuple[
-        int, ...
-    ]  # (K,) the team of each seat; every seat is a team of its own if teams have one player
+    teams: tuple[int, ...]  # (K,) the team of each seat
     groups: tuple[int, ...]  # (n,) entrants of one group never meet; all differ if everyone may meet
     mixed: bool  # whether the players of a team are different entrants
-
-    @property
-    def entrants(self) -> int:
-        """The number of entrants."""
-        return len(self.groups)
-
-    @cached_property
-    def games_played(self) -> Int:
-        """In how many games each entrant plays: (n,), all the same."""
-        return np.bincount(self._entrants_of_games().reshape(-1), minlength=self.entrants).astype(np.int64)
-
-    @cached_property
-    def pair_counts(self) -> Int:
-        """In how many games each two entrants play, with or against each other: (n, n), the diagonal 0."""
-        return self._pairs_in(self._entrants_of_games())
-
-    @cached_property
-    def teammate_counts(self) -> Int:
-        """In how many games each two entrants are teammates: (n, n), the diagonal 0."""
-        if not self.mixed:
-            return np.zeros((self.entrants, self.entrants), np.int64)
-        return self._pairs_in(self._entrants_of_games().reshape(-1, self.teams.count(0)))
-
-    @cached_property
-    def seat_counts(self) -> Int:
-        """In how many matches each entrant has each seat: (n, K)."""
-        seats = len(self.teams)
-        cells = self.players.astype(np.int64) * seats + np.arange(seats)
-        counts = np.bincount(cells.reshape(-1), minlength=self.entrants * seats).astype(np.int64)
-        return counts.reshape(self.entrants, seats)
-
-    @property
-    def spread(self) -> int:
-        """By how many games the meetings of two pairs differ at most, among the pairs that may meet."""
-        return spread_of(self.pair_counts, self.groups)
-
-    def _entrants_of_games(self) -> Int:
-        """Return the entrants of each game, each named once: (G, P)."""
-        first = np.flatnonzero(np.diff(self.games, prepend=-1))
-        apart = 1 if self.mixed else self.teams.count(0)
-        return self.players[first, ::apart].astype(np.int64)
-
-    def _pairs_in(self, games: Int) -> Int:
-        counts = count_meetings(games, self.entrants)
-        np.fill_diagonal(counts, 0)
-        return counts
 
 
 def make_schedule(
@@ -99,8 +48,8 @@ def make_schedule(
 ) -> Schedule:
     """Make the schedule of a tournament.
 
-    Everyone plays equally often in each round. The numbers of games in which two pairs meet (`pair_counts`)
-    differ by at most one (`spread`) if P, the entrants of a game, is 2, n - 2 or more. For other numbers a
+    Everyone plays equally often in each round. The numbers of games in which two pairs meet
+    differ by at most one if P, the entrants of a game, is 2, n - 2 or more. For other numbers a
     bounded search may not find such games, and for some there are none: of all sizes up to 12 entrants and
     rounds, 93 % had a spread of at most 1; of 600 random sizes (4 to 1,000 entrants, P up to 10, up to 20
     rounds), 71 % of at most 1, 84 % of at most 2 and none of more than 5. Larger spreads occur if everyone
@@ -109,7 +58,7 @@ def make_schedule(
     Without groups, the spread depends on these numbers alone, and the seed decides which entrant is which.
     Groups make it larger at times.
 
-    If the repeats divide P, an entrant's matches at two seats differ by at most one (`seat_counts`), with
+    If the repeats divide P, an entrant's matches at two seats differ by at most one, with
     mixed teams nearly so.
 
     Args:

@@ -55,7 +55,7 @@ def _print(season: "SeasonView", found: "list[BoardDocument]") -> None:
 
 
 def _table(board: "BoardDocument") -> "Table":
-    from wildscav_evaluator.cli.result_tables.ranking import add_columns, plain_table
+    from wildscav_evaluator.cli.result_tables import add_columns, plain_table
 
     title = f"{board.track} · suite {board.conditions.suite} · {board.updated:%Y-%m-%d %H:%M} UTC"
     table = plain_table(printable(title))
@@ -70,7 +70,7 @@ def _table(board: "BoardDocument") -> "Table":
 
 
 def _fill_suite(table: "Table", board: "SuiteBoard") -> None:
-    from wildscav_evaluator.cli.result_tables.ranking import add_columns, add_metrics, metric_cells
+    from wildscav_evaluator.cli.result_tables import add_columns, add_metrics, metric_cells
 
     add_metrics(table, board.metrics)
     add_columns(table, "matches", "faults")
@@ -79,7 +79,7 @@ def _fill_suite(table: "Table", board: "SuiteBoard") -> None:
 
 
 def _fill_ladder(table: "Table", board: "LadderBoard") -> None:
-    from wildscav_evaluator.cli.result_tables.ranking import add_columns
+    from wildscav_evaluator.cli.result_tables import add_columns
 
     add_columns(table, "rating", "95 %\ninterval", "wins", "mean\nplace", "matches", "faults")
     for row in board.rows:

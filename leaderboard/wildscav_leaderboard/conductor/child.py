@@ -1,17 +1,13 @@
 """A child process for work that may take the process with it: building and validating submissions."""
 
-import multiprocessing
-import os
-import signal
 import threading
 from collections.abc import Callable
-from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import suppress
 from typing import Any, TypeVar
 
 from wildscav.errors import WildscavError
-from wildscav.system.worker_processes import become_worker, starting_workers
+from wildscav.system.worker_pool import WorkerPool
 
 Value = TypeVar("Value")
 
@@ -27,7 +23,7 @@ class Child:
     """
 
     def __init__(self) -> None:
-        self._pool: ProcessPoolExecutor | None = None
+        self._pool: WorkerPool | None = None
         self._closed, self._lock = False, threading.RLock()
 
     def close(self) -> None:
@@ -64,10 +60,8 @@ class Child:
             if self._closed:
                 raise ChildError("it was closed")
             if self._pool is None:
-                spawn = multiprocessing.get_context("spawn")
-                self._pool = ProcessPoolExecutor(1, spawn, become_worker, (os.getpid(),))
-            with starting_workers():
-                return self._pool.submit(function, *arguments)
+                self._pool = WorkerPool(1)
+            return self._pool.submit(function, *arguments)
 
     def _end(self) -> None:
         """Kill the child. What it started ends with it, or is swept away by the next sandbox."""
@@ -75,7 +69,4 @@ class Child:
             if self._pool is None:
                 return
             pool, self._pool = self._pool, None
-            for process in list((pool._processes or {}).values()):  # noqa: SLF001 (there is no public way)
-                with suppress(ProcessLookupError):
-                    os.kill(process.pid or 0, signal.SIGTERM)
-            pool.shutdown(wait=True, cancel_futures=True)
+            pool.kill()

@@ -10,7 +10,7 @@ import numpy as np
 
 from wildscav_engine.record import read_record, write_record
 from wildscav_engine.simulation.match import Match
-from wildscav_evaluator.ledger.entries import Closed, Ended, Entry, Fact, Opened, digest_of_line
+from wildscav_evaluator.ledger.entries import Closed, Entry, Fact, MatchEnded, Opened, digest_of_line
 from wildscav_evaluator.ledger.keys import SigningKey
 from wildscav_evaluator.ledger.ledger import sha256_of
 from wildscav_evaluator.output.identity import Identity, read_identity, write_identity
@@ -151,7 +151,7 @@ class Forgery:
             return Opened(identity=self.identity)
         if isinstance(fact, Closed):
             return Closed(results=sha256_of(self.out / "results.json"), scores=fact.scores)
-        if isinstance(fact, Ended):
+        if isinstance(fact, MatchEnded):
             row = rows.get(fact.match)
             if row is None:
                 return None

@@ -9,7 +9,7 @@ from tests.evaluator.results_by_hand import identity_of
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.rescore import run_rescore
 from wildscav_evaluator.executors.local import LocalExecutor
-from wildscav_evaluator.ledger.entries import Begun, Resumed
+from wildscav_evaluator.ledger.entries import MatchStarted, Resumed
 from wildscav_evaluator.ledger.keys import SigningKey, new_key
 from wildscav_evaluator.ledger.ledger import LedgerError, read_ledger
 from wildscav_evaluator.ledger.writer import LedgerWriter
@@ -50,7 +50,7 @@ def test_a_ledger_goes_on_where_a_killed_one_ended(
     assert path.read_bytes().startswith(whole)
     ledger = read_ledger(tmp_path)
     assert ledger is not None
-    assert [type(entry.fact) for entry in ledger.entries[1:]] == [Begun, Resumed, Begun]
+    assert [type(entry.fact) for entry in ledger.entries[1:]] == [MatchStarted, Resumed, MatchStarted]
     assert ledger.head == second.head
     assert ledger.interrupted == {"navigation-000-ada": 1}, "a try that was interrupted does not vanish"
 

@@ -9,7 +9,7 @@ from tests.evaluator.sandbox.available import missing
 
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.matches.play import Seating, play_match
+from wildscav_evaluator.matches.play import MatchAssignment, play_match
 from wildscav_evaluator.sandbox import SANDBOXES, Limits
 from wildscav_evaluator.submissions.submission import Submission
 
@@ -46,7 +46,7 @@ def share_while_waiting(sandbox: str, seats: tuple[Submission, ...], tmp_path: P
     filled = ("submission",) * len(seats)
     spec = MatchSpec(track="gathering", map=small, seats=filled, time_limit=STEPS / 10)
     logs = tuple(tmp_path / f"{sandbox}-{seat}.log" for seat in range(len(seats)))
-    played = asyncio.run(play_match(Seating(spec, seats, logs, LIMITS), sandbox=SANDBOXES[sandbox]))
+    played = asyncio.run(play_match(MatchAssignment(spec, seats, logs, LIMITS), sandbox=SANDBOXES[sandbox]))
     assert {report.status for report in played.seats.values()} == {"finished"}
     lines = [[float(word) for word in line.split()] for line in logs[-1].read_text().splitlines()]
     (began, before), (ended, after) = lines[5], lines[-1]

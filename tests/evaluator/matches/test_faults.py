@@ -17,7 +17,7 @@ from tests.evaluator.sample_agents import TALKER, Submit
 from wildscav.errors import UserError
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.matches.play import PlatformFaultError, PlayedMatch, Seating, play_match
+from wildscav_evaluator.matches.play import MatchAssignment, PlatformFaultError, PlayedMatch, play_match
 from wildscav_evaluator.sandbox import SANDBOXES, Launch, RunningAgent
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_server.hosting.hosted_match import HostedMatch
@@ -84,7 +84,7 @@ def play(*submissions: Submission, tmp_path: Path, **options: Any) -> PlayedMatc
     seats = ("submission",) * len(submissions)
     spec = MatchSpec(track="gathering", map=small, seats=seats, time_limit=STEPS / 10)
     logs = tuple(tmp_path / f"{seat}.log" for seat in range(len(submissions)))
-    return asyncio.run(play_match(Seating(spec, submissions, logs), **options))
+    return asyncio.run(play_match(MatchAssignment(spec, submissions, logs), **options))
 
 
 def check_played_again(played: PlayedMatch) -> None:

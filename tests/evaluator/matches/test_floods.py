@@ -13,7 +13,7 @@ from tests.platform.helpers.attacked_server import memory
 
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.matches.play import Seating, play_match
+from wildscav_evaluator.matches.play import MatchAssignment, play_match
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_server.hosting.reports import SeatStatus
@@ -89,7 +89,7 @@ def test_a_flood_from_a_sandbox_costs_the_other_seat_no_step(
     small = MapSpec(config=MapConfig(size=40, houses=0), seed=3)
     spec = MatchSpec(track="gathering", map=small, seats=("submission",) * 2, time_limit=STEPS / 10)
     seats = (flooder(submit, when, kind), submit("victim", WALKER))
-    seating = Seating(spec, seats, (tmp_path / "flooder.log", tmp_path / "victim.log"))
+    seating = MatchAssignment(spec, seats, (tmp_path / "flooder.log", tmp_path / "victim.log"))
     before = memory()
 
     played = asyncio.run(play_match(seating, sandbox=SANDBOXES[sandbox], clock=CLOCK))

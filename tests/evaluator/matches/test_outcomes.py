@@ -10,7 +10,13 @@ from wildscav_engine.simulation.match import Match, MatchSetupError
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.agents import status_of
-from wildscav_evaluator.matches.play import MAX_ATTEMPTS, PlatformFaultError, PlayedMatch, Seating, play_match
+from wildscav_evaluator.matches.play import (
+    MAX_ATTEMPTS,
+    MatchAssignment,
+    PlatformFaultError,
+    PlayedMatch,
+    play_match,
+)
 from wildscav_evaluator.sandbox import Ending, Launch, Limits, Promise, RunningAgent, SandboxError
 from wildscav_evaluator.sandbox.process import ProcessSandbox
 from wildscav_evaluator.sandbox.processor_waits import GroupMeter
@@ -34,10 +40,10 @@ def play(*submissions: Submission, tmp_path: Path, **options: object) -> PlayedM
         track="gathering", map=MAP, seats=("submission",) * len(submissions), time_limit=STEPS / 10
     )
     logs = tuple(tmp_path / f"{seat}.log" for seat in range(len(submissions)))
-    return asyncio.run(play_match(Seating(spec, submissions, logs), **options))  # type: ignore[arg-type]
+    return asyncio.run(play_match(MatchAssignment(spec, submissions, logs), **options))  # type: ignore[arg-type]
 
 
-class Ended:
+class MatchEnded:
     """An agent that runs as a process, but whose sandbox says something of its own about its end."""
 
     def __init__(self, agent: RunningAgent, ending: Ending) -> None:
@@ -76,7 +82,7 @@ class Failing:
         if isinstance(failure, Exception):
             raise failure
         agent = await ProcessSandbox().start(launch)
-        return Ended(agent, failure) if failure is not None else agent
+        return MatchEnded(agent, failure) if failure is not None else agent
 
 
 @pytest.mark.parametrize(

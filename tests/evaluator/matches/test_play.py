@@ -12,7 +12,7 @@ from tests.evaluator.sandbox.available import missing
 
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.matches.play import PlayedMatch, Seating, play_match
+from wildscav_evaluator.matches.play import MatchAssignment, PlayedMatch, play_match
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.sandbox.process import kill_session
 from wildscav_evaluator.submissions.submission import Submission
@@ -35,14 +35,14 @@ THINKER = """
 """
 
 
-def battle(*submissions: Submission, tmp_path: Path) -> Seating:
+def battle(*submissions: Submission, tmp_path: Path) -> MatchAssignment:
     seats = ("submission",) * len(submissions) + ("fighter",)
     spec = MatchSpec(track="battle", map=MAP, seats=seats, time_limit=STEPS / 10)
     logs = tuple(tmp_path / f"{seat}.log" for seat in range(len(submissions)))
-    return Seating(spec, submissions, logs)
+    return MatchAssignment(spec, submissions, logs)
 
 
-def play(seating: Seating, **options: object) -> PlayedMatch:
+def play(seating: MatchAssignment, **options: object) -> PlayedMatch:
     return asyncio.run(play_match(seating, **options))  # type: ignore[arg-type]
 
 

@@ -9,7 +9,7 @@ from tests.evaluator.sandbox.available import missing
 
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.matches.play import PlayedMatch, Seating, play_match
+from wildscav_evaluator.matches.play import MatchAssignment, PlayedMatch, play_match
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_server.hosting.hosted_match import HostedMatch
@@ -61,7 +61,7 @@ def play(thief: Submission, victim: Submission, sandbox: str, tmp_path: Path) ->
     def steal(hosted: HostedMatch) -> None:
         (thief.folder / "stolen.txt").write_text(hosted.tokens[1])
 
-    seating = Seating(spec, (thief, victim), logs)
+    seating = MatchAssignment(spec, (thief, victim), logs)
     played = asyncio.run(play_match(seating, sandbox=SANDBOXES[sandbox], on_start=steal))
     return played, logs[0].read_text()
 

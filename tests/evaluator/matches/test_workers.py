@@ -15,7 +15,7 @@ from wildscav_engine.record import read_record, verify_record
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.jobs import Job, JobResult
-from wildscav_evaluator.matches.play import Seating
+from wildscav_evaluator.matches.play import MatchAssignment
 from wildscav_evaluator.matches.run_job import after_worker_death
 from wildscav_evaluator.matches.watchdog import Patience
 from wildscav_evaluator.matches.workers import Workers
@@ -196,7 +196,7 @@ class Spins(Job):
     """A job that gets lost, holding Python's lock, as soon as it has begun for the first time."""
 
     @property
-    def seating(self) -> Seating:
+    def seating(self) -> MatchAssignment:
         if not self.faults:
             sum(itertools.repeat(0))
         return super().seating

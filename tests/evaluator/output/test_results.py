@@ -25,15 +25,6 @@ def test_results_say_by_which_versions_they_came_about(results: Results, tmp_pat
     assert json.loads(path.read_text())["versions"].keys() == {"engine", "simulation", "generator", "record"}
 
 
-def test_results_of_an_older_format_are_refused_with_what_they_lack(results: Results, tmp_path: Path) -> None:
-    path = tmp_path / "results.json"
-    older = json.loads(results.model_dump_json(exclude={"versions", "key"}))
-    path.write_text(json.dumps({**older, "format": 1, "engine_version": "0.1.0"}))
-
-    with pytest.raises(UserError, match="is of format 1, which does not name the versions of the simul"):
-        read_results(path)
-
-
 @pytest.mark.parametrize(
     ("content", "says"),
     [

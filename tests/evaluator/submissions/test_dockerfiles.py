@@ -10,7 +10,7 @@ from tests.evaluator.submissions.python_image import NAME, python_image
 
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.matches.play import Seating, play_match
+from wildscav_evaluator.matches.play import MatchAssignment, play_match
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.sandbox.containers.container_engine import ContainerEngine, call, find_engine
 from wildscav_evaluator.submissions import images
@@ -53,7 +53,7 @@ def test_a_match_is_played_in_an_image_of_our_own_dockerfiles(submit: Submit, tm
         track="navigation", map=MapSpec(config=MapConfig(size=40, houses=1), seed=3), time_limit=2.0
     )
 
-    seating = Seating(spec, with_images([walker], "oci"), (tmp_path / "log",))
+    seating = MatchAssignment(spec, with_images([walker], "oci"), (tmp_path / "log",))
     played = asyncio.run(play_match(seating, sandbox=SANDBOXES["oci"]))
 
     assert played.seats[0].status == "finished"

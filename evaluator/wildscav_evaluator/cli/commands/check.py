@@ -9,7 +9,7 @@ from wildscav.cli.shared_options import AsJson
 from wildscav.errors import UserError, describe
 from wildscav.system.output_folders import check_folder
 from wildscav_evaluator.cli.options.evaluation import SuiteOption
-from wildscav_evaluator.cli.options.sandbox import InSandbox, chosen_sandbox
+from wildscav_evaluator.cli.options.running import InSandbox, chosen_sandbox
 
 
 def check(

@@ -1,7 +1,7 @@
 """``wildscav doctor``: which sandboxes keep their promises on this machine, and which extensions work."""
 
 from wildscav.cli.shared_options import AsJson
-from wildscav_evaluator.cli.options.executor import AddressOption, ExecutorOption, executor_of
+from wildscav_evaluator.cli.options.running import AddressOption, ExecutorOption, executor_of
 
 
 def doctor(

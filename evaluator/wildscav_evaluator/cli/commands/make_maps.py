@@ -6,7 +6,7 @@ import typer
 
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.options.evaluation import SecretOption, SeedOption
-from wildscav_evaluator.cli.options.executor import AddressOption, ExecutorOption, executor_of
+from wildscav_evaluator.cli.options.running import AddressOption, ExecutorOption, executor_of
 
 
 def make_maps(
@@ -47,8 +47,7 @@ def make_maps(
     Maps that are cached already are not made again.
     """
     from wildscav_evaluator.cli.options.selection import suite_seed
-    from wildscav_evaluator.cli.sessions.make_maps import run_make_maps
-    from wildscav_evaluator.map_making import choices_of_pool, choices_of_suite
+    from wildscav_evaluator.map_making import choices_of_pool, choices_of_suite, run_make_maps
     from wildscav_evaluator.suites.suite_file import find_suite
 
     if (level is None) == (suite is None):

@@ -10,8 +10,13 @@ import typer
 from wildscav.cli.shared_options import AsJson
 from wildscav.errors import UserError
 from wildscav.system.output_folders import check_folder
-from wildscav_evaluator.cli.options.executor import AddressOption, ExecutorOption, executor_of
-from wildscav_evaluator.cli.options.sandbox import InSandbox, chosen_sandbox
+from wildscav_evaluator.cli.options.running import (
+    AddressOption,
+    ExecutorOption,
+    InSandbox,
+    chosen_sandbox,
+    executor_of,
+)
 from wildscav_evaluator.cli.options.signing import KeyOption
 from wildscav_inspect.records import SeasonOption, resolve_record
 

@@ -13,8 +13,13 @@ import typer
 
 from wildscav.cli.shared_options import AsJson
 from wildscav_evaluator.bounds import MAX_ROUNDS
-from wildscav_evaluator.cli.options.executor import AddressOption, ExecutorOption, executor_of
-from wildscav_evaluator.cli.options.sandbox import InSandbox, chosen_sandbox
+from wildscav_evaluator.cli.options.running import (
+    AddressOption,
+    ExecutorOption,
+    InSandbox,
+    chosen_sandbox,
+    executor_of,
+)
 from wildscav_evaluator.cli.options.signing import SignOption, signing_key, warn_of_open_key
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from wildscav.terminal.console import console, counted, print_json, telling
 from wildscav_engine.compilation.engine_progress import preparing
 from wildscav_evaluator.check.findings import Finding, Verdict
 from wildscav_evaluator.check.trials import Trial, run_checks
-from wildscav_evaluator.cli.result_tables.ranking import plain_table
+from wildscav_evaluator.cli.result_tables import plain_table
 from wildscav_evaluator.sandbox import Sandbox
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_server.hosting.precompile import precompile_for

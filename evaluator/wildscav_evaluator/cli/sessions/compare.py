@@ -8,8 +8,7 @@ from rich.text import Text
 
 from wildscav.errors import UserError, describe
 from wildscav.terminal.console import console, counted, print_json
-from wildscav_evaluator.cli.result_tables.ranking import add_columns, heading, plain_table
-from wildscav_evaluator.cli.result_tables.timing import sandbox_and_limits
+from wildscav_evaluator.cli.result_tables import add_columns, heading, plain_table, sandbox_and_limits
 from wildscav_evaluator.cli.sessions.evaluate import total_failures
 from wildscav_evaluator.cli.sessions.playing import playing, raise_errors, say, say_ledger
 from wildscav_evaluator.executors import Executor

@@ -10,7 +10,7 @@ from wildscav.cli.main import GROUP as COMMANDS
 from wildscav.errors import UserError
 from wildscav.terminal.console import console, print_json
 from wildscav_engine.extensions import BUILT_IN, PREFIX, Addition, Registry, loaded, other_groups
-from wildscav_evaluator.cli.result_tables.ranking import plain_table
+from wildscav_evaluator.cli.result_tables import plain_table
 from wildscav_evaluator.cli.sessions.verify_records import AUDITS
 from wildscav_evaluator.executors import EXECUTORS, Examined, Executor
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES, Promise, SandboxError

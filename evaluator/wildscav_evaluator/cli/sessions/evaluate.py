@@ -6,21 +6,18 @@ from pathlib import Path
 from rich.table import Table
 from rich.text import Text
 
-from wildscav.terminal.console import command, console, counted, print_json
-from wildscav_engine.record import SUFFIX
-from wildscav_evaluator.cli.result_tables.ranking import LEGEND, add_columns, plain_table, track_table
-from wildscav_evaluator.cli.result_tables.timing import sandbox_and_limits, timing_table
-from wildscav_evaluator.cli.sessions.playing import (
-    playing,
-    raise_errors,
-    saving_errors,
-    say,
-    say_ledger,
-    say_standings,
+from wildscav.terminal.console import console, print_json
+from wildscav_evaluator.cli.result_tables import (
+    LEGEND,
+    add_columns,
+    plain_table,
+    sandbox_and_limits,
+    timing_table,
+    track_table,
 )
+from wildscav_evaluator.cli.sessions.playing import playing, raise_errors, saving_errors, say, say_files
 from wildscav_evaluator.executors import Executor
 from wildscav_evaluator.monitoring.monitor import MonitorOptions
-from wildscav_evaluator.output.layout import LOGS, RECORDS, REPLAYS, RESULTS_FILE
 from wildscav_evaluator.output.numbered_folders import number_of
 from wildscav_evaluator.output.results import Evaluation, Results
 from wildscav_evaluator.plans.evaluation import EvaluationPlan
@@ -60,10 +57,7 @@ def run_session(
         if as_json:
             print_json(document(results, plan.out, since))
         if not errors:
-            say("results", str(plan.out / RESULTS_FILE))
-            say_ledger(plan, ledger)
-            say_standings(plan)
-        _say_files(results, plan)
+            say_files(plan, ledger, results, _replay_to_show(results))
         errors += total_failures(results, plan.out)
     raise_errors(errors)
 
@@ -103,22 +97,6 @@ def _show(results: Results, since: Sequence[Change] = ()) -> None:
         console.print()
     console.print(timing_table(results))
     show_notes(results)
-
-
-def _say_files(results: Results, plan: EvaluationPlan) -> None:
-    """Print where everything is."""
-    rows = [row for one in results.evaluations for row in one.matches]
-    recorded = sum(row.record is not None for row in rows)
-    say("records", f"{plan.out / RECORDS} ({counted(recorded, 'match')})")
-    say("", f"check them: {command('wildscav', 'verify', plan.out / RECORDS)}/*{SUFFIX}")
-    if any(row.logs for row in rows):
-        say("logs", f"{plan.out / LOGS} (what the agents printed)")
-    replays = sum(row.replay is not None for row in rows)
-    if replays:
-        say("replays", f"{plan.out / REPLAYS} ({counted(replays, 'match')}), to watch in Rerun")
-    shown = _replay_to_show(results)
-    if shown is not None:
-        say("", f"watch one: {command('rerun')} {plan.out / shown}")
 
 
 def _replay_to_show(results: Results) -> str | None:

@@ -8,9 +8,8 @@ from rich.table import Table
 from wildscav.errors import UserError
 from wildscav.terminal.console import console, error_console, print_json
 from wildscav.terminal.suggestions import did_you_mean
-from wildscav_evaluator.cli.result_tables import ranking
-from wildscav_evaluator.cli.result_tables.standings import legend, standings_table
-from wildscav_evaluator.cli.result_tables.timing import sandbox_and_limits
+from wildscav_evaluator.cli import result_tables
+from wildscav_evaluator.cli.result_tables import legend, sandbox_and_limits, standings_table
 from wildscav_evaluator.output.results import KeptLimits
 from wildscav_evaluator.scores.leaderboard import (
     Found,
@@ -46,7 +45,7 @@ def show_standings(
     for one in ladders:
         _show(one)
     if ladders:
-        console.print(ranking.LEGEND, style="dim")
+        console.print(result_tables.LEGEND, style="dim")
     for tournament in rated:
         _show_tournament(tournament)
 
@@ -74,11 +73,13 @@ def ladder_table(one: Standings) -> Table:
     """Return the table of comparable evaluations on one track: the submissions from best to worst."""
     shared = one.conditions
     rounds = "" if shared.rounds == 1 else f" · {shared.rounds} rounds"
-    table = ranking.ranking_table(f"{shared.track} · suite {shared.suite} · seed {shared.seed}{rounds}")
-    ranking.add_metrics(table, one.rows[0].evaluation.metrics)
-    ranking.add_columns(table, "matches\nfailed", "date")
+    table = result_tables.ranking_table(f"{shared.track} · suite {shared.suite} · seed {shared.seed}{rounds}")
+    result_tables.add_metrics(table, one.rows[0].evaluation.metrics)
+    result_tables.add_columns(table, "matches\nfailed", "date")
     for row in one.rows:
-        table.add_row(*ranking.evaluation_cells(row.rank, row.evaluation), row.started[: len("2030-01-01")])
+        table.add_row(
+            *result_tables.evaluation_cells(row.rank, row.evaluation), row.started[: len("2030-01-01")]
+        )
     return table
 
 

@@ -23,9 +23,15 @@ from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_engine.specs.validation import one_line
 from wildscav_engine.tracks import TRACKS
-from wildscav_evaluator.cli.result_tables.ranking import add_columns, heading, plain_table
+from wildscav_evaluator.cli.result_tables import add_columns, heading, plain_table
 from wildscav_evaluator.cli.sessions.playing import INTERRUPTED, raise_errors
-from wildscav_evaluator.matches.play import PlayedMatch, Seating, play_match, prepare_logs, remove_empty_logs
+from wildscav_evaluator.matches.play import (
+    MatchAssignment,
+    PlayedMatch,
+    play_match,
+    prepare_logs,
+    remove_empty_logs,
+)
 from wildscav_evaluator.output.results import FINISHED, metric_infos
 from wildscav_evaluator.sandbox import SANDBOXES, Sandbox
 from wildscav_evaluator.sandbox.agents.capped_log import is_cut
@@ -105,7 +111,7 @@ def run_match(
     if record is not None or replay is not None:
         _check_recordable(spec)
     paths = tuple(logs / f"{seat}-{submission.name}.log" for seat, submission in enumerate(submissions))
-    seating = Seating(spec, tuple(submissions), paths)
+    seating = MatchAssignment(spec, tuple(submissions), paths)
     with _logging(logs, paths):
         played = _play(seating, SANDBOXES[sandbox])
     console.print(_table(seating, played))
@@ -142,7 +148,7 @@ def _logging(folder: Path, logs: Sequence[Path]) -> Iterator[None]:
                 empty.rmdir()
 
 
-def _play(seating: Seating, sandbox: Sandbox) -> PlayedMatch:
+def _play(seating: MatchAssignment, sandbox: Sandbox) -> PlayedMatch:
     try:
         with preparing(console):
             precompile_for([submission.manifest.sensors for submission in seating.submissions])
@@ -153,7 +159,7 @@ def _play(seating: Seating, sandbox: Sandbox) -> PlayedMatch:
         raise UserError(str(error)) from error
 
 
-async def _play_with_progress(seating: Seating, sandbox: Sandbox) -> PlayedMatch:
+async def _play_with_progress(seating: MatchAssignment, sandbox: Sandbox) -> PlayedMatch:
     spec = seating.spec
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True) as progress:
@@ -176,7 +182,7 @@ async def _play_with_progress(seating: Seating, sandbox: Sandbox) -> PlayedMatch
                 watcher.cancel()
 
 
-def _table(seating: Seating, played: PlayedMatch) -> Table:
+def _table(seating: MatchAssignment, played: PlayedMatch) -> Table:
     result = played.match.result()
     metrics = metric_infos(seating.spec.track, seating.spec.metrics)
     seconds = result.frames / FRAMES_PER_SECOND
@@ -198,7 +204,7 @@ def _table(seating: Seating, played: PlayedMatch) -> Table:
     return table
 
 
-def _document(seating: Seating, played: PlayedMatch) -> dict[str, object]:
+def _document(seating: MatchAssignment, played: PlayedMatch) -> dict[str, object]:
     """Return what ``wildscav play --json`` prints."""
     result = played.match.result()
     return {
@@ -211,7 +217,7 @@ def _document(seating: Seating, played: PlayedMatch) -> dict[str, object]:
     }
 
 
-def _seat_document(seating: Seating, played: PlayedMatch, seat: "SeatResult") -> dict[str, object]:
+def _seat_document(seating: MatchAssignment, played: PlayedMatch, seat: "SeatResult") -> dict[str, object]:
     report = played.seats.get(seat.seat)
     return {
         "seat": seat.seat,
@@ -222,7 +228,7 @@ def _seat_document(seating: Seating, played: PlayedMatch, seat: "SeatResult") ->
     }
 
 
-def _show_notes(seating: Seating, played: PlayedMatch) -> None:
+def _show_notes(seating: MatchAssignment, played: PlayedMatch) -> None:
     """Print which agents sent invalid actions, and which waited for a processor."""
     for seat, report in played.seats.items():
         line = invalid_actions_note(
@@ -234,7 +240,9 @@ def _show_notes(seating: Seating, played: PlayedMatch) -> None:
             console.print(Text.assemble(("note: ", "yellow"), note))
 
 
-def _write(played: PlayedMatch, seating: Seating, record: Path | None, replay: Path | None) -> Iterator[str]:
+def _write(
+    played: PlayedMatch, seating: MatchAssignment, record: Path | None, replay: Path | None
+) -> Iterator[str]:
     """Write the requested files, and yield the errors. If one file fails, the other is still written."""
     if record is not None:
         try:
@@ -251,7 +259,7 @@ def _write(played: PlayedMatch, seating: Seating, record: Path | None, replay: P
             yield f"the replay could not be saved: {describe(error)}"
 
 
-def _render(played: PlayedMatch, seating: Seating, replay: Path) -> None:
+def _render(played: PlayedMatch, seating: MatchAssignment, replay: Path) -> None:
     from wildscav_engine.view import write_replay
 
     with leftovers.temporary_folder("record-") as folder:
@@ -260,7 +268,7 @@ def _render(played: PlayedMatch, seating: Seating, replay: Path) -> None:
         write_replay(read_record(path), replay, follow=seating.seats[0])
 
 
-def _failures(played: PlayedMatch, seating: Seating) -> Iterator[str]:
+def _failures(played: PlayedMatch, seating: MatchAssignment) -> Iterator[str]:
     """Yield a line for every agent that did not play to the end."""
     for seat, log in zip(seating.seats, seating.logs, strict=True):
         report = played.seats[seat]

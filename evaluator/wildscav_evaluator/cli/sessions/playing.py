@@ -18,7 +18,7 @@ from wildscav_evaluator.matches.run_job import kept_result
 from wildscav_evaluator.monitoring.dashboard import duration
 from wildscav_evaluator.monitoring.monitor import Monitor, MonitorOptions
 from wildscav_evaluator.output.folder import check_out, keep_only, output_folder
-from wildscav_evaluator.output.layout import LEDGER_FILE, SUITE_FILE
+from wildscav_evaluator.output.layout import LEDGER_FILE, LOGS, RECORDS, REPLAYS, RESULTS_FILE, SUITE_FILE
 from wildscav_evaluator.output.lock import Lock
 from wildscav_evaluator.output.numbered_folders import OUT
 from wildscav_evaluator.output.results import Results, write_results
@@ -136,18 +136,37 @@ def saving_errors(
     return []
 
 
+def say_files(plan: Plan, ledger: LedgerWriter, results: Results, replay: str | None = None) -> None:
+    """Print where everything is, and the commands that look at it.
+
+    Args:
+        plan: What was played.
+        ledger: Its ledger.
+        results: Its results.
+        replay: The replay to suggest; the first one if None.
+    """
+    say("results", str(plan.out / RESULTS_FILE))
+    say_ledger(plan, ledger)
+    places = () if OUT in plan.out.parents else (plan.out,)
+    say("", f"standings: {command('wildscav', 'leaderboard', *places)}")
+    rows = [row for one in results.evaluations for row in one.matches]
+    recorded = len({row.record for row in rows if row.record is not None})
+    say("records", f"{plan.out / RECORDS} ({counted(recorded, 'match')})")
+    say("", f"check them: {command('wildscav', 'verify', plan.out)}")
+    if any(row.logs for row in rows):
+        say("logs", f"{plan.out / LOGS} (what the agents printed)")
+    replays = sorted({row.replay for row in rows if row.replay is not None})
+    if replays:
+        say("replays", f"{plan.out / REPLAYS} ({counted(len(replays), 'match')}), to watch in Rerun")
+        say("", f"watch one: {command('rerun')} {plan.out / (replay or replays[0])}")
+
+
 def say_ledger(plan: Plan, ledger: LedgerWriter) -> None:
     """Print where the ledger is, and which key signed it."""
     signed = "not signed" if plan.public_key is None else f"signed with the key {plan.public_key}"
     say("ledger", f"{plan.out / LEDGER_FILE}, {signed}")
     if plan.public_key is not None:
         say("", f"its head, to be published with the results: {ledger.head}")
-
-
-def say_standings(plan: Plan) -> None:
-    """Print the command that shows who leads."""
-    places = () if OUT in plan.out.parents else (plan.out,)
-    say("", f"standings: {command('wildscav', 'leaderboard', *places)}")
 
 
 def say(what: str, text: str) -> None:

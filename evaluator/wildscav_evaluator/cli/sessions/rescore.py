@@ -7,8 +7,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from wildscav.errors import UserError
 from wildscav.terminal.console import console, counted, error_console, print_json
-from wildscav_evaluator.cli.result_tables.ranking import LEGEND, track_table
-from wildscav_evaluator.cli.result_tables.timing import sandbox_and_limits
+from wildscav_evaluator.cli.result_tables import LEGEND, sandbox_and_limits, track_table
 from wildscav_evaluator.cli.sessions.playing import raise_errors
 from wildscav_evaluator.cli.sessions.tournament import show_ratings
 from wildscav_evaluator.executors import Executor

@@ -13,7 +13,13 @@ from wildscav_engine.record import Record, RecordError, read_record, verify_reco
 from wildscav_engine.simulation.match import MatchSetupError
 from wildscav_evaluator.cli.sessions.playing import INTERRUPTED, raise_errors
 from wildscav_evaluator.ledger.ledger import Ledger, LedgerError, read_ledger
-from wildscav_evaluator.matches.play import PlayedMatch, Seating, play_match, prepare_logs, remove_empty_logs
+from wildscav_evaluator.matches.play import (
+    MatchAssignment,
+    PlayedMatch,
+    play_match,
+    prepare_logs,
+    remove_empty_logs,
+)
 from wildscav_evaluator.matches.recorded_match import Agreement, RecordedMatch
 from wildscav_evaluator.output.identity import Entrant
 from wildscav_evaluator.output.layout import RECORDS
@@ -52,7 +58,7 @@ def run_again(path: Path, submission: Submission, *, seats: Sequence[int], logs:
     limits = _limits(path, record, submission, ledger, entries)
     everywhere = submission_seats(record.spec.seats)
     places = tuple(logs / f"{seat}-{submission.name}.log" for seat in everywhere)
-    seating = Seating(record.spec, (submission,) * len(everywhere), places, limits)
+    seating = MatchAssignment(record.spec, (submission,) * len(everywhere), places, limits)
     prepare_logs(places)
     try:
         played = _play(seating, record, compared, sandbox)
@@ -155,7 +161,7 @@ def _warn(text: str) -> None:
     console.print(Text.assemble(("warning: ", "yellow"), printable(text)), soft_wrap=True)
 
 
-def _play(seating: Seating, record: Record, compared: tuple[int, ...], sandbox: str) -> PlayedMatch:
+def _play(seating: MatchAssignment, record: Record, compared: tuple[int, ...], sandbox: str) -> PlayedMatch:
     try:
         with preparing(console):
             precompile_for([submission.manifest.sensors for submission in seating.submissions])

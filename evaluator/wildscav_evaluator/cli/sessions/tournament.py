@@ -2,31 +2,19 @@
 
 from pathlib import Path
 
-from wildscav.terminal.console import command, console, counted, print_json
-from wildscav_evaluator.cli.result_tables.standings import (
+from wildscav.terminal.console import console, print_json
+from wildscav_evaluator.cli.result_tables import (
     MAX_OPPONENTS,
     legend,
     pairs_table,
     standings_table,
+    timing_table,
 )
-from wildscav_evaluator.cli.result_tables.timing import timing_table
 from wildscav_evaluator.cli.sessions.evaluate import show_notes, total_failures
-from wildscav_evaluator.cli.sessions.playing import (
-    playing,
-    raise_errors,
-    saving_errors,
-    say,
-    say_ledger,
-    say_standings,
-)
+from wildscav_evaluator.cli.sessions.playing import playing, raise_errors, saving_errors, say, say_files
 from wildscav_evaluator.executors import Executor
-from wildscav_evaluator.ledger.writer import LedgerWriter
 from wildscav_evaluator.monitoring.monitor import MonitorOptions
 from wildscav_evaluator.output.layout import (
-    LOGS,
-    RECORDS,
-    REPLAYS,
-    RESULTS_FILE,
     STANDINGS_PICTURE,
     TOURNAMENT_FILE,
 )
@@ -64,7 +52,10 @@ def run_tournament(
             document = {"folder": str(plan.out), "tournament": tournament.as_json()}
             print_json(document | {"results": results.as_json()})
         if not errors:
-            _say_files(plan, ledger, results)
+            say("standings", str(plan.out / TOURNAMENT_FILE))
+            if (plan.out / STANDINGS_PICTURE).exists():
+                say("", f"drawn in {plan.out / STANDINGS_PICTURE}")
+            say_files(plan, ledger, results)
         errors += total_failures(results, plan.out)
     raise_errors(errors)
 
@@ -93,23 +84,3 @@ def _write_ratings(tournament: Tournament, out: Path) -> None:
     tournament.write(out / TOURNAMENT_FILE)
     if tournament.ratings.standings:
         draw_standings(tournament.ratings, tournament.title, out / STANDINGS_PICTURE)
-
-
-def _say_files(plan: TournamentPlan, ledger: LedgerWriter, results: Results) -> None:
-    """Print where everything is."""
-    say("standings", str(plan.out / TOURNAMENT_FILE))
-    if (plan.out / STANDINGS_PICTURE).exists():
-        say("", f"drawn in {plan.out / STANDINGS_PICTURE}")
-    say("results", str(plan.out / RESULTS_FILE))
-    say_ledger(plan, ledger)
-    say_standings(plan)
-    rows = [row for one in results.evaluations for row in one.matches]
-    recorded = len({row.record for row in rows if row.record is not None})
-    say("records", f"{plan.out / RECORDS} ({counted(recorded, 'match')})")
-    say("", f"check them: {command('wildscav', 'verify', plan.out)}")
-    if any(row.logs for row in rows):
-        say("logs", f"{plan.out / LOGS} (what the agents printed)")
-    replays = sorted({row.replay for row in rows if row.replay is not None})
-    if replays:
-        say("replays", f"{plan.out / REPLAYS} ({counted(len(replays), 'match')}), to watch in Rerun")
-        say("", f"watch one: {command('rerun')} {plan.out / replays[0]}")

@@ -10,14 +10,13 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Generator, Iterator
-from multiprocessing import get_context
 from multiprocessing.connection import Connection
-from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any
 
 from wildscav.errors import UserError, WildscavError, describe
-from wildscav.system.worker_processes import become_worker, starting_workers
+from wildscav.system.worker_pool import start_worker
+from wildscav.system.worker_processes import become_worker
 from wildscav_evaluator.cache import cache_folder
 from wildscav_evaluator.executors.base import ExecutorError
 from wildscav_evaluator.executors.cluster.messages import Done, Failed, Message, Question, Request
@@ -41,13 +40,7 @@ class Bridge:
         self._is_lost = False
         self._log = cache_folder("logs") / f"ray-{os.getpid()}.log"
         self._log.parent.mkdir(parents=True, exist_ok=True)
-        context = get_context("spawn")
-        self._connection, theirs = context.Pipe()
-        arguments = (theirs, os.getpid(), address, self._log)
-        self._process: BaseProcess = context.Process(target=_serve, args=arguments, daemon=True)
-        with starting_workers():
-            self._process.start()
-        theirs.close()
+        self._process, self._connection = start_worker(_serve, address, self._log)
         try:
             if not self._connection.poll(CONNECT_TIME):
                 raise ExecutorError(f"{self._where} did not answer within {CONNECT_TIME:.0f} s")

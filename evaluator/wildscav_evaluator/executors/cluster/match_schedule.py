@@ -13,7 +13,14 @@ from ray.exceptions import RayError
 from wildscav_evaluator.executors.base import ExecutorError
 from wildscav_evaluator.executors.cluster.cluster_nodes import ClusterNode, ClusterNodes, last_line
 from wildscav_evaluator.executors.cluster.match_host import Broken, MatchHost, Report, Shipment
-from wildscav_evaluator.executors.cluster.messages import Ended, Happened, Message, Nodes, Played, Starting
+from wildscav_evaluator.executors.cluster.messages import (
+    Happened,
+    MatchEnded,
+    Message,
+    Nodes,
+    Played,
+    Starting,
+)
 from wildscav_evaluator.matches.jobs import AttemptFailed, Job, cores_of, sensors_read
 from wildscav_evaluator.matches.run_job import after_worker_death
 from wildscav_evaluator.matches.workers import COMPILE_TIME
@@ -212,7 +219,7 @@ class MatchSchedule:
         host.node.running -= 1
         if isinstance(report.end, Played):
             host.node.done += 1
-            yield Ended(number, report.end)
+            yield MatchEnded(number, report.end)
         else:
             yield from self._broken(number, report.end.reason)
 
@@ -224,7 +231,7 @@ class MatchSchedule:
             self._waiting.appendleft(number)
             yield Happened(number, AttemptFailed(reason))
         else:
-            yield Ended(number, Played(again.row, again.timing, again.replay_error, {}))
+            yield MatchEnded(number, Played(again.row, again.timing, again.replay_error, {}))
 
     def _lose(self, host: Host, reason: str) -> None:
         """Note that a process is gone, or should be."""

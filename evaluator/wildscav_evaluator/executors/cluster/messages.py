@@ -90,7 +90,7 @@ class Happened:
 
 
 @dataclass(frozen=True)
-class Ended:
+class MatchEnded:
     """A match ended."""
 
     number: int  # of its job
@@ -124,4 +124,4 @@ class Done:
     """The request was carried out."""
 
 
-Message = Question | tuple[Examined, ...] | Happened | Ended | Returned | Nodes | Failed | Done
+Message = Question | tuple[Examined, ...] | Happened | MatchEnded | Returned | Nodes | Failed | Done

@@ -14,7 +14,7 @@ from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.cli.sessions.run_again import run_again
 from wildscav_evaluator.ledger.writer import LedgerWriter
-from wildscav_evaluator.matches.play import Seating, play_match
+from wildscav_evaluator.matches.play import MatchAssignment, play_match
 from wildscav_evaluator.output.results import TournamentSettings
 from wildscav_evaluator.plans.tournament import TournamentPlan
 from wildscav_evaluator.suites.seeds import SuiteSeed
@@ -53,7 +53,7 @@ def recorded(path: Path, *submissions: object, logs: Path) -> Path:
     spec = MatchSpec(track="battle", map=MAP, seats=seats, time_limit=2.0)
     places = tuple(logs / f"{number}.log" for number in range(len(submissions)))
     seeds = tuple(range(4, 4 + len(submissions)))  # as an evaluation tells them
-    seating = Seating(spec, submissions, places, seeds=seeds)  # type: ignore[arg-type]
+    seating = MatchAssignment(spec, submissions, places, seeds=seeds)  # type: ignore[arg-type]
     logs.mkdir(exist_ok=True)
     played = asyncio.run(play_match(seating))
     write_record(path, played.match, seating.names)

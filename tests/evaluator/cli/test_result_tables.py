@@ -1,20 +1,28 @@
-"""The tables of results in terminals of several widths: nothing that they say is lost."""
+"""The tables of results in terminals of several widths, and the lines below them: nothing is lost."""
 
 import io
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import pytest
+from rich.console import Console
 from rich.table import Table
-from tests.evaluator.results_by_hand import RESULTS, evaluation, results_of
+from tests.evaluator.results_by_hand import RESULTS, evaluation, results_of, timing_of_a_seat
 
 from wildscav.terminal.console import PlainConsole
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.check.findings import Finding, Verdict
-from wildscav_evaluator.cli.result_tables.ranking import track_table
-from wildscav_evaluator.cli.result_tables.timing import timing_table
+from wildscav_evaluator.cli.result_tables import (
+    RATING_LEGEND,
+    legend,
+    sandbox_and_limits,
+    timing_table,
+    track_table,
+)
 from wildscav_evaluator.cli.sessions import check as checking
 from wildscav_evaluator.cli.sessions import doctor
 from wildscav_evaluator.cli.sessions import play as play_session
@@ -22,13 +30,25 @@ from wildscav_evaluator.cli.sessions import verify_records as verify
 from wildscav_evaluator.cli.sessions.compare import comparison_table
 from wildscav_evaluator.cli.sessions.evaluate import changes_table, verdict
 from wildscav_evaluator.cli.sessions.leaderboard import ladder_table
-from wildscav_evaluator.matches.play import PlayedMatch, Seating
-from wildscav_evaluator.output.results import Results
+from wildscav_evaluator.matches.play import MatchAssignment, PlayedMatch
+from wildscav_evaluator.output.results import (
+    CURRENT_VERSIONS,
+    Evaluation,
+    KeptLimits,
+    MatchTiming,
+    Results,
+    SeatTiming,
+    Timings,
+    metric_infos,
+)
+from wildscav_evaluator.ratings.matches import RatedMatch
+from wildscav_evaluator.ratings.standings import rate
 from wildscav_evaluator.sandbox import Promise
 from wildscav_evaluator.scores.changes import Change
 from wildscav_evaluator.scores.compare import compare
 from wildscav_evaluator.scores.leaderboard import standings
 from wildscav_evaluator.submissions.submission import Manifest, Submission
+from wildscav_evaluator.tournaments.tournament_file import Tournament
 from wildscav_inspect import map as map_command
 from wildscav_server.hosting.reports import SeatReport, SeatStatus
 
@@ -56,7 +76,7 @@ def of_play(_: Path) -> Table:
         seats=("submission", "fighter"),
         time_limit=1.0,
     )
-    seating = Seating(spec, (Submission(Path("/a"), manifest, ""),), (Path("/log"),))
+    seating = MatchAssignment(spec, (Submission(Path("/a"), manifest, ""),), (Path("/log"),))
     report = SeatReport(seat=0, status=SeatStatus.PROTOCOL_ERROR)
     return play_session._table(seating, PlayedMatch(Match(spec), {0: report}))
 
@@ -132,3 +152,113 @@ def test_a_change_is_told_from_noise(now: tuple[float, ...], then: tuple[float, 
     ones = (evaluation("now", "navigation", now), evaluation("then", "navigation", then))
     results: Results = RESULTS.model_copy(update={"evaluations": ones})
     assert str(verdict(compare(results, "now", "then").comparisons[0])) == says
+
+
+def played(*pairs: tuple[str, str]) -> Tournament:
+    """Return a tournament in which the first of each pair beat the second."""
+    matches = [RatedMatch(game=game, teams=((a,), (b,)), places=(1, 2)) for game, (a, b) in enumerate(pairs)]
+    return cast(Tournament, SimpleNamespace(ratings=rate(matches)))
+
+
+def test_entrants_that_never_met_are_not_compared() -> None:
+    text = legend(played(("ada", "bob"), ("cy", "dee")))
+    assert text.startswith(RATING_LEGEND)
+    assert "2 groups that never met each other" in text
+
+
+@pytest.mark.parametrize("last", [("cy", "ada"), ("cy", "bob")])
+def test_entrants_that_met_through_others_need_no_explanation(last: tuple[str, str]) -> None:
+    assert legend(played(("ada", "bob"), last)) == RATING_LEGEND
+
+
+def seat(**changes: float) -> SeatTiming:
+    usual = {"steps": 100, "late_steps": 0, "time_used": 2.0, "time_bank": 30.0}
+    latencies = {"latency_p50": 0.002, "latency_p99": 0.004, "latency_max": 0.03}
+    return timing_of_a_seat(**usual | latencies | changes)
+
+
+def results_of_seats(*seats: SeatTiming) -> Results:
+    """The results of a submission with a match for each of these seats."""
+    homing = Evaluation(
+        submission="homing",
+        version="1",
+        digest="",
+        track="navigation",
+        metrics=metric_infos("navigation"),
+        matches=(),
+        summary={},
+    )
+    matches = tuple(
+        MatchTiming(
+            submission="homing", track="navigation", index=index, started=0, wall=1, steps=100, seats=(one,)
+        )
+        for index, one in enumerate(seats)
+    )
+    timings = Timings(started="", wall=0.0, jobs=1, matches=matches)
+    return Results(
+        versions=CURRENT_VERSIONS,
+        suite="quick",
+        seed=0,
+        sandbox="process",
+        evaluations=(homing,),
+        timings=timings,
+    )
+
+
+def cells(*seats: SeatTiming) -> list[str]:
+    """The row of the table in a terminal of 80 columns, cell by cell."""
+    console = Console(file=io.StringIO(), width=80)
+    console.print(timing_table(results_of_seats(*seats)))
+    assert isinstance(console.file, io.StringIO)
+    *_, row = (line for line in console.file.getvalue().splitlines() if "navigation" in line)
+    return row.split()
+
+
+def test_the_worst_of_all_matches_is_shown_beside_their_median() -> None:
+    worse = seat(
+        latency_p50=0.004, latency_p99=0.09, latency_max=1.5, time_used=4.0, time_bank=28.6, start_up=3.0
+    )
+
+    row = cells(seat(), worse)
+
+    assert " ".join(row) == "navigation homing 3.0 ms 90 ms 1.5 s 3.0 s 0 28.6 s 3.0 s"
+
+
+def test_nothing_is_cut_in_a_narrow_terminal() -> None:
+    worst = seat(latency_p50=0.5, latency_p99=0.999, latency_max=30.1, time_used=999.9, late_steps=100)
+
+    row = cells(worst.model_copy(update={"start_up": 29.9}))
+
+    assert " ".join(row) == "navigation homing 500 ms 999 ms 30.1 s 999.9 s 100.0% 30.0 s 29.9 s"
+
+
+def test_late_steps_are_a_share_of_those_that_were_asked_for() -> None:
+    assert "5.0%" in cells(seat(late_steps=10), seat())
+
+
+def test_a_submission_that_never_played_has_no_times() -> None:
+    assert cells()[2:] == ["-"] * 7
+
+
+@pytest.mark.parametrize(
+    ("limits", "lines"),
+    [
+        ({}, ["oci"]),
+        ({"battle": KeptLimits(wall_clock=60)}, ["oci; each agent: matches of 60 s at most"]),
+        (
+            {
+                "navigation": KeptLimits(cpus=1, memory=2**31, output=10**6),
+                "gathering": KeptLimits(cpus=1, memory=2**31, output=10**6),
+                "battle": KeptLimits(cpus=0.5, memory=600 * 2**20, processes=64, tmp_size=5001),
+            },
+            [
+                "oci; each agent on navigation, gathering: 1 core, 2 GiB of memory, 1 MB of output",
+                "oci; each agent on battle: 0.5 cores, 600 MiB of memory, 64 processes, 5,001 bytes in /tmp",
+            ],
+        ),
+    ],
+)
+def test_conditions_are_told_once_for_all_tracks_that_share_them(
+    limits: dict[str, KeptLimits], lines: list[str]
+) -> None:
+    assert list(sandbox_and_limits("oci", limits)) == lines

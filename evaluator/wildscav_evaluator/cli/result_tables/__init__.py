@@ -1,1 +1,0 @@
-"""Tables of results, narrow enough for a terminal of 80 columns."""
