@@ -1,6 +1,6 @@
 """The cameras that follow one agent, from above and at its eyes, and the images of its own cameras.
 
-Its depth map has the colours of ``wildscav map look``, and a scale beneath it. It is an image with one byte per
+Its depth map has the colours of ``wildscav map look``, and a scale beneath it. It is an image of one byte a
 pixel, an index into the colours; the viewer shows the distance of the pixel under the pointer.
 """
 
