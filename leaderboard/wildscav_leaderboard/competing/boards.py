@@ -80,17 +80,18 @@ def _fill_suite(table: "Table", board: "SuiteBoard") -> None:
 
 def _fill_ladder(table: "Table", board: "LadderBoard") -> None:
     from wildscav_evaluator.cli.result_tables import add_columns
+    from wildscav_leaderboard.boards.documents import LADDER_COLUMNS
 
-    add_columns(table, "rating", "95 %\ninterval", "wins", "mean\nplace", "matches", "faults")
+    titles = (column.title.replace(" ", "\n") for column in LADDER_COLUMNS.values())
+    add_columns(table, "rating", "95 %\ninterval", *titles, "matches", "faults")
     for row in board.rows:
-        place = "" if row.mean_place is None else f"{row.mean_place:.2f}"
         # Before its first match an entrant has the rating with which all begin, which says nothing.
         rating = Text("" if row.rank is None else f"{row.rating:.0f}", "bold")
         interval = "" if row.rank is None else f"{row.low:.0f}–{row.high:.0f}"
         if row.rank is not None and row.provisional:
             interval += "\nprovisional"
-        figures = (interval, str(row.wins), place)
-        table.add_row(*_who(row), rating, *figures, *_counts(row))
+        figures = (column.text(getattr(row, name)) for name, column in LADDER_COLUMNS.items())
+        table.add_row(*_who(row), rating, interval, *figures, *_counts(row))
 
 
 def _who(row: "Row") -> tuple[Text, Text, Text]:

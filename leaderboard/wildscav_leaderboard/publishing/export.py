@@ -11,7 +11,7 @@ from pathlib import Path
 from sqlalchemy.orm import Session
 
 from wildscav.terminal.console import counted
-from wildscav_leaderboard.boards.documents import BoardDocument, LadderRow, Row, SuiteRow
+from wildscav_leaderboard.boards.documents import LADDER_COLUMNS, BoardDocument, LadderRow, Row, SuiteRow
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import MatchResult
 from wildscav_leaderboard.publishing.documents import (
@@ -30,7 +30,7 @@ PLACE = (
     *("rank", "last_rank", "team", "team_title", "submission", "name", "version"),
     *("matches", "planned", "faults", "since"),
 )
-RATING = ("rating", "deviation", "low", "high", "provisional", "wins", "mean_place")
+RATING = ("rating", "deviation", "low", "high", "provisional", *LADDER_COLUMNS)
 STATISTICS = ("mean", "std", "low", "high")
 MATCH = ("match", "kind", "number", "at", "record", "void")
 SEAT = ("seat", "entrant", "submission", "status", "fault")
