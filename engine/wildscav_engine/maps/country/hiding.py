@@ -1,4 +1,4 @@
-"""Hiding targets upstairs, in other rooms and at dead ends, and measuring the ways from everywhere to them."""
+"""Hiding targets upstairs, in other rooms and at dead ends, and measuring the ways from everywhere there."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
