@@ -156,15 +156,7 @@ def build_world(
     solids: Sequence[Solid],
     spawns: NDArray[np.float64],
 ) -> World:
-    """Index terrain and solids in one grid.
-
-    Args:
-        corner: x and z in m of the south-west corner.
-        heights: (R + 1, C + 1) m.
-        water: (R, C) m, -inf where dry.
-        solids: All solids; the parts of them beyond the grid are not indexed.
-        spawns: (N, 3) m, where an agent may start or respawn.
-    """
+    """Index terrain and solids, but not their parts beyond the grid; for the arrays, see ``World``."""
     rows, columns = water.shape
     low = np.array([solid.low for solid in solids], np.float64).reshape(-1, 3)
     high = np.array([solid.high for solid in solids], np.float64).reshape(-1, 3)

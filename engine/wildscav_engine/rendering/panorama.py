@@ -164,11 +164,8 @@ class Panorama:
     ) -> None:
         """Measure the distances in m along all rays that are not steep; those that hit nothing read ``far``.
 
-        Args:
-            scenes: The static worlds of N viewers, or one for all.
-            matches: (N,) the match in ``objects`` that each viewer is in.
-            cameras: N viewers, all of whose numbers are finite; their pitches do not count.
-            images: (N, C, A) m, written.
+        All numbers of the cameras must be finite; their pitches do not count. The images are (N, C, A). For
+        the rest, see ``images.trace_images``.
         """
         sectors = self._sectors
         if sectors is None:

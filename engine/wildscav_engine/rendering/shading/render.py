@@ -44,16 +44,7 @@ def render_pictures(
     *,
     shadows: bool,
 ) -> bool:
-    """Render pictures.
-
-    Args:
-        scenes: The static worlds of N cameras, or one for all.
-        matches: (N,) the match in ``objects`` that each camera is in.
-        images: (N, H, W, 3) red, green, blue, written.
-
-    Returns:
-        Whether all numbers of the cameras are finite; if not, nothing is written.
-    """
+    """Write pictures, (N, H, W, 3) red, green, blue; for the rest, see ``images.trace_images``."""
     _, height, width, _ = images.shape
     size = Size(height, width, cameras.half_width, objects.most_faces)
     scratch = latest_scratch.of(height, width)

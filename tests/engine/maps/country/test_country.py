@@ -7,13 +7,13 @@ import pytest
 
 from wildscav_engine.maps.cache import load_cached, store
 from wildscav_engine.maps.country import plan_country
+from wildscav_engine.maps.country.hiding import LONGER
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.maps.generate import generate_map
 from wildscav_engine.maps.ground.terrain import make_terrain
 from wildscav_engine.maps.house import is_unseen
 from wildscav_engine.maps.locations import houses_cut_off
 from wildscav_engine.maps.walk import find_path
-from wildscav_engine.maps.walk.distances import LONGER
 from wildscav_engine.simulation.setup.starts import HIDDEN_DISTANCE, LEAST_DETOUR, choose_starts
 from wildscav_engine.specs.map_spec import Country, MapConfig
 from wildscav_engine.specs.match_spec import MatchSpec

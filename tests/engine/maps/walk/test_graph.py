@@ -9,6 +9,7 @@ from tests.builders import box, flat_world
 
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import Kind, Solid, World, build_world
+from wildscav_engine.maps import walk
 from wildscav_engine.maps.walk import NavGraph, build_graph, find_path, is_reached, leads_out, node_near
 from wildscav_engine.maps.walk.explore import walk_straight
 from wildscav_engine.maps.walk.lattice import SAME_SURFACE, SPACING
@@ -214,3 +215,8 @@ def test_tables_that_are_full_grow(monkeypatch: pytest.MonkeyPatch) -> None:
     assert len(tight) == len(roomy)
     assert len(tight.leap_end) == len(roomy.leap_end) > 0
     assert tight.connected.sum() == roomy.connected.sum()
+
+
+def test_the_graph_keeps_its_old_name_for_a_release() -> None:
+    with pytest.warns(DeprecationWarning, match="NavGraph"):
+        assert walk.WalkGraph is walk.NavGraph
