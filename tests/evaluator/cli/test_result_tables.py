@@ -29,7 +29,7 @@ from wildscav_evaluator.cli.sessions import play as play_session
 from wildscav_evaluator.cli.sessions import verify_records as verify
 from wildscav_evaluator.cli.sessions.compare import comparison_table
 from wildscav_evaluator.cli.sessions.evaluate import changes_table, verdict
-from wildscav_evaluator.cli.sessions.leaderboard import ladder_table
+from wildscav_evaluator.cli.sessions.leaderboard import evaluations_table
 from wildscav_evaluator.matches.play import MatchAssignment, PlayedMatch
 from wildscav_evaluator.output.results import (
     CURRENT_VERSIONS,
@@ -94,7 +94,7 @@ TABLES: dict[str, Callable[[Path], Table]] = {
     "map info": lambda _: map_command._table(
         "map 101", {"configuration": "houses=12, " * 9, "digest": "0123456789abcdef" * 4}
     ),
-    "leaderboard": lambda _: ladder_table(*standings([RESULTS])),
+    "leaderboard": lambda _: evaluations_table(*standings([RESULTS])),
     "verify": lambda _: verify._table(
         [verify.Finding(Path("a/a-record-of-some-length.wsr"), True, "5 steps")]
     ),

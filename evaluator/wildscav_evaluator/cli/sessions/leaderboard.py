@@ -35,16 +35,16 @@ def show_standings(
         found = find_results(places)
     for line in found.unreadable:
         error_console.print(f"left out: {line}", soft_wrap=True)
-    ladders = list(standings(found.evaluations, track, suite))
+    ranked_tables = list(standings(found.evaluations, track, suite))
     rated = latest_tournaments(found, track, suite)
-    if not ladders and not rated:
+    if not ranked_tables and not rated:
         raise UserError(_nothing_found(found, track, suite, ", ".join(map(str, places))))
     if as_json:
-        documents = [document(one) for one in ladders]
+        documents = [document(one) for one in ranked_tables]
         print_json({"standings": documents, "tournaments": [one.as_json() for one in rated]})
-    for one in ladders:
+    for one in ranked_tables:
         _show(one)
-    if ladders:
+    if ranked_tables:
         console.print(result_tables.LEGEND, style="dim")
     for tournament in rated:
         _show_tournament(tournament)
@@ -53,7 +53,7 @@ def show_standings(
 def _show(one: Standings) -> None:
     conditions = one.conditions
     kept = {} if conditions.limits == KeptLimits() else {conditions.track: conditions.limits}
-    console.print(ladder_table(one))
+    console.print(evaluations_table(one))
     console.print(f"played in {''.join(sandbox_and_limits(conditions.sandbox, kept))}", soft_wrap=True)
     console.print(f"played by {conditions.versions}", soft_wrap=True)
     console.print(f"signed: {_signed(one) or 'none'}\n", soft_wrap=True)
@@ -69,7 +69,7 @@ def _show_tournament(one: Tournament) -> None:
     console.print(legend(one), style="dim")
 
 
-def ladder_table(one: Standings) -> Table:
+def evaluations_table(one: Standings) -> Table:
     """Return the table of comparable evaluations on one track: the submissions from best to worst."""
     shared = one.conditions
     rounds = "" if shared.rounds == 1 else f" · {shared.rounds} rounds"
