@@ -76,7 +76,7 @@ class SuiteRow(Row):
 
 
 class Column(NamedTuple):
-    """How pages and tables show a figure of a row. It stands in the type of the figure; exports take its name."""
+    """How pages and tables show a figure of a row, as said in the figure's type; exports take its name."""
 
     title: str
     form: str = "{}"
