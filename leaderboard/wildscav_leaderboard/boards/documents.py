@@ -80,11 +80,11 @@ class LadderRow(Row):
 
     model_config = ConfigDict(frozen=True, extra="ignore")  # older boards have OpenSkill's mu and sigma
 
-    provisional: bool = False  # until its interval is as narrow as the season asks
     rating: float  # on the scale of Elo; the mean of those who met is 1500
     deviation: float  # standard deviation of the rating
     low: float  # of the rating's 95 % interval
     high: float
+    provisional: bool = False  # until its interval is as narrow as the season asks
     wins: int  # matches in which it was first, alone
     mean_place: float | None  # a tie counts as the mean of the places that it covers
 

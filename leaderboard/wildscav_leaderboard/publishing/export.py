@@ -26,11 +26,8 @@ from wildscav_leaderboard.publishing.service import Addresses, board_lines, publ
 from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE, Season, place_for
 from wildscav_leaderboard.seasons.in_force import in_force
 
-PLACE = (
-    *("rank", "last_rank", "team", "team_title", "submission", "name", "version"),
-    *("matches", "planned", "faults", "since"),
-)
-RATING = ("rating", "deviation", "low", "high", "provisional", "wins", "mean_place")
+PLACE = tuple(Row.model_fields)
+RATING = tuple(name for name in LadderRow.model_fields if name not in PLACE)
 STATISTICS = ("mean", "std", "low", "high")
 MATCH = ("match", "kind", "number", "at", "record", "void")
 SEAT = ("seat", "entrant", "submission", "status", "fault")

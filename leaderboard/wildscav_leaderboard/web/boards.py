@@ -10,6 +10,7 @@ from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Number, Reading, check_organizer
 from wildscav_leaderboard.api.boards import head_to_head_view, ladder_of, ranked_teams
+from wildscav_leaderboard.boards.columns import columns_of
 from wildscav_leaderboard.boards.documents import SuiteBoard
 from wildscav_leaderboard.boards.history import team_histories
 from wildscav_leaderboard.boards.kept import board_updated, earlier_editions, read_board
@@ -84,7 +85,8 @@ def _rendered(session: Session, track: str, audience: str, updated: datetime, ow
         until = updated if audience == HIDDEN else min(updated, shown_until(session, None) or updated)
         histories = team_histories(session, track, teams, until)
         chart = rank_chart([(teams[name], points) for name, points in histories.items()], until)
-        shown |= {"scale": Scale.of(found), "chart": chart, "charted": list(teams)}
+        chart_of = {"chart": chart, "charted": list(teams)}
+        shown |= {"columns": columns_of(found), "scale": Scale.of(found), **chart_of}
     return Markup(rendered("board_part.html", **shown))  # noqa: S704 (it escapes)
 
 
