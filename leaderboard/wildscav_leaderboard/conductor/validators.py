@@ -1,14 +1,19 @@
 """Builds and validates submissions beside the matches, several at once, each in a process of its own."""
 
+import multiprocessing
+import os
+import signal
 import threading
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import suppress
 from datetime import UTC, datetime
-from typing import Self
+from typing import Any, Self, TypeVar
 
-from wildscav.errors import describe
+from wildscav.errors import WildscavError, describe
+from wildscav.system.worker_processes import become_worker, starting_workers
 from wildscav_leaderboard.conductor import steps, work
-from wildscav_leaderboard.conductor.child import Child
 from wildscav_leaderboard.conductor.lease import Holding, LeaseLostError
 from wildscav_leaderboard.conductor.models import Attempt
 from wildscav_leaderboard.database.connection import Database
@@ -17,6 +22,74 @@ from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.in_force import in_force
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_server.monitoring.logs import Log
+
+Value = TypeVar("Value")
+
+
+class ChildError(WildscavError):
+    """The child process died, or was ended because it took too long."""
+
+
+class Child:
+    """One child process, started when it is needed, and again when it is gone, until ``close``.
+
+    One thread calls functions in it; any other may close it meanwhile.
+    """
+
+    def __init__(self) -> None:
+        self._pool: ProcessPoolExecutor | None = None
+        self._closed, self._lock = False, threading.RLock()
+
+    def close(self) -> None:
+        """End the child, whatever it is doing, and start none again."""
+        with self._lock:
+            self._closed = True
+            self._end()
+
+    def call(self, function: Callable[..., Value], *arguments: Any, timeout: float) -> Value:
+        """Call a function of a module in the child, and return its value.
+
+        Args:
+            function: The function; it gets and returns what can be pickled, and its errors are raised here.
+            arguments: Its arguments.
+            timeout: How long it may take, s.
+
+        Raises:
+            ChildError: The child died, took longer, or was closed.
+        """
+        future = self._begin(function, *arguments)
+        try:
+            return future.result(timeout)
+        except TimeoutError:
+            if future.done():
+                raise
+            self._end()
+            raise ChildError(f"it did not end within {timeout:,.0f} s") from None
+        except BrokenProcessPool:
+            self._end()
+            raise ChildError("the process that worked on it died") from None
+
+    def _begin(self, function: Callable[..., Value], *arguments: Any) -> Future[Value]:
+        with self._lock:
+            if self._closed:
+                raise ChildError("it was closed")
+            if self._pool is None:
+                spawn = multiprocessing.get_context("spawn")
+                self._pool = ProcessPoolExecutor(1, spawn, become_worker, (os.getpid(),))
+            with starting_workers():
+                return self._pool.submit(function, *arguments)
+
+    def _end(self) -> None:
+        """Kill the child. What it started ends with it, or is swept away by the next sandbox."""
+        with self._lock:
+            if self._pool is None:
+                return
+            pool, self._pool = self._pool, None
+            for process in list((pool._processes or {}).values()):  # noqa: SLF001 (there is no public way)
+                with suppress(ProcessLookupError):
+                    os.kill(process.pid or 0, signal.SIGTERM)
+            pool.shutdown(wait=True, cancel_futures=True)
+
 
 IDLE = 1.0  # s between two looks when there is nothing to do
 

@@ -112,7 +112,7 @@ def run_part(name: str, folder: str, settings: str, form: LogFormat | None, pare
 
 def _run_web(season: Season, log: Log) -> None:
     from wildscav_leaderboard.hosting.metrics import SeasonMetrics
-    from wildscav_leaderboard.hosting.web_counts import WebCounts
+    from wildscav_leaderboard.hosting.request_log import WebCounts
     from wildscav_leaderboard.hosting.web_server import run_web
     from wildscav_server.monitoring.metrics import serving_metrics
 

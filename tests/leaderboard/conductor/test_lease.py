@@ -11,8 +11,7 @@ from tests.leaderboard.seasons_made import NOON, make_season
 
 from wildscav_leaderboard.conductor import lease
 from wildscav_leaderboard.conductor.conductor import Conductor
-from wildscav_leaderboard.conductor.keeper import LeaseKeeper
-from wildscav_leaderboard.conductor.lease import Holding, LeaseLostError
+from wildscav_leaderboard.conductor.lease import Holding, LeaseKeeper, LeaseLostError
 from wildscav_leaderboard.database.connection import Database
 
 SECOND = timedelta(seconds=1)

@@ -9,6 +9,8 @@ from importlib.resources import files
 from pathlib import Path
 
 import tomli_w
+from sqlalchemy import func, select
+from sqlalchemy.orm import Session
 
 from wildscav.baselines import ALL_ROUND, baseline_folder
 from wildscav_evaluator.sandbox import SANDBOXES
@@ -20,12 +22,15 @@ from wildscav_leaderboard.accounts.models import COMPETITOR
 from wildscav_leaderboard.accounts.passwords import hashed
 from wildscav_leaderboard.accounts.service import add_account, find_account
 from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.matches.models import FINISHED, PLAYING, WAITING, Match
 from wildscav_leaderboard.organizing import acts
 from wildscav_leaderboard.seasons.acts import Doing
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.initial_files import write_season_folder
 from wildscav_leaderboard.seasons.own_database import opened
 from wildscav_leaderboard.seasons.settings import SETTINGS_FILE
+from wildscav_leaderboard.submissions import states
+from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.packing import pack
 from wildscav_leaderboard.teams.service import make_team
 from wildscav_server import leftovers
@@ -131,3 +136,33 @@ def _restrict(manifest: Path, tracks: tuple[str, ...]) -> None:
     """Let a submission play some tracks alone, since its check plays a match on each."""
     content = tomllib.loads(manifest.read_text("utf-8"))
     manifest.write_text(tomli_w.dumps({**content, "tracks": list(tracks)}), "utf-8")
+
+
+@dataclass(frozen=True)
+class Opening:
+    """How far the season is."""
+
+    submissions: int
+    validated: int  # that take part, or failed
+    played: int  # matches
+    ahead: int  # matches that wait or are being played
+
+    def is_ready(self, matches: int) -> bool:
+        """Return whether so many matches are played, or as many as there are."""
+        return self.validated == self.submissions and (self.played >= matches or not self.ahead)
+
+
+def opening_of(database: Database) -> Opening:
+    """Return how far a season is."""
+    with database.reading() as session:
+        counted = _counts(session, Submission)
+        played = _counts(session, Match)
+    over = sum(counted.get(state, 0) for state in (states.ACTIVE, *states.FINAL))
+    ahead = sum(played.get(state, 0) for state in (WAITING, PLAYING))
+    return Opening(sum(counted.values()), over, played.get(FINISHED, 0), ahead)
+
+
+def _counts(session: Session, table: type[Submission] | type[Match]) -> dict[str, int]:
+    """Return how many rows of a table are in each state."""
+    rows = session.execute(select(table.state, func.count()).group_by(table.state))
+    return {state: count for state, count in rows}  # noqa: C416 (rows are no pairs to mypy)
