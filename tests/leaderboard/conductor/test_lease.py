@@ -63,7 +63,7 @@ def test_a_host_whose_clock_is_ahead_takes_no_lease_that_is_held(
     first, second = Conductor(season, database), Conductor(season, database)
     assert first._acquire()
 
-    for module in ("conductor.conductor", "conductor.keeper", "database.connection"):
+    for module in ("conductor.conductor", "database.connection"):
         monkeypatch.setattr(f"wildscav_leaderboard.{module}.datetime", FastClock, raising=False)
     assert not second._acquire()
     first._release()

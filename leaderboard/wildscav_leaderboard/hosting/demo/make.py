@@ -9,8 +9,6 @@ from importlib.resources import files
 from pathlib import Path
 
 import tomli_w
-from sqlalchemy import func, select
-from sqlalchemy.orm import Session
 
 from wildscav.baselines import ALL_ROUND, baseline_folder
 from wildscav_evaluator.sandbox import SANDBOXES
@@ -24,6 +22,7 @@ from wildscav_leaderboard.accounts.service import add_account, find_account
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import FINISHED, PLAYING, WAITING, Match
 from wildscav_leaderboard.organizing import acts
+from wildscav_leaderboard.organizing.status import count_by_state
 from wildscav_leaderboard.seasons.acts import Doing
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.initial_files import write_season_folder
@@ -155,14 +154,8 @@ class Opening:
 def opening_of(database: Database) -> Opening:
     """Return how far a season is."""
     with database.reading() as session:
-        counted = _counts(session, Submission)
-        played = _counts(session, Match)
+        counted = count_by_state(session, Submission)
+        played = count_by_state(session, Match)
     over = sum(counted.get(state, 0) for state in (states.ACTIVE, *states.FINAL))
     ahead = sum(played.get(state, 0) for state in (WAITING, PLAYING))
     return Opening(sum(counted.values()), over, played.get(FINISHED, 0), ahead)
-
-
-def _counts(session: Session, table: type[Submission] | type[Match]) -> dict[str, int]:
-    """Return how many rows of a table are in each state."""
-    rows = session.execute(select(table.state, func.count()).group_by(table.state))
-    return {state: count for state, count in rows}  # noqa: C416 (rows are no pairs to mypy)
