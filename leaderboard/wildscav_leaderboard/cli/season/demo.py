@@ -70,7 +70,7 @@ def _free_port(wanted: int | None) -> int:
     Raises:
         UserError: Something listens on the one that is wanted.
     """
-    from wildscav_leaderboard.hosting.web_server import check_port
+    from wildscav_leaderboard.hosting.serve import check_port
 
     if wanted is not None:
         return check_port(HOST, wanted)

@@ -34,9 +34,8 @@ def serve(
     """Run a season: the web site with its API, and the conductor that has matches played."""
     from wildscav.errors import UserError
     from wildscav.terminal.console import console
-    from wildscav_leaderboard.hosting.serve import CONDUCTOR, WEB
+    from wildscav_leaderboard.hosting.serve import CONDUCTOR, WEB, check_certificate, check_port
     from wildscav_leaderboard.hosting.serve import serve as run
-    from wildscav_leaderboard.hosting.web_server import check_certificate, check_port
     from wildscav_leaderboard.organizing.checking import check_rules
     from wildscav_leaderboard.seasons.folder import Season
 
