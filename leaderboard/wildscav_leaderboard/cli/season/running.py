@@ -10,7 +10,7 @@ from rich.text import Text
 
 from wildscav.cli.shared_options import AsJson
 from wildscav.terminal.console import console, print_json
-from wildscav_leaderboard.cli.season.opening import SeasonFolder, opened
+from wildscav_leaderboard.cli.season.folders import SeasonFolder, opened
 from wildscav_leaderboard.competing.texts import waits_for
 
 if TYPE_CHECKING:
