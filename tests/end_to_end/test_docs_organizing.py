@@ -11,7 +11,7 @@ from tests.leaderboard.seasons_made import make_season
 
 from wildscav.cli import main
 from wildscav_leaderboard.hosting.metrics import SeasonMetrics
-from wildscav_leaderboard.hosting.web_counts import WebCounts
+from wildscav_leaderboard.hosting.request_log import WebCounts
 from wildscav_leaderboard.seasons.folder import PUBLISHED, Season
 from wildscav_leaderboard.seasons.settings import Execution, Play, SeasonSettings, Web
 

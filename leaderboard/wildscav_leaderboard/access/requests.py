@@ -189,12 +189,15 @@ def organizing_browser(caller: KnownBrowser) -> Caller:
 OrganizingBrowser = Annotated[Caller, Depends(organizing_browser)]
 
 
-def check_organizer(caller: Caller) -> Caller:
-    """Return a caller who may do privileged acts.
+def check_organizer(caller: Caller | None) -> Caller:
+    """Return a caller who may do privileged acts, and see what is for organizers alone.
 
     Raises:
+        UnknownCallerError: Nobody is logged in.
         ForbiddenError: They may not.
     """
+    if caller is None:
+        raise UnknownCallerError("only organizers may do this: log in first")
     if not caller.is_organizer:
         raise ForbiddenError("only organizers may do this")
     return caller

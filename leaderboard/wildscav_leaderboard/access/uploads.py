@@ -3,12 +3,16 @@
 import tempfile
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
+from typing import Annotated
 
 import anyio
-from fastapi import Request
+import anyio.to_thread
+from fastapi import Depends, Query, Request
 
+from wildscav_leaderboard.access.requests import CurrentDatabase, CurrentSeason, Now, Number
 from wildscav_leaderboard.accounts.models import Account
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.seasons.disk import check_room
@@ -21,6 +25,33 @@ from wildscav_leaderboard.teams.service import own_team
 
 NAME = "submission"
 READ = 2  # times the largest archive; of whatever is larger, no more than that is read
+
+
+@dataclass(frozen=True)
+class Upload:
+    """A request whose body is an archive that is handed in."""
+
+    request: Request
+    season: CurrentSeason
+    database: CurrentDatabase
+    now: Now
+    message: Annotated[str, Query(max_length=1000)] = ""
+    suffix: Annotated[str, Query(max_length=20)] = ".tar.gz"
+    replaces: Number | None = None
+
+    async def take(self, account: Account) -> Submission:
+        """Hand it in for the team of an account.
+
+        Raises:
+            RefusalError: It is not accepted now, which is checked before it is read, or not valid.
+        """
+        run, place = anyio.to_thread.run_sync, (self.database, self.season, account)
+        await run(check_upload_wanted, *place, self.now)
+        async with uploaded(self.request, self.season, self.suffix) as path:
+            return await run(take_upload, *place, path, self.message, self.now, self.replaces)
+
+
+Uploaded = Annotated[Upload, Depends()]
 
 
 @asynccontextmanager

@@ -1,5 +1,10 @@
-"""Passwords: stored as argon2 hashes. Checking one takes a while on purpose, so never in a transaction."""
+"""Passwords, which people choose, and tokens, cookies and keys, which nobody can guess.
 
+Passwords are stored as argon2 hashes. Checking one takes a while on purpose, so never in a transaction. The
+others are shown once and stored as their SHA-256: they have 256 random bits, so a fast hash is enough.
+"""
+
+import hashlib
 import secrets
 from functools import cache
 
@@ -48,3 +53,16 @@ def matches(password: str, stored: str | None) -> bool:
     except UnknownHashError:
         return False
     return right and stored is not None
+
+
+TOKEN, INVITATION, TEAM_KEY = "wildscav_", "invite_", "team_"
+
+
+def new_key(prefix: str = "") -> str:
+    """Return a new text of 256 random bits."""
+    return f"{prefix}{secrets.token_urlsafe(32)}"
+
+
+def digest_of(key: str) -> str:
+    """Return what is stored of a key, 64 hexadecimal digits."""
+    return hashlib.sha256(key.encode("utf-8", "surrogatepass")).hexdigest()

@@ -6,7 +6,6 @@ from datetime import datetime, timedelta
 from sqlalchemy import delete, select
 from sqlalchemy.orm import Session
 
-from wildscav_leaderboard.accounts.keys import INVITATION, TOKEN, digest_of, new_key
 from wildscav_leaderboard.accounts.models import (
     COMPETITOR,
     ORGANIZER,
@@ -15,6 +14,7 @@ from wildscav_leaderboard.accounts.models import (
     Token,
     WebSession,
 )
+from wildscav_leaderboard.accounts.passwords import INVITATION, TOKEN, digest_of, new_key
 from wildscav_leaderboard.seasons.names import checked_line, checked_name
 from wildscav_leaderboard.seasons.refusals import (
     ForbiddenError,

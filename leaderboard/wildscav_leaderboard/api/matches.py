@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
 from fastapi import APIRouter, Depends, Query, Request
-from fastapi.responses import FileResponse, PlainTextResponse, Response
+from fastapi.responses import FileResponse, JSONResponse, PlainTextResponse, Response
 from pydantic import Field
 from sqlalchemy import select
 from sqlalchemy.orm import Session
@@ -28,14 +28,51 @@ from wildscav_leaderboard.api.documents import REFUSALS, MatchList, MatchView, S
 from wildscav_leaderboard.boards.ladders import places_of
 from wildscav_leaderboard.matches.models import LADDER, Match, MatchResult, MatchSeat
 from wildscav_leaderboard.matches.service import MAX_LISTED, find_match, list_matches, results_of
-from wildscav_leaderboard.matches.visibility import Visible, record_path, seen_by
-from wildscav_leaderboard.seasons.refusals import ForbiddenError, NotFoundError
+from wildscav_leaderboard.seasons.refusals import NotFoundError
 from wildscav_leaderboard.spectating.live import LiveMatches, key_of
 from wildscav_leaderboard.spectating.render_cache import Progress
-from wildscav_leaderboard.spectating.responses import KEPT, NO_STORE, file_response, progress_response
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.teams.service import find_team
+from wildscav_leaderboard.visibility import Visible, record_path, seat_log, seen_by
+
+STATUS = {"waiting": 202, "rendering": 202, "failed": 503}
+POLL_AFTER = "1"  # s
+NO_STORE = {"Cache-Control": "no-store"}
+# Browsers ask for a video piece by piece, and begin anew if its tag or its time changes. The time of a file
+# in the cache says when it was used last, so a constant one is told.
+LONG_AGO = "Thu, 01 Jan 1970 00:00:00 GMT"
+# A record never changes, and neither does what is rendered from it.
+KEPT = {"Cache-Control": "private, max-age=86400", "X-Content-Type-Options": "nosniff"}
+FORMS: Mapping[str, tuple[str, dict[str, str]]] = {
+    "trails": ("application/json", {"Content-Encoding": "gzip"}),
+    "overview": ("image/webp", {}),
+    "replay": ("application/octet-stream", {}),
+    "poster": ("image/jpeg", {}),
+    "video": ("video/mp4", {}),
+}
+
+
+def file_response(product: str, progress: Progress) -> Response:
+    """Return a file, or how far it is: 202 while it is rendered, 503 if that failed, with state and detail.
+
+    Args:
+        product: A name in ``PRODUCTS``.
+        progress: How far its file is.
+    """
+    if progress.path is None:
+        return progress_response(progress)
+    media_type, headers = FORMS[product]
+    tag = {"ETag": f'"{progress.path.name}"', "Last-Modified": LONG_AGO}
+    return FileResponse(progress.path, media_type=media_type, headers={**KEPT, **tag, **headers})
+
+
+def progress_response(progress: Progress) -> Response:
+    """Return how far a file is, for a page that polls: 200 once it is ready."""
+    headers = NO_STORE if progress.state in ("ready", "failed") else {**NO_STORE, "Retry-After": POLL_AFTER}
+    content = {"state": progress.state, "detail": progress.detail}
+    return JSONResponse(content, STATUS.get(progress.state, 200), headers)
+
 
 OUTCOME = ("status", "fault", "metrics")  # of a seat; its detail is for its own team
 ANSWERS = ("latency_p50", "latency_p99", "latency_max", "late_steps")  # how long an agent took
@@ -304,18 +341,8 @@ def video_file(asked: Asked) -> Response:
 @router.get("/matches/{match}/logs/{seat}", response_class=PlainTextResponse, responses=REFUSALS)
 def logs(match: Number, seat: Seat, caller: KnownReader, session: Reading, season: CurrentSeason) -> str:
     """Return what an agent of your team printed in a match."""
-    found, place = find_match(session, match), session.get(MatchSeat, (match, seat))
-    visible = seen_by(session, [found], caller)[match]
-    owner = None if place is None else session.get(Submission, place.submission_id or 0)
-    if owner is None or not visible.is_own(session.get_one(Team, owner.team_id).name):
-        raise NotFoundError(f"your team has no seat {seat} in match {match}")
-    if visible.record:
-        raise ForbiddenError(visible.record)
-    result = session.get_one(MatchResult, match)
-    row = next(one for one in result.row["seats"] if one["seat"] == seat)
-    if row["log"] is None:
-        return "It printed nothing.\n"
-    return shown_log(season.match_folder(match) / row["log"])
+    log = seat_log(session, season, match, seat, caller)
+    return "It printed nothing.\n" if log is None else shown_log(log)
 
 
 def shown_log(path: Path) -> str:

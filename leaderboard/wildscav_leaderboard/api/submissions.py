@@ -5,8 +5,7 @@ from contextlib import suppress
 from datetime import datetime
 from typing import Annotated
 
-import anyio.to_thread
-from fastapi import APIRouter, Query, Request
+from fastapi import APIRouter, Query
 from fastapi.responses import PlainTextResponse
 from sqlalchemy.orm import Session
 
@@ -19,7 +18,7 @@ from wildscav_leaderboard.access.requests import (
     Number,
     Reading,
 )
-from wildscav_leaderboard.access.uploads import check_upload_wanted, take_upload, uploaded
+from wildscav_leaderboard.access.uploads import Uploaded
 from wildscav_leaderboard.accounts.service import Caller
 from wildscav_leaderboard.api.accounts import quota_view
 from wildscav_leaderboard.api.boards import opponent_views
@@ -35,21 +34,15 @@ from wildscav_leaderboard.api.matches import shown_log
 from wildscav_leaderboard.boards.progress import progress_of, totals_of
 from wildscav_leaderboard.organizing.team_acts import do_team_act
 from wildscav_leaderboard.seasons.folder import Season
-from wildscav_leaderboard.seasons.refusals import NotFoundError, TooMuchError
+from wildscav_leaderboard.seasons.refusals import TooMuchError
 from wildscav_leaderboard.submissions import service, states
-from wildscav_leaderboard.submissions.listing import (
-    MAX_LISTED,
-    is_own,
-    list_submissions,
-    listed_for,
-    team_names,
-)
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.queue import expected_wait, mean_time, queue, validations
 from wildscav_leaderboard.submissions.quotas import replaced_by
-from wildscav_leaderboard.submissions.service import history_of
+from wildscav_leaderboard.submissions.service import MAX_LISTED, history_of, list_submissions, team_names
 from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.teams.service import find_team, own_team
+from wildscav_leaderboard.visibility import check_own, is_own, listed_for
 
 
 def submission_views(
@@ -140,24 +133,12 @@ Limit = Annotated[int, Query(ge=1, le=MAX_LISTED)]
         }
     },
 )
-async def submit(
-    request: Request,
-    caller: KnownProgram,
-    season: CurrentSeason,
-    database: CurrentDatabase,
-    now: Now,
-    message: Annotated[str, Query(max_length=1000)] = "",
-    suffix: Annotated[str, Query(max_length=20)] = ".tar.gz",
-    replaces: Number | None = None,
-) -> HandedIn:
+async def submit(caller: KnownProgram, upload: Uploaded) -> HandedIn:
     """Hand in a submission; the body of the request is its archive."""
-    run = anyio.to_thread.run_sync
-    await run(check_upload_wanted, database, season, caller.account, now)
-    async with uploaded(request, season, suffix) as path:
-        one = await run(take_upload, database, season, caller.account, path, message, now, replaces)
-    with database.reading() as session:
-        view = submission_view(session, season, session.get_one(Submission, one.id), caller, now)
-        quota = quota_view(session, season, own_team(session, caller.account), now)
+    one, season = await upload.take(caller.account), upload.season
+    with upload.database.reading() as session:
+        view = submission_view(session, season, session.get_one(Submission, one.id), caller, upload.now)
+        quota = quota_view(session, season, own_team(session, caller.account), upload.now)
     return HandedIn(submission=view, quota=quota)
 
 
@@ -175,7 +156,7 @@ def submissions(
     number = None if team is None else find_team(session, team).id
     listed = listed_for(session, caller)
     found = list_submissions(
-        session, team=number, states=state or (), before=before, limit=limit, where=listed
+        session, team=number, in_states=state or (), before=before, limit=limit, where=listed
     )
     more = None
     if len(found) == limit:
@@ -218,8 +199,7 @@ def opponents(submission: Number, track: str, current: CurrentSeason, session: R
 def logs(submission: Number, caller: KnownProgram, session: Reading, season: CurrentSeason) -> str:
     """Return what a submission of your team printed in its validation."""
     found = service.find_submission(session, submission)
-    if not is_own(session, caller, found):
-        raise NotFoundError(f"your team has no submission {submission}")
+    check_own(session, caller, found)
     return "".join(_sections(season, submission)) or "It printed nothing.\n"
 
 

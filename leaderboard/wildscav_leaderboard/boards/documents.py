@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -75,38 +75,18 @@ class SuiteRow(Row):
     metrics: dict[str, Summary]  # by name; the first of the board's metrics is the score
 
 
-class Column(NamedTuple):
-    """How pages and tables show a figure of a row, as said in the figure's type; exports take its name."""
-
-    title: str
-    form: str = "{}"
-
-    def text(self, value: object) -> str:
-        """Return how a value is shown; nothing if there is none."""
-        return "" if value is None else self.form.format(value)
-
-
 class LadderRow(Row):
-    """A place on the board of a ladder. A new figure has a default, because stored boards lack it."""
+    """A place on the board of a ladder."""
 
     model_config = ConfigDict(frozen=True, extra="ignore")  # older boards have OpenSkill's mu and sigma
 
-    provisional: bool = False  # until its interval is as narrow as the season asks
     rating: float  # on the scale of Elo; the mean of those who met is 1500
     deviation: float  # standard deviation of the rating
     low: float  # of the rating's 95 % interval
     high: float
-    wins: Annotated[int, Column("wins")]  # matches in which it was first, alone
-    # A tie counts as the mean of the places that it covers.
-    mean_place: Annotated[float | None, Column("mean place", "{:.2f}")]
-
-
-LADDER_COLUMNS = {
-    name: column
-    for name, field in LadderRow.model_fields.items()
-    for column in field.metadata
-    if isinstance(column, Column)
-}
+    provisional: bool = False  # until its interval is as narrow as the season asks
+    wins: int  # matches in which it was first, alone
+    mean_place: float | None  # a tie counts as the mean of the places that it covers
 
 
 class SuiteBoard(Part):

@@ -6,6 +6,7 @@ the freeze the public and the hidden board are equal; after it the public one st
 
 from collections.abc import Iterable, Mapping, Sequence
 from datetime import datetime, timedelta
+from hashlib import blake2b
 from typing import Any, NamedTuple
 
 from sqlalchemy import func, select
@@ -28,10 +29,10 @@ from wildscav_leaderboard.seasons.in_force import in_force
 from wildscav_leaderboard.seasons.models import EditionRow
 from wildscav_leaderboard.seasons.settings import TrackSettings
 from wildscav_leaderboard.submissions import states
-from wildscav_leaderboard.submissions.listing import taking_part
 from wildscav_leaderboard.submissions.models import Submission
-from wildscav_leaderboard.submissions.service import DISQUALIFIED
+from wildscav_leaderboard.submissions.service import DISQUALIFIED, taking_part
 from wildscav_leaderboard.teams.models import Team
+from wildscav_leaderboard.visibility import shown_until
 
 
 class Final(NamedTuple):
@@ -75,7 +76,7 @@ def refresh(session: Session, season: Season, now: datetime, scores: SuiteScores
     # A board says that it counts whatever arrived until its time, so it is never earlier than that.
     now = max(now, last_arrival(session) or now)
     final, scores = _read_final(session), scores or SuiteScores()
-    changed = []
+    changed, entrants = [], _who_takes_part(session)
     for track, edition in season.editions.items():
         if edition.settings.mode == "ladder":
             ladders.apply_matches(session, track)
@@ -85,7 +86,7 @@ def refresh(session: Session, season: Season, now: datetime, scores: SuiteScores
         settings = season.track(track)
         enough = [settings.interval, settings.matches] if settings.mode == "ladder" else []
         frozen = season_state.read_state(session, season_state.FROZEN) is not None
-        state = {"final": final is not None, "frozen": frozen, "enough": enough}
+        state = {"final": final is not None, "frozen": frozen, "enough": enough, "entrants": entrants}
         mark = {**_mark(session, track, conditions), **state}
         if not _is_new(session, f"board:{track}", mark, now):
             continue
@@ -109,7 +110,7 @@ def _is_new(session: Session, name: str, mark: dict[str, Any], now: datetime) ->
 
 def _refresh_earlier(session: Session, season: Season, now: datetime, scores: SuiteScores) -> None:
     """Bring the boards of earlier editions up to date, whose last matches may still end."""
-    if season_state.frozen_since(session) is not None:
+    if shown_until(session, None) is not None:
         return
     counted = select(Match.edition_id, func.count()).where(Match.state == FINISHED, ~Match.decides)
     earlier = Match.edition_id.is_not(None), Match.edition_id.not_in(season.numbers.values())
@@ -153,21 +154,23 @@ def _mark(session: Session, track: str, conditions: Conditions) -> dict[str, Any
     """Return a mark that changes whenever the board of a track may have changed."""
     by_state = select(Match.state, func.count()).where(Match.track == track).group_by(Match.state)
     matches = {state: count for state, count in session.execute(by_state)}  # noqa: C416 (rows are no pairs to mypy)
-    submissions = session.execute(
-        select(func.count(), func.max(Submission.since)).where(Submission.state == states.ACTIVE)
-    ).one()
     superseded = select(func.count()).where(Match.track == track, Match.superseded.is_not(None))
-    teams = session.execute(select(func.count()).where(Team.disqualified.is_not(None))).scalar_one()
     return {
         "results": matches.get(FINISHED, 0),
         "void": matches.get(VOID, 0),
         "planned": sum(matches.values()),
         "superseded": session.scalar(superseded),
-        "submissions": [submissions[0], str(submissions[1])],
-        "disqualified": teams,
         "left_out": season_state.read_state(session, season_state.LEFT_OUT),
         "conditions": digest_of(conditions),
     }
+
+
+def _who_takes_part(session: Session) -> str:
+    """Return a digest of the submissions that take part, where, and for which team."""
+    columns = (Submission.id, Submission.playing, Submission.since, Team.name, Team.title)
+    wanted = select(*columns).join(Team, Team.id == Submission.team_id).order_by(Submission.id)
+    found = session.execute(wanted.where(Submission.state == states.ACTIVE, Team.disqualified.is_(None)))
+    return blake2b(repr(found.all()).encode(), digest_size=16).hexdigest()
 
 
 def _store(

@@ -18,8 +18,7 @@ from wildscav_leaderboard.boards.suite_scores import SuiteScores
 from wildscav_leaderboard.conductor import lease, steps, work
 from wildscav_leaderboard.conductor.attempts import matches_begun
 from wildscav_leaderboard.conductor.editions import begin_editions
-from wildscav_leaderboard.conductor.keeper import LeaseKeeper
-from wildscav_leaderboard.conductor.lease import Holding, LeaseLostError
+from wildscav_leaderboard.conductor.lease import Holding, LeaseKeeper, LeaseLostError
 from wildscav_leaderboard.conductor.models import Attempt
 from wildscav_leaderboard.conductor.plans import plan_ladders
 from wildscav_leaderboard.conductor.validators import IDLE, Validators, now

@@ -28,8 +28,8 @@ from wildscav_leaderboard.seasons.in_force import (
 )
 from wildscav_leaderboard.seasons.refusals import RefusalError
 from wildscav_leaderboard.seasons.state import NODES, is_decided, log_act, read_state
-from wildscav_leaderboard.submissions.listing import taking_part
 from wildscav_leaderboard.submissions.models import Submission
+from wildscav_leaderboard.submissions.service import taking_part
 from wildscav_leaderboard.submissions.states import ACTIVE
 
 NOT_IN_FORCE = "its edition is no longer in force"  # why a match is void

@@ -1,4 +1,4 @@
-"""The lease: at any time one process at most is the season's conductor.
+"""The lease, and what renews it: at any time one process at most is the season's conductor.
 
 A lease has an epoch, which rises with every new holder. Whatever a conductor writes, it writes in a
 transaction that first checks that its epoch is still the current one. There is one writer at a time, so a
@@ -10,14 +10,21 @@ a lease lasts would otherwise take it from each other in turn.
 
 import os
 import secrets
+import signal
 import socket
+import threading
 from dataclasses import dataclass
 from datetime import datetime, timedelta
+from types import FrameType
+from typing import Any, Self
 
 from sqlalchemy.orm import Session
 
 from wildscav.errors import WildscavError
 from wildscav_leaderboard.conductor.models import Lease
+from wildscav_leaderboard.database.connection import Database, DatabaseError, clock
+from wildscav_leaderboard.seasons.watchdog import watched_thread
+from wildscav_server.monitoring.logs import Log
 
 NAME = "conductor"
 LASTS = timedelta(seconds=30)
@@ -88,3 +95,69 @@ def holder_of(session: Session, now: datetime) -> str | None:
     """Return who is the conductor; None if nobody is."""
     lease = session.get(Lease, NAME)
     return lease.holder if lease is not None and lease.until > now else None
+
+
+# Interrupts the main thread. It is none that a terminal sends, which the conductor's process ignores.
+INTERRUPT = signal.SIGUSR1
+
+
+class LeaseKeeper:
+    """Renews a lease until it exits, and interrupts the work when the lease is lost. A context manager.
+
+    Only the main thread can be interrupted; in another one, the next step notices that the lease is lost.
+
+    Args:
+        database: The database, of which it uses connections of its own.
+        holding: The lease.
+        every: How often it renews the lease, s.
+        log: Where to report that it broke and goes on.
+    """
+
+    def __init__(
+        self,
+        database: Database,
+        holding: Holding,
+        every: float = RENEWED_EVERY,
+        log: Log | None = None,
+    ) -> None:
+        self._database, self._holding, self._every = database, holding, every
+        self._ended, self._lost = threading.Event(), False
+        self._thread = watched_thread("lease", self._keep, self._ended, database, log)
+        self._is_main = threading.current_thread() is threading.main_thread()
+        self._before: Any = None
+
+    def __enter__(self) -> Self:
+        if self._is_main:
+            self._before = signal.signal(INTERRUPT, self._interrupt)
+        self._thread.start()
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        """Stop renewing.
+
+        Raises:
+            LeaseLostError: The work was interrupted because the lease is lost.
+        """
+        self._ended.set()
+        self._thread.join()
+        if self._is_main:
+            signal.signal(INTERRUPT, self._before)
+        if self._lost and kind is KeyboardInterrupt:
+            raise LeaseLostError("another process is the conductor now")
+
+    def _keep(self) -> None:
+        while not self._ended.wait(self._every):
+            try:
+                with self._database.writing() as session:
+                    renew(session, self._holding, clock(session))
+            except LeaseLostError:
+                self._lost = True
+                if self._is_main:
+                    signal.pthread_kill(threading.main_thread().ident or 0, INTERRUPT)
+                return
+            except DatabaseError:
+                continue  # it may come back before the lease ends; every step checks the lease anyway
+
+    def _interrupt(self, _number: int, _frame: FrameType | None) -> None:
+        if not self._ended.is_set():
+            raise KeyboardInterrupt

@@ -30,8 +30,8 @@ from wildscav_leaderboard.seasons.editions import digest_of
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.in_force import in_force, sandbox_of
 from wildscav_leaderboard.seasons.state import FINALIZED, FINALIZING, read_state
-from wildscav_leaderboard.submissions.listing import taking_part
 from wildscav_leaderboard.submissions.models import Submission
+from wildscav_leaderboard.submissions.service import taking_part
 
 
 def plan_suites(session: Session, season: Season, submission: Submission, now: datetime) -> int:

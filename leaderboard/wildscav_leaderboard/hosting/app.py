@@ -18,8 +18,7 @@ from wildscav_leaderboard.api.routers import PREFIX, answer, api_router, as_json
 from wildscav_leaderboard.database.connection import READERS, Database
 from wildscav_leaderboard.hosting.middleware import BodyLimit, BrokenRequests, HeadRequests, SecurityHeaders
 from wildscav_leaderboard.hosting.rendering_ahead import RenderingAhead
-from wildscav_leaderboard.hosting.request_log import RequestLog
-from wildscav_leaderboard.hosting.web_counts import WebCounts
+from wildscav_leaderboard.hosting.request_log import RequestLog, WebCounts
 from wildscav_leaderboard.playing.tables import Tables
 from wildscav_leaderboard.seasons.disk import check_room
 from wildscav_leaderboard.seasons.folder import Season

@@ -1,17 +1,18 @@
 """The metrics of a season for Prometheus. What is in the database is counted on request."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
+from typing import Any
 
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metric
 from prometheus_client.registry import Collector
-from sqlalchemy import func, select
+from sqlalchemy import func, select, true
 from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.conductor.lease import holder_of
 from wildscav_leaderboard.conductor.models import Attempt
 from wildscav_leaderboard.database.connection import Database, DatabaseError, clock
-from wildscav_leaderboard.hosting.web_counts import WebCounts
+from wildscav_leaderboard.hosting.request_log import WebCounts
 from wildscav_leaderboard.matches.models import Match
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.disk import free_bytes
@@ -38,102 +39,61 @@ class SeasonMetrics(Collector):
     def collect(self) -> Iterable[Metric]:
         """Return all metrics; without the database's ones while it does not answer."""
         yield from self._counts.collect()
-        free = GaugeMetricFamily(
-            f"{PREFIX}_disk_free_bytes",
-            "What is free for the season's files, and for caches.",
-            labels=("disk",),
-        )
-        for disk, left in free_bytes(self._season).items():
-            free.add_metric((disk,), left)
-        yield free
-        answers = GaugeMetricFamily(f"{PREFIX}_database_up", "1 while the database answers, else 0.")
+        free = {(disk,): left for disk, left in free_bytes(self._season).items()}
+        yield _metric("disk_free_bytes", "What is free for the season's files, and for caches.", free, "disk")
         try:
             with self._database.reading() as session:
                 found = list(_of_database(session, datetime.now(UTC)))
         except DatabaseError:
-            answers.add_metric((), 0)
-            yield answers
-            return
-        answers.add_metric((), 1)
-        yield answers
+            found = []
+        yield _metric("database_up", "1 while the database answers, else 0.", {(): bool(found)})
         yield from found
 
 
+def _metric(
+    name: str,
+    about: str,
+    values: Mapping[Any, float],  # by the values of the labels
+    *labels: str,
+    family: type[GaugeMetricFamily | CounterMetricFamily] = GaugeMetricFamily,
+) -> Metric:
+    made = family(f"{PREFIX}_{name}", about, labels=labels)
+    for key, value in values.items():
+        made.add_metric(key, float(value))
+    return made
+
+
 def _of_database(session: Session, now: datetime) -> Iterable[Metric]:
-    conductor = GaugeMetricFamily(
-        f"{PREFIX}_conductor_up", "1 while a conductor holds the lease and can have matches played, else 0."
-    )
-    failed = season_state.read_state(session, season_state.FAILED)
-    conductor.add_metric((), float(holder_of(session, clock(session)) is not None and failed is None))
-    yield conductor
-    paused = GaugeMetricFamily(f"{PREFIX}_paused", "1 while the season is paused, else 0.")
-    paused.add_metric((), float(season_state.read_state(session, season_state.PAUSED) is not None))
-    yield paused
-    yield _submissions(session)
-    yield _oldest(session, now)
-    yield _matches(session)
-    yield _attempts(session)
-    yield _overdue(session, now)
-    yield _restarts(session)
-
-
-def _submissions(session: Session) -> Metric:
-    family = GaugeMetricFamily(f"{PREFIX}_submissions", "Submissions in each state.", labels=("state",))
-    counted = select(Submission.state, func.count()).group_by(Submission.state)
-    for state, count in session.execute(counted.order_by(Submission.state)):
-        family.add_metric((state,), count)
-    return family
-
-
-def _oldest(session: Session, now: datetime) -> Metric:
-    family = GaugeMetricFamily(
-        f"{PREFIX}_queue_oldest_seconds", "How long the submission has waited that has waited longest."
-    )
+    state = season_state.state_of(session)
+    conducts = holder_of(session, clock(session)) is not None and season_state.FAILED not in state
+    about = "1 while a conductor holds the lease and can have matches played, else 0."
+    yield _metric("conductor_up", about, {(): conducts})
+    yield _metric("paused", "1 while the season is paused, else 0.", {(): season_state.PAUSED in state})
+    submissions = _counted(session, Submission.state)
+    yield _metric("submissions", "Submissions in each state.", submissions, "state")
     waiting = select(func.min(Submission.since)).where(
         Submission.state.in_((states.SUBMITTED, states.QUEUED))
     )
-    family.add_metric((), _passed(session.scalar(waiting), now))
-    return family
+    about = "How long the submission has waited that has waited longest."
+    yield _metric("queue_oldest_seconds", about, {(): _passed(session.scalar(waiting), now)})
+    matches = _counted(session, Match.track, Match.state)
+    yield _metric("matches", "Matches in each state.", matches, "track", "state")
+    ended = _counted(session, Attempt.kind, Attempt.outcome, where=Attempt.outcome.is_not(None))
+    about = "Attempts at work that have ended."
+    yield _metric("attempts", about, ended, "kind", "outcome", family=CounterMetricFamily)
+    due = session.scalar(select(func.min(Delivery.next_at)))
+    about = "How long the message has been due that has been due longest."
+    yield _metric("webhooks_overdue_seconds", about, {(): _passed(due, now)})
+    restarts = {(thread,): count for thread, count in state.get(season_state.RESTARTS, {}).items()}
+    about = "How often threads of the conductor broke and began again."
+    yield _metric("restarts", about, restarts, "thread", family=CounterMetricFamily)
+
+
+def _counted(session: Session, *columns: Any, where: Any = true()) -> dict[tuple[str, ...], int]:  # noqa: B008
+    """Return how many rows have the same values in some columns, by these."""
+    wanted = select(*columns, func.count()).where(where).group_by(*columns).order_by(*columns)
+    return {tuple(values): count for *values, count in session.execute(wanted)}
 
 
 def _passed(since: datetime | None, now: datetime) -> float:
     return 0.0 if since is None else max(0.0, (now - since).total_seconds())
-
-
-def _matches(session: Session) -> Metric:
-    family = GaugeMetricFamily(f"{PREFIX}_matches", "Matches in each state.", labels=("track", "state"))
-    counted = select(Match.track, Match.state, func.count()).group_by(Match.track, Match.state)
-    for track, state, count in session.execute(counted.order_by(Match.track, Match.state)):
-        family.add_metric((track, state), count)
-    return family
-
-
-def _attempts(session: Session) -> Metric:
-    family = CounterMetricFamily(
-        f"{PREFIX}_attempts", "Attempts at work that have ended.", labels=("kind", "outcome")
-    )
-    counted = (
-        select(Attempt.kind, Attempt.outcome, func.count())
-        .where(Attempt.outcome.is_not(None))
-        .group_by(Attempt.kind, Attempt.outcome)
-    )
-    for kind, outcome, count in session.execute(counted.order_by(Attempt.kind, Attempt.outcome)):
-        family.add_metric((kind, outcome or ""), count)
-    return family
-
-
-def _overdue(session: Session, now: datetime) -> Metric:
-    family = GaugeMetricFamily(
-        f"{PREFIX}_webhooks_overdue_seconds", "How long the message has been due that has been due longest."
-    )
-    family.add_metric((), _passed(session.scalar(select(func.min(Delivery.next_at))), now))
-    return family
-
-
-def _restarts(session: Session) -> Metric:
-    family = CounterMetricFamily(
-        f"{PREFIX}_restarts", "How often threads of the conductor broke and began again.", labels=("thread",)
-    )
-    for thread, count in (season_state.read_state(session, season_state.RESTARTS) or {}).items():
-        family.add_metric((thread,), count)
-    return family

@@ -19,11 +19,11 @@ from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_leaderboard.database.connection import Database, DatabaseError
 from wildscav_leaderboard.matches.models import PLAYING, WAITING, Match
 from wildscav_leaderboard.matches.service import list_matches
-from wildscav_leaderboard.matches.visibility import FROZEN, path_of_record, perhaps_shown, seen_by, twins_of
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import NotFoundError
 from wildscav_leaderboard.seasons.watchdog import watched_thread
 from wildscav_leaderboard.spectating.render_cache import RenderCache
+from wildscav_leaderboard.visibility import FROZEN, path_of_record, perhaps_shown, seen_by, twins_of
 from wildscav_server.monitoring.logs import Log
 
 EVERY = 2.0  # s between two looks

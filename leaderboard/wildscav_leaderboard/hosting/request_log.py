@@ -3,6 +3,7 @@
 import time
 import traceback
 from collections.abc import Iterable
+from dataclasses import dataclass, field
 from http import HTTPStatus
 
 from prometheus_client import Counter, Histogram
@@ -10,6 +11,7 @@ from prometheus_client.core import Metric
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from wildscav_leaderboard.api.routers import PREFIX
+from wildscav_leaderboard.playing.tables import TableCounts
 from wildscav_server.monitoring.logs import Log
 
 TABLES = "/play/"  # paths of people's tables, in which their secrets stand
@@ -115,3 +117,16 @@ def _route(scope: Scope) -> str:
         return scope.get("root_path") or UNKNOWN_ROUTE  # of the static files, or of nothing
     prefix = PREFIX if scope["path"].startswith(f"{PREFIX}/") else ""  # a router's own routes lack it
     return route.path if route.path.startswith(prefix) else f"{prefix}{route.path}"
+
+
+@dataclass(frozen=True)
+class WebCounts:
+    """The requests of a web server, and the tables on its site."""
+
+    requests: RequestCounts = field(default_factory=RequestCounts)
+    tables: TableCounts = field(default_factory=TableCounts)
+
+    def collect(self) -> Iterable[Metric]:
+        """Return the counts for Prometheus."""
+        yield from self.requests.collect()
+        yield from self.tables.collect()

@@ -1,12 +1,14 @@
 """Running a season: the web server and the conductor, each in a process of its own.
 
 Whatever one of them does, the other goes on, and the one that ended is started again. Both end with the
-process that started them, however it ends.
+process that started them, however it ends. Before they start, the port and the certificate are checked here.
 """
 
 import multiprocessing
 import os
 import signal
+import socket
+import ssl
 import time
 from collections.abc import Callable
 from contextlib import suppress
@@ -14,9 +16,11 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 from types import FrameType
 
+from wildscav.errors import UserError, describe
 from wildscav.system.worker_processes import end_with_parent
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.own_database import opened
+from wildscav_leaderboard.seasons.settings import SETTINGS_FILE
 from wildscav_server.monitoring.logs import Log, LogFormat, open_log
 
 WEB, CONDUCTOR = "web", "conductor"
@@ -112,7 +116,7 @@ def run_part(name: str, folder: str, settings: str, form: LogFormat | None, pare
 
 def _run_web(season: Season, log: Log) -> None:
     from wildscav_leaderboard.hosting.metrics import SeasonMetrics
-    from wildscav_leaderboard.hosting.web_counts import WebCounts
+    from wildscav_leaderboard.hosting.request_log import WebCounts
     from wildscav_leaderboard.hosting.web_server import run_web
     from wildscav_server.monitoring.metrics import serving_metrics
 
@@ -138,3 +142,36 @@ def _run_conductor(season: Season, log: Log) -> None:
 
 def _interrupt(_number: int, _frame: FrameType | None) -> None:
     raise KeyboardInterrupt
+
+
+def check_port(host: str, port: int) -> int:
+    """Check that a server can listen on a port, and return its number; for 0, that of a free one.
+
+    Raises:
+        UserError: It cannot: something else listens there, or it is not allowed to.
+    """
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    with socket.socket(family) as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((host, port))
+        except OSError as error:
+            raise UserError(f"port {port} of {host} cannot be used: {describe(error)}") from error
+        return int(probe.getsockname()[1])
+
+
+def check_certificate(season: Season) -> None:
+    """Check the certificate of a season's settings and its key, if they name them.
+
+    Raises:
+        UserError: They cannot be read, or do not belong together.
+    """
+    web = season.settings.web
+    if web.certificate is None or web.key is None:
+        return
+    certificate, key = season.folder / web.certificate, season.folder / web.key
+    try:
+        ssl.create_default_context(ssl.Purpose.CLIENT_AUTH).load_cert_chain(certificate, key)
+    except OSError as error:
+        what = f"{certificate} and {key} cannot be used for TLS: {error.strerror or error}"
+        raise UserError(f"{season.folder / SETTINGS_FILE}: web.certificate: {what}", exit_code=2) from error

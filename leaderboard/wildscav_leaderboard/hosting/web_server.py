@@ -13,7 +13,7 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 from wildscav_leaderboard.access.rate_limits import subscriber
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.hosting.app import create_app
-from wildscav_leaderboard.hosting.web_counts import WebCounts
+from wildscav_leaderboard.hosting.request_log import WebCounts
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_server.monitoring.logs import Log
 

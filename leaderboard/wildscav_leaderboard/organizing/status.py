@@ -59,8 +59,8 @@ def status(session: Session, season: Season, now: datetime) -> Status:
         paused=None if paused is None else str(paused["reason"]),
         failed=None if failed is None else str(failed["reason"]),
         teams=count_teams(session),
-        submissions=_counts(session, Submission),
-        matches=_counts(session, Match),
+        submissions=count_by_state(session, Submission),
+        matches=count_by_state(session, Match),
         missing=missing_entrants(session, in_force(session, season)),
         changes=[one.text for one in edition_changes(session, season)],
         attempts=running(session),
@@ -81,7 +81,7 @@ def audit_entries(session: Session, before: int | None, most: int) -> list[Audit
     return list(session.scalars(wanted))
 
 
-def _counts(session: Session, table: type[Submission] | type[Match]) -> dict[str, int]:
+def count_by_state(session: Session, table: type[Submission] | type[Match]) -> dict[str, int]:
     """Return how many rows of a table are in each state."""
     wanted = select(table.state, func.count()).group_by(table.state).order_by(table.state)
     return {state: count for state, count in session.execute(wanted)}  # noqa: C416 (rows are no pairs to mypy)

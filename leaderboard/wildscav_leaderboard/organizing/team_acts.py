@@ -12,9 +12,9 @@ from wildscav_leaderboard.seasons.acts import Act, Doing
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import NotFoundError, RefusalError
 from wildscav_leaderboard.submissions import states
-from wildscav_leaderboard.submissions.listing import is_own
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.service import DISQUALIFIED, check_open, find_submission, move, note
+from wildscav_leaderboard.visibility import check_own
 
 
 def cancel(doing: Doing, number: Number) -> None:
@@ -102,8 +102,7 @@ def do_team_act(
     if name not in TEAM_ACTS:
         raise NotFoundError(f"a submission has no act {name!r}, only {', '.join(TEAM_ACTS)}")
     found = find_submission(session, number)
-    if not is_own(session, caller, found):
-        raise NotFoundError(f"your team has no submission {number}")
+    check_own(session, caller, found)
     act = TEAM_ACTS[name]
     act.do(Doing(session, season, caller.account.name, now), act.read({"number": number}))
     return found

@@ -7,20 +7,53 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Self
 
+from prometheus_client import Counter, Gauge
+from prometheus_client.core import Metric
+
 from wildscav.errors import describe
 from wildscav_leaderboard.playing.order import SEEDS, Order, Told
-from wildscav_leaderboard.playing.table_counts import TableCounts
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import NotFoundError, RefusalError, TooMuchError
 from wildscav_server import leftovers
 from wildscav_server.monitoring.logs import Log
 from wildscav_stage.links import new_secret
+
+
+class TableCounts:
+    """How many tables there are, and how they ended."""
+
+    def __init__(self) -> None:
+        self._open = Gauge(
+            "wildscav_season_tables", "Tables at which people play against submissions.", registry=None
+        )
+        self._ended = Counter(
+            "wildscav_season_tables_ended", "Tables that have ended.", ("outcome",), registry=None
+        )
+
+    def open(self) -> None:
+        """Count a table that was opened."""
+        self._open.inc()
+
+    def end(self, *, failed: bool) -> None:
+        """Count the end of a table.
+
+        Args:
+            failed: Whether it ended because something went wrong.
+        """
+        self._open.dec()
+        self._ended.labels("failed" if failed else "over").inc()
+
+    def collect(self) -> Iterable[Metric]:
+        """Return the counts for Prometheus."""
+        yield from self._open.collect()
+        yield from self._ended.collect()
+
 
 PROGRAM = (sys.executable, "-m", "wildscav_leaderboard.playing.host")
 STARTING, READY, ENDED = "starting", "ready", "ended"  # states of a table

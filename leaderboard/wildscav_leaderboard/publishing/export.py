@@ -1,4 +1,4 @@
-"""A season as a folder of files, which any web server can serve, and `wildscav verify` reads as it is."""
+"""A season as a folder of files, which any web server can serve, and `wildscav audit` reads as it is."""
 
 import csv
 import hashlib
@@ -11,7 +11,7 @@ from pathlib import Path
 from sqlalchemy.orm import Session
 
 from wildscav.terminal.console import counted
-from wildscav_leaderboard.boards.documents import LADDER_COLUMNS, BoardDocument, LadderRow, Row, SuiteRow
+from wildscav_leaderboard.boards.documents import BoardDocument, LadderRow, Row, SuiteRow
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import MatchResult
 from wildscav_leaderboard.publishing.documents import (
@@ -26,11 +26,8 @@ from wildscav_leaderboard.publishing.service import Addresses, board_lines, publ
 from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE, Season, place_for
 from wildscav_leaderboard.seasons.in_force import in_force
 
-PLACE = (
-    *("rank", "last_rank", "team", "team_title", "submission", "name", "version"),
-    *("matches", "planned", "faults", "since"),
-)
-RATING = ("rating", "deviation", "low", "high", "provisional", *LADDER_COLUMNS)
+PLACE = tuple(Row.model_fields)
+RATING = tuple(name for name in LadderRow.model_fields if name not in PLACE)
 STATISTICS = ("mean", "std", "low", "high")
 MATCH = ("match", "kind", "number", "at", "record", "void")
 SEAT = ("seat", "entrant", "submission", "status", "fault")
@@ -85,7 +82,7 @@ TEXT = """# {title}
 
 What is published of the season `{name}` ({opens:%Y-%m-%d} to {closes:%Y-%m-%d}), as files. {state}
 
-`wildscav verify FOLDER` (or the address at which these files are served) checks all of it: it plays the
+`wildscav audit FOLDER` (or the address at which these files are served) checks all of it: it plays the
 records again, and computes every score, interval and rating anew. `sha256sum --check SHA256SUMS` shows
 whether a file was damaged on its way.
 

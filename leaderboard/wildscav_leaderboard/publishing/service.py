@@ -29,7 +29,6 @@ from wildscav_leaderboard.matches.models import (
     MatchResult,
 )
 from wildscav_leaderboard.matches.service import Seat, seats_of
-from wildscav_leaderboard.matches.visibility import Visible, seen_by
 from wildscav_leaderboard.publishing.documents import (
     End,
     Line,
@@ -48,6 +47,7 @@ from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE, 
 from wildscav_leaderboard.seasons.models import EditionRow
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.teams.models import Team
+from wildscav_leaderboard.visibility import Visible, seen_by, shown_until
 
 Audience = Literal["public", "season"]
 AUDIENCES: tuple[Audience, ...] = ("public", "season")
@@ -74,7 +74,7 @@ def published_season(session: Session, season: Season, addresses: Addresses) -> 
     opened = season_state.read_state(session, season_state.OPENED) is not None
     return PublishedSeason.about(
         settings,
-        frozen=season_state.frozen_since(session),
+        frozen=shown_until(session, None),
         finalized=season_state.read_state(session, season_state.FINALIZED) is not None,
         secret=_secret(season.folder / SECRET_FILE, season.seed, opened=opened),
         final_secret=_secret(season.folder / FINAL_SECRET_FILE, season.final_seed, opened=opened),

@@ -58,14 +58,6 @@ def is_decided(session: Session) -> bool:
     return ending.get("field") is not None or read_state(session, FINALIZED) is not None
 
 
-def frozen_since(session: Session) -> datetime | None:
-    """Return since when the public boards stay as they are; None if they do not, or the season is final."""
-    frozen = read_state(session, FROZEN)
-    if frozen is None or read_state(session, FINALIZED) is not None:
-        return None
-    return datetime.fromisoformat(str(frozen["at"]))
-
-
 def freeze(session: Session, now: datetime, due: datetime | None = None) -> bool:
     """Keep the public boards as they are; return whether that is new.
 

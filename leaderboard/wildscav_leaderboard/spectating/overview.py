@@ -30,14 +30,6 @@ class Placement(BaseModel):
     width: int  # pixels
     height: int  # pixels
 
-    def pixel(self, x: float, z: float) -> tuple[float, float]:
-        """Return the column and the row of a place in m."""
-        return (x - self.west) / self.metres_per_pixel, (self.north - z) / self.metres_per_pixel
-
-    def place(self, column: float, row: float) -> tuple[float, float]:
-        """Return x and z in m of a pixel."""
-        return self.west + column * self.metres_per_pixel, self.north - row * self.metres_per_pixel
-
 
 def placement(game_map: GameMap, width: int = WIDTH) -> Placement:
     """Return where the pixels of the picture of a map lie.

@@ -1,9 +1,9 @@
-"""What can be done with submissions: hand in, cancel, move from state to state."""
+"""What can be done with submissions: hand in, cancel, move from state to state, list."""
 
 from collections.abc import Sequence
 from datetime import datetime
 
-from sqlalchemy import or_, select
+from sqlalchemy import ColumnElement, or_, select
 from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.accounts.models import Account
@@ -19,6 +19,7 @@ from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.webhooks.service import queue_message
 
 LONGEST_MESSAGE = 200  # characters
+MAX_LISTED = 100  # submissions in one list
 PLATFORM = "platform"
 DISQUALIFIED = "disqualified: "  # begins the reason for which a submission is disabled
 INSTEAD = {  # of handing in the same content again, by the state of the earlier submission
@@ -245,3 +246,45 @@ def history_of(session: Session, submission: Submission) -> list[Transition]:
     """Return the states that a submission went through, the first one first."""
     wanted = select(Transition).filter_by(submission_id=submission.id).order_by(Transition.id)
     return list(session.scalars(wanted))
+
+
+def list_submissions(
+    session: Session,
+    *,
+    team: int | None = None,
+    in_states: Sequence[str] = (),
+    before: int | None = None,
+    limit: int = MAX_LISTED,
+    where: ColumnElement[bool] | None = None,
+) -> list[Submission]:
+    """Return submissions, the newest first."""
+    wanted = select(Submission).order_by(Submission.id.desc()).limit(limit)
+    if where is not None:
+        wanted = wanted.where(where)
+    if team is not None:
+        wanted = wanted.where(Submission.team_id == team)
+    if in_states:
+        wanted = wanted.where(Submission.state.in_(in_states))
+    if before is not None:
+        wanted = wanted.where(Submission.id < before)
+    return list(session.scalars(wanted))
+
+
+def taking_part(session: Session, track: str) -> list[tuple[Submission, Team]]:
+    """Return the submissions that take part on a track, the oldest first, with their teams."""
+    wanted = (
+        select(Submission, Team)
+        .join(Team, Team.id == Submission.team_id)
+        .where(Submission.state == states.ACTIVE, Team.disqualified.is_(None))
+        .order_by(Submission.id)
+    )
+    return [(one, team) for one, team in session.execute(wanted) if track in one.playing]
+
+
+def team_names(session: Session, submissions: Sequence[Submission]) -> dict[int, Team]:
+    """Return the teams of some submissions, by number."""
+    found = once(session, Team, dict[int, Team])
+    missing = {one.team_id for one in submissions} - found.keys()
+    if missing:
+        found |= {team.id: team for team in session.scalars(select(Team).where(Team.id.in_(missing)))}
+    return found

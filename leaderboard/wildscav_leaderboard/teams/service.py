@@ -5,8 +5,8 @@ from datetime import datetime
 from sqlalchemy import delete, func, select
 from sqlalchemy.orm import Session
 
-from wildscav_leaderboard.accounts.keys import TEAM_KEY, digest_of, new_key
 from wildscav_leaderboard.accounts.models import Account
+from wildscav_leaderboard.accounts.passwords import TEAM_KEY, digest_of, new_key
 from wildscav_leaderboard.database.connection import once
 from wildscav_leaderboard.seasons.names import checked_line, checked_name, skeleton
 from wildscav_leaderboard.seasons.refusals import ForbiddenError, NotFoundError, RefusalError

@@ -10,14 +10,14 @@ from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Number, Reading, check_organizer
 from wildscav_leaderboard.api.boards import head_to_head_view, ladder_of, ranked_teams
-from wildscav_leaderboard.boards.documents import LADDER_COLUMNS, SuiteBoard
+from wildscav_leaderboard.boards.columns import columns_of
+from wildscav_leaderboard.boards.documents import SuiteBoard
 from wildscav_leaderboard.boards.history import team_histories
 from wildscav_leaderboard.boards.kept import board_updated, earlier_editions, read_board
 from wildscav_leaderboard.boards.models import HIDDEN, PUBLIC, SEASON, audience_of
-from wildscav_leaderboard.matches.visibility import shown_until
 from wildscav_leaderboard.seasons import state as season_state
-from wildscav_leaderboard.seasons.refusals import UnknownCallerError
 from wildscav_leaderboard.teams.service import team_of
+from wildscav_leaderboard.visibility import shown_until
 from wildscav_leaderboard.web.charts import Scale, rank_chart
 from wildscav_leaderboard.web.rendering import PageParts, page, rendered
 
@@ -42,8 +42,6 @@ def board(
     if edition is not None:
         audience = audience_of(edition)
     elif audience not in (PUBLIC, SEASON):
-        if caller is None:
-            raise UnknownCallerError("log in first")
         check_organizer(caller)
         audience = HIDDEN
     found, updated = read_board(session, track, audience), board_updated(session, track, audience)
@@ -79,13 +77,13 @@ def _part(
 def _rendered(session: Session, track: str, audience: str, updated: datetime, own: str | None) -> Markup:
     found = read_board(session, track, audience)
     shown: dict[str, Any] = {"board": found, "own": own, "is_suite": isinstance(found, SuiteBoard)}
-    shown["columns"] = LADDER_COLUMNS
     if found is not None:
         teams = ranked_teams(found, CHARTED)
         until = updated if audience == HIDDEN else min(updated, shown_until(session, None) or updated)
         histories = team_histories(session, track, teams, until)
         chart = rank_chart([(teams[name], points) for name, points in histories.items()], until)
-        shown |= {"scale": Scale.of(found), "chart": chart, "charted": list(teams)}
+        chart_of = {"chart": chart, "charted": list(teams)}
+        shown |= {"columns": columns_of(found), "scale": Scale.of(found), **chart_of}
     return Markup(rendered("board_part.html", **shown))  # noqa: S704 (it escapes)
 
 

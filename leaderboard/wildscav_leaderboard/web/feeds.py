@@ -14,11 +14,11 @@ from wildscav_leaderboard.access.requests import CurrentSeason, Number, Reading
 from wildscav_leaderboard.boards.documents import BoardDocument, Row
 from wildscav_leaderboard.boards.history import latest_points
 from wildscav_leaderboard.boards.kept import read_board
-from wildscav_leaderboard.matches.visibility import shown_until
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.models import Announcement
 from wildscav_leaderboard.submissions.service import find_submission
 from wildscav_leaderboard.teams.service import find_team
+from wildscav_leaderboard.visibility import shown_until
 from wildscav_leaderboard.web.rendering import base_of, rendered
 
 router = APIRouter()

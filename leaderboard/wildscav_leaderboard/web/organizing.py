@@ -21,8 +21,8 @@ from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.acts import Doing
 from wildscav_leaderboard.seasons.refusals import RefusalError
 from wildscav_leaderboard.submissions import states
-from wildscav_leaderboard.submissions.listing import list_submissions
 from wildscav_leaderboard.submissions.queue import queue
+from wildscav_leaderboard.submissions.service import list_submissions
 from wildscav_leaderboard.web.rendering import page
 
 router = APIRouter()
@@ -90,7 +90,7 @@ def _content(
     match path.rpartition("/")[2]:
         case "submissions":
             chosen = (state,) if state in states.STATES else ()
-            found = list_submissions(session, states=chosen, before=before, limit=ENTRIES)
+            found = list_submissions(session, in_states=chosen, before=before, limit=ENTRIES)
             again = {*given_up(session, found), *(one.id for one in found if one.state == states.FAILED)}
             views = submission_views(session, found, caller, now)
             return {"found": views, "again": again, "most": ENTRIES}

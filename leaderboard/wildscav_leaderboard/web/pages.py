@@ -4,15 +4,13 @@ from http import HTTPStatus
 from urllib.parse import urlencode
 
 from fastapi import FastAPI, Request
-from fastapi.exceptions import RequestValidationError
 from fastapi.responses import RedirectResponse, Response
 from starlette.exceptions import HTTPException
 from starlette.staticfiles import StaticFiles
 
-from wildscav.errors import UserError
-from wildscav_leaderboard.database.connection import DatabaseError
+from wildscav_leaderboard.api.routers import answer
 from wildscav_leaderboard.seasons.refusals import UnknownCallerError
-from wildscav_leaderboard.web import boards, feeds, organizing, people, playing, public, submitting, watching
+from wildscav_leaderboard.web import boards, feeds, organizing, people, playing, public, watching
 from wildscav_leaderboard.web.rendering import FOLDER, PageParts, page
 
 
@@ -20,7 +18,9 @@ def as_page(request: Request, error: Exception) -> Response:
     """Return the page that answers an error; whoever is not logged in is sent to do that first."""
     if isinstance(error, UnknownCallerError) and request.url.path != "/login":
         return RedirectResponse(f"/login{_following(request)}", HTTPStatus.SEE_OTHER)
-    status, text = _answer(error)
+    status, text = answer(error)
+    if isinstance(error, HTTPException):
+        text = ""  # the title says it
     caller = getattr(request.state, "caller", None)
     return page(request, "error.html", caller, status, number=status, title=_title(status), text=text)
 
@@ -37,21 +37,9 @@ def _title(status: int) -> str:
     return "This page does not exist" if status == HTTPStatus.NOT_FOUND else HTTPStatus(status).phrase
 
 
-def _answer(error: Exception) -> tuple[int, str]:
-    if isinstance(error, DatabaseError):
-        return HTTPStatus.SERVICE_UNAVAILABLE, "The database does not answer. Try again in a moment."
-    if isinstance(error, UserError):
-        return getattr(error, "status", HTTPStatus.NOT_FOUND), str(error)
-    if isinstance(error, HTTPException):
-        return error.status_code, ""
-    if isinstance(error, RequestValidationError):
-        return HTTPStatus.UNPROCESSABLE_ENTITY, "A value in the address or in the form is not valid."
-    return HTTPStatus.INTERNAL_SERVER_ERROR, "Something went wrong here. The organizers can see what."
-
-
 def add_pages(app: FastAPI) -> None:
     """Add the pages to an application."""
-    for part in (public, boards, watching, playing, feeds, people, submitting, organizing):
+    for part in (public, boards, watching, playing, feeds, people, organizing):
         app.include_router(part.router, include_in_schema=False)
     app.state.page_parts = PageParts()
     app.mount("/static", StaticFiles(directory=FOLDER / "static"), name="static")

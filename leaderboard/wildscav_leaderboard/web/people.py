@@ -1,13 +1,16 @@
-"""The pages of accounts: log in, register, the account and its team."""
+"""The pages of whoever takes part: log in, register, the account and its team, and handing in."""
 
 import re
+from http import HTTPStatus
 from typing import Annotated
 
 from fastapi import APIRouter, Form, Query, Request
-from fastapi.responses import HTMLResponse, RedirectResponse, Response
+from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse, Response
 from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 
+from wildscav_evaluator.sandbox import SANDBOXES
+from wildscav_evaluator.submissions.archives import SUFFIXES
 from wildscav_leaderboard.access.logins import log_in
 from wildscav_leaderboard.access.rate_limits import SIGN_UPS
 from wildscav_leaderboard.access.requests import (
@@ -18,18 +21,25 @@ from wildscav_leaderboard.access.requests import (
     KnownBrowser,
     Limits,
     Now,
+    Number,
+    Reading,
     check_form,
     cookie_name,
 )
 from wildscav_leaderboard.access.same_site import SameSite
+from wildscav_leaderboard.access.uploads import Uploaded
 from wildscav_leaderboard.accounts import passwords, service
 from wildscav_leaderboard.accounts.models import Account
 from wildscav_leaderboard.accounts.service import Caller
 from wildscav_leaderboard.api.accounts import account_view
 from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.organizing.team_acts import do_team_act
 from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.in_force import sandbox_of
 from wildscav_leaderboard.seasons.refusals import RefusalError
+from wildscav_leaderboard.submissions.quotas import active_of
 from wildscav_leaderboard.teams import service as teams
+from wildscav_leaderboard.teams.service import own_team
 from wildscav_leaderboard.web.rendering import page
 from wildscav_leaderboard.webhooks import service as webhooks
 
@@ -218,3 +228,53 @@ def _change(
 
 def _number(text: str) -> int:
     return int(text) if text.isascii() and text.isdigit() and len(text) < 16 else 0
+
+
+@router.get("/submit", response_class=HTMLResponse)
+def form(
+    request: Request, caller: KnownBrowser, season: CurrentSeason, session: Reading, now: Now
+) -> HTMLResponse:
+    """Show how to hand in a submission."""
+    account = account_view(session, season, caller, now)
+    active = active_of(session, own_team(session, caller.account).id) if account.team else []
+    sandbox, tracks = sandbox_of(session, season), season.settings.tracks
+    return page(
+        request,
+        "submit.html",
+        caller,
+        suffixes=SUFFIXES,
+        quota=account.quota,
+        active=active,
+        now=now,
+        sandbox=sandbox,
+        limits={track: season.limits(track) for track in tracks} if SANDBOXES[sandbox].isolated else {},
+    )
+
+
+@router.post("/submit")
+async def submit(request: Request, caller: KnownBrowser, upload: Uploaded) -> JSONResponse:
+    """Take a submission from the form's script; the body of the request is the archive."""
+    try:
+        check_form(caller, request.headers.get("x-csrf", ""))
+        one = await upload.take(caller.account)
+    except RefusalError as error:
+        # The connection is closed, or all of an archive that is refused would be read.
+        return JSONResponse({"error": str(error)}, error.status, {"Connection": "close"})
+    return JSONResponse({"address": f"/submissions/{one.id}"}, HTTPStatus.CREATED)
+
+
+@router.post("/submissions/{number}/{act}")
+def act(
+    request: Request,
+    number: Number,
+    act: str,
+    caller: KnownBrowser,
+    database: CurrentDatabase,
+    now: Now,
+    csrf: Text,
+) -> Response:
+    """Do an act on a submission of one's team, and show its page."""
+    check_form(caller, csrf)
+    with database.writing() as session:
+        do_team_act(session, request.app.state.season, caller, act, number, now)
+    return RedirectResponse(f"/submissions/{number}", SEE)

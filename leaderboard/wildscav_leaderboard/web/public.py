@@ -1,6 +1,8 @@
-"""The pages for everyone about the season, its teams and their submissions."""
+"""The pages for everyone about the season, its teams and their submissions, and where each stands."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime
 from typing import Any
 
 from fastapi import APIRouter, Request
@@ -9,26 +11,31 @@ from sqlalchemy.orm import Session
 
 from wildscav_evaluator.output.results import metric_infos
 from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Now, Number, Reading, Renders
-from wildscav_leaderboard.api.documents import MatchView
+from wildscav_leaderboard.accounts.service import Caller
+from wildscav_leaderboard.api.boards import opponent_views
+from wildscav_leaderboard.api.documents import MatchView, OpponentView, SubmissionView
 from wildscav_leaderboard.api.matches import match_views
 from wildscav_leaderboard.api.season import counts_view, season_view
 from wildscav_leaderboard.api.submissions import submission_view, submission_views
 from wildscav_leaderboard.api.teams import team_view
-from wildscav_leaderboard.boards.documents import BoardDocument
-from wildscav_leaderboard.boards.history import histories_of_team
+from wildscav_leaderboard.boards.documents import BoardDocument, ProgressView, Row
+from wildscav_leaderboard.boards.history import histories_of, histories_of_team
 from wildscav_leaderboard.boards.kept import read_board
+from wildscav_leaderboard.boards.models import BoardPoint
+from wildscav_leaderboard.boards.progress import progress_of
 from wildscav_leaderboard.matches.models import FINISHED
 from wildscav_leaderboard.matches.service import list_matches
-from wildscav_leaderboard.matches.visibility import perhaps_shown, shown_until
 from wildscav_leaderboard.organizing.team_acts import acts_on
 from wildscav_leaderboard.playing.permission import tracks_of
+from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.spectating.render_cache import RenderCache
-from wildscav_leaderboard.submissions.listing import is_own, list_submissions, listed_for
-from wildscav_leaderboard.submissions.service import find_submission
+from wildscav_leaderboard.submissions.models import Submission
+from wildscav_leaderboard.submissions.service import find_submission, list_submissions
+from wildscav_leaderboard.submissions.states import ACTIVE
 from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.teams.service import find_team, team_of
-from wildscav_leaderboard.web.charts import rank_chart
-from wildscav_leaderboard.web.places import track_places
+from wildscav_leaderboard.visibility import is_own, listed_for, perhaps_shown, shown_until
+from wildscav_leaderboard.web.charts import Chart, rank_chart
 from wildscav_leaderboard.web.rendering import page
 
 router = APIRouter()
@@ -157,3 +164,59 @@ def submission(
 def _own_status(view: MatchView, submission: int) -> str | None:
     """Return how a match ended for a submission, as far as the caller may know."""
     return next((seat.status for seat in view.seats if seat.submission == submission), None)
+
+
+@dataclass(frozen=True)
+class TrackPlace:
+    """Where a submission stands on a track."""
+
+    track: str
+    mode: str
+    points: Sequence[BoardPoint]  # its ranks over time; none if it was never ranked
+    chart: Chart | None
+    met: list[OpponentView]
+    progress: ProgressView | None  # None if it has a rank, or does not take part
+    better: Row | None  # the row of its team, if that is another submission's
+    frozen: bool  # whether the boards were frozen before the present, for whoever looks
+
+
+def track_places(
+    session: Session,
+    season: Season,
+    one: Submission,
+    view: SubmissionView,
+    caller: Caller | None,
+    now: datetime,
+) -> list[TrackPlace]:
+    """Return where a submission, as it is shown, stands on each track on which there is something to say."""
+    tracks = [track for track in one.tracks if track in season.settings.tracks]
+    until = shown_until(session, caller)
+    points, met = histories_of(session, one.id, until), opponent_views(session, tracks, one)
+    better = {track: _better(session, track, view) for track in tracks}
+    new = [track for track in tracks if not points.get(track) and better[track] is None]
+    progress = {each.track: each for each in (progress_of(session, season, one) if new else ())}
+    ends = min(now, until or now) if one.state == ACTIVE else one.since
+    found = []
+    for track in tracks:
+        own = points.get(track, [])
+        place = TrackPlace(
+            track=track,
+            mode=season.settings.tracks[track].mode,
+            points=own,
+            chart=rank_chart([(one.name, own)], ends, bands=True),
+            met=met.get(track, []),
+            progress=progress.get(track),
+            better=better[track],
+            frozen=until is not None,
+        )
+        if place.points or place.met or place.progress or place.better:
+            found.append(place)
+    return found
+
+
+def _better(session: Session, track: str, view: SubmissionView) -> Row | None:
+    """Return the row of a submission's team on a board, if another one of its submissions has it."""
+    board = read_board(session, track)
+    rows: Sequence[Row] = () if board is None or view.id not in board.entered else board.rows
+    own = (row for row in rows if row.team == view.team and row.rank is not None)
+    return next((row for row in own if row.submission != view.id), None)

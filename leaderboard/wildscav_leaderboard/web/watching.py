@@ -14,7 +14,6 @@ from wildscav_leaderboard.api.documents import MatchView, SeatView
 from wildscav_leaderboard.api.matches import match_views
 from wildscav_leaderboard.matches.models import FINISHED, PLAYING, VOID, WAITING
 from wildscav_leaderboard.matches.service import find_match, list_matches
-from wildscav_leaderboard.matches.visibility import record_path, seen_by
 from wildscav_leaderboard.playing.permission import open_tracks, refused_why
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import ForbiddenError
@@ -22,6 +21,7 @@ from wildscav_leaderboard.spectating import rerun_viewer
 from wildscav_leaderboard.spectating.render_cache import Progress
 from wildscav_leaderboard.submissions.service import find_submission
 from wildscav_leaderboard.teams.service import find_team, titles
+from wildscav_leaderboard.visibility import record_path, seen_by
 from wildscav_leaderboard.web.rendering import page
 
 router = APIRouter()

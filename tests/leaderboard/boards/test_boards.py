@@ -12,6 +12,7 @@ from tests.leaderboard.seasons_made import NOON
 from wildscav_evaluator.output.results import MetricInfo
 from wildscav_evaluator.ratings.matches import RatedMatch
 from wildscav_evaluator.suites.official import OFFICIAL
+from wildscav_leaderboard.boards.columns import columns_of
 from wildscav_leaderboard.boards.documents import Entry, LadderBoard
 from wildscav_leaderboard.boards.ladder_board import Enough, ladder_board
 from wildscav_leaderboard.boards.ladders import Played, placed_match
@@ -127,6 +128,17 @@ def test_a_ladder_ties_those_that_are_equal_and_ranks_nobody_before_a_match() ->
         ("c", "3"),
         ("d", ""),
     ]
+
+
+def test_before_its_first_match_a_rating_says_nothing() -> None:
+    board = ladder_of(duels("ab"), "abc")
+    shown = {
+        row.team: [f"{one.text(row)} {one.note(row)}".strip() for one in columns_of(board)]
+        for row in board.rows
+    }
+    assert shown["a"][1].endswith("provisional")
+    assert shown["a"][2:] == ["1.00", "2", "2 of 100", "0"]  # mean place, wins, matches, faults
+    assert shown["c"] == ["", "", "", "0", "0 of 100", "0"]
 
 
 def test_who_won_its_few_matches_is_provisional_and_does_not_lead() -> None:

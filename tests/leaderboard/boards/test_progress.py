@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from tests.leaderboard.conductor.conducted import Conducted
-from tests.leaderboard.seasons_made import make_season, team_with_member
+from tests.leaderboard.conductor.conducted import Conducted, conducting
+from tests.leaderboard.seasons_made import make_season
 
 from wildscav_leaderboard.boards.documents import TotalsView
 from wildscav_leaderboard.boards.progress import missing_entrants, progress_of, totals_of
@@ -20,16 +20,8 @@ def season(tmp_path: Path) -> Iterator[Conducted]:
     made = make_season(tmp_path / "season")
     battle = made.settings.tracks["battle"].model_copy(update={"seats": 3})
     tracks = {**made.settings.tracks, "battle": battle}
-    made = Season(made.folder, made.settings.model_copy(update={"tracks": tracks}))
-    database = made.database()
-    database.upgrade()
-    conducted = Conducted(made, database)
-    with database.writing() as session:
-        for team in ("foxes", "owls"):
-            team_with_member(session, team)
-    conducted.take_over()
-    yield conducted
-    database.close()
+    with conducting(Season(made.folder, made.settings.model_copy(update={"tracks": tracks}))) as conducted:
+        yield conducted
 
 
 def missing(season: Conducted) -> dict[str, int]:

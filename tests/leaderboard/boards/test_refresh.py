@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 from sqlalchemy.orm import Session
-from tests.leaderboard.conductor.conducted import Conducted
+from tests.leaderboard.conductor.conducted import Conducted, conducting
 from tests.leaderboard.results_made import made_result
-from tests.leaderboard.seasons_made import make_season, team_with_member
+from tests.leaderboard.seasons_made import make_season
 
 from wildscav_leaderboard.accounts.service import Caller, known_account
 from wildscav_leaderboard.boards.documents import LadderBoard, LadderRow
@@ -20,6 +20,7 @@ from wildscav_leaderboard.conductor.plans import plan_ladders
 from wildscav_leaderboard.matches.service import find_match, seats_of
 from wildscav_leaderboard.organizing.team_acts import do_team_act
 from wildscav_leaderboard.seasons import state as season_state
+from wildscav_leaderboard.teams.service import find_team
 
 
 class CutOffError(Exception):
@@ -28,18 +29,10 @@ class CutOffError(Exception):
 
 @pytest.fixture
 def season(tmp_path: Path) -> Iterator[Conducted]:
-    made = make_season(tmp_path / "season")
-    database = made.database()
-    database.upgrade()
-    conducted = Conducted(made, database)
-    with database.writing() as session:
-        team_with_member(session, "foxes")
-        team_with_member(session, "owls")
-    conducted.take_over()
-    conducted.active("foxes")
-    conducted.active("owls")
-    yield conducted
-    database.close()
+    with conducting(make_season(tmp_path / "season")) as conducted:
+        conducted.active("foxes")
+        conducted.active("owls")
+        yield conducted
 
 
 def deliver(session: Session, season: Conducted, attempt: Attempt, score: float) -> None:
@@ -106,11 +99,21 @@ def test_results_that_were_seen_and_never_stored(season: Conducted) -> None:
 def test_a_board_is_left_alone_while_nothing_changes(season: Conducted) -> None:
     ((attempt, _), *_others) = season.take_matches(1)
     season.write(lambda session: deliver(session, season, attempt, 10.0))
+    for changed in (["navigation", "battle"], []):
+        assert season.write(lambda session: refresh(session, season.season, season.now)) == changed
+
+
+def test_a_board_follows_whose_a_submission_is(season: Conducted) -> None:
+    season.write(lambda session: refresh(session, season.season, season.now))
+
+    def rename(session: Session) -> None:
+        find_team(session, "foxes").title = "The new foxes"
+
+    season.write(rename)
     assert season.write(lambda session: refresh(session, season.season, season.now)) == [
         "navigation",
         "battle",
     ]
-    assert season.write(lambda session: refresh(session, season.season, season.now)) == []
 
 
 def ladder_rows(season: Conducted) -> dict[int | None, LadderRow]:

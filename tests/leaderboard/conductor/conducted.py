@@ -1,6 +1,7 @@
 """A season whose conductor's steps are taken by hand."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from hashlib import blake2b
@@ -10,7 +11,7 @@ from typing import TypeVar
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 from tests.leaderboard.results_made import made_result
-from tests.leaderboard.seasons_made import NOON
+from tests.leaderboard.seasons_made import NOON, team_with_member
 
 from wildscav_evaluator.submissions.submission import Manifest
 from wildscav_leaderboard.accounts.models import Account
@@ -150,3 +151,17 @@ class Conducted:
             return steps.played(session, self.holding, attempt.id, *result, self.now)
 
         return self.write(act)
+
+
+@contextmanager
+def conducting(season: Season) -> Iterator[Conducted]:
+    """Give a season with the teams foxes and owls, of which this process is the conductor."""
+    database = season.database()
+    database.upgrade()
+    conducted = Conducted(season, database)
+    with database.writing() as session:
+        for team in ("foxes", "owls"):
+            team_with_member(session, team)
+    conducted.take_over()
+    yield conducted
+    database.close()

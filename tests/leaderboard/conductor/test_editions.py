@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 from sqlalchemy import func, select
-from tests.leaderboard.conductor.conducted import Conducted
-from tests.leaderboard.seasons_made import make_season, team_with_member
+from tests.leaderboard.conductor.conducted import Conducted, conducting
+from tests.leaderboard.seasons_made import make_season
 
 from wildscav.errors import UserError
 from wildscav_leaderboard.boards.documents import BoardDocument
@@ -37,19 +37,11 @@ from wildscav_leaderboard.seasons.settings import SETTINGS_FILE
 @pytest.fixture
 def season(tmp_path: Path) -> Iterator[Conducted]:
     """A season in which the foxes and the owls have played navigation."""
-    made = make_season(tmp_path / "season")
-    database = made.database()
-    database.upgrade()
-    conducted = Conducted(made, database)
-    with database.writing() as session:
-        for team in ("foxes", "owls"):
-            team_with_member(session, team)
-    conducted.take_over()
-    for team in ("foxes", "owls"):
-        conducted.active(team)
-    play(conducted)
-    yield conducted
-    database.close()
+    with conducting(make_season(tmp_path / "season")) as conducted:
+        conducted.active("foxes")
+        conducted.active("owls")
+        play(conducted)
+        yield conducted
 
 
 def play(season: Conducted, score: float = 1.0) -> int:

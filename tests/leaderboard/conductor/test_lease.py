@@ -11,8 +11,7 @@ from tests.leaderboard.seasons_made import NOON, make_season
 
 from wildscav_leaderboard.conductor import lease
 from wildscav_leaderboard.conductor.conductor import Conductor
-from wildscav_leaderboard.conductor.keeper import LeaseKeeper
-from wildscav_leaderboard.conductor.lease import Holding, LeaseLostError
+from wildscav_leaderboard.conductor.lease import Holding, LeaseKeeper, LeaseLostError
 from wildscav_leaderboard.database.connection import Database
 
 SECOND = timedelta(seconds=1)
@@ -64,7 +63,7 @@ def test_a_host_whose_clock_is_ahead_takes_no_lease_that_is_held(
     first, second = Conductor(season, database), Conductor(season, database)
     assert first._acquire()
 
-    for module in ("conductor.conductor", "conductor.keeper", "database.connection"):
+    for module in ("conductor.conductor", "database.connection"):
         monkeypatch.setattr(f"wildscav_leaderboard.{module}.datetime", FastClock, raising=False)
     assert not second._acquire()
     first._release()

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from sqlalchemy import select
 from sqlalchemy.orm import Session
-from tests.leaderboard.conductor.conducted import Conducted
-from tests.leaderboard.seasons_made import make_season, team_with_member
+from tests.leaderboard.conductor.conducted import Conducted, conducting
+from tests.leaderboard.seasons_made import make_season
 
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_leaderboard.accounts.service import Caller, find_account
@@ -39,16 +39,8 @@ attempts = 3
 @pytest.fixture
 def season(tmp_path: Path) -> Iterator[Conducted]:
     """A season with two teams, of which this process is the conductor."""
-    made = make_season(tmp_path / "season", MORE)
-    database = made.database()
-    database.upgrade()
-    conducted = Conducted(made, database)
-    with database.writing() as session:
-        team_with_member(session, "foxes")
-        team_with_member(session, "owls")
-    conducted.take_over()
-    yield conducted
-    database.close()
+    with conducting(make_season(tmp_path / "season", MORE)) as conducted:
+        yield conducted
 
 
 def doing(season: Conducted, session: Session) -> Doing:

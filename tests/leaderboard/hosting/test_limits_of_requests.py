@@ -16,7 +16,6 @@ from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.teams.service import make_team
 
-ARCHIVE = "[quotas]\nper_day = 3\nactive = 2\narchive = 1"  # MiB
 PIECE = bytes(64 << 10)
 
 

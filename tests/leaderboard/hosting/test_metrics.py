@@ -22,7 +22,7 @@ from wildscav_leaderboard.conductor.lease import acquire, release
 from wildscav_leaderboard.database.connection import Database, clock
 from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.hosting.metrics import SeasonMetrics
-from wildscav_leaderboard.hosting.web_counts import WebCounts
+from wildscav_leaderboard.hosting.request_log import WebCounts
 from wildscav_leaderboard.organizing.status import status
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.state import RESTARTS, write_state

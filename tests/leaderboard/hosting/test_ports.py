@@ -10,7 +10,7 @@ from tests.leaderboard.seasons_made import make_season
 
 from wildscav.cli import main
 from wildscav.errors import UserError
-from wildscav_leaderboard.hosting.ports import check_port
+from wildscav_leaderboard.hosting.serve import check_port
 
 Serve = Callable[..., tuple[object, str]]
 

@@ -12,7 +12,7 @@ from tests.leaderboard.filled_season import FilledSeason
 from tests.leaderboard.spectating.served import served
 
 from wildscav_leaderboard.hosting.app import create_app
-from wildscav_leaderboard.matches.visibility import path_of_record
+from wildscav_leaderboard.visibility import path_of_record
 
 READERS = 100
 LARGE = 16 << 20  # bytes, which the buffers of no connection hold

@@ -21,7 +21,6 @@ from wildscav_leaderboard.conductor.plans import plan_ladders, plan_suites
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import FINAL, LADDER, WAITING, Match
 from wildscav_leaderboard.matches.service import PlayedRecord, deliver, seats_of, void
-from wildscav_leaderboard.matches.visibility import seen_by
 from wildscav_leaderboard.organizing import finalizing
 from wildscav_leaderboard.organizing.acts import disqualify_team, rerun
 from wildscav_leaderboard.seasons import state as season_state
@@ -32,6 +31,7 @@ from wildscav_leaderboard.seasons.refusals import RefusalError
 from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.service import activate, move
+from wildscav_leaderboard.visibility import seen_by
 
 TEAMS = ("foxes", "owls", "hares")
 CLOSED = NOON + timedelta(days=10)

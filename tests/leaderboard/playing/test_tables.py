@@ -21,9 +21,8 @@ from websockets.exceptions import ConnectionClosed
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES
 from wildscav_evaluator.sandbox.choose import missing_promises
 from wildscav_leaderboard.hosting.app import create_app
-from wildscav_leaderboard.hosting.web_counts import WebCounts
-from wildscav_leaderboard.playing.table_counts import TableCounts
-from wildscav_leaderboard.playing.tables import ENDED, READY, OpenTable, Tables, Wish
+from wildscav_leaderboard.hosting.request_log import WebCounts
+from wildscav_leaderboard.playing.tables import ENDED, READY, OpenTable, TableCounts, Tables, Wish
 from wildscav_leaderboard.seasons.settings import Execution, Play
 from wildscav_leaderboard.submissions.service import find_submission
 

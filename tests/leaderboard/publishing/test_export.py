@@ -24,7 +24,8 @@ from wildscav_leaderboard.publishing.export import export
 from wildscav_leaderboard.publishing.service import board_lines
 from wildscav_leaderboard.seasons.acts import Doing
 from wildscav_leaderboard.seasons.folder import Season
-from wildscav_leaderboard.seasons.state import FINALIZED, frozen_since, write_state
+from wildscav_leaderboard.seasons.state import FINALIZED, write_state
+from wildscav_leaderboard.visibility import shown_until
 
 TRACKS = ("navigation", "battle")
 LATE = NOON + timedelta(days=2)
@@ -123,12 +124,12 @@ def test_nothing_that_arrives_after_the_freeze_is_published_before_the_end(
                 view.hidden == "the public boards are frozen, so it is hidden until the season is finalized"
             )
             assert all(seat.metrics is None and seat.status is None for seat in view.seats)
-        since = frozen_since(session)
+        since = shown_until(session, None)
         assert [history(session, track, [number], since) for track in TRACKS] == [[], []]
 
     with database.writing() as session:
         write_state(session, FINALIZED, {"at": LATE.isoformat()}, LATE)
     with database.reading() as session:
         assert all(view.seats[0].metrics for view in match_views(session, late, None))
-        assert frozen_since(session) is None
+        assert shown_until(session, None) is None
         assert all(history(session, track, [number]) for track in TRACKS)

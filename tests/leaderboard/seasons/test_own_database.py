@@ -8,7 +8,7 @@ from tests.leaderboard.seasons_made import make_season
 
 from wildscav.errors import UserError
 from wildscav_leaderboard.cli.season.folders import backup
-from wildscav_leaderboard.cli.season.status import status
+from wildscav_leaderboard.cli.season.running import status
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.database.schema import take_back_to, version_of
 from wildscav_leaderboard.organizing.backups.restore import restore

@@ -18,10 +18,10 @@ from tests.leaderboard.spectating.served import served
 from wildscav_engine.record import write_record
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_leaderboard.api.matches import file_response
 from wildscav_leaderboard.hosting.app import create_app
-from wildscav_leaderboard.spectating.film import LONGEST, pace_of
+from wildscav_leaderboard.spectating.render import LONGEST, pace_of
 from wildscav_leaderboard.spectating.render_cache import RenderCache
-from wildscav_leaderboard.spectating.responses import file_response
 
 PATIENCE = 120.0  # s, on a busy machine
 

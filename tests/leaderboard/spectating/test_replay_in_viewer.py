@@ -15,9 +15,9 @@ from PIL import Image
 from tests.browsers import IN_3D, chromium
 from tests.leaderboard.spectating.served import served
 
+from wildscav_leaderboard.api.matches import file_response
 from wildscav_leaderboard.spectating.render_cache import RenderCache
 from wildscav_leaderboard.spectating.rerun_viewer import address_of, router
-from wildscav_leaderboard.spectating.responses import file_response
 
 pytestmark = pytest.mark.slow
 PATIENCE = 300.0  # s, on a busy machine without a graphics card

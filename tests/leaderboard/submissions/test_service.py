@@ -1,6 +1,8 @@
 """What a team may hand in, when, and how its submissions go from state to state."""
 
 import shutil
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from datetime import datetime, timedelta
 from pathlib import Path
 
@@ -18,6 +20,7 @@ from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import RefusalError, TooMuchError
 from wildscav_leaderboard.seasons.state import NODES, write_state
 from wildscav_leaderboard.submissions import states
+from wildscav_leaderboard.submissions.archives import CheckedArchive
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.queue import queue
 from wildscav_leaderboard.submissions.service import (
@@ -30,56 +33,53 @@ from wildscav_leaderboard.teams.service import find_team, leave_team, make_team
 AGENT = "from wildscav.agent import Action\n\n\nclass Agent:\n    number = {number}\n"
 
 
-@pytest.fixture
-def season(tmp_path: Path) -> Season:
-    return make_season(tmp_path / "season")
+@dataclass
+class Desk:
+    """A season with the teams foxes and owls, where submissions are handed in."""
+
+    database: Database
+    season: Season
+    agents: list[Path]  # eight, of different content
+
+    def enter(self, agent: int, team: str = "foxes", now: datetime = NOON) -> Submission:
+        with self.database.writing() as session:
+            return submitted(session, self.season, team, self.agents[agent], now)
+
+    def disqualify(self, why: str) -> None:
+        with self.database.writing() as session:
+            find_team(session, "foxes").disqualified = why
 
 
 @pytest.fixture
-def agents(tmp_path: Path) -> list[Path]:
-    """Eight submissions of different content."""
-    folders = []
-    for number in range(8):
-        folder = tmp_path / f"agent{number}"
+def desk(database: Database, tmp_path: Path) -> Desk:
+    folders = [tmp_path / f"agent{number}" for number in range(8)]
+    for number, folder in enumerate(folders):
         folder.mkdir()
         (folder / "submission.toml").write_text(
             'name = "runner"\nversion = "1"\nentry_point = "agent:Agent"\ntracks = ["navigation"]\n'
         )
         (folder / "agent.py").write_text(AGENT.format(number=number))
-        folders.append(folder)
-    return folders
-
-
-@pytest.fixture
-def foxes(database: Database) -> str:
     with database.writing() as session:
         team_with_member(session, "foxes")
         team_with_member(session, "owls")
-    return "foxes"
+    return Desk(database, make_season(tmp_path / "season"), folders)
 
 
-def enter(database: Database, season: Season, team: str, folder: Path, now: datetime = NOON) -> Submission:
-    with database.writing() as session:
-        return submitted(session, season, team, folder, now)
-
-
-def step(database: Database, submission: Submission, *following: str, now: datetime = NOON) -> None:
-    with database.writing() as session:
+def step(desk: Desk, submission: Submission, *following: str, fault: str | None = None) -> None:
+    with desk.database.writing() as session:
         found = session.get_one(Submission, submission.id)
         for state in following:
-            move(session, found, state, now)
+            move(session, found, state, NOON, fault=fault if state == states.FAILED else None)
 
 
-def test_the_day_ends_at_midnight_utc(
-    database: Database, season: Season, agents: list[Path], foxes: str
-) -> None:
+def test_the_day_ends_at_midnight_utc(desk: Desk) -> None:
     late = NOON.replace(hour=23, minute=59)
-    for folder in agents[:3]:
-        enter(database, season, foxes, folder, late)
+    for agent in range(3):
+        desk.enter(agent, now=late)
     with pytest.raises(TooMuchError, match="the next day begins at 2030-06-02 00:00 UTC"):
-        enter(database, season, foxes, agents[3], late)
-    enter(database, season, "owls", agents[3], late)  # the quota is each team's own
-    enter(database, season, foxes, agents[3], late + timedelta(minutes=1))
+        desk.enter(3, now=late)
+    desk.enter(3, "owls", late)  # the quota is each team's own
+    desk.enter(3, now=late + timedelta(minutes=1))
 
 
 def captain_of(session: Session, team: str) -> Account:
@@ -88,40 +88,34 @@ def captain_of(session: Session, team: str) -> Account:
     return captain
 
 
-def found_another(database: Database, team: str, other: str) -> None:
-    """Let the captain of a team leave it, and make another one."""
-    with database.writing() as session:
-        leave_team(session, captain_of(session, team))
-        make_team(session, captain_of(session, team), other, "", NOON)
+def found_another(desk: Desk, other: str) -> None:
+    """Let the captain of the foxes leave them, and make another team."""
+    with desk.database.writing() as session:
+        leave_team(session, captain_of(session, "foxes"))
+        make_team(session, captain_of(session, "foxes"), other, "", NOON)
 
 
-def test_the_quota_is_each_accounts_too_whatever_its_team(
-    database: Database, season: Season, agents: list[Path], foxes: str
-) -> None:
-    for folder in agents[:2]:
-        enter(database, season, foxes, folder)
-    found_another(database, foxes, "hares")
-    enter(database, season, "hares", agents[2])
+def test_the_quota_is_each_accounts_too_whatever_its_team(desk: Desk) -> None:
+    for agent in range(2):
+        desk.enter(agent)
+    found_another(desk, "hares")
+    desk.enter(2, "hares")
     with pytest.raises(TooMuchError, match="you have, in this team and others, used today's 3 submissions"):
-        enter(database, season, "hares", agents[3])
+        desk.enter(3, "hares")
 
 
-def test_who_submitted_for_a_disqualified_team_submits_for_no_other_one(
-    database: Database, season: Season, agents: list[Path], foxes: str
-) -> None:
-    enter(database, season, foxes, agents[0])
-    found_another(database, foxes, "hares")
-    with database.writing() as session:
-        find_team(session, foxes).disqualified = "copied"
+def test_who_submitted_for_a_disqualified_team_submits_for_no_other_one(desk: Desk) -> None:
+    desk.enter(0)
+    found_another(desk, "hares")
+    desk.disqualify("copied")
     with pytest.raises(RefusalError, match="foxes, for which you submitted, is disqualified: copied"):
-        enter(database, season, "hares", agents[1])
+        desk.enter(1, "hares")
 
 
-def test_members_of_a_disqualified_team_stay_in_it(database: Database, foxes: str) -> None:
-    with database.writing() as session:
-        find_team(session, foxes).disqualified = "copied"
-        with pytest.raises(RefusalError, match="its members cannot leave it"):
-            leave_team(session, captain_of(session, foxes))
+def test_members_of_a_disqualified_team_stay_in_it(desk: Desk) -> None:
+    desk.disqualify("copied")
+    with desk.database.writing() as session, pytest.raises(RefusalError, match="members cannot leave it"):
+        leave_team(session, captain_of(session, "foxes"))
 
 
 @pytest.mark.parametrize(
@@ -129,10 +123,7 @@ def test_members_of_a_disqualified_team_stay_in_it(database: Database, foxes: st
 )
 def test_nothing_is_kept_of_an_upload_that_is_refused(
     *,
-    database: Database,
-    season: Season,
-    agents: list[Path],
-    foxes: str,
+    desk: Desk,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     message: str,
@@ -140,40 +131,36 @@ def test_nothing_is_kept_of_an_upload_that_is_refused(
     says: str,
 ) -> None:
     monkeypatch.setenv("WILDSCAV_CACHE_DIR", str(tmp_path / "cache"))
-    (agents[0] / left_out).unlink() if left_out else None
-    upload = Path(shutil.make_archive(str(tmp_path / "upload" / "submission"), "gztar", agents[0]))
-    with database.reading() as session:
-        captain = captain_of(session, foxes)
+    (desk.agents[0] / left_out).unlink() if left_out else None
+    upload = Path(shutil.make_archive(str(tmp_path / "upload" / "submission"), "gztar", desk.agents[0]))
+    with desk.database.reading() as session:
+        captain = captain_of(session, "foxes")
     with pytest.raises(RefusalError, match=says):
-        take_upload(database, season, captain, upload, message, NOON)
-    assert not season.archives.exists()
+        take_upload(desk.database, desk.season, captain, upload, message, NOON)
+    assert not desk.season.archives.exists()
     assert not (tmp_path / "cache" / "submissions").exists()
 
 
-def test_a_fault_of_the_platform_is_never_charged(
-    database: Database, season: Season, agents: list[Path], foxes: str
-) -> None:
-    for folder in agents[:3]:
-        one = enter(database, season, foxes, folder)
-    with database.writing() as session:
+def test_a_fault_of_the_platform_is_never_charged(desk: Desk) -> None:
+    for agent in range(3):
+        one = desk.enter(agent)
+    with desk.database.writing() as session:
         found = session.get_one(Submission, one.id)
         for _ in range(2):  # an attempt that the platform broke, and another one
             move(session, found, states.QUEUED, NOON)
             move(session, found, states.BUILDING, NOON)
         move(session, found, states.FAILED, NOON, fault="platform", reason="the disk was full")
-        quota = quota_view(session, season, find_team(session, foxes), NOON)
+        quota = quota_view(session, desk.season, find_team(session, "foxes"), NOON)
     assert (quota.used_today, quota.left_today) == (2, 1)
-    enter(database, season, foxes, agents[3])
+    desk.enter(3)
 
 
-def test_a_fault_of_the_agent_and_a_withdrawal_stay_charged(
-    database: Database, season: Season, agents: list[Path], foxes: str
-) -> None:
-    first, second = (enter(database, season, foxes, folder) for folder in agents[:2])
-    with database.writing() as session:
+def test_a_fault_of_the_agent_and_a_withdrawal_stay_charged(desk: Desk) -> None:
+    first, second = (desk.enter(agent) for agent in range(2))
+    with desk.database.writing() as session:
         move(session, session.get_one(Submission, first.id), states.FAILED, NOON, fault="agent")
         move(session, session.get_one(Submission, second.id), states.CANCELLED, NOON)
-        quota = quota_view(session, season, find_team(session, foxes), NOON)
+        quota = quota_view(session, desk.season, find_team(session, "foxes"), NOON)
     assert quota.used_today == 2
 
 
@@ -181,22 +168,18 @@ def test_a_fault_of_the_agent_and_a_withdrawal_stay_charged(
     ("when", "why"),
     [(NOON - timedelta(days=2), "opens at 2030-05-31"), (NOON + timedelta(days=9), "closed at 2030-06-10")],
 )
-def test_nothing_is_accepted_before_the_season_or_after_it(
-    database: Database, season: Season, agents: list[Path], foxes: str, when: datetime, why: str
-) -> None:
+def test_nothing_is_accepted_before_the_season_or_after_it(desk: Desk, when: datetime, why: str) -> None:
     with pytest.raises(RefusalError, match=why):
-        enter(database, season, foxes, agents[0], when)
+        desk.enter(0, now=when)
 
 
-def test_the_same_content_is_not_taken_twice(
-    database: Database, season: Season, agents: list[Path], foxes: str
-) -> None:
-    first = enter(database, season, foxes, agents[0])
+def test_the_same_content_is_not_taken_twice(desk: Desk) -> None:
+    first = desk.enter(0)
     with pytest.raises(RefusalError, match=f"submission {first.id} has the same content"):
-        enter(database, season, foxes, agents[0])
-    enter(database, season, "owls", agents[0])  # another team may have had the same idea
-    step(database, first, states.CANCELLED)
-    enter(database, season, foxes, agents[0])
+        desk.enter(0)
+    desk.enter(0, "owls")  # another team may have had the same idea
+    step(desk, first, states.CANCELLED)
+    desk.enter(0)
 
 
 @pytest.mark.parametrize(
@@ -212,78 +195,58 @@ def test_the_same_content_is_not_taken_twice(
     ],
 )
 def test_a_new_version_string_is_no_new_content_even_of_a_submission_that_is_over(
-    database: Database,
-    season: Season,
-    agents: list[Path],
-    foxes: str,
+    desk: Desk,
     steps: tuple[str, ...],
     fault: str | None,
     advice: str | None,
 ) -> None:
-    first = enter(database, season, foxes, agents[0])
-    with database.writing() as session:
-        for state in steps:
-            same_fault = fault if state == states.FAILED else None
-            move(session, session.get_one(Submission, first.id), state, NOON, fault=same_fault)
-    manifest = agents[0] / "submission.toml"
+    first = desk.enter(0)
+    step(desk, first, *steps, fault=fault)
+    manifest = desk.agents[0] / "submission.toml"
     manifest.write_text(manifest.read_text().replace('"1"', '"1.1"') + '\nauthor = "a fox"\n')
     if advice is None:
-        enter(database, season, foxes, agents[0])
+        desk.enter(0)
         return
     with pytest.raises(RefusalError, match=rf"submission {first.id} has the same content .*{advice}"):
-        enter(database, season, foxes, agents[0])
+        desk.enter(0)
     manifest.write_text(manifest.read_text().replace("navigation", "battle"))
-    enter(database, season, foxes, agents[0])  # on no track of the first
+    desk.enter(0)  # on no track of the first
 
 
-def test_a_disqualified_team_hands_nothing_in(
-    database: Database, season: Season, agents: list[Path], foxes: str
-) -> None:
-    with database.writing() as session:
-        find_team(session, foxes).disqualified = "it copied the owls"
+def test_a_disqualified_team_hands_nothing_in(desk: Desk) -> None:
+    desk.disqualify("it copied the owls")
     with pytest.raises(RefusalError, match="disqualified: it copied the owls"):
-        enter(database, season, foxes, agents[0])
+        desk.enter(0)
 
 
-def test_a_state_that_cannot_follow_is_refused(
-    database: Database, season: Season, agents: list[Path], foxes: str
-) -> None:
-    one = enter(database, season, foxes, agents[0])
+def test_a_state_that_cannot_follow_is_refused(desk: Desk) -> None:
+    one = desk.enter(0)
     with pytest.raises(StateError, match=f"submission {one.id} is submitted, and cannot become active"):
-        step(database, one, states.ACTIVE)
+        step(desk, one, states.ACTIVE)
 
 
-def test_a_team_that_submits_much_delays_nobody_but_itself(
-    database: Database, season: Season, agents: list[Path], foxes: str
-) -> None:
-    many = [enter(database, season, foxes, folder) for folder in agents[:3]]
-    other = enter(database, season, "owls", agents[3])
-    with database.reading() as session:
+def test_a_team_that_submits_much_delays_nobody_but_itself(desk: Desk) -> None:
+    many = [desk.enter(agent) for agent in range(3)]
+    other = desk.enter(3, "owls")
+    with desk.database.reading() as session:
         assert [one.id for one in queue(session)] == [many[0].id, other.id, many[1].id, many[2].id]
-        shown = submission_view(session, season, other, None, NOON)
+        shown = submission_view(session, desk.season, other, None, NOON)
         assert shown.queue_position == 2
         assert shown.expected_wait == 120.0  # nothing is known yet: a minute each
-    with database.writing() as session:
+    with desk.database.writing() as session:
         write_state(session, NODES, {"validations": 2}, NOON)
-        assert submission_view(session, season, other, None, NOON).expected_wait == 60.0  # beside the first
+        shown = submission_view(session, desk.season, other, None, NOON)
+        assert shown.expected_wait == 60.0  # beside the first
 
 
-def test_two_uploads_at_once_do_not_exceed_the_quota(
-    database: Database, season: Season, agents: list[Path], foxes: str
-) -> None:
-    from concurrent.futures import ThreadPoolExecutor
+def test_two_uploads_at_once_do_not_exceed_the_quota(desk: Desk) -> None:
+    archives = [checked(desk.season, folder) for folder in desk.agents]
 
-    archives = [checked(season, folder) for folder in agents]
-
-    def try_one(archive: object) -> bool:
+    def try_one(archive: CheckedArchive) -> bool:
         try:
-            with database.writing() as session:
-                team = find_team(session, foxes)
-                from wildscav_leaderboard.accounts.service import find_account
-
-                account = find_account(session, "foxes-captain")
-                assert account is not None
-                hand_in(session, season, team, account, archive, "", NOON)  # type: ignore[arg-type]
+            with desk.database.writing() as session:
+                team, captain = find_team(session, "foxes"), captain_of(session, "foxes")
+                hand_in(session, desk.season, team, captain, archive, "", NOON)
         except TooMuchError:
             return False
         return True

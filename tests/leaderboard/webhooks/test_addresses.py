@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from wildscav_leaderboard.webhooks.addresses import RefusedAddressError, checked_addresses, is_public
+from wildscav_leaderboard.webhooks.sending import RefusedAddressError, checked_addresses, is_public
 
 
 @pytest.mark.parametrize(

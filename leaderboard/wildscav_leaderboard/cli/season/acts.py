@@ -13,7 +13,7 @@ import typer
 from pydantic import BaseModel
 
 from wildscav.terminal.console import console
-from wildscav_leaderboard.cli.season.opening import SeasonFolder, opened
+from wildscav_leaderboard.cli.season.folders import SeasonFolder, opened
 from wildscav_leaderboard.organizing.acts import ACTS, COMMAND_LINE
 from wildscav_leaderboard.seasons.acts import Act, Doing
 

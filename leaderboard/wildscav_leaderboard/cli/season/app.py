@@ -8,8 +8,7 @@ from wildscav.cli.main import Commands
 from wildscav_leaderboard.cli.season.demo import demo
 from wildscav_leaderboard.cli.season.finalize import finalize
 from wildscav_leaderboard.cli.season.folders import backup, check, export, init, restore
-from wildscav_leaderboard.cli.season.serve import serve
-from wildscav_leaderboard.cli.season.status import apply, status
+from wildscav_leaderboard.cli.season.running import apply, serve, status
 
 
 class SeasonCommands(Commands):

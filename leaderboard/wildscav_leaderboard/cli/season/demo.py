@@ -70,7 +70,7 @@ def _free_port(wanted: int | None) -> int:
     Raises:
         UserError: Something listens on the one that is wanted.
     """
-    from wildscav_leaderboard.hosting.ports import check_port
+    from wildscav_leaderboard.hosting.serve import check_port
 
     if wanted is not None:
         return check_port(HOST, wanted)
@@ -99,7 +99,7 @@ class _Watch:
             error_console.print("the baselines are checked, and play their first matches")
 
     def __call__(self) -> None:
-        from wildscav_leaderboard.hosting.demo.opening import opening_of
+        from wildscav_leaderboard.hosting.demo.make import opening_of
 
         if self._is_shown or time.monotonic() - self._looked < LOOKS:
             return

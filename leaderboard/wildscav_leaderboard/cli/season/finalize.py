@@ -10,7 +10,7 @@ import typer
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from wildscav.terminal.console import command, console, counted, error_console
-from wildscav_leaderboard.cli.season.opening import SeasonFolder, opened
+from wildscav_leaderboard.cli.season.folders import SeasonFolder, opened
 
 if TYPE_CHECKING:
     from wildscav_leaderboard.database.connection import Database

@@ -1,17 +1,35 @@
-"""The commands that make, copy and check a season's folder."""
+"""The argument that names a season's folder, its opening, and the commands that make, copy and check one."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from wildscav.cli.shared_options import AsJson
 from wildscav.terminal.console import command, console, counted, error_console, print_json
-from wildscav_leaderboard.cli.season.opening import SeasonFolder, opened
+
+if TYPE_CHECKING:
+    from wildscav_leaderboard.database.connection import Database
+    from wildscav_leaderboard.seasons.folder import Season
+
+
+SeasonFolder = Annotated[Path, typer.Argument(help="The season's folder.", metavar="DIR", show_default=False)]
+
+
+@contextmanager
+def opened(folder: Path, *, any_version: bool = False) -> "Iterator[tuple[Season, Database]]":
+    """Give a season and its database. See ``own_database.opened``."""
+    from wildscav_leaderboard.seasons import own_database
+    from wildscav_leaderboard.seasons.folder import Season
+
+    season = Season.open(folder)
+    with own_database.opened(season, any_version=any_version) as database:
+        yield season, database
+
 
 Backup = Annotated[Path, typer.Argument(help="The file of the backup.", metavar="BACKUP", show_default=False)]
 

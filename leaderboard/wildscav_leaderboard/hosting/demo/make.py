@@ -20,12 +20,16 @@ from wildscav_leaderboard.accounts.models import COMPETITOR
 from wildscav_leaderboard.accounts.passwords import hashed
 from wildscav_leaderboard.accounts.service import add_account, find_account
 from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.matches.models import FINISHED, PLAYING, WAITING, Match
 from wildscav_leaderboard.organizing import acts
+from wildscav_leaderboard.organizing.status import count_by_state
 from wildscav_leaderboard.seasons.acts import Doing
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.initial_files import write_season_folder
 from wildscav_leaderboard.seasons.own_database import opened
 from wildscav_leaderboard.seasons.settings import SETTINGS_FILE
+from wildscav_leaderboard.submissions import states
+from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.packing import pack
 from wildscav_leaderboard.teams.service import make_team
 from wildscav_server import leftovers
@@ -131,3 +135,27 @@ def _restrict(manifest: Path, tracks: tuple[str, ...]) -> None:
     """Let a submission play some tracks alone, since its check plays a match on each."""
     content = tomllib.loads(manifest.read_text("utf-8"))
     manifest.write_text(tomli_w.dumps({**content, "tracks": list(tracks)}), "utf-8")
+
+
+@dataclass(frozen=True)
+class Opening:
+    """How far the season is."""
+
+    submissions: int
+    validated: int  # that take part, or failed
+    played: int  # matches
+    ahead: int  # matches that wait or are being played
+
+    def is_ready(self, matches: int) -> bool:
+        """Return whether so many matches are played, or as many as there are."""
+        return self.validated == self.submissions and (self.played >= matches or not self.ahead)
+
+
+def opening_of(database: Database) -> Opening:
+    """Return how far a season is."""
+    with database.reading() as session:
+        counted = count_by_state(session, Submission)
+        played = count_by_state(session, Match)
+    over = sum(counted.get(state, 0) for state in (states.ACTIVE, *states.FINAL))
+    ahead = sum(played.get(state, 0) for state in (WAITING, PLAYING))
+    return Opening(sum(counted.values()), over, played.get(FINISHED, 0), ahead)

@@ -11,10 +11,9 @@ from wildscav_evaluator.submissions.submission import load_submission
 from wildscav_leaderboard.accounts.passwords import matches
 from wildscav_leaderboard.accounts.service import find_account
 from wildscav_leaderboard.database.connection import Database
-from wildscav_leaderboard.hosting.demo.make import Login, make_demo
-from wildscav_leaderboard.hosting.demo.opening import Opening, opening_of
+from wildscav_leaderboard.hosting.demo.make import Login, Opening, make_demo, opening_of
 from wildscav_leaderboard.seasons.folder import Season
-from wildscav_leaderboard.submissions.listing import list_submissions
+from wildscav_leaderboard.submissions.service import list_submissions
 from wildscav_leaderboard.teams.service import find_team, members_of
 
 Made = tuple[Season, tuple[Login, ...]]

@@ -24,7 +24,7 @@ from wildscav_leaderboard.organizing.checking import check_season
 from wildscav_leaderboard.seasons.acts import Doing
 from wildscav_leaderboard.seasons.folder import SECRET_FILE, Season
 from wildscav_leaderboard.seasons.initial_files import COMMITMENTS_FILE, commitments_text
-from wildscav_leaderboard.submissions.listing import list_submissions
+from wildscav_leaderboard.submissions.service import list_submissions
 
 RECORD = b"what was played"
 DIGEST = "927715ebc346499569437b5301048e17"  # BLAKE2b of these bytes, 16 bytes

@@ -1,13 +1,15 @@
-"""What may be seen of a match, and by whom: whoever gives out anything about a match asks ``seen_by``.
+"""Who may see what: whoever gives out anything that is not for everyone asks here.
 
-Organizers see everything. Who plays whom is for everyone. For the rest:
+Organizers see everything. Of a match, ``seen_by`` decides. Who plays whom is for everyone. For the rest:
 
 Every submission plays the same matches of a suite, and later ones play them again. An agent could print what
 it sees there, or say it by its outcomes and delays. So all of it is hidden until the season is opened, from
 its own team too. A match of a ladder is played by its entrants alone, twice: everyone may see its outcome at
 once, and its record when both are over. What an agent can write or time there is for its own team alone.
 
-Once the public boards are frozen, what is played shows nothing to other teams before the season is finalized.
+Once the public boards are frozen, what is played shows nothing to other teams before the season is finalized,
+and neither does the history of boards (``shown_until``). Of a submission, ``is_own`` decides who may see what
+is for its team, and ``listed_for`` whether it is in lists.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -15,15 +17,19 @@ from datetime import datetime
 from pathlib import Path
 from typing import NamedTuple
 
-from sqlalchemy import and_, func, or_, select
+from sqlalchemy import ColumnElement, and_, func, or_, select, true
 from sqlalchemy.orm import Session, defer
 
 from wildscav_leaderboard.accounts.service import Caller
-from wildscav_leaderboard.matches.models import FINISHED, LADDER, PLAYING, VOID, Match, MatchResult
+from wildscav_leaderboard.matches.models import FINISHED, LADDER, PLAYING, VOID, Match, MatchResult, MatchSeat
 from wildscav_leaderboard.matches.service import find_match
+from wildscav_leaderboard.seasons import state
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import ForbiddenError, NotFoundError
-from wildscav_leaderboard.seasons.state import OPENED, frozen_since, read_state
+from wildscav_leaderboard.seasons.state import OPENED, read_state
+from wildscav_leaderboard.submissions.models import Submission
+from wildscav_leaderboard.submissions.states import CANCELLED, FAILED
+from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.teams.service import team_of
 
 OF_SUITE = (
@@ -106,7 +112,7 @@ def perhaps_shown(session: Session) -> list[Match]:
     wanted = wanted.where(func.coalesce(Match.state, "") == FINISHED)
     if read_state(session, OPENED) is None:
         wanted = wanted.where(func.coalesce(Match.kind, "") == LADDER)
-    since = frozen_since(session)
+    since = shown_until(session, None)
     if since is not None:
         shown = select(MatchResult.match_id).where(MatchResult.match_id == Match.id, MatchResult.at <= since)
         wanted = wanted.where(shown.exists())
@@ -115,7 +121,56 @@ def perhaps_shown(session: Session) -> list[Match]:
 
 def shown_until(session: Session, caller: Caller | None) -> datetime | None:
     """Return until when the history of boards may be seen by a caller; None if all of it may."""
-    return None if caller is not None and caller.is_organizer else frozen_since(session)
+    frozen = None if caller is not None and caller.is_organizer else read_state(session, state.FROZEN)
+    if frozen is None or read_state(session, state.FINALIZED) is not None:
+        return None
+    return datetime.fromisoformat(str(frozen["at"]))
+
+
+def is_own(session: Session, caller: Caller | None, submission: Submission) -> bool:
+    """Return whether a submission is of the caller's team, or the caller is an organizer."""
+    if caller is None:
+        return False
+    team = team_of(session, caller.account)
+    return caller.is_organizer or (team is not None and team.id == submission.team_id)
+
+
+def check_own(session: Session, caller: Caller, submission: Submission) -> None:
+    """Check that the caller may see, or decide, what is for the team of a submission.
+
+    Raises:
+        NotFoundError: The caller may not.
+    """
+    if not is_own(session, caller, submission):
+        raise NotFoundError(f"your team has no submission {submission.id}")
+
+
+def listed_for(session: Session, caller: Caller | None) -> ColumnElement[bool]:
+    """Return which submissions are in lists: of other teams, none that failed or were cancelled."""
+    if caller is not None and caller.is_organizer:
+        return true()
+    team = None if caller is None else team_of(session, caller.account)
+    shown = Submission.state.not_in((FAILED, CANCELLED))
+    return shown if team is None else or_(shown, Submission.team_id == team.id)
+
+
+def seat_log(session: Session, season: Season, number: int, seat: int, caller: Caller) -> Path | None:
+    """Return the path of what an agent of the caller's team printed in a match; None if it printed nothing.
+
+    Raises:
+        NotFoundError: The team has no such seat.
+        ForbiddenError: It is hidden.
+    """
+    match, place = find_match(session, number), session.get(MatchSeat, (number, seat))
+    visible = seen_by(session, [match], caller)[number]
+    owner = None if place is None else session.get(Submission, place.submission_id or 0)
+    if owner is None or not visible.is_own(session.get_one(Team, owner.team_id).name):
+        raise NotFoundError(f"your team has no seat {seat} in match {number}")
+    if visible.record:
+        raise ForbiddenError(visible.record)
+    rows = session.get_one(MatchResult, number).row["seats"]
+    log = next(one["log"] for one in rows if one["seat"] == seat)
+    return None if log is None else season.match_folder(number) / log
 
 
 def _of_game(match: Match, twin: Twin | None) -> str:
@@ -126,7 +181,7 @@ def _of_game(match: Match, twin: Twin | None) -> str:
 
 
 def _of_live(session: Session, twin: Twin | None) -> str:
-    if frozen_since(session) is not None:
+    if shown_until(session, None) is not None:
         return FROZEN
     if twin is None or twin.state not in (FINISHED, VOID):
         return "others play the same game later, so it cannot be watched before that"
@@ -137,7 +192,7 @@ def _after_freeze(
     session: Session, matches: Sequence[Match], results: Mapping[int, datetime] | None
 ) -> Collection[int]:
     """Return the matches whose results are hidden, since they arrived after the public boards were frozen."""
-    since = frozen_since(session)
+    since = shown_until(session, None)
     if since is None:
         return set()
     if results is not None:
