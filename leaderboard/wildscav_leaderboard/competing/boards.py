@@ -25,15 +25,14 @@ def show_boards(named: str | None, track: str | None, *, as_json: bool) -> None:
         UserError: The season has no such track, or does not answer.
     """
     from wildscav_leaderboard.competing.connected import season_client
-    from wildscav_leaderboard.results.standings import is_meant
 
     with season_client(named) as client:
         season, found = client.season(), client.boards()
     names = [one.name for one in season.tracks]
-    if track is not None and not any(is_meant(track, name) for name in names):
+    if track is not None and not any(name.startswith(track) for name in names):
         near = did_you_mean(track, names)
         raise UserError(f"{season.title} has no track {track}{near}; it has {', '.join(names)}")
-    found = [one for one in found if track is None or is_meant(track, one.track)]
+    found = [one for one in found if track is None or one.track.startswith(track)]
     if as_json:
         boards = [one.model_dump(mode="json") for one in found]
         print_json({"season": season.model_dump(mode="json"), "boards": boards})

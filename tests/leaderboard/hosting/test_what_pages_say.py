@@ -55,7 +55,6 @@ WAYS = (
     "Watch in 3D",
     "wildscav replay match-",
     ".wsr --video --view behind",
-    ".wsr --follow",
 )
 SAID: list[
     tuple[str, str, tuple[str, ...], tuple[str, ...]]
