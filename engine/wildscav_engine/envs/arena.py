@@ -1,7 +1,7 @@
 """The arena: matches × learners as arrays. All environments are thin wrappers around it."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from wildscav_engine.envs.opponents.cast import Cast
 from wildscav_engine.envs.settings.config import EnvConfig, change_config
 from wildscav_engine.envs.settings.episodes import Episodes, Plan
+from wildscav_engine.envs.settings.options import EpisodeOptions
 from wildscav_engine.envs.spaces.action_mode import Axes
 from wildscav_engine.envs.spaces.actions import action_mode
 from wildscav_engine.envs.spaces.columns import EVENTS, OUTCOME, Part
@@ -235,3 +236,22 @@ class Arena:
         view = self.view(match)
         values = self.track.measure(view, learner)
         return {**values, **self.track.measure_slow(view, learner)} if self.config.all_metrics else values
+
+
+class Changeable:
+    """An environment whose options can change."""
+
+    config: EnvConfig
+    arena: Arena
+
+    def set_options(self, **changes: Unpack[EpisodeOptions]) -> None:
+        """Change options from the next episode on of each match, for instance as a learner gets better.
+
+        Args:
+            changes: The fields of ``EpisodeOptions``. Terms of the reward that are not named get the weight
+                0; new terms are not possible, because infos have one structure.
+
+        Raises:
+            ValueError: An option cannot change, or its value is invalid.
+        """
+        self.config = self.arena.set_options(changes)

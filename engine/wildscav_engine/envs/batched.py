@@ -9,11 +9,11 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from wildscav_engine.envs.arena import Arena, ArenaOutput
+from wildscav_engine.envs.arena import Arena, ArenaOutput, Changeable
 from wildscav_engine.envs.saving import load, save
 from wildscav_engine.envs.settings.config import EnvConfig, read_config
 from wildscav_engine.envs.settings.episodes import Episodes, read_mask, read_seeds
-from wildscav_engine.envs.settings.options import EnvOptions, EpisodeOptions
+from wildscav_engine.envs.settings.options import EnvOptions
 from wildscav_engine.envs.spaces.action_mode import Axes
 from wildscav_engine.envs.spaces.observation import Observation, observation_space
 from wildscav_engine.tracks import TRACKS
@@ -143,7 +143,34 @@ class Resetter:
         )
 
 
-class BatchedArena:
+class ManyMatches(Changeable):
+    """An environment of many matches, whose states can be saved one by one."""
+
+    _resetter: Resetter
+
+    def get_state(self, row: int) -> bytes:
+        """Return one match and its sequence of episodes as bytes, which a single environment can restore.
+
+        Raises:
+            RuntimeError: No episode has started.
+        """
+        return self._resetter.get_state(row)
+
+    def set_state(self, row: int, data: bytes) -> Observation:
+        """Restore a row from the state of an environment with the same options; return the observations.
+
+        Raises:
+            StateError: The bytes are not a state of an environment, are damaged, or have another version.
+            MatchSetupError: The match has another track, other rules or other seats.
+        """
+        return self._shaped(self._resetter.set_state(row, data).observation)
+
+    def _shaped(self, observation: Observation) -> Observation:
+        """Return the observations of the arena with the axes of the environment's."""
+        return observation
+
+
+class BatchedArena(ManyMatches):
     """B matches with L learners each, as arrays with leading axes (B, L).
 
     The autoreset modes are Gymnasium's: a match is reset when the episodes of all its learners have ended.
@@ -205,18 +232,6 @@ class BatchedArena:
         first_seed = gymnasium.utils.seeding.np_random(None)[1]
         return self._resetter.reset(seeds, first_seed, chosen, options).observation
 
-    def set_options(self, **changes: Unpack[EpisodeOptions]) -> None:
-        """Change options from the next episode on of each match, for instance as a learner gets better.
-
-        Args:
-            changes: The fields of ``EpisodeOptions``. Terms of the reward that are not named get the weight
-                0; new terms are not possible, because infos have one structure.
-
-        Raises:
-            ValueError: An option cannot change, or its value is invalid.
-        """
-        self.config = self.arena.set_options(changes)
-
     def step(self, actions: Any) -> Outcome:
         """Play one step in every match.
 
@@ -229,23 +244,6 @@ class BatchedArena:
         outcome = self._resetter.step(actions)
         self.arena.finish_reading()
         return outcome
-
-    def get_state(self, row: int) -> bytes:
-        """Return the state of one match and of its sequence of episodes as bytes.
-
-        Raises:
-            RuntimeError: No episode has started.
-        """
-        return self._resetter.get_state(row)
-
-    def set_state(self, row: int, data: bytes) -> Observation:
-        """Restore a row from the state of an environment with the same options, and return the observation.
-
-        Raises:
-            StateError: The bytes are not a state of an environment, are damaged, or have another version.
-            MatchSetupError: The match has another track, other rules or other seats.
-        """
-        return self._resetter.set_state(row, data).observation
 
 
 def multi_agent_config(track: str, options: Mapping[str, Any]) -> EnvConfig:

@@ -8,7 +8,7 @@ import numpy as np
 from gymnasium.spaces import Space
 from numpy.typing import NDArray
 
-from wildscav_engine.envs.arena import Arena, ArenaOutput
+from wildscav_engine.envs.arena import Arena, ArenaOutput, Changeable
 from wildscav_engine.envs.infos import info_of
 from wildscav_engine.envs.rendering.render import Renderer
 from wildscav_engine.envs.saving import load, save
@@ -21,26 +21,16 @@ from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 RENDER_MODES = ["rgb_array", "depth_array", "human", "rerun"]
 
 
-class OneMatch:
-    """An environment of one match, whose options can change and whose state can be saved."""
+class OneMatch(Changeable):
+    """An environment of one match, whose state can be saved."""
 
-    config: EnvConfig
-    arena: Arena
     _options: dict[str, Any]  # with which the environment was made
     _episodes: Episodes | None
     _renderer: Renderer
 
     def set_options(self, **changes: Unpack[EpisodeOptions]) -> None:
-        """Change options from the next episode on, for instance as a learner gets better.
-
-        Args:
-            changes: The fields of ``EpisodeOptions``. Terms of the reward that are not named get the weight
-                0; new terms are not possible, because infos have one structure.
-
-        Raises:
-            ValueError: An option cannot change, or its value is invalid.
-        """
-        self.config = self.arena.set_options(changes)
+        """Change options from the next episode on, and those of copies that ``fork`` makes."""
+        super().set_options(**changes)
         self._options |= {name: getattr(self.config, name) for name in changes}
 
     def get_state(self) -> bytes:

@@ -9,11 +9,11 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from wildscav_engine.envs.arena import Arena, ArenaOutput
-from wildscav_engine.envs.batched import Outcome, Resetter
+from wildscav_engine.envs.batched import ManyMatches, Outcome, Resetter
 from wildscav_engine.envs.infos import info_of
 from wildscav_engine.envs.rendering.render import Renderer
 from wildscav_engine.envs.settings.episodes import read_mask, read_seeds
-from wildscav_engine.envs.settings.options import EnvOptions, EpisodeOptions
+from wildscav_engine.envs.settings.options import EnvOptions
 from wildscav_engine.envs.single import pictures_of, single_agent_config
 from wildscav_engine.envs.spaces.columns import EVENTS
 from wildscav_engine.envs.spaces.observation import Observation, observation_space, part_of
@@ -21,7 +21,7 @@ from wildscav_engine.envs.spaces.observation import Observation, observation_spa
 Infos = dict[str, Any]
 
 
-class VectorArena(VectorEnv[Observation, Any, NDArray[Any]]):
+class VectorArena(ManyMatches, VectorEnv[Observation, Any, NDArray[Any]]):
     """N matches with one learner each.
 
     With the seed s, row i plays the same episodes as the single environment with the seed s + i.
@@ -89,18 +89,6 @@ class VectorArena(VectorEnv[Observation, Any, NDArray[Any]]):
         super().reset(seed=seeds[0])
         self._show()
         return _squeezed(output.observation), self._infos(output.rows, (), np.zeros((0, 1, 0)), chosen)
-
-    def set_options(self, **changes: Unpack[EpisodeOptions]) -> None:
-        """Change options from the next episode on of each environment, for instance as a learner gets better.
-
-        Args:
-            changes: The fields of ``EpisodeOptions``. Terms of the reward that are not named get the weight
-                0; new terms are not possible, because infos have one structure.
-
-        Raises:
-            ValueError: An option cannot change, or its value is invalid.
-        """
-        self.config = self.arena.set_options(changes)
 
     def step(
         self, actions: Any
@@ -192,22 +180,8 @@ class VectorArena(VectorEnv[Observation, Any, NDArray[Any]]):
             "_final_info": mask,
         }
 
-    def get_state(self, row: int) -> bytes:
-        """Return one environment as bytes, which a single environment can also restore.
-
-        Raises:
-            RuntimeError: No episode has started.
-        """
-        return self._resetter.get_state(row)
-
-    def set_state(self, row: int, data: bytes) -> Observation:
-        """Restore a row from the state of an environment with the same options, and return the observation.
-
-        Raises:
-            StateError: The bytes are not a state of an environment, are damaged, or have another version.
-            MatchSetupError: The match has another track, other rules or other seats.
-        """
-        return _squeezed(self._resetter.set_state(row, data).observation)
+    def _shaped(self, observation: Observation) -> Observation:
+        return _squeezed(observation)
 
     def _show(self) -> None:
         self._renderer.begin(self.arena)

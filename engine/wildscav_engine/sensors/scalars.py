@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.sensors.base import StateSensor
-from wildscav_engine.simulation.state import Agents, Matches
+from wildscav_engine.simulation.state import Agents, Matches, agents_at, matches_at
 
 if TYPE_CHECKING:
     from wildscav_engine.simulation.state import State
@@ -42,7 +43,8 @@ class ScalarSensor(StateSensor):
     ) -> NDArray[np.float32]:
         """Return (B, len(seats), columns) readings of the same seats in all matches."""
         readings = np.zeros((len(state.matches.frame), len(seats), len(self.scalars)), np.float32)
-        reader_of(self.kernel())(state.agents, state.matches, seats, readings)
+        agents, _, matches = state.tables
+        reader_of(self.kernel())(agents.addresses, matches.addresses, seats, readings)
         return readings
 
 
@@ -50,14 +52,17 @@ def _write(agents: Agents, matches: Matches, match: int, seat: int, row: NDArray
     """A placeholder for the kernel of a sensor."""
 
 
-def _read(agents: Agents, matches: Matches, seats: NDArray[np.int64], readings: NDArray[np.float32]) -> None:
+def _read(
+    agents: Addresses, matches: Addresses, seats: NDArray[np.int64], readings: NDArray[np.float32]
+) -> None:
+    every_agent, every_match = agents_at(agents), matches_at(matches)
     for match in range(readings.shape[0]):
         for index in range(readings.shape[1]):
-            _write(agents, matches, match, seats[index], readings[match, index])
+            _write(every_agent, every_match, match, seats[index], readings[match, index])
 
 
 @functools.cache
-def reader_of(write: Write) -> Callable[[Agents, Matches, NDArray[np.int64], NDArray[np.float32]], None]:
+def reader_of(write: Write) -> Callable[[Addresses, Addresses, NDArray[np.int64], NDArray[np.float32]], None]:
     """Return the kernel that reads some seats of all matches with one sensor's kernel.
 
     It counts as part of that kernel's file, so that both are always recompiled together.

@@ -3,20 +3,19 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.array_tables import Addresses, number_reader, reader, row_reader
+from wildscav_engine.compilation.array_tables import Addresses, number_reader, row_reader
 from wildscav_engine.compilation.kernel import kernel, only_for
 from wildscav_engine.maps.bank import world_at
-from wildscav_engine.simulation.state import allocate_state
+from wildscav_engine.simulation.state import allocate_state, matches_at
 from wildscav_engine.simulation.step import play_step
 from wildscav_engine.simulation.systems.visibility import allocate_seen, find_seen_in_match
 from wildscav_engine.specs.rules import Rules
 
 _EXAMPLE = allocate_state(1, 1, 1, 1, 1, 1)
-# Kernels that return the arrays of one match, or of all matches, from their address tables.
+# Kernels that return the arrays of one match from their address tables.
 agents_of = row_reader(_EXAMPLE.agents)
 supplies_of = row_reader(_EXAMPLE.supplies)
 seen_of = row_reader(allocate_seen(1, 1))
-matches_at = reader(_EXAMPLE.matches)
 rules_from = number_reader(Rules())
 
 

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.array_tables import ArrayTable
+from wildscav_engine.compilation.array_tables import ArrayTable, reader
 
 NOBODY = -1  # in place of a seat
 NOT_ELIMINATED = -1  # in place of the frame of an elimination
@@ -271,3 +271,10 @@ def _widened(array: NDArray[Any], room: int) -> NDArray[Any]:
     wide = np.zeros((array.shape[0], room, *array.shape[2:]), array.dtype)
     wide[:, : array.shape[1]] = array
     return wide
+
+
+_EXAMPLE = allocate_state(1, 1, 1, 1, 1, 1)
+# Kernels that return the arrays of all matches from their address tables.
+agents_at = reader(_EXAMPLE.agents)
+supplies_at = reader(_EXAMPLE.supplies)
+matches_at = reader(_EXAMPLE.matches)

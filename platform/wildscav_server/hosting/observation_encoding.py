@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from wildscav_engine.arithmetic.random_numbers import Word
 from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
-from wildscav_engine.simulation.batch_kernels import agents_of, matches_at, seen_of, supplies_of
-from wildscav_engine.simulation.state import Agents, Matches, Supplies
+from wildscav_engine.simulation.batch_kernels import agents_of, seen_of, supplies_of
+from wildscav_engine.simulation.state import Agents, Matches, Supplies, matches_at
 from wildscav_engine.simulation.systems.supplies import team_supplies
 from wildscav_engine.simulation.systems.visibility import Seen
 from wildscav_engine.specs.rules import FRAME

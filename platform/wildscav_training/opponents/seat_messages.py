@@ -12,8 +12,9 @@ from wildscav.wire.observations import decode_observation, encode_observation
 from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
-from wildscav_engine.simulation.batch_kernels import agents_of, matches_at, seen_of, supplies_of
+from wildscav_engine.simulation.batch_kernels import agents_of, seen_of, supplies_of
 from wildscav_engine.simulation.match import start_info
+from wildscav_engine.simulation.state import matches_at
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_server.hosting.observation_encoding import BUFFER_SIZE, put_observation
 from wildscav_server.hosting.observations import info_from

@@ -16,7 +16,9 @@ from wildscav_engine.simulation.state import (
     Ending,
     Matches,
     Supplies,
-    allocate_state,
+    agents_at,
+    matches_at,
+    supplies_at,
 )
 from wildscav_engine.simulation.systems.supplies import team_supplies
 from wildscav_engine.simulation.systems.visibility import Seen, allocate_seen
@@ -70,9 +72,6 @@ def allocate_row_workspace(
 
 _EXAMPLE = allocate_row_workspace(1, 1, 1, np.zeros(1, np.int64), RewardSum({}).term_arrays)
 # Kernels that read the arrays from their tables.
-agents_at = reader(allocate_state(1, 1, 1, 1, 1, 1).agents)
-supplies_at = reader(allocate_state(1, 1, 1, 1, 1, 1).supplies)
-matches_at = reader(allocate_state(1, 1, 1, 1, 1, 1).matches)
 seen_at = reader(allocate_seen(1, 1))
 workspace_at = reader(_EXAMPLE)
 

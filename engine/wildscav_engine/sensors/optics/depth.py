@@ -16,13 +16,13 @@ from wildscav_engine.compilation.kernel import refusal
 from wildscav_engine.parallel.turns import ALONE, Turns
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.dynamic_objects import ObjectSets
-from wildscav_engine.rendering.images import Output, trace_images
+from wildscav_engine.rendering.images import Output
 from wildscav_engine.rendering.trace import depths_tracer, trace_static_depths
 from wildscav_engine.rendering.tracing.solids import Solids
 from wildscav_engine.rendering.tracing.workspace import Size
 from wildscav_engine.sensors.base import sensor
 from wildscav_engine.sensors.optics.image_sensor import ShownMaps, are_ready
-from wildscav_engine.sensors.optics.pinhole import PinholeCamera
+from wildscav_engine.sensors.optics.pinhole import TracedCamera
 
 if TYPE_CHECKING:
     from wildscav_engine.maps.game_map import GameMap
@@ -32,13 +32,14 @@ DEPTH = np.dtype(np.float32)
 
 
 @sensor
-class DepthCamera(PinholeCamera):
+class DepthCamera(TracedCamera):
     """Depth maps in metres."""
 
     name: ClassVar[str] = "depth"
     title: ClassVar[str] = "planar depth, m"
     dtype: ClassVar[type[np.generic]] = np.float32
     ray_time: ClassVar[int] = 5
+    output: ClassVar[Output] = Output.DEPTHS
 
     moving: bool = False  # whether agents and supply boxes are visible
 
@@ -94,4 +95,4 @@ class DepthCamera(PinholeCamera):
         """Write the depths of what the rays hit."""
         if objects.most == 0:
             return trace_static_depths(shown.scenes, self._size, cameras, images, turns)
-        return trace_images(Output.DEPTHS, shown.scenes, objects, matches, cameras, images, turns)
+        return super().write_images(shown, objects, matches, cameras, images, turns)

@@ -38,8 +38,8 @@ from wildscav_engine.sensors.optics.object_parts import (
     colors_of_bodies,
     write_object,
 )
-from wildscav_engine.simulation.batch_kernels import agents_of, matches_at, supplies_of
-from wildscav_engine.simulation.state import Agents, Matches, State, Supplies, allocate_state
+from wildscav_engine.simulation.batch_kernels import agents_of, supplies_of
+from wildscav_engine.simulation.state import Agents, Matches, State, Supplies, allocate_state, matches_at
 from wildscav_engine.simulation.systems.supplies import is_present
 
 if TYPE_CHECKING:

@@ -7,20 +7,15 @@ index, and supply boxes from ``FIRST_BOX`` on by serial number. A wall with a do
 """
 
 from collections.abc import Sequence
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import Kind
-from wildscav_engine.parallel.turns import Turns
-from wildscav_engine.rendering.cameras import Cameras
-from wildscav_engine.rendering.dynamic_objects import ObjectSets
-from wildscav_engine.rendering.images import Output, trace_images
+from wildscav_engine.rendering.images import Output
 from wildscav_engine.rendering.labels import FIRST_AGENT, FIRST_BOX, FIRST_SOLID
 from wildscav_engine.sensors.base import Sensor, sensor
-from wildscav_engine.sensors.optics.image_sensor import ShownMaps
-from wildscav_engine.sensors.optics.pinhole import PinholeCamera
+from wildscav_engine.sensors.optics.pinhole import TracedCamera
 
 __all__ = ["FIRST_AGENT", "FIRST_BOX", "FIRST_SOLID", "SegmentationCamera"]
 
@@ -28,7 +23,7 @@ MAX_LABEL = 2**31 - 1
 
 
 @sensor
-class SegmentationCamera(PinholeCamera):
+class SegmentationCamera(TracedCamera):
     """Labels of the objects in each pixel."""
 
     label: Literal["kind", "instance"] = "kind"
@@ -56,15 +51,7 @@ class SegmentationCamera(PinholeCamera):
         """The least and the greatest label."""
         return 0, max(Kind) if self.label == "kind" else MAX_LABEL
 
-    def write_images(
-        self,
-        shown: ShownMaps,
-        objects: ObjectSets,
-        matches: NDArray[np.int64],
-        cameras: Cameras,
-        images: NDArray[Any],
-        turns: Turns,
-    ) -> bool:
-        """Write the labels of the objects that the rays hit."""
-        output = Output.INSTANCES if self.label == "instance" else Output.KINDS
-        return trace_images(output, shown.scenes, objects, matches, cameras, images, turns)
+    @property
+    def output(self) -> Output:  # type: ignore[override]
+        """The labels of kinds, or of instances."""
+        return Output.INSTANCES if self.label == "instance" else Output.KINDS

@@ -6,8 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
+from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.sensors.base import Column, StateSensor, sensor
+from wildscav_engine.simulation.state import Agents, agents_at, matches_at
 from wildscav_engine.simulation.systems.visibility import AGENT_LIMIT, insert_nearest
 
 if TYPE_CHECKING:
@@ -30,23 +32,15 @@ MOTION_COLUMNS = (
 
 
 @kernel
-def _write_motion(
-    position: NDArray[np.float64],
-    velocity: NDArray[np.float64],
-    yaw: NDArray[np.float64],
-    reader: int,
-    other: int,
-    row: NDArray[np.float32],
-) -> None:
-    """Write (8,) ``MOTION_COLUMNS`` of one seat as another one reads them."""
-    x = position[other, 0] - position[reader, 0]
-    y = position[other, 1] - position[reader, 1]
-    z = position[other, 2] - position[reader, 2]
+def _write_motion(agents: Agents, match: int, seat: int, other: int, row: NDArray[np.float32]) -> None:
+    """Write (8,) ``MOTION_COLUMNS`` of another seat as one reads them."""
+    own, there = agents.position[match, seat], agents.position[match, other]
+    x, y, z = there[0] - own[0], there[1] - own[1], there[2] - own[2]
     row[0], row[1], row[2] = x, y, z
     row[3] = np.sqrt(x * x + y * y + z * z)
     for axis in range(3):
-        row[4 + axis] = velocity[other, axis]
-    row[7] = yaw[other]
+        row[4 + axis] = agents.velocity[match, other, axis]
+    row[7] = agents.yaw[match, other]
 
 
 @sensor
@@ -77,12 +71,8 @@ class VisibleAgents(StateSensor):
 
     def read_batch(self, state: "State", seen: "Seen", seats: NDArray[np.int64]) -> NDArray[np.float32]:
         """Return (B, len(seats), limit, 13)."""
-        agents = state.agents
         readings = np.zeros((len(seen.agents), len(seats), self.limit, len(self.scalars)), np.float32)
-        _write_agents(
-            *(seen.agents, seen.agent_count, agents.team, agents.position, agents.velocity, agents.yaw),
-            *(agents.health, agents.invincible_left, seats, readings),
-        )
+        _write_agents(seen.agents, seen.agent_count, state.tables[0].addresses, seats, readings)
         return readings
 
 
@@ -90,28 +80,24 @@ class VisibleAgents(StateSensor):
 def _write_agents(
     others: NDArray[np.int32],
     count: NDArray[np.int32],
-    team: NDArray[np.int32],
-    position: NDArray[np.float64],
-    velocity: NDArray[np.float64],
-    yaw: NDArray[np.float64],
-    health: NDArray[np.int32],
-    invincible_left: NDArray[np.int32],
+    table: Addresses,
     seats: NDArray[np.int64],
     readings: NDArray[np.float32],
 ) -> None:
     """Write what some seats, (S,), of all matches see of other agents, into zeros (B, S, limit, columns).
 
-    Everything else is as in ``Seen`` and ``Agents``.
+    ``others`` and ``count`` are as in ``Seen``, and the table is that of the agents.
     """
+    agents = agents_at(table)
     for match in range(readings.shape[0]):
         for reader in range(seats.shape[0]):
             seat = seats[reader]
             for place in range(min(readings.shape[2], count[match, seat])):
                 other, row = others[match, seat, place], readings[match, reader, place]
-                row[0], row[1], row[2] = 1.0, other, team[match, other]
-                _write_motion(position[match], velocity[match], yaw[match], seat, other, row[3:11])
-                row[11] = health[match, other]
-                row[12] = invincible_left[match, other] > 0
+                row[0], row[1], row[2] = 1.0, other, agents.team[match, other]
+                _write_motion(agents, match, seat, other, row[3:11])
+                row[11] = agents.health[match, other]
+                row[12] = agents.invincible_left[match, other] > 0
 
 
 @sensor
@@ -146,26 +132,17 @@ class Teammates(StateSensor):
         seats: NDArray[np.int64],
     ) -> NDArray[np.float32]:
         """Return (B, len(seats), limit, 13)."""
-        agents = state.agents
-        readings = np.zeros((len(agents.team), len(seats), self.limit, len(self.scalars)), np.float32)
-        _write_teammates(
-            *(state.matches.seats, agents.team, agents.position, agents.velocity, agents.yaw, agents.health),
-            *(agents.invincible_left, agents.supplies, seats),
-            *(np.empty(self.limit), np.empty(self.limit, np.int32), readings),
-        )
+        agents, _, matches = state.tables
+        readings = np.zeros((len(state.agents.team), len(seats), self.limit, len(self.scalars)), np.float32)
+        scratch = np.empty(self.limit), np.empty(self.limit, np.int32)
+        _write_teammates(agents.addresses, matches.addresses, seats, *scratch, readings)
         return readings
 
 
 @kernel
 def _write_teammates(
-    seats_of_match: NDArray[np.int64],
-    team: NDArray[np.int32],
-    position: NDArray[np.float64],
-    velocity: NDArray[np.float64],
-    yaw: NDArray[np.float64],
-    health: NDArray[np.int32],
-    invincible_left: NDArray[np.int32],
-    supplies: NDArray[np.int32],
+    table: Addresses,
+    table_of_matches: Addresses,
     seats: NDArray[np.int64],
     squares: NDArray[np.float64],
     nearest: NDArray[np.int32],
@@ -173,22 +150,22 @@ def _write_teammates(
 ) -> None:
     """Write where the teammates of some seats, (S,), of all matches are, into zeros (B, S, limit, columns).
 
-    Everything else is as in ``Matches`` and ``Agents``, except scratch (limit,) for the squared distances of
-    the nearest teammates in m², and for their seats.
+    The tables are those of the agents and of the matches. There is scratch (limit,) for the squared distances
+    of the nearest teammates in m², and for their seats.
     """
+    agents, seats_of_match = agents_at(table), matches_at(table_of_matches).seats
     for match in range(readings.shape[0]):
         for reader in range(seats.shape[0]):
             seat = seats[reader]
-            count = _find_teammates(
-                team[match, : seats_of_match[match]], position[match], seat, squares, nearest
-            )
+            teams = agents.team[match, : seats_of_match[match]]
+            count = _find_teammates(teams, agents.position[match], seat, squares, nearest)
             for place in range(count):
                 mate, row = nearest[place], readings[match, reader, place]
                 row[0], row[1] = 1.0, mate
-                _write_motion(position[match], velocity[match], yaw[match], seat, mate, row[2:10])
-                row[10] = health[match, mate]
-                row[11] = invincible_left[match, mate] > 0
-                row[12] = supplies[match, mate]
+                _write_motion(agents, match, seat, mate, row[2:10])
+                row[10] = agents.health[match, mate]
+                row[11] = agents.invincible_left[match, mate] > 0
+                row[12] = agents.supplies[match, mate]
 
 
 @kernel

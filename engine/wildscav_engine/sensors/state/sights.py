@@ -14,8 +14,10 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from wildscav_engine.arithmetic.elementary_functions import arctangent, cosine, logarithm, wrap
+from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.sensors.base import Column, StateSensor, sensor
+from wildscav_engine.simulation.state import agents_at
 from wildscav_engine.simulation.systems.visibility import AGENT_LIMIT
 from wildscav_engine.specs.body import BODY_RADIUS, EYE_HEIGHT
 
@@ -54,12 +56,9 @@ class Sights(StateSensor):
 
     def read_batch(self, state: "State", seen: "Seen", seats: NDArray[np.int64]) -> NDArray[np.float32]:
         """Return (B, len(seats), limit, 10)."""
-        agents = state.agents
         readings = np.zeros((len(seen.agents), len(seats), self.limit, len(self.scalars)), np.float32)
-        _write_sights(
-            *(seen.agents, seen.agent_count, agents.team, agents.position, agents.velocity, agents.yaw),
-            *(agents.pitch, agents.health, agents.invincible_left, seats, self.lead, readings),
-        )
+        table = state.tables[0].addresses
+        _write_sights(seen.agents, seen.agent_count, table, seats, self.lead, readings)
         return readings
 
 
@@ -67,21 +66,17 @@ class Sights(StateSensor):
 def _write_sights(
     others: NDArray[np.int32],
     count: NDArray[np.int32],
-    team: NDArray[np.int32],
-    position: NDArray[np.float64],
-    velocity: NDArray[np.float64],
-    yaw: NDArray[np.float64],
-    pitch: NDArray[np.float64],
-    health: NDArray[np.int32],
-    invincible_left: NDArray[np.int32],
+    table: Addresses,
     seats: NDArray[np.int64],
     lead: float,
     readings: NDArray[np.float32],
 ) -> None:
     """Write what some seats, (S,), of all matches see of their enemies, into zeros (B, S, limit, columns).
 
-    Everything else is as in ``Seen`` and ``Agents``, and ``lead`` in s.
+    ``others`` and ``count`` are as in ``Seen``, the table is that of the agents, and ``lead`` is in s.
     """
+    agents = agents_at(table)
+    team, yaw, pitch = agents.team, agents.yaw, agents.pitch
     for match in range(readings.shape[0]):
         for reader in range(seats.shape[0]):
             seat, written = seats[reader], 0
@@ -91,20 +86,20 @@ def _write_sights(
                     continue
                 row = readings[match, reader, written]
                 written += 1
-                own, there = position[match, seat], position[match, other]
+                own, there = agents.position[match, seat], agents.position[match, other]
                 x, y, z = there[0] - own[0], there[1] - own[1], there[2] - own[2]
                 level = np.sqrt(x * x + z * z)
                 row[0] = 1.0
                 _write_angles(x, y, z, yaw[match, seat], pitch[match, seat], row[1:3])
-                own, there = velocity[match, seat], velocity[match, other]
+                own, there = agents.velocity[match, seat], agents.velocity[match, other]
                 soon_x, soon_z = x + (there[0] - own[0]) * lead, z + (there[2] - own[2]) * lead
                 soon_y = y + (there[1] - own[1]) * lead
                 _write_angles(soon_x, soon_y, soon_z, yaw[match, seat], pitch[match, seat], row[3:5])
                 row[5] = signed_logarithm(arctangent(BODY_RADIUS, level))
                 row[6] = cosine(yaw[match, other] - arctangent(-x, -z))
                 row[7] = logarithm(1.0 + np.sqrt(level * level + y * y))
-                row[8] = health[match, other]
-                row[9] = invincible_left[match, other] > 0
+                row[8] = agents.health[match, other]
+                row[9] = agents.invincible_left[match, other] > 0
 
 
 @kernel

@@ -7,9 +7,11 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from wildscav_engine.arithmetic.elementary_functions import logarithm
+from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.sensors.base import Column, StateSensor, sensor
 from wildscav_engine.sensors.state.places import write_direction
+from wildscav_engine.simulation.state import agents_at, supplies_at
 from wildscav_engine.simulation.systems.visibility import SUPPLY_LIMIT
 
 if TYPE_CHECKING:
@@ -51,12 +53,10 @@ class NearbySupplies(StateSensor):
 
     def read_batch(self, state: "State", seen: "Seen", seats: NDArray[np.int64]) -> NDArray[np.float32]:
         """Return (B, len(seats), limit, 6)."""
-        boxes, position = state.supplies, state.agents.position
+        agents, boxes, _ = state.tables
         readings = np.zeros((len(seen.supplies), len(seats), self.limit, 6), np.float32)
-        _write_boxes(
-            *(seen.supplies, seen.supply_count, boxes.position, boxes.quantity),
-            *(position, self.range, seats, readings),
-        )
+        tables = agents.addresses, boxes.addresses
+        _write_boxes(seen.supplies, seen.supply_count, *tables, self.range, seats, readings)
         return readings
 
 
@@ -64,28 +64,27 @@ class NearbySupplies(StateSensor):
 def _write_boxes(
     slots: NDArray[np.int32],
     count: NDArray[np.int32],
-    place_of_box: NDArray[np.float32],
-    quantity: NDArray[np.int32],
-    position: NDArray[np.float64],
+    agents: Addresses,
+    supplies: Addresses,
     reach: float,
     seats: NDArray[np.int64],
     readings: NDArray[np.float32],
 ) -> None:
     """Write what some seats, (S,), of all matches see of supply boxes, into zeros (B, S, limit, 6).
 
-    Everything else is as in ``Seen``, ``Supplies`` and ``Agents``; ``reach``, in m, is the option ``range``.
+    ``slots`` and ``count`` are as in ``Seen``, two are tables, and ``reach``, in m, is the option ``range``.
     """
+    position, boxes = agents_at(agents).position, supplies_at(supplies)
     for match in range(readings.shape[0]):
         for reader in range(seats.shape[0]):
             own = position[match, seats[reader]]
             for place in range(min(readings.shape[2], count[match, seats[reader]])):
                 slot, row = slots[match, seats[reader], place], readings[match, reader, place]
-                x = place_of_box[match, slot, 0] - own[0]
-                y = place_of_box[match, slot, 1] - own[1]
-                z = place_of_box[match, slot, 2] - own[2]
+                box = boxes.position[match, slot]
+                x, y, z = box[0] - own[0], box[1] - own[1], box[2] - own[2]
                 distance = np.sqrt(x * x + y * y + z * z)
                 if distance <= reach:
-                    row[0], row[1] = 1.0, quantity[match, slot]
+                    row[0], row[1] = 1.0, boxes.quantity[match, slot]
                     row[2], row[3], row[4], row[5] = x, y, z, distance
 
 
@@ -124,11 +123,11 @@ class ToSupplies(StateSensor):
 
     def read_batch(self, state: "State", seen: "Seen", seats: NDArray[np.int64]) -> NDArray[np.float32]:
         """Return (B, len(seats), limit, 6)."""
-        boxes, agents = state.supplies, state.agents
+        agents, boxes, _ = state.tables
         readings = np.zeros((len(seen.supplies), len(seats), self.limit, len(self.scalars)), np.float32)
+        tables, costs = (agents.addresses, boxes.addresses), np.empty(SUPPLY_LIMIT)
         _write_ways(
-            *(seen.supplies, seen.supply_count, boxes.position, boxes.quantity, agents.position, agents.yaw),
-            *(self.worth, self.start_up, seats, np.empty(SUPPLY_LIMIT), readings),
+            *(seen.supplies, seen.supply_count, *tables, self.worth, self.start_up, seats, costs, readings)
         )
         return readings
 
@@ -137,10 +136,8 @@ class ToSupplies(StateSensor):
 def _write_ways(
     slots: NDArray[np.int32],
     count: NDArray[np.int32],
-    place_of_box: NDArray[np.float32],
-    quantity: NDArray[np.int32],
-    position: NDArray[np.float64],
-    yaw: NDArray[np.float64],
+    agents: Addresses,
+    supplies: Addresses,
     worth: float,
     start_up: float,
     seats: NDArray[np.int64],
@@ -149,9 +146,11 @@ def _write_ways(
 ) -> None:
     """Write the ways of some seats, (S,), of all matches to boxes, into zeros (B, S, limit, columns).
 
-    Everything else is as in ``Seen``, ``Supplies`` and ``Agents``, except the options ``worth`` and
-    ``start_up``, and scratch (32,) for the logarithms of effort relative to worth.
+    ``slots`` and ``count`` are as in ``Seen``, two are tables, ``worth`` and ``start_up`` are options, and
+    ``costs`` is scratch (32,) for the logarithms of effort relative to worth.
     """
+    position, yaw = agents_at(agents).position, agents_at(agents).yaw
+    place_of_box, quantity = supplies_at(supplies).position, supplies_at(supplies).quantity
     for match in range(readings.shape[0]):
         for reader in range(seats.shape[0]):
             seat = seats[reader]
