@@ -357,7 +357,9 @@ def test_some_records_are_chosen_by_chance(opened: Published, audit: Run) -> Non
     checks = {check.what: check for check in report.checks}
     assert report.holds
     assert (checks["records"].checked, checks["records played again"].checked) == (4, 2)
-    assert checks["records"].unchecked == {"nobody asked for it (--records, --replay)": SUITE_MATCHES - 4}
+    assert checks["records"].unchecked == {
+        "nobody asked for it (--download, --resimulate)": SUITE_MATCHES - 4
+    }
 
 
 def test_a_track_that_the_season_does_not_have_is_an_error_of_usage(opened: Published, audit: Run) -> None:

@@ -98,7 +98,7 @@ def check_table(output: str) -> None:
     assert "sandbox process; each agent: 1 MB of output" in said
     assert "time of the agents, measured at the engine" in said
     assert "results.json" in output
-    assert "wildscav rescore" in output
+    assert "wildscav verify" in output
     assert ".rrd" in output
 
 
