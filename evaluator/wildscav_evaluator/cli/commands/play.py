@@ -29,8 +29,12 @@ def play(
     size: Annotated[int, typer.Option(help="Side of the map, m.", min=40, max=2000)] = 100,
     seed: Annotated[int, typer.Option(help="Seed of the match.", min=0, max=2**64 - 1)] = 0,
     robots: Annotated[
-        int | None,
-        typer.Option(help="Seats for robots. Default: in battle, up to six seats in all.", min=0, max=999),
+        str | None,
+        typer.Option(
+            help="Robots in further seats: how many, or which, such as fighter,gatherer-hard. Default: in "
+            "battle, up to six seats in all.",
+            show_default=False,
+        ),
     ] = None,
     time_limit: Annotated[float, typer.Option(help="Seconds of game time.", min=0.1, max=86_400)] = 60.0,
     record: Annotated[Path | None, typer.Option(help="Save the record of the match to this file.")] = None,

@@ -114,7 +114,7 @@ def chosen_settings(
         team_size=size,
         mixed=asked.mixed,
         repeats=min(2, places) if asked.repeats is None else asked.repeats,
-        robots=_others(asked.robots or "", track, MAX_SEATS - seats),
+        robots=robots_asked(asked.robots or "", track, MAX_SEATS - seats),
         meet_own=asked.meet_own,
     )
 
@@ -142,7 +142,7 @@ def _places(entrants: int, seats: int, size: int, *, mixed: bool) -> int:
     return places
 
 
-def _others(text: str, track: str, most: int) -> tuple[str, ...]:
+def robots_asked(text: str, track: str, most: int) -> tuple[str, ...]:
     """Return the robots that fill further seats, from the text of the option.
 
     Args:

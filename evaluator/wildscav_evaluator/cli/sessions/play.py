@@ -23,6 +23,7 @@ from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_engine.specs.validation import one_line
 from wildscav_engine.tracks import TRACKS
+from wildscav_evaluator.cli.options.tournament import MAX_SEATS, robots_asked
 from wildscav_evaluator.cli.result_tables import add_columns, heading, plain_table
 from wildscav_evaluator.cli.sessions.playing import INTERRUPTED, raise_errors
 from wildscav_evaluator.matches.play import (
@@ -37,7 +38,6 @@ from wildscav_evaluator.sandbox import SANDBOXES, Sandbox
 from wildscav_evaluator.sandbox.agents.capped_log import is_cut
 from wildscav_evaluator.scores.notes import invalid_actions_note, waits_note
 from wildscav_evaluator.scores.number_format import number
-from wildscav_evaluator.seats import BATTLE_ROBOTS
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_server import leftovers
 from wildscav_server.hosting.hosted_match import HostedMatch
@@ -51,7 +51,6 @@ import tempfile
 from wildscav_inspect.replay import check_name
 
 BATTLE_SEATS = 6  # by default
-MAX_SEATS = 1000  # in a spec
 HOUSE_AREA = 2500.0  # m² of map for each house
 
 
@@ -59,7 +58,7 @@ def make_spec(
     track: str,
     *,
     submissions: int,
-    robots: int | None,
+    robots: str | None,
     map_seed: int,
     size: int,
     seed: int,
@@ -73,17 +72,15 @@ def make_spec(
     if size % 2:
         raise UserError(f"--size is {size}, must be even", exit_code=2)
     if robots is None:
-        robots = max(0, BATTLE_SEATS - submissions) if Field.SHOOT in TRACKS[track].fields else 0
-    if submissions + robots > MAX_SEATS:
-        raise UserError(f"--robots is {robots}, must leave at most {MAX_SEATS:,} seats in all", exit_code=2)
-    filled_by = [BATTLE_ROBOTS[number % len(BATTLE_ROBOTS)] for number in range(robots)]
+        robots = str(max(0, BATTLE_SEATS - submissions)) if Field.SHOOT in TRACKS[track].fields else ""
+    filled_by = robots_asked(robots, track, MAX_SEATS - submissions)
     houses = max(1, min(200, round(size * size / HOUSE_AREA)))
     try:
         return MatchSpec(
             track=track,
             map=MapSpec(config=MapConfig(size=size, houses=houses), seed=map_seed),
             seed=seed,
-            seats=(SUBMISSION,) * submissions + tuple(filled_by),
+            seats=(SUBMISSION,) * submissions + filled_by,
             time_limit=time_limit,
         )
     except ValidationError as error:
