@@ -12,15 +12,17 @@ from gymnasium.spaces import Box, Dict, Space
 from numpy.typing import NDArray
 
 from wildscav_engine.envs.settings.config import EnvConfig
-from wildscav_engine.envs.spaces.actions import action_mode
-from wildscav_engine.envs.spaces.box_mode import LOOK_STEP, TURN_STEP
-from wildscav_engine.envs.spaces.choice_modes import (
+from wildscav_engine.envs.spaces.actions import (
     DIRECTIONS,
+    LOOK_LIMIT,
+    LOOK_STEP,
+    TURN_LIMIT,
+    TURN_STEP,
     WALK_SPEEDS,
     BaselineMode,
     MultiDiscreteMode,
+    action_mode,
 )
-from wildscav_engine.envs.spaces.dict_mode import LOOK_LIMIT, TURN_LIMIT
 from wildscav_engine.specs.actions import MAX_WALK_SPEED, Field
 
 Played = NDArray[np.float32]  # (N, FIELDS) rows as the engine returned them
