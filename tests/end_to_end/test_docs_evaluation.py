@@ -117,6 +117,6 @@ def test_the_commands_of_the_page_run_in_their_order(tmp_path: Path) -> None:
 
     assert len(here) >= 9
     assert "all agree with out/spring/results.json" in said["wildscav verify out/spring"]
-    (checked,) = (text for line, text in said.items() if "secret check" in line)
+    (checked,) = (text for line, text in said.items() if "--commitment" in line)
     assert "is the one committed to" in checked
     assert "all agree" in run_line("wildscav verify out/hidden", tmp_path)

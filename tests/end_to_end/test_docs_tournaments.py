@@ -98,7 +98,7 @@ def test_the_commands_of_the_page_run_in_their_order(folder: Path) -> None:
         printed[line] = run_line(line, folder, *(("--suite=short.toml", "--rounds=1") if is_long else ()))
 
     assert "all agree" in printed["wildscav verify out/arena"]
-    assert any("is the one committed to" in text for line, text in printed.items() if "secret check" in line)
+    assert any("is the one committed to" in text for line, text in printed.items() if "--commitment" in line)
     assert "all agree" in run_line("wildscav verify out/final", folder)
     assert sorted(path.name[:5] for path in (folder / "out" / "tournaments").iterdir()) == [
         "0001-",

@@ -95,7 +95,7 @@ def played_here(folder: Path, suite: Path, out: Path) -> Path:
     """Play the same matches on this machine."""
     done = run_command(
         *("evaluate", folder, f"--suite={suite}", "--sandbox=process", "--replays=none"),
-        *(f"--out={out}"),
+        f"--out={out}",
     )
     assert done.returncode == 0, done.stderr
     return out
@@ -137,7 +137,7 @@ def test_a_cluster_gives_the_records_and_scores_of_this_machine(
 
     done = wildscav(
         *("evaluate", place / "talker", *options(in_cluster, suite, sandbox)),
-        *(f"--out={there}"),
+        f"--out={there}",
     )
 
     assert done.returncode == 0, done.stderr

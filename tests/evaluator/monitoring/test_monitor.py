@@ -108,7 +108,7 @@ def test_an_evaluation_is_watched_while_it_runs(tmp_path: Path, capsys: pytest.C
     (tmp_path / "short.toml").write_text(SUITE)
     plan = plan_of(load_submission(HOMING), out=tmp_path / "out", suite=read_suite(tmp_path / "short.toml"))
 
-    run_session(plan, tmp_path / "db", MonitorOptions("json", 0))
+    run_session(plan, MonitorOptions("json", 0))
 
     said = capsys.readouterr()
     assert "metrics   http://127.0.0.1:" in said.out
