@@ -53,7 +53,11 @@ def with_new_names(words: list[str], root: Any, context: Any) -> list[str]:
     if old:
         _say(f"wildscav {name}", f"wildscav {' '.join(COMMANDS[old])}")
         rest = [*COMMANDS[old], *_with_option(name, rest)]
-    return _with_new_options(rest, {**OPTIONS[""], **OPTIONS.get(name, {})}, _options(rest, root, context))
+    new = {**OPTIONS[""], **OPTIONS.get(name, {})}
+    # Making a command takes time, and most command lines have no old option.
+    if not any(word.partition("=")[0] in new for word in rest):
+        return rest
+    return _with_new_options(rest, new, _options(rest, root, context))
 
 
 def _with_option(name: str, words: list[str]) -> list[str]:

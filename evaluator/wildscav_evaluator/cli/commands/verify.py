@@ -23,6 +23,7 @@ from wildscav_inspect.records import SeasonOption, resolve_record
 if TYPE_CHECKING:
     from wildscav_evaluator.executors import Executor
 
+COUNTS = {"all": None, "none": 0}  # of records, besides numbers
 SEASON_FILE = "season.json"  # in a folder that a season was exported to
 # The options that each kind of thing takes, besides --json.
 OPTIONS = {
@@ -35,7 +36,7 @@ OPTIONS = {
 
 def _count(text: str) -> str:
     """Check a number of records."""
-    if text not in ("all", "none") and not (text.isascii() and text.isdigit()):
+    if text not in COUNTS and not (text.isascii() and text.isdigit()):
         raise typer.BadParameter(f"{text!r} is no number, nor all or none")
     return text
 
@@ -182,7 +183,7 @@ def _kind_of_one(place: str) -> str:
 
 def _number(text: str) -> int | None:
     """Return a number of records; None for all."""
-    return {"all": None, "none": 0}[text] if text in ("all", "none") else int(text)
+    return COUNTS[text] if text in COUNTS else int(text)
 
 
 def _audit(*arguments: Any, as_json: bool) -> None:
