@@ -32,7 +32,12 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
     if not collection_path.name.startswith("test_"):
         return None
     text = collection_path.read_text("utf-8")
-    without = {"slow": "mark.slow" not in text, "not slow": "\npytestmark = pytest.mark.slow\n" in text}
+    fixtures = collection_path.with_name("conftest.py")  # their parameters may be slow, too
+    shared = fixtures.read_text("utf-8") if fixtures.exists() else ""
+    without = {
+        "slow": "mark.slow" not in text + shared,
+        "not slow": "\npytestmark = pytest.mark.slow\n" in text,
+    }
     return without.get(config.option.markexpr) or None
 
 
