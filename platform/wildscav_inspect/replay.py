@@ -192,7 +192,7 @@ def _write(path: Path, content: bytes) -> None:
         f"{path}: {len(content) / 1e6:.1f} MB. Open it with:",
         f"  {command('rerun')} {shlex.quote(str(path))}",
     )
-    console.print(*lines, sep="\n", markup=False, highlight=False, soft_wrap=True)
+    console.print(*lines, sep="\n")
 
 
 def _serve(content: bytes, name: str, host: str | None, port: int | None) -> None:
@@ -208,7 +208,7 @@ def _serve(content: bytes, name: str, host: str | None, port: int | None) -> Non
             raise UserError(str(error)) from None
     with server:
         lines = (f"{name} is at {server.link}", "Ctrl-C ends it.")
-        console.print(*lines, sep="\n", markup=False, highlight=False, soft_wrap=True)
+        console.print(*lines, sep="\n")
         try:
             server.serve_forever()
         except KeyboardInterrupt:

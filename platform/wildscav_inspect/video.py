@@ -133,24 +133,14 @@ def _size(text: str) -> tuple[int, int]:
 @contextmanager
 def _bar(title: str, unit: str) -> "Iterator[Callable[[int, int], None]]":
     """Show a progress bar while something is done, and yield what it is told with."""
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-    from wildscav.terminal.console import error_console
+    from wildscav.terminal.console import counting, error_console
     from wildscav_engine.compilation.engine_progress import preparing
 
-    columns = (
-        TextColumn("{task.description}", markup=False),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn(unit),
-        TimeRemainingColumn(),
-    )
-    with preparing(error_console), Progress(*columns, console=error_console, transient=True) as progress:
-        task = progress.add_task(title, total=None)
-        yield lambda done, total: progress.update(task, completed=done, total=total)
+    with preparing(error_console), counting(title, unit) as report:
+        yield report
 
 
 def _say(path: Path, what: str) -> None:
     from wildscav.terminal.console import console
 
-    console.print(f"{path}: {path.stat().st_size / 1e6:.1f} MB, {what}", soft_wrap=True)
+    console.print(f"{path}: {path.stat().st_size / 1e6:.1f} MB, {what}")

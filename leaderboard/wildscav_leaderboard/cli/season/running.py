@@ -57,9 +57,9 @@ def serve(
         changed = changed.model_copy(update={"port": check_port(changed.host, changed.port)})
     season = Season(season.folder, season.settings.model_copy(update={"web": changed}))
     for line in check_rules(season):
-        console.print(line, soft_wrap=True)
+        console.print(line)
     if WEB in parts:
-        console.print(f"{season.settings.title}: {changed.address} (Ctrl-C ends it)", soft_wrap=True)
+        console.print(f"{season.settings.title}: {changed.address} (Ctrl-C ends it)")
     run(season, parts, "json" if log_format == "json" else "text")
 
 
@@ -150,9 +150,9 @@ def apply(
         with database.reading() as session:
             changes = edition_changes(session, season)
         for change in changes:
-            console.print(change.text, soft_wrap=True)
+            console.print(change.text)
         if changes and not yes:
             typer.confirm("Bring this into force?", abort=True)
         with database.writing() as session:
             apply_editions(session, season, command_line(), datetime.now(UTC))
-    console.print("the new rules are in force", soft_wrap=True)
+    console.print("the new rules are in force")
