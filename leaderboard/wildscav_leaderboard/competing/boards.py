@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 LEGEND = "Teams whose ranks overlap cannot be told apart with 95 % confidence."
 
 
-def show_boards(named: str | None, track: str | None, *, as_json: bool) -> None:
+def show_boards(named: str, track: str | None, *, as_json: bool) -> None:
     """Print the boards of a season: of one track, or of all.
 
     Raises:
