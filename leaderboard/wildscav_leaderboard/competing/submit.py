@@ -18,7 +18,7 @@ from wildscav_leaderboard.competing.course import check_end, waited
 if TYPE_CHECKING:
     from wildscav_evaluator.submissions.submission import Submission
     from wildscav_leaderboard.api.documents import HandedIn, QuotaView, SubmissionView
-    from wildscav_leaderboard.competing.season_client import Progress, SeasonClient
+    from wildscav_leaderboard.competing.season_client import OnSent, SeasonClient
 
 
 def submit(
@@ -85,14 +85,14 @@ def _quota(client: "SeasonClient") -> "QuotaView":
 
 
 @contextmanager
-def _progress() -> "Iterator[Callable[[Path], Progress]]":
+def _progress() -> "Iterator[Callable[[Path], OnSent]]":
     """Show that an archive is packed, how much of it was sent, and that the season then checks it."""
     from rich.progress import DownloadColumn, TransferSpeedColumn
 
     with progress_bar(DownloadColumn(), TransferSpeedColumn()) as shown:
         task = shown.add_task("packing", total=None)
 
-        def begun(archive: Path) -> "Progress":
+        def begun(archive: Path) -> "OnSent":
             shown.update(task, description="uploading", total=archive.stat().st_size)
             return advance
 

@@ -120,7 +120,7 @@ class _Shown:
         self._task = self.progress.add_task("", total=None)
         self._said = ""
 
-    def update(self, state: "finalizing.Progress") -> None:
+    def update(self, state: "finalizing.Ending") -> None:
         """Show how far the season is."""
         what = STAGES[state.stage]
         if state.pending:
