@@ -23,7 +23,6 @@ from wildscav_server.hosting.manifest import read_manifest
 PERSON = "person"
 FRAMES_PER_ACTION = 1  # so that a person's inputs take effect, and pictures change, 50 times a second
 DEFAULT_MAP = MapConfig(size=120, houses=5, water=0.05)
-MAX_PEOPLE = 8
 STAND_INS = {  # the robots that play for people who are not here
     "navigation": "seeker-easy",
     "gathering": "gatherer-easy",

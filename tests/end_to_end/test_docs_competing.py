@@ -85,7 +85,7 @@ def test_the_documents_have_the_fields_that_the_page_of_the_command_line_tells(
     shown("team matches", number)
     of_match = json.loads(competitor.run("team", "logs", "--match", match, "--json").stdout)
     assert names(of_match) == TOLD["team logs"] - {"submission"}
-    shown("leaderboard --season")
+    shown("leaderboard --season", "latest")
     shown("team submissions cancel", number, told="team submissions ACT")
     shown("login --logout")
 
@@ -124,7 +124,7 @@ def test_the_way_from_an_invitation_to_the_board(tmp_path: Path) -> None:
         for words in lines(blocks(PAGE, "console")[0]):
             own = [word.replace(ADDRESS, url).replace("invite_KEY", key) for word in words[1:]]
             run(*own, *(["--name", "ada"] if own[0] == "login" else []))  # a person would be asked for it
-        until(["leaderboard", "--season"], has_team)
+        until(["leaderboard", "--season", "latest"], has_team)
         match = until(["team", "matches", "1", "--track", "battle"], seen_match)
         run("replay", str(match), "--no-images")
         run("verify", f"match-{match}.wsr")
