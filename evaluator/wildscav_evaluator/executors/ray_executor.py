@@ -25,8 +25,7 @@ from wildscav_evaluator.executors.cluster.messages import (
     Use,
 )
 from wildscav_evaluator.matches.jobs import AttemptFailed, Job, JobResult
-from wildscav_evaluator.matches.run_job import failed, kept_result
-from wildscav_evaluator.output.journal import entry_path, write_entry
+from wildscav_evaluator.matches.run_job import failed
 from wildscav_evaluator.output.lock import Lock
 from wildscav_evaluator.sandbox import SANDBOXES, SandboxError
 from wildscav_evaluator.sandbox.choose import Choice
@@ -185,26 +184,18 @@ class RayPlayers:
 
 
 def files_of_earlier_run(job: Job) -> dict[str, bytes]:
-    """Return the files that tell a node that a match was played, and lacks only its replay."""
-    if kept_result(job) is None:
-        return {}
-    paths = (job.out / job.record, entry_path(job.out, job.stem))
-    return {path.relative_to(job.out).as_posix(): path.read_bytes() for path in paths}
+    """Return the files that a node needs for a match that was played, and lacks only its replay."""
+    return {} if job.kept is None else {job.record: (job.out / job.record).read_bytes()}
 
 
 def saved(job: Job, played: Played) -> JobResult:
-    """Write the files of a match that a node played, as a local worker does, and return its result.
-
-    The record comes before the entry in the journal, which makes the match count as played.
-    """
+    """Write the files of a match that a node played, as a local worker does, and return its result."""
     result = JobResult(job, played.row, played.timing, played.replay_error)
     try:
-        if kept_result(job) is None and played.row.record is not None and played.timing is not None:
-            for path in sorted(played.files, key=lambda path: path == job.record):
+        if job.kept is None and played.row.record is not None:
+            for path in played.files:
                 if path != job.replay_path:
                     write_whole(job.out / path, played.files[path])
-            row = played.row.model_copy(update={"replay": None})
-            write_entry(job.out, job.evaluation, job.stem, row, played.timing)
     except OSError as error:
         return failed(job, describe(error))
     if played.row.replay is None:

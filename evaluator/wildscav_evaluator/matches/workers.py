@@ -17,7 +17,7 @@ from typing import cast
 
 from wildscav.system.worker_pool import start_worker
 from wildscav.system.worker_processes import become_worker
-from wildscav_evaluator.matches.jobs import AttemptFailed, Job, JobEvent, JobResult, Wanted
+from wildscav_evaluator.matches.jobs import AttemptFailed, Job, JobEvent, JobResult, RenderingReplay, Wanted
 from wildscav_evaluator.matches.run_job import after_worker_death, run_job
 from wildscav_evaluator.matches.watchdog import CHECK_INTERVAL, Patience, Watchdog
 from wildscav_evaluator.output.lock import Lock
@@ -104,6 +104,8 @@ class Worker:
             return after_worker_death(job, watchdog.verdict)
         if isinstance(event, AttemptFailed):
             self.job = replace(job, faults=(*job.faults, event.reason))
+        elif isinstance(event, RenderingReplay):
+            self.job = replace(job, kept=event.kept)
         return event
 
     def _how_it_ended(self) -> str:

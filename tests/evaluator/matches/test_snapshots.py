@@ -15,7 +15,7 @@ from wildscav_evaluator.matches.jobs import Heartbeat, Job, JobEvent
 from wildscav_evaluator.matches.run_job import run_job
 from wildscav_evaluator.matches.snapshots import snapshot_of
 from wildscav_evaluator.matches.watchdog import Patience, Watchdog
-from wildscav_evaluator.output.layout import LOGS, MATCHES, RECORDS
+from wildscav_evaluator.output.layout import LOGS, RECORDS
 from wildscav_evaluator.submissions.submission import Submission
 
 pytestmark = pytest.mark.usefixtures("compiled")
@@ -33,7 +33,7 @@ SPEC = MatchSpec(track="battle", map=SMALL, seats=("submission", "fighter"), tim
 
 def heartbeats_of(submission: Submission, out: Path, watched: bool) -> tuple[Job, list[Heartbeat]]:
     """Play a match, and return what it reported."""
-    for name in (RECORDS, LOGS, MATCHES):
+    for name in (RECORDS, LOGS):
         (out / name).mkdir(parents=True)
     events: list[JobEvent] = []
     job = Job.of_one(submission, "battle", 0, SPEC, out, False, watched=watched)

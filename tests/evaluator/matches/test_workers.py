@@ -14,14 +14,14 @@ from tests.evaluator.sample_agents import SLEEPER, WALKER, Submit
 from wildscav_engine.record import read_record, verify_record
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.matches.jobs import Job, JobResult
+from wildscav_evaluator.matches.jobs import Job, JobResult, KeptMatch
 from wildscav_evaluator.matches.play import MatchAssignment
 from wildscav_evaluator.matches.run_job import after_worker_death
 from wildscav_evaluator.matches.watchdog import Patience
 from wildscav_evaluator.matches.workers import Workers
 from wildscav_evaluator.monitoring.dashboard import match_counts
 from wildscav_evaluator.monitoring.monitor import EvaluationMetrics, Monitor, MonitorOptions
-from wildscav_evaluator.output.layout import LOGS, MATCHES, RECORDS, REPLAYS
+from wildscav_evaluator.output.layout import LOGS, RECORDS, REPLAYS
 from wildscav_evaluator.submissions.submission import Submission
 
 KILLS_EVERY_WORKER = """
@@ -54,7 +54,7 @@ IMPATIENT = Patience(set_up=60.0, step=2.0)  # beside the two seconds that agent
 
 @pytest.fixture
 def out(tmp_path: Path) -> Path:
-    for name in (RECORDS, REPLAYS, LOGS, MATCHES):
+    for name in (RECORDS, REPLAYS, LOGS):
         (tmp_path / "out" / name).mkdir(parents=True)
     return tmp_path / "out"
 
@@ -147,7 +147,8 @@ def test_a_match_that_was_played_is_kept_even_if_its_replay_kills_every_worker(
     only = job(submit("walker", WALKER), 0, out)
     (played,) = run([only], 1).values()
 
-    again = after_worker_death(replace(only, replay=True), "killed")
+    kept_match = KeptMatch(played.row, played.timing)
+    again = after_worker_death(replace(only, replay=True, kept=kept_match), "killed")
     assert isinstance(again, Job)
     again = after_worker_death(again, "killed")
     assert isinstance(again, Job)

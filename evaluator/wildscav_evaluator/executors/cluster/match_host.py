@@ -16,7 +16,7 @@ from typing import Any
 from wildscav.errors import UserError, describe
 from wildscav_evaluator.executors.cluster.messages import Played
 from wildscav_evaluator.executors.cluster.submission_archives import arrived
-from wildscav_evaluator.matches.jobs import Heartbeat, Job, JobEvent, JobResult, Wanted
+from wildscav_evaluator.matches.jobs import Heartbeat, Job, JobEvent, JobResult, RenderingReplay, Wanted
 from wildscav_evaluator.matches.watchdog import CHECK_INTERVAL, Patience
 from wildscav_evaluator.matches.workers import (
     REPLAYS_PER_WORKER,
@@ -24,7 +24,7 @@ from wildscav_evaluator.matches.workers import (
     Worker,
     WorkerDiedError,
 )
-from wildscav_evaluator.output.layout import LOGS, MATCHES, RECORDS, REPLAYS
+from wildscav_evaluator.output.layout import LOGS, RECORDS, REPLAYS
 from wildscav_evaluator.submissions.images import with_images
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_server import leftovers
@@ -96,7 +96,7 @@ class MatchHost:
         self._job = job
         try:
             folder = self._stack.enter_context(leftovers.temporary_folder("match-"))
-            for name in (*RETURNED, MATCHES):
+            for name in RETURNED:
                 (folder / name).mkdir()
             for path, content in files.items():
                 (folder / path).write_bytes(content)
@@ -149,7 +149,8 @@ class MatchHost:
                 return Report(tuple(events), Broken(event.faults[-1]))
             if events and isinstance(event, Heartbeat) and isinstance(events[-1], Heartbeat):
                 events.pop()  # only the last one matters
-            events.append(event)
+            # The record comes back with the replay, so nothing is kept of the match before.
+            events.append(RenderingReplay() if isinstance(event, RenderingReplay) else event)
             if isinstance(event, Heartbeat) and event.snapshots:
                 break  # spectators wait for them
         return Report(tuple(events))
