@@ -14,7 +14,7 @@ from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.jobs import Heartbeat, Job, JobEvent
 from wildscav_evaluator.matches.run_job import run_job
 from wildscav_evaluator.matches.snapshots import snapshot_of
-from wildscav_evaluator.matches.watchdog import Patience, Watchdog
+from wildscav_evaluator.matches.watchdog import ProgressTimeouts, Watchdog
 from wildscav_evaluator.output.layout import LOGS, RECORDS
 from wildscav_evaluator.submissions.submission import Submission
 
@@ -79,7 +79,7 @@ def test_snapshots_are_in_decimetres() -> None:
 
 def test_a_watched_match_that_stands_still_is_noticed(submit: Submit, tmp_path: Path) -> None:
     job = Job.of_one(submit("slow", SLOW), "battle", 0, SPEC, tmp_path, False, watched=True)
-    watchdog = Watchdog(job, Patience(step=1.0))
+    watchdog = Watchdog(job, ProgressTimeouts(step=1.0))
     moment = snapshot_of(Match(SPEC))
     watchdog.hear(Heartbeat(5, 1, (moment,)))
     for _ in range(100):
