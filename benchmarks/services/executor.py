@@ -26,7 +26,7 @@ from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_evaluator.executors.ray_executor import RayExecutor
 from wildscav_evaluator.ledger.writer import LedgerWriter
 from wildscav_evaluator.matches.jobs import Job, JobResult
-from wildscav_evaluator.output.layout import LOGS, MATCHES, RECORDS, REPLAYS
+from wildscav_evaluator.output.layout import LOGS, RECORDS, REPLAYS
 from wildscav_evaluator.plans.evaluation import EvaluationPlan
 from wildscav_evaluator.submissions.submission import load_submission
 from wildscav_evaluator.suites.seeds import SuiteSeed
@@ -90,7 +90,7 @@ def _await_cluster(port: int) -> None:
 
 def plan_in(out: Path) -> EvaluationPlan:
     """Return an official evaluation that writes to a folder."""
-    for name in (RECORDS, REPLAYS, LOGS, MATCHES):
+    for name in (RECORDS, REPLAYS, LOGS):
         (out / name).mkdir(parents=True, exist_ok=True)
     return EvaluationPlan(
         submissions=(load_submission(HOMING),),

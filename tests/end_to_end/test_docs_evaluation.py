@@ -17,7 +17,6 @@ from wildscav_evaluator.output.layout import (
     IDENTITY_FILE,
     LEDGER_FILE,
     LOGS,
-    MATCHES,
     OPENED_FILE,
     RECORDS,
     REPLAYS,
@@ -76,7 +75,7 @@ def test_every_file_of_the_output_folder_is_told() -> None:
     cells = [row[0] for row in rows("| in the output folder |")]
     told = {name.rstrip("/") for cell in cells for name in re.findall(r"`([\w./]+)`", cell)}
 
-    folders = {RECORDS, MATCHES, REPLAYS, LOGS}
+    folders = {RECORDS, REPLAYS, LOGS}
     assert told == folders | {RESULTS_FILE, IDENTITY_FILE, LEDGER_FILE, SUITE_FILE, OPENED_FILE}
 
 

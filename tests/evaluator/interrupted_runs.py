@@ -10,8 +10,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 from wildscav_engine.record import read_record
-from wildscav_evaluator.output.journal import Entry
-from wildscav_evaluator.output.layout import MATCHES, RESULTS_FILE
+from wildscav_evaluator.ledger.entries import Entry, MatchEnded
+from wildscav_evaluator.output.layout import LEDGER_FILE, RESULTS_FILE
 from wildscav_evaluator.output.results import Results
 
 PROGRAM = str(Path(sys.executable).parent / "wildscav")
@@ -50,7 +50,7 @@ class Sitting:
         return False
 
     def kill_at(self, matches: int) -> None:
-        """Kill it as soon as so many matches are in its journal, and the folder is there."""
+        """Kill it as soon as so many matches are in its ledger, and the folder is there."""
         self.await_matches(matches)
         self._kill()
 
@@ -60,8 +60,8 @@ class Sitting:
         self._kill()
 
     def await_matches(self, matches: int) -> None:
-        """Wait until so many matches are in its journal."""
-        self._await(lambda: (self.out / MATCHES).exists() and len(journal(self.out)) >= matches)
+        """Wait until so many matches are in its ledger."""
+        self._await(lambda: self.out.exists() and len(entered(self.out)) >= matches)
 
     def _await(self, condition: Callable[[], bool]) -> None:
         deadline = time.monotonic() + 300.0
@@ -79,18 +79,24 @@ class Sitting:
         self.process.wait()
 
 
-def journal(out: Path) -> dict[str, tuple[int, int]]:
-    """When each match of the journal was entered, and when its record was written, ns."""
-    entries = {path.stem: path.stat().st_mtime_ns for path in (out / MATCHES).glob("[!.]*.json")}
-    return {stem: (at, (out / "records" / f"{stem}.wsr").stat().st_mtime_ns) for stem, at in entries.items()}
+def entered(out: Path) -> dict[str, tuple[str, int]]:
+    """When each match of the ledger was entered, and when its record was written, ns."""
+    path = out / LEDGER_FILE
+    lines = path.read_bytes().splitlines(keepends=True) if path.exists() else []
+    entries = [Entry.model_validate_json(line) for line in lines if line.endswith(b"\n")]
+    return {
+        one.fact.match: (one.at, (out / str(one.fact.row.record)).stat().st_mtime_ns)
+        for one in entries
+        if isinstance(one.fact, MatchEnded) and one.fact.record is not None
+    }
 
 
 def check_whole(out: Path) -> None:
     """Whatever is there under its name is whole."""
     for path in (out / "records").glob("[!.]*"):
         read_record(path)
-    for path in (out / MATCHES).glob("[!.]*"):
-        Entry.model_validate_json(path.read_bytes())
+    for stem in entered(out):
+        read_record(out / "records" / f"{stem}.wsr")
     if (out / RESULTS_FILE).exists():
         Results.model_validate_json((out / RESULTS_FILE).read_bytes())
 

@@ -13,7 +13,6 @@ from wildscav_engine.record import write_record
 from wildscav_engine.simulation.match import Match as Game
 from wildscav_engine.specs.actions import FIELDS, Field
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
-from wildscav_evaluator.output.journal import file_digest
 from wildscav_evaluator.output.results import MatchRow, MatchTiming, SeatRow, metric_infos
 from wildscav_evaluator.seats import display_names
 from wildscav_leaderboard.boards.service import after_boards, refresh
@@ -21,6 +20,7 @@ from wildscav_leaderboard.conductor.editions import begin_editions
 from wildscav_leaderboard.conductor.plans import plan_ladders, plan_suites
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import LADDER, WAITING, Match, MatchSeat
+from wildscav_leaderboard.matches.record_files import record_digest
 from wildscav_leaderboard.matches.service import PlayedRecord, deliver, seats_of
 from wildscav_leaderboard.organizing import finalizing
 from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE, Season
@@ -110,7 +110,7 @@ def play(session: Session, season: Season, match: Match, now: datetime) -> None:
         MatchTiming(
             submission=None, track=match.track, index=match.number, started=0, wall=1, steps=1, seats=()
         ),
-        PlayedRecord(file_digest(path), path.stat().st_size),
+        PlayedRecord(record_digest(path.read_bytes()), path.stat().st_size),
         metric_infos(match.track)[0],
         after_boards(session, now),
     )

@@ -155,9 +155,9 @@ def _run_all(
         begun = _telling(tell, f"match: {track}", STEPS)
         played = runner.run(play_match(seating, sandbox=sandbox, clock=clock, make=make, on_start=begun))
         seat, fitted = seating.seats[0], clock.fitted(trial.spec)
-        found = list(findings.judge_match(played.seats[seat], fitted, trial.limits, f"match: {track}"))
-        found.append(findings.output(seating.logs[0].stat().st_size, trial.limits))
-        yield from (one for one in found if number == 0 or one.check != "start-up")
+        judged = list(findings.judge_match(played.seats[seat], fitted, trial.limits, f"match: {track}"))
+        judged.append(findings.output(seating.logs[0].stat().st_size, trial.limits))
+        yield from (one for one in judged if number == 0 or one.check != "start-up")
         if played.seats[seat].status != "finished":
             return  # an agent that cannot play a match fails the rest for the same reason
         if number == 0:

@@ -25,8 +25,7 @@ from wildscav_evaluator.executors.cluster.messages import (
     Use,
 )
 from wildscav_evaluator.matches.jobs import AttemptFailed, Job, JobResult
-from wildscav_evaluator.matches.run_job import failed, kept_result
-from wildscav_evaluator.output.journal import entry_path, write_entry
+from wildscav_evaluator.matches.run_job import failed
 from wildscav_evaluator.output.lock import Lock
 from wildscav_evaluator.sandbox import SANDBOXES, SandboxError
 from wildscav_evaluator.sandbox.choose import Choice
@@ -95,12 +94,12 @@ class RayExecutor:
         names = [name for name in names if SANDBOXES[name].runs_images or not images]
         if not names:
             raise SubmissionError(f"{images[0].name} needs a container, which --sandbox {asked} does not run")
-        found = self.examine(names, [one.image or built_name(one) for one in images])
-        usable = [one for one in found if not one.problem]
+        examined = self.examine(names, [one.image or built_name(one) for one in images])
+        usable = [one for one in examined if not one.problem]
         cores = {name: sum(one.cores for one in usable if not one.sandboxes[name]) for name in names}
         best = max(names, key=lambda name: cores[name])
         if not cores[best]:
-            raise SandboxError(_no_sandbox(found, names))
+            raise SandboxError(_no_sandbox(examined, names))
         for message in self._request(Use(best)):
             self._nodes = cast("Nodes", message).nodes
         unused = tuple(f"node {one.name} is not used: {one.problem}" for one in self._nodes if one.problem)
@@ -137,11 +136,11 @@ class RayExecutor:
 
     def _use_any_sandbox(self) -> None:
         """Use all nodes with this version of Wildscav: calls run no agents."""
-        found = self.examine(())
+        examined = self.examine(())
         for message in self._request(Use("")):
             self._nodes = cast("Nodes", message).nodes
-        if all(one.problem for one in found):
-            raise ExecutorError(_no_node(found))
+        if all(one.problem for one in examined):
+            raise ExecutorError(_no_node(examined))
 
     def _request(self, request: Any, answer: Callable[[Any], Any] = lambda _: None) -> Iterator[Any]:
         if self._bridge is None:
@@ -185,26 +184,18 @@ class RayPlayers:
 
 
 def files_of_earlier_run(job: Job) -> dict[str, bytes]:
-    """Return the files that tell a node that a match was played, and lacks only its replay."""
-    if kept_result(job) is None:
-        return {}
-    paths = (job.out / job.record, entry_path(job.out, job.stem))
-    return {path.relative_to(job.out).as_posix(): path.read_bytes() for path in paths}
+    """Return the files that a node needs for a match that was played, and lacks only its replay."""
+    return {} if job.kept is None else {job.record: (job.out / job.record).read_bytes()}
 
 
 def saved(job: Job, played: Played) -> JobResult:
-    """Write the files of a match that a node played, as a local worker does, and return its result.
-
-    The record comes before the entry in the journal, which makes the match count as played.
-    """
+    """Write the files of a match that a node played, as a local worker does, and return its result."""
     result = JobResult(job, played.row, played.timing, played.replay_error)
     try:
-        if kept_result(job) is None and played.row.record is not None and played.timing is not None:
-            for path in sorted(played.files, key=lambda path: path == job.record):
+        if job.kept is None and played.row.record is not None:
+            for path in played.files:
                 if path != job.replay_path:
                     write_whole(job.out / path, played.files[path])
-            row = played.row.model_copy(update={"replay": None})
-            write_entry(job.out, job.evaluation, job.stem, row, played.timing)
     except OSError as error:
         return failed(job, describe(error))
     if played.row.replay is None:
@@ -225,13 +216,13 @@ def _next(items: Iterator[Item]) -> Iterator[Item]:
         return
 
 
-def _no_sandbox(found: Sequence[Examined], names: Sequence[str]) -> str:
+def _no_sandbox(examined: Sequence[Examined], names: Sequence[str]) -> str:
     """Return in one line why no node can run agents."""
-    if not found or all(one.problem for one in found):
-        return _no_node(found)
+    if not examined or all(one.problem for one in examined):
+        return _no_node(examined)
     why = "; ".join(
         f"{one.name}: {one.problem or ', '.join(f'{name}: {one.sandboxes[name]}' for name in names)}"
-        for one in found
+        for one in examined
     )
     return (
         f"no node of the Ray cluster can run agents in {' or '.join(names)} ({why}); to run agents that you "
@@ -239,8 +230,8 @@ def _no_sandbox(found: Sequence[Examined], names: Sequence[str]) -> str:
     )
 
 
-def _no_node(found: Sequence[Examined]) -> str:
-    if not found:
+def _no_node(examined: Sequence[Examined]) -> str:
+    if not examined:
         return "the Ray cluster has no node with cores"
-    why = "; ".join(f"{one.name}: {one.problem}" for one in found)
+    why = "; ".join(f"{one.name}: {one.problem}" for one in examined)
     return f"no node of the Ray cluster can be used ({why})"

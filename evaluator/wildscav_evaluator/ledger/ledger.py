@@ -63,11 +63,11 @@ class Ledger:
     @property
     def ended(self) -> dict[str, list[MatchEnded]]:
         """The entries of each match's ends, in order, by the stem of its files' names."""
-        found: dict[str, list[MatchEnded]] = {}
+        by_match: dict[str, list[MatchEnded]] = {}
         for entry in self.entries:
             if isinstance(entry.fact, MatchEnded):
-                found.setdefault(entry.fact.match, []).append(entry.fact)
-        return found
+                by_match.setdefault(entry.fact.match, []).append(entry.fact)
+        return by_match
 
     @property
     def played(self) -> dict[str, MatchEnded]:

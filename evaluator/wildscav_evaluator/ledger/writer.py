@@ -3,10 +3,13 @@
 import os
 from collections.abc import Sequence
 from datetime import UTC, datetime
+from hashlib import sha256
 from pathlib import Path
 
-from wildscav.errors import UserError
-from wildscav_engine.record import RecordError, read_record
+from wildscav.errors import UserError, describe
+from wildscav_engine.record import FILE_LIMIT, SUFFIX, RecordError
+from wildscav_engine.record.format import decode
+from wildscav_engine.storage.files import read_limited
 from wildscav_evaluator.ledger.entries import (
     AttemptFailed,
     Closed,
@@ -21,9 +24,9 @@ from wildscav_evaluator.ledger.entries import (
 )
 from wildscav_evaluator.ledger.keys import SigningKey
 from wildscav_evaluator.ledger.ledger import Ledger, LedgerError, parse_ledger, read_lines, sha256_of
-from wildscav_evaluator.matches.jobs import JobResult
+from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.output.identity import Identity
-from wildscav_evaluator.output.layout import LEDGER_FILE
+from wildscav_evaluator.output.layout import LEDGER_FILE, RECORDS
 from wildscav_evaluator.output.results import MatchRow, Results
 
 
@@ -48,7 +51,7 @@ class LedgerWriter:
         self._path = out / LEDGER_FILE
         self._number = 0
         self.head = ""  # SHA-256 of the last line, which identifies the whole ledger
-        self._played: dict[str, MatchEnded] = {}
+        self.played: dict[str, MatchEnded] = {}  # the matches that have a result
         self._closed: Closed | None = None
         ledger = self._read_existing(identity)
         self._new = ledger is None
@@ -57,7 +60,7 @@ class LedgerWriter:
             self._append(Opened(identity=identity))
         else:
             self._number, self.head = len(ledger.entries), ledger.head
-            self._played, self._closed = ledger.played, ledger.closed
+            self.played, self._closed = ledger.played, ledger.closed
 
     def _read_existing(self, identity: Identity) -> Ledger | None:
         """Return the existing ledger, truncated to its last complete line; None if there is none."""
@@ -80,75 +83,41 @@ class LedgerWriter:
             raise _changed(f"{self._path} is of another evaluation")
         return ledger
 
-    def confirm(self, kept: Sequence[JobResult]) -> list[JobResult]:
-        """Return the matches of earlier runs that count, after checking each against ledger and record.
-
-        In a signed evaluation, only matches in the ledger count. Otherwise, a match that was played just
-        before the evaluation was killed is entered now.
+    def kept(self, jobs: Sequence[Job]) -> list[JobResult]:
+        """Return the results of the jobs that earlier runs played, after checking each against its record.
 
         Args:
-            kept: The matches in the journal whose records are unchanged since they were entered there.
+            jobs: All jobs of the evaluation.
 
         Raises:
             UserError: A match, its record or its entry was changed.
         """
-        by_match = {result.job.stem: result for result in kept}
-        for match, ended in self._played.items():
-            if match not in by_match:
-                raise _changed(f"the record or the journal of {match} is missing, or was changed")
-            self._check(by_match[match], ended)
-        new = [result for result in kept if result.job.stem not in self._played]
-        if new and self._new:
+        if self._new and any((self._out / RECORDS).glob(f"*{SUFFIX}")):
             raise _changed(f"{self._out} has matches that were played, but no {LEDGER_FILE}")
-        if self._key is not None:
-            return [result for result in kept if result.job.stem in self._played]
-        for result in new:
-            self._check_record(result)
-            self.end(result)
-        return list(kept)
-
-    def _check(self, result: JobResult, ended: MatchEnded) -> None:
-        job = result.job
-        if (_row(result), result.timing) != (ended.row, ended.timing):
-            raise _changed(f"the journal and the ledger disagree about {job.stem}")
-        if sha256_of(job.out / job.record) != ended.record:
-            raise _changed(f"{job.out / job.record} is not the record that is in the ledger")
-        self._check_record(result)
-
-    def _check_record(self, result: JobResult) -> None:
-        """Check that a match's metrics are those of its record."""
-        path = result.job.out / result.job.record
-        try:
-            seats = read_record(path).result.seats
-        except RecordError as error:
-            raise _changed(str(error)) from error
-        for seat in result.row.seats:
-            if not seat.seat < len(seats) or seat.metrics != seats[seat.seat].metrics:
-                raise _changed(f"the metrics of {result.job.stem} in the journal are not those of its record")
-        recomputed = MatchRow.of(result.row.index, result.row.seats, result.row.record)
-        if recomputed != _row(result):
-            raise _changed(f"the journal's summary of {result.job.stem} is not that of its seats")
+        if unknown := self.played.keys() - {job.stem for job in jobs}:
+            raise _changed(f"{self._path} has the match {min(unknown)}, which is not of this evaluation")
+        return [_kept(job, self.played[job.stem]) for job in jobs if job.stem in self.played]
 
     def begin(self, match: str) -> None:
         """Enter that a match begins, unless it was played already and only its replay is missing."""
-        if match not in self._played:
+        if match not in self.played:
             self._append(MatchStarted(match=match))
 
     def broke(self, match: str, reason: str) -> None:
         """Enter that the platform broke a match, which will be played again."""
-        if match not in self._played:
+        if match not in self.played:
             self._append(AttemptFailed(match=match, reason=reason))
 
     def end(self, result: JobResult) -> None:
         """Enter how a match ended."""
         job, row = result.job, _row(result)
-        if job.stem in self._played:
+        if job.stem in self.played:
             return
         record = None if row.record is None else sha256_of(job.out / row.record)
         ended = MatchEnded(match=job.stem, record=record, row=row, timing=result.timing)
         self._append(ended)
         if record is not None:
-            self._played[job.stem] = ended
+            self.played[job.stem] = ended
 
     def close(self, results: Results, path: Path) -> None:
         """Enter the results of the evaluation, unless the last entry has the same results.
@@ -180,6 +149,28 @@ class LedgerWriter:
         except OSError as error:
             raise UserError(f"the ledger {self._path} cannot be written: {error.strerror}") from error
         self._number, self.head = self._number + 1, digest_of_line(line)
+
+
+def _kept(job: Job, ended: MatchEnded) -> JobResult:
+    """Return the result of a job from its entry, after checking that its record supports it."""
+    path, row = job.out / job.record, ended.row
+    try:
+        content = read_limited(path, FILE_LIMIT)
+        if sha256(content).hexdigest() != ended.record:
+            raise _changed(f"{path} is not the record that is in the ledger")
+        seats = decode(content).result.seats
+    except OSError as error:
+        raise _changed(f"the record of {job.stem} cannot be read: {describe(error)}") from error
+    except RecordError as error:
+        raise _changed(f"{path}: {error}") from error
+    for seat in row.seats:
+        if not seat.seat < len(seats) or seat.metrics != seats[seat.seat].metrics:
+            raise _changed(f"the metrics of {job.stem} in the ledger are not those of its record")
+    if not row.seats or MatchRow.of(job.index, row.seats, job.record) != row:
+        raise _changed(f"the ledger's summary of {job.stem} is not that of its seats")
+    if job.replay and (job.out / job.replay_path).exists():
+        row = row.model_copy(update={"replay": job.replay_path})
+    return JobResult(job, row, ended.timing)
 
 
 def _row(result: JobResult) -> MatchRow:

@@ -34,7 +34,7 @@ class Job:
     spec: MatchSpec
     out: Path
     replay: bool  # whether to render one
-    evaluation: str = ""  # digest of the evaluation's identity
+    key: str = ""  # by which the caller of an executor knows it
     sandbox: str = "process"  # the name of the sandbox in which its agent runs
     limits: Limits = DEFAULT_LIMITS  # of its agent
     faults: tuple[str, ...] = ()  # what broke earlier attempts, one line each
@@ -42,6 +42,7 @@ class Job:
     robots: tuple[int, ...] = ()  # the seats of robots that are entrants
     seeds: tuple[int, ...] = ()  # the private seed of each submission; if empty, those of the spec
     watched: bool = False  # whether its heartbeats carry snapshots, for spectators
+    kept: "KeptMatch | None" = None  # how it went, if it was played before and lacks only its replay
 
     @classmethod
     def of_one(
@@ -117,8 +118,17 @@ class AttemptFailed(NamedTuple):
     reason: str  # in one line
 
 
+class KeptMatch(NamedTuple):
+    """How a match went whose record is in the output folder."""
+
+    row: MatchRow
+    timing: MatchTiming | None
+
+
 class RenderingReplay(NamedTuple):
     """The match was played, and its replay is being rendered."""
+
+    kept: KeptMatch | None = None  # None if its record is not in the output folder yet
 
 
 JobEvent = Heartbeat | AttemptFailed | RenderingReplay  # of a job that a worker is running

@@ -17,6 +17,7 @@ from wildscav_evaluator.matches.jobs import (
     Job,
     JobEvent,
     JobResult,
+    KeptMatch,
     RenderingReplay,
 )
 from wildscav_evaluator.matches.play import (
@@ -29,7 +30,6 @@ from wildscav_evaluator.matches.play import (
     remove_empty_logs,
 )
 from wildscav_evaluator.matches.snapshots import Snapshot, snapshot_of
-from wildscav_evaluator.output.journal import read_entry, write_entry
 from wildscav_evaluator.output.results import FAILED, FINISHED, MatchRow, MatchTiming, SeatRow, SeatTiming
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_server.hosting.hosted_match import HostedMatch
@@ -42,7 +42,7 @@ SNAPSHOT_INTERVAL = 0.1  # s between two snapshots of a match that is watched
 def run_job(
     runner: asyncio.Runner, job: Job, on_event: Callable[[JobEvent], None] = lambda _: None
 ) -> JobResult:
-    """Play a job's match, unless an earlier run played it, and write its files.
+    """Play a job's match, unless it was played before, and write its files.
 
     Every error becomes the result of this job, so that the other jobs go on.
 
@@ -52,20 +52,11 @@ def run_job(
         on_event: Called regularly with the match's progress, when it is played again, and when the rendering
             of its replay begins.
     """
-    result = kept_result(job) or _play(runner, job, on_event)
+    result = _play(runner, job, on_event) if job.kept is None else JobResult(job, *job.kept)
     if not result.to_render:
         return result
-    on_event(RenderingReplay())
+    on_event(RenderingReplay(KeptMatch(result.row, result.timing)))
     return _rendered(result)
-
-
-def kept_result(job: Job) -> JobResult | None:
-    """Return the result of a job whose match an earlier run completed; None if there is none."""
-    entry = read_entry(job.out, job.evaluation, job.stem)
-    if entry is None:
-        return None
-    rendered = job.replay and (job.out / job.replay_path).exists()
-    return JobResult(job, _with_replay(job, entry.row) if rendered else entry.row, entry.timing)
 
 
 def after_worker_death(job: Job, reason: str) -> Job | JobResult:
@@ -78,9 +69,8 @@ def after_worker_death(job: Job, reason: str) -> Job | JobResult:
     faults = (*job.faults, reason)
     if len(faults) < MAX_ATTEMPTS:
         return replace(job, faults=faults)
-    played = kept_result(job)
-    if played is not None:
-        return replace(played, replay_error=f"no replay {job.out / job.replay_path}: {given_up(faults)}")
+    if job.kept is not None:
+        return JobResult(job, *job.kept, f"no replay {job.out / job.replay_path}: {given_up(faults)}")
     return failed(job, given_up(faults))
 
 
@@ -93,10 +83,7 @@ def _play(runner: asyncio.Runner, job: Job, on_event: Callable[[JobEvent], None]
         write_record(job.out / job.record, played.match, seating.names)
         remove_empty_logs(seating.logs)
         row = MatchRow.of(job.index, tuple(seat_row(job, played, seat) for seat in job.entrants), job.record)
-        timing = match_timing(job, played, started, time.perf_counter() - clock)
-        # From here on the match counts as played.
-        write_entry(job.out, job.evaluation, job.stem, row, timing)
-        return JobResult(job, row, timing)
+        return JobResult(job, row, match_timing(job, played, started, time.perf_counter() - clock))
     except OSError as error:
         return failed(job, describe(error))
     except (WildscavError, ValueError) as error:
@@ -179,12 +166,8 @@ def failed(job: Job, reason: str) -> JobResult:
 def _rendered(result: JobResult) -> JobResult:
     """Return a result after rendering its replay, with the replay's path or the error."""
     error = _render(result.job)
-    row = result.row if error else _with_replay(result.job, result.row)
+    row = result.row if error else result.row.model_copy(update={"replay": result.job.replay_path})
     return replace(result, row=row, replay_error=error)
-
-
-def _with_replay(job: Job, row: MatchRow) -> MatchRow:
-    return row.model_copy(update={"replay": job.replay_path})
 
 
 def _render(job: Job) -> str:

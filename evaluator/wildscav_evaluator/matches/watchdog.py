@@ -13,7 +13,7 @@ CHECK_INTERVAL = 1.0  # s between two checks of the workers, at most
 
 
 @dataclass(frozen=True)
-class Patience:
+class ProgressTimeouts:
     """How long a job may make no progress, s: many times what each phase takes on an idle machine."""
 
     set_up: float = 300.0  # to generate the map (the largest takes half a minute) and for all agents to join
@@ -42,11 +42,11 @@ class Watchdog:
 
     Args:
         job: The job.
-        patience: How long the job may make no progress.
+        timeouts: How long the job may make no progress.
     """
 
-    def __init__(self, job: Job, patience: Patience) -> None:
-        self._job, self._patience = job, patience
+    def __init__(self, job: Job, timeouts: ProgressTimeouts) -> None:
+        self._job, self._timeouts = job, timeouts
         self._last_event: JobEvent | None = None
         self._still = 0.0  # s without progress
 
@@ -68,7 +68,7 @@ class Watchdog:
     @property
     def verdict(self) -> str:
         """A line that says that the worker hangs; empty if it does not."""
-        limit, where = self._patience.with_job(self._job, self._last_event)
+        limit, where = self._timeouts.with_job(self._job, self._last_event)
         if self._still <= limit:
             return ""
         return f"the worker process hung: no progress in {limit:,.0f} s {where}"

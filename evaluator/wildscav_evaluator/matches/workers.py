@@ -17,9 +17,9 @@ from typing import cast
 
 from wildscav.system.worker_pool import start_worker
 from wildscav.system.worker_processes import become_worker
-from wildscav_evaluator.matches.jobs import AttemptFailed, Job, JobEvent, JobResult, Wanted
+from wildscav_evaluator.matches.jobs import AttemptFailed, Job, JobEvent, JobResult, RenderingReplay, Wanted
 from wildscav_evaluator.matches.run_job import after_worker_death, run_job
-from wildscav_evaluator.matches.watchdog import CHECK_INTERVAL, Patience, Watchdog
+from wildscav_evaluator.matches.watchdog import CHECK_INTERVAL, ProgressTimeouts, Watchdog
 from wildscav_evaluator.output.lock import Lock
 from wildscav_evaluator.sandbox.base import signal_name
 from wildscav_server import leftovers
@@ -46,14 +46,14 @@ class Worker:
 
     Args:
         lock: The lock of the folder that it writes to.
-        patience: How long its jobs may make no progress.
+        timeouts: How long its jobs may make no progress.
     """
 
-    def __init__(self, lock: Lock | None, patience: Patience) -> None:
+    def __init__(self, lock: Lock | None, timeouts: ProgressTimeouts) -> None:
         self.process, self.connection = start_worker(_work, lock)
         self.job: Job | None = None
         self._watchdog: Watchdog | None = None
-        self._patience = patience
+        self._timeouts = timeouts
         self.dead = False
         self.rendered = 0  # replays so far
 
@@ -76,7 +76,7 @@ class Worker:
 
     def assign(self, job: Job) -> None:
         """Send it a job. If the process is gone already, ``receive`` will report that."""
-        self.job, self._watchdog = job, Watchdog(job, self._patience)
+        self.job, self._watchdog = job, Watchdog(job, self._timeouts)
         with contextlib.suppress(OSError):
             self.connection.send(job)
 
@@ -104,6 +104,8 @@ class Worker:
             return after_worker_death(job, watchdog.verdict)
         if isinstance(event, AttemptFailed):
             self.job = replace(job, faults=(*job.faults, event.reason))
+        elif isinstance(event, RenderingReplay):
+            self.job = replace(job, kept=event.kept)
         return event
 
     def _how_it_ended(self) -> str:
@@ -131,11 +133,13 @@ class Workers:
     Args:
         count: How many.
         lock: The lock of the folder that they write to; each worker holds it as long as it lives.
-        patience: How long jobs may make no progress.
+        timeouts: How long jobs may make no progress.
     """
 
-    def __init__(self, count: int, lock: Lock | None = None, patience: Patience | None = None) -> None:
-        self._count, self._lock, self._patience = count, lock, patience or Patience()
+    def __init__(
+        self, count: int, lock: Lock | None = None, timeouts: ProgressTimeouts | None = None
+    ) -> None:
+        self._count, self._lock, self._timeouts = count, lock, timeouts or ProgressTimeouts()
         self._workers: list[Worker] = []
 
     def __enter__(self) -> "Workers":
@@ -205,7 +209,7 @@ class Workers:
         return self._start()
 
     def _start(self) -> Worker:
-        worker = Worker(self._lock, self._patience)
+        worker = Worker(self._lock, self._timeouts)
         self._workers.append(worker)
         return worker
 

@@ -46,11 +46,6 @@ class Identity(WithOptionalFields):
     key: str | None = None  # public key of the organizer who signs the ledger, 64 hexadecimal digits
     tournament: TournamentSettings | None = None  # omitted if submissions are evaluated one by one
 
-    @property
-    def digest(self) -> str:
-        """The digest of this identity, 32 hexadecimal digits."""
-        return blake2b(self.model_dump_json().encode(), digest_size=16).hexdigest()
-
 
 def digest_of(specs: Iterable[MatchSpec]) -> str:
     """Return a digest of some matches, 32 hexadecimal digits."""

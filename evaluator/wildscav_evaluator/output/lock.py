@@ -17,7 +17,7 @@ from typing import Any
 from wildscav.errors import UserError
 
 LOCK = ".evaluating"
-PATIENCE = 30.0  # s to wait for the workers of an evaluation that was killed
+TIMEOUT = 30.0  # s to wait for the workers of an evaluation that was killed
 POLL_INTERVAL = 0.05  # s between two attempts to take the lock
 
 
@@ -56,7 +56,7 @@ def locked(folder: Path) -> Iterator[Lock]:
 
 def _take(path: Path, folder: Path) -> int:
     """Return an open file with the lock, after waiting for workers that still hold it."""
-    deadline = time.monotonic() + PATIENCE
+    deadline = time.monotonic() + TIMEOUT
     while True:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
         try:

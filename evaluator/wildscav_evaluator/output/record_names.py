@@ -37,8 +37,8 @@ def record_paths(out: Path) -> list[Path]:
 
 def parse_name(path: Path) -> RecordName | None:
     """Return the parts of a record's name; None if it is not a name that evaluations give."""
-    found = NAME.fullmatch(path.name)
-    return found and RecordName(found["track"], int(found["match"]), found["submission"])
+    match = NAME.fullmatch(path.name)
+    return match and RecordName(match["track"], int(match["match"]), match["submission"])
 
 
 def misnamed(record: Record, name: RecordName) -> str:

@@ -44,15 +44,14 @@ class EvaluationPlan(Plan):
             UserError: Two submissions have the same name.
         """
         check_names(self.submissions)
-        evaluation = self.identity().digest
         jobs = []
         for track in self.tracks:
             playing = [submission for on, submission in self.entries() if on == track]
             for index, spec in enumerate(self.matches(track)):
-                jobs += [self._job(one, track, index, spec, evaluation) for one in playing]
+                jobs += [self._job(one, track, index, spec) for one in playing]
         return jobs
 
-    def _job(self, submission: Submission, track: str, index: int, spec: MatchSpec, evaluation: str) -> Job:
+    def _job(self, submission: Submission, track: str, index: int, spec: MatchSpec) -> Job:
         return Job.of_one(
             submission,
             track,
@@ -60,7 +59,6 @@ class EvaluationPlan(Plan):
             spec,
             self.out,
             replay=self.is_rendered(index),
-            evaluation=evaluation,
             sandbox=self.sandbox,
             limits=self.limits(track),
             seeds=self.seed.private(spec, [submission.digest] * spec.seats.count(SUBMISSION)),

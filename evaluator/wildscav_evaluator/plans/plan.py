@@ -122,7 +122,7 @@ def evaluation_of(
     rows: Iterable[MatchRow],
 ) -> Evaluation:
     """Return what the matches of a submission, or of an entrant, on a track add up to."""
-    matches = tuple(rows)
+    matches = tuple(_in_order(row, [metric.name for metric in metrics]) for row in rows)
     return Evaluation(
         submission=one.name,
         version=version,
@@ -132,6 +132,17 @@ def evaluation_of(
         matches=matches,
         summary=summary(metrics, matches),
     )
+
+
+def _in_order(row: MatchRow, names: Sequence[str]) -> MatchRow:
+    """Return a row with its metrics in the given order; the ledger, from which it may come, sorts them."""
+
+    def ordered(values: dict[str, float]) -> dict[str, float]:
+        return {name: values[name] for name in (*names, *values) if name in values}
+
+    seats = tuple(seat.model_copy(update={"metrics": ordered(seat.metrics)}) for seat in row.seats)
+    metrics = None if row.metrics is None else ordered(row.metrics)
+    return row.model_copy(update={"metrics": metrics, "seats": seats})
 
 
 def _covered(matches: Sequence[MatchTiming]) -> float:

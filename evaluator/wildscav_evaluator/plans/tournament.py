@@ -69,13 +69,10 @@ class TournamentPlan(Plan):
         Raises:
             UserError: There is no such schedule, or the suite's matches cannot be played by so many seats.
         """
-        evaluation = self.identity().digest
         by_name = {one.name: one for one in self.submissions}
-        return [self._job(index, match, by_name, evaluation) for index, match in enumerate(self.matches)]
+        return [self._job(index, match, by_name) for index, match in enumerate(self.matches)]
 
-    def _job(
-        self, index: int, match: TournamentMatch, by_name: dict[str, Submission], evaluation: str
-    ) -> Job:
+    def _job(self, index: int, match: TournamentMatch, by_name: dict[str, Submission]) -> Job:
         submissions = tuple(by_name[name] for name in match.submissions)
         return Job(
             submissions,
@@ -84,7 +81,6 @@ class TournamentPlan(Plan):
             match.spec,
             self.out,
             replay=self.is_rendered(index),
-            evaluation=evaluation,
             sandbox=self.sandbox,
             limits=self.limits(self.track),
             robots=match.robots,

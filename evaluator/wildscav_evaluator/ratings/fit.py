@@ -136,19 +136,19 @@ def fit(matches: Iterable[RatedMatch]) -> Fit:
     Raises:
         ValueError: There are no matches.
     """
-    found = compare_entrants(matches)
-    strengths = fitted_strengths(found.win_matrix())
-    steps = _resampled_steps(found, strengths)
-    groups = found.connected()
+    comparisons = compare_entrants(matches)
+    strengths = fitted_strengths(comparisons.win_matrix())
+    steps = _resampled_steps(comparisons, strengths)
+    groups = comparisons.connected()
     # The first row is the step of the matches themselves: it removes what the iterations left.
     centred = _centred(strengths + steps, groups) * ELO
     covariance = np.cov(centred[1:], rowvar=False)
     return Fit(
-        names=found.names,
+        names=comparisons.names,
         ratings=AVERAGE + centred[0],
         deviations=np.sqrt(np.diag(covariance)),
         covariance=covariance,
-        games=found.games,
+        games=comparisons.games,
         groups=groups,
     )
 
@@ -172,16 +172,16 @@ def fitted_strengths(wins: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(strengths[:count] - strengths[count])
 
 
-def _resampled_steps(found: Comparisons, strengths: NDArray[np.float64]) -> NDArray[np.float64]:
+def _resampled_steps(comparisons: Comparisons, strengths: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the Newton steps of the matches themselves and of the resamples.
 
     Returns:
         (1 + RESAMPLES, N) changes of the strengths.
     """
-    expected = special.expit(strengths[found.first] - strengths[found.second])
+    expected = special.expit(strengths[comparisons.first] - strengths[comparisons.second])
     own = special.expit(strengths)  # expected points in the imaginary tie
-    gradients = _gradients(found, found.points - expected, 0.5 - own)
-    information = _information(found, expected * (1.0 - expected), own * (1.0 - own))
+    gradients = _gradients(comparisons, comparisons.points - expected, 0.5 - own)
+    information = _information(comparisons, expected * (1.0 - expected), own * (1.0 - own))
     factor = linalg.cho_factor(information)
     total = gradients.sum(axis=0)[np.newaxis]
     sums = np.concatenate([total, *(counts @ gradients for counts in _multiplicities(gradients.shape[0]))])
@@ -189,23 +189,23 @@ def _resampled_steps(found: Comparisons, strengths: NDArray[np.float64]) -> NDAr
 
 
 def _gradients(
-    found: Comparisons, residuals: NDArray[np.float64], imaginary: NDArray[np.float64]
+    comparisons: Comparisons, residuals: NDArray[np.float64], imaginary: NDArray[np.float64]
 ) -> csr_array:
     """Return a (G + N, N) array: the part of each game and imaginary tie in the likelihood's gradient."""
-    games, count = found.game_count, len(found.names)
-    rows = np.concatenate([found.game, found.game, games + np.arange(count)])
-    columns = np.concatenate([found.first, found.second, np.arange(count)])
+    games, count = comparisons.game_count, len(comparisons.names)
+    rows = np.concatenate([comparisons.game, comparisons.game, games + np.arange(count)])
+    columns = np.concatenate([comparisons.first, comparisons.second, np.arange(count)])
     values = np.concatenate([residuals, -residuals, imaginary])
     return coo_array((values, (rows, columns)), shape=(games + count, count)).tocsr()
 
 
 def _information(
-    found: Comparisons, weights: NDArray[np.float64], imaginary: NDArray[np.float64]
+    comparisons: Comparisons, weights: NDArray[np.float64], imaginary: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Return the (N, N) negative second derivatives of the logarithm of the likelihood."""
-    count = len(found.names)
+    count = len(comparisons.names)
     between = np.zeros((count, count))
-    np.add.at(between, (found.first, found.second), weights)
+    np.add.at(between, (comparisons.first, comparisons.second), weights)
     between += between.T
     return np.asarray(np.diag(between.sum(axis=1) + imaginary) - between)
 

@@ -83,8 +83,8 @@ def missing_promises(sandbox: Sandbox, limits: Limits) -> str:
         with contextlib.suppress(OSError):
             memory.parent.mkdir(parents=True, exist_ok=True)
             memory.touch()
-    told = (f"{one.name}: {one.found}" + (f" ({one.remedy})" if one.remedy else "") for one in broken)
-    return "; ".join(told)
+    reasons = (f"{one.name}: {one.found}" + (f" ({one.remedy})" if one.remedy else "") for one in broken)
+    return "; ".join(reasons)
 
 
 def _memory(sandbox: Sandbox, limits: Limits) -> Path:

@@ -40,12 +40,12 @@ def try_promises(sandbox: Sandbox, limits: Limits) -> tuple[Promise, ...]:
     tried = limits.model_copy(update=TRIED)
     with _probe_folder(tried) as folder:
         try:
-            found = asyncio.run(_probe(sandbox, folder, tried))
+            report = asyncio.run(_probe(sandbox, folder, tried))
         except SandboxError as error:
             return (Promise("an agent can be started", kept=False, found=str(error)),)
         except OSError as error:
             return (Promise("an agent can be started", kept=False, found=error.strerror or str(error)),)
-    return tuple(_judge(found, tried))
+    return tuple(_judge(report, tried))
 
 
 @contextmanager
@@ -97,88 +97,90 @@ async def _probe(sandbox: Sandbox, folder: Path, limits: Limits) -> dict[str, An
         await agent.stop()
     text = log.read_text("utf-8", "replace") if log.exists() else ""
     try:
-        found: dict[str, Any] = json.loads(text.partition("\n")[0])
+        report: dict[str, Any] = json.loads(text.partition("\n")[0])
     except ValueError:
         raise SandboxError(f"the probe did not run: {ending}") from None
     left = sum(token.encode() in read_file(process, "environ") for process in all_processes())
-    return found | {"printed": len(text.partition(f"\n{CUT}")[0]), "left": left}
+    return report | {"printed": len(text.partition(f"\n{CUT}")[0]), "left": left}
 
 
-def _judge(found: dict[str, Any], limits: Limits) -> Iterator[Promise]:
+def _judge(report: dict[str, Any], limits: Limits) -> Iterator[Promise]:
     """Yield every promise with the finding on it."""
-    yield _promise("no network", found["interfaces"] == ["lo"], f"interfaces: {_words(found['interfaces'])}")
+    yield _promise(
+        "no network", report["interfaces"] == ["lo"], f"interfaces: {_words(report['interfaces'])}"
+    )
     yield _promise(
         "no files of this machine",
-        not found["files_seen"],
-        f"seen: {_words(found['files_seen'])}",
+        not report["files_seen"],
+        f"seen: {_words(report['files_seen'])}",
     )
-    places = found["writable"]
+    places = report["writable"]
     yield _promise(
         "read-only code, and files in memory alone",
         {"/tmp"} <= set(places) <= {"/tmp", "/dev/shm"},  # noqa: S108
         f"can write to {_words(places)}",
     )
-    yield from _judge_rights(found)
+    yield from _judge_rights(report)
     yield _promise(
-        "processes of its own", len(found["processes_seen"]) <= FEW, f"sees {len(found['processes_seen'])}"
+        "processes of its own", len(report["processes_seen"]) <= FEW, f"sees {len(report['processes_seen'])}"
     )
-    yield from _judge_limits(found, limits)
-    yield _promise("nothing is left of it", found["left"] == 0, f"{found['left']} processes")
+    yield from _judge_limits(report, limits)
+    yield _promise("nothing is left of it", report["left"] == 0, f"{report['left']} processes")
 
 
 FEW = 8  # processes, at most, that an agent may see, including those of the sandbox
 FILTER = "install libseccomp2"
 
 
-def _judge_rights(found: dict[str, Any]) -> Iterator[Promise]:
+def _judge_rights(report: dict[str, Any]) -> Iterator[Promise]:
     """Yield the promises on the agent's rights."""
-    users = sorted(set(found["user"]))
+    users = sorted(set(report["user"]))
     yield _promise("not root", 0 not in users, f"user and groups: {_words(users)}")
     yield _promise(
         "no capabilities, now or later",
-        set(found["capabilities"]) == {NO_CAPABILITIES} and found["no_new_privileges"] == "1",
-        f"{_words(sorted(set(found['capabilities'])))}, no new privileges: {found['no_new_privileges']}",
+        set(report["capabilities"]) == {NO_CAPABILITIES} and report["no_new_privileges"] == "1",
+        f"{_words(sorted(set(report['capabilities'])))}, no new privileges: {report['no_new_privileges']}",
     )
     yield _promise(
-        "no user namespaces", bool(found["namespaces"]), found["namespaces"] or "one could be made", FILTER
+        "no user namespaces", bool(report["namespaces"]), report["namespaces"] or "one could be made", FILTER
     )
     yield _promise(
         "no tracing, a filter of system calls",
-        bool(found["tracing"]) and found["filter"] == HAS_FILTER,
-        found["tracing"] or "a process could be traced",
+        bool(report["tracing"]) and report["filter"] == HAS_FILTER,
+        report["tracing"] or "a process could be traced",
         FILTER,
     )
 
 
-def _judge_limits(found: dict[str, Any], limits: Limits) -> Iterator[Promise]:
-    memory, tmp = found["memory"], max(found["writable"].values(), default=0)
+def _judge_limits(report: dict[str, Any], limits: Limits) -> Iterator[Promise]:
+    memory, tmp = report["memory"], max(report["writable"].values(), default=0)
     yield _promise(
         "limit on memory", memory <= limits.memory, f"{_size(memory)} of {_size(limits.memory)}", GROUPS
     )
     yield _promise(
         "limit on processes",
-        found["processes"] <= limits.processes,
-        f"{found['processes']} of {limits.processes}",
+        report["processes"] <= limits.processes,
+        f"{report['processes']} of {limits.processes}",
         GROUPS,
     )
     yield _promise(
         "limit on processor time",
-        found["cores"] <= limits.cpus * TOLERANCE,
-        f"{found['cores']:.2f} cores measured, up to {limits.cpus * TOLERANCE:.2f} pass for {limits.cpus:g}",
+        report["cores"] <= limits.cpus * TOLERANCE,
+        f"{report['cores']:.2f} cores measured, up to {limits.cpus * TOLERANCE:.2f} pass for {limits.cpus:g}",
         GROUPS,
     )
     yield _promise(
         "limit on open files",
-        found["open_files"] <= limits.open_files,
-        f"{found['open_files']} of {limits.open_files}",
+        report["open_files"] <= limits.open_files,
+        f"{report['open_files']} of {limits.open_files}",
     )
     yield _promise(
         "limit on files in /tmp", tmp <= limits.tmp_size, f"{_size(tmp)} of {_size(limits.tmp_size)}"
     )
     yield _promise(
         "limit on output",
-        found["printed"] <= limits.output,
-        f"{found['printed']:,} of {int(limits.output):,} bytes",
+        report["printed"] <= limits.output,
+        f"{report['printed']:,} of {int(limits.output):,} bytes",
     )
 
 

@@ -131,14 +131,14 @@ def _of_identity(folder: AuditedFolder) -> Iterator[str]:
     entered = {
         (track, one.name): (one.version, one.digest) for one in identity.submissions for track in one.tracks
     }
-    found = {(one.track, one.submission): (one.version, one.digest) for one in reported.evaluations}
-    for track, name in sorted(entered.keys() | found.keys()):
+    listed = {(one.track, one.submission): (one.version, one.digest) for one in reported.evaluations}
+    for track, name in sorted(entered.keys() | listed.keys()):
         who = f"{name} on {track}"
-        if (track, name) not in found:
+        if (track, name) not in listed:
             yield f"{who}: {IDENTITY_FILE} names it as an entrant, but there are no results"
         elif (track, name) not in entered:
             yield f"{who}: there are results, but {IDENTITY_FILE} does not name it as an entrant"
-        elif found[track, name] != entered[track, name]:
+        elif listed[track, name] != entered[track, name]:
             yield f"{who}: {RESULTS_FILE} and {IDENTITY_FILE} name different versions or files of it"
 
 

@@ -184,19 +184,24 @@ def changes_since_last(results: Results, out: Path) -> tuple[Change, ...]:
         out: Its folder. If that has no number, its predecessors are not known.
     """
     wanted = {(one.submission, one.track): one for one in results.evaluations}
-    found: dict[tuple[str, str], Change] = {}
+    changes: dict[tuple[str, str], Change] = {}
     for folder, earlier in _earlier(results, out):
         for then in earlier.evaluations:
             key = then.submission, then.track
             now = wanted.get(key)
-            if now is None or key in found or then.digest == now.digest or not _same(earlier, results, then):
+            if (
+                now is None
+                or key in changes
+                or then.digest == now.digest
+                or not _same(earlier, results, then)
+            ):
                 continue
             comparison = compare_evaluations(now, then)
             if comparison.differences:
-                found[key] = Change(folder=folder.name, version=then.version, comparison=comparison)
-        if len(found) == len(wanted):
+                changes[key] = Change(folder=folder.name, version=then.version, comparison=comparison)
+        if len(changes) == len(wanted):
             break
-    return tuple(found[key] for key in wanted if key in found)
+    return tuple(changes[key] for key in wanted if key in changes)
 
 
 def _earlier(results: Results, out: Path) -> Iterator[tuple[Path, Results]]:

@@ -108,13 +108,13 @@ def standings(
     one even if it is worse, since it is its author's current choice.
     """
     # Sorting is stable: within a key the latest evaluation stays the last.
-    found = [
+    conditions_of_rows = [
         (_conditions(results, one.track), Row(None, one, results.timings.started, results.key))
         for results in sorted(evaluated, key=lambda results: results.timings.started)
         for one in results.evaluations
         if is_meant(track, one.track) and is_meant(suite, results.suite)
     ]
-    for conditions, group in groupby(sorted(found, key=_sort_key), lambda pair: pair[0]):
+    for conditions, group in groupby(sorted(conditions_of_rows, key=_sort_key), lambda pair: pair[0]):
         latest = {row.evaluation.submission: row for _, row in group}
         ranks = ranked(latest[name].evaluation for name in sorted(latest))
         rows = tuple(latest[one.submission]._replace(rank=rank) for rank, one in ranks)
@@ -122,12 +122,12 @@ def standings(
 
 
 def latest_tournaments(
-    found: Found, track: str | None = None, suite: str | None = None
+    results: Found, track: str | None = None, suite: str | None = None
 ) -> "list[Tournament]":
     """Return the latest tournament on each suite of each track, as far as requested."""
     latest = {
         (one.track, one.suite): one
-        for _, one in sorted(found.tournaments, key=lambda pair: pair[0])
+        for _, one in sorted(results.tournaments, key=lambda pair: pair[0])
         if is_meant(track, one.track) and is_meant(suite, one.suite)
     }
     return [latest[key] for key in sorted(latest)]

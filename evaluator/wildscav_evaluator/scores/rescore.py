@@ -103,8 +103,8 @@ def replay_file(file: RecordFile) -> Replayed:
         return replace(reported, fault=printable(file.error))
     try:
         record = decode(file.content)
-        found = verify_record(record)
-        fault = misnamed(record, name) if found.holds else found.message
+        verification = verify_record(record)
+        fault = misnamed(record, name) if verification.holds else verification.message
     except RecordError as error:
         fault = str(error)
     except OSError as error:
@@ -147,8 +147,8 @@ def recompute(replayed: Sequence[Replayed], reported: Results | None) -> list[Ev
         held.setdefault((one.track, submission), {})[one.index] = one
     before = {(one.track, one.submission): one for one in (reported.evaluations if reported else ())}
     tracks = list(TRACKS)
-    found = sorted(held.keys() - before.keys(), key=lambda key: (tracks.index(key[0]), key[1]))
-    return [_evaluation(*key, held.get(key, {}), before.get(key)) for key in (*before, *found)]
+    unreported = sorted(held.keys() - before.keys(), key=lambda key: (tracks.index(key[0]), key[1]))
+    return [_evaluation(*key, held.get(key, {}), before.get(key)) for key in (*before, *unreported)]
 
 
 def _by_submission(replayed: Iterable[Replayed]) -> Iterator[tuple[str, Replayed]]:
@@ -223,17 +223,17 @@ def disagreements(
             yield f"{one.record}: is not named as the records of {kind} are"
         if one.spec is not None and judge and not judge(one.track, one.index, one.spec, one.names):
             yield f"{one.record}: is not match {one.index} of the {kind_of(reported)}"
-    found = {(one.track, one.submission): one for one in recomputed}
+    remaining = {(one.track, one.submission): one for one in recomputed}
     for evaluation in reported.evaluations:
-        yield from _differences(evaluation, found.pop((evaluation.track, evaluation.submission)))
-    for track, submission in found:
+        yield from _differences(evaluation, remaining.pop((evaluation.track, evaluation.submission)))
+    for track, submission in remaining:
         yield f"{submission} on {track}: there are records, but no results"
 
 
-def _differences(reported: Evaluation, found: Evaluation) -> Iterator[str]:
+def _differences(reported: Evaluation, recomputed: Evaluation) -> Iterator[str]:
     who = f"{reported.submission} on {reported.track}"
     rows = {row.index: row for row in reported.matches}
-    for row in found.matches:
+    for row in recomputed.matches:
         before = rows.get(row.index)
         if before is None:
             yield f"{who}, match {row.index}: there is a record, but no result"
@@ -242,11 +242,11 @@ def _differences(reported: Evaluation, found: Evaluation) -> Iterator[str]:
         elif _scored(before) != _scored(row):
             shown = _metrics if before.metrics != row.metrics else _seats
             yield f"{who}, match {row.index}: the results say {shown(before)}, its record {shown(row)}"
-    if reported.metrics != found.metrics:
+    if reported.metrics != recomputed.metrics:
         yield f"{who}: its metrics are described differently"
-    for name in {**reported.summary, **found.summary}:
-        if reported.summary.get(name) != found.summary.get(name):
-            was, now = _statistics(reported, name), _statistics(found, name)
+    for name in {**reported.summary, **recomputed.summary}:
+        if reported.summary.get(name) != recomputed.summary.get(name):
+            was, now = _statistics(reported, name), _statistics(recomputed, name)
             yield f"{who}: {name} is {was}, its records give {now}"
 
 

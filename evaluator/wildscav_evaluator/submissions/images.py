@@ -248,10 +248,10 @@ def load_image(reference: str) -> Submission:
         SandboxError: There is no engine.
     """
     engine = find_engine()
-    found = call(engine, "image", "inspect", "--format", "{{.Id}}", reference)
-    if found.returncode != 0 or reference.startswith("-"):
-        raise SubmissionError(f"there is no image {reference} on this machine ({last_line(found.stderr)})")
-    identity = found.stdout.decode("ascii").strip()
+    answer = call(engine, "image", "inspect", "--format", "{{.Id}}", reference)
+    if answer.returncode != 0 or reference.startswith("-"):
+        raise SubmissionError(f"there is no image {reference} on this machine ({last_line(answer.stderr)})")
+    identity = answer.stdout.decode("ascii").strip()
     # Its identity is used from here on, because its name may be given to another image at any time.
     _check_settings(engine, identity, reference)
     digest = identity.removeprefix("sha256:")[:32]

@@ -85,18 +85,18 @@ class Suite:
         return tuple(specs)
 
 
-def check_suite(name: str, found: Any) -> Suite:
+def check_suite(name: str, suite: Any) -> Suite:
     """Return the suite that an entry point names, with the version of its package.
 
     Raises:
         ValueError: It is not a suite of that name.
     """
-    if not isinstance(found, Suite):
+    if not isinstance(suite, Suite):
         raise ValueError("it is no Suite")
-    if found.name != name:
-        raise ValueError(f"it is called {found.name!r}")
+    if suite.name != name:
+        raise ValueError(f"it is called {suite.name!r}")
     origin = SUITES.origin(name)
-    return found if origin is None else replace(found, version=origin.version)
+    return suite if origin is None else replace(suite, version=origin.version)
 
 
 SUITES: Registry[Suite] = Registry(

@@ -135,7 +135,7 @@ def _matches(
 ) -> list[TournamentMatch]:
     robots = [name.removeprefix(ROBOT_ENTRANT) if name.startswith(ROBOT_ENTRANT) else "" for name in entrants]
     specs: dict[tuple[int, tuple[str, ...]], MatchSpec] = {}
-    found = []
+    matches = []
     for game, players in zip(schedule.games.tolist(), schedule.players.tolist(), strict=True):
         places = _places(games[game], settings)
         waiting = iter(players)
@@ -147,8 +147,8 @@ def _matches(
         if (game, seats) not in specs:
             specs[game, seats] = with_seats(games[game], seats, tuple(seated), settings)
         named = {seat: entrants[player] for seat, player in seated.items()}
-        found.append(TournamentMatch(game, specs[game, seats], named))
-    return found
+        matches.append(TournamentMatch(game, specs[game, seats], named))
+    return matches
 
 
 def _places(game: MatchSpec, settings: TournamentSettings) -> tuple[str, ...]:

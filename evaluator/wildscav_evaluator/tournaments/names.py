@@ -36,7 +36,7 @@ def with_unique_names(submissions: Sequence[Submission], *, meet_own: bool) -> t
     Raises:
         UserError: The same files are entered several times, but entries of one submission must not meet.
     """
-    found = []
+    renamed = []
     for _, same in groupby(sorted(submissions, key=_key), key=lambda one: one.name):
         entries = tuple(same)
         names = _names(entries)
@@ -48,8 +48,8 @@ def with_unique_names(submissions: Sequence[Submission], *, meet_own: bool) -> t
                     exit_code=2,
                 )
             names = [f"{name}{ENTRY}{number}" for number, name in enumerate(names, start=1)]
-        found += [replace(one, entered_as=name) for one, name in zip(entries, names, strict=True)]
-    return tuple(sorted(found, key=lambda one: one.name))
+        renamed += [replace(one, entered_as=name) for one, name in zip(entries, names, strict=True)]
+    return tuple(sorted(renamed, key=lambda one: one.name))
 
 
 def _key(submission: Submission) -> tuple[str, str, str]:

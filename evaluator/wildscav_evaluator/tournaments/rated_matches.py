@@ -33,12 +33,12 @@ def rated_matches(results: Results, repeats: int) -> Iterator[RatedMatch]:
 
 
 def _seats_by_match(evaluations: Sequence[Evaluation]) -> dict[int, list[SeatRow]]:
-    found: dict[int, list[SeatRow]] = {}
+    seats: dict[int, list[SeatRow]] = {}
     for evaluation in evaluations:
         for row in evaluation.matches:
             if row.metrics is not None:
-                found.setdefault(row.index, []).extend(row.seats)
-    return found
+                seats.setdefault(row.index, []).extend(row.seats)
+    return seats
 
 
 def _teams(seats: Sequence[SeatRow]) -> list[list[SeatRow]]:

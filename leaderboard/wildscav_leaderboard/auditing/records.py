@@ -5,7 +5,6 @@ A record says itself how its match ended, and that is believed only if the match
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from hashlib import blake2b
 from pathlib import Path
 from typing import NamedTuple
 
@@ -20,6 +19,7 @@ from wildscav_evaluator.output.results import Versions
 from wildscav_evaluator.seats import display_names, submission_seats
 from wildscav_leaderboard.auditing.sources import FolderSource, Source, SourceError
 from wildscav_leaderboard.matches.models import LADDER
+from wildscav_leaderboard.matches.record_files import record_digest
 from wildscav_leaderboard.publishing.documents import PublishedMatch
 from wildscav_leaderboard.publishing.export import record_address
 
@@ -71,10 +71,14 @@ def fetcher(source: Source, template: str, cache: Path) -> Callable[[PublishedMa
         kept = cache / digest[:2] / digest
         is_kept = not isinstance(source, FolderSource)
         try:
-            if is_kept and kept.is_file() and digest_of(content := read_limited(kept, FILE_LIMIT)) == digest:
+            if (
+                is_kept
+                and kept.is_file()
+                and record_digest(content := read_limited(kept, FILE_LIMIT)) == digest
+            ):
                 return Fetched(match, content)
             content = source.read(record_address(template, match.id), FILE_LIMIT)
-            if (found := digest_of(content)) != digest:
+            if (found := record_digest(content)) != digest:
                 return Fetched(
                     match, content, f"its record has the digest {found}, and {digest} is published"
                 )
@@ -88,11 +92,6 @@ def fetcher(source: Source, template: str, cache: Path) -> Callable[[PublishedMa
             return Fetched(match, fault=f"its record cannot be kept: {describe(error)}")
 
     return fetch
-
-
-def digest_of(content: bytes) -> str:
-    """Return the digest of a record's file."""
-    return blake2b(content, digest_size=16).hexdigest()
 
 
 def check_record(task: Task) -> Recorded:

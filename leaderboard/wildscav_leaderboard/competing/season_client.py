@@ -203,9 +203,11 @@ def is_stored(path: Path, digest: str) -> bool:
     Raises:
         OSError: There is a file, but it cannot be read, or is no record.
     """
-    from wildscav_evaluator.output.journal import file_digest
+    from wildscav_engine.record import FILE_LIMIT
+    from wildscav_engine.storage.files import read_limited
+    from wildscav_leaderboard.matches.record_files import record_digest
 
-    return path.exists() and file_digest(path) == digest
+    return path.exists() and record_digest(read_limited(path, FILE_LIMIT)) == digest
 
 
 def store_record(pieces: Iterable[bytes], digest: str, path: Path) -> None:

@@ -57,12 +57,12 @@ class Broadcast:
         """Show what a match reports."""
         if isinstance(event, Heartbeat) and event.snapshots:
             with suppress(OSError):
-                self._live.add(job.evaluation, job.spec, job.seating.names, event.snapshots)
+                self._live.add(job.key, job.spec, job.seating.names, event.snapshots)
 
     def end(self, job: Job) -> None:
         """Show a match no longer: its record tells everything."""
         with suppress(OSError):
-            self._live.end(job.evaluation)
+            self._live.end(job.key)
 
 
 class Conductor:
@@ -210,11 +210,11 @@ class Conductor:
         jobs = self._jobs(taken)
         if not jobs:
             return bool(taken)
-        attempts = {job.evaluation: attempt for attempt, job in jobs}
+        attempts = {job.key: attempt for attempt, job in jobs}
 
         def begin(job: Job) -> bool:
             with self.database.writing() as session:
-                return steps.begun(session, self._holding, attempts[job.evaluation].id, now())
+                return steps.begun(session, self._holding, attempts[job.key].id, now())
 
         def note(job: Job, event: JobEvent) -> None:
             self._broadcast.note(job, event)
@@ -222,7 +222,7 @@ class Conductor:
 
         with executor.players([job for _, job in jobs]) as players:
             for result in players.run([job for _, job in jobs], begin, note):
-                self._deliver(attempts[result.job.evaluation], result)
+                self._deliver(attempts[result.job.key], result)
                 self._broadcast.end(result.job)
                 self._refresh(executor)
                 if self._stopping.is_set():

@@ -1,8 +1,8 @@
 """The work that the conductor hands out: building and validating submissions, and playing matches.
 
 Validation is `wildscav check` with the suites of the season's tracks and their limits, on fresh seeds.
-Matches are played by an executor of the evaluator, each into a folder of its own, whose journal makes sure
-that a match that was completed before a crash is not played again.
+Matches are played by an executor of the evaluator, each into a folder of its own. A match counts once its
+result is in the database, so one that ended in the moment of a crash is played again.
 """
 
 import os
@@ -14,15 +14,15 @@ from functools import partial
 from pathlib import Path
 
 from wildscav.errors import UserError
+from wildscav_engine.record import FILE_LIMIT
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_engine.storage.files import write_whole
+from wildscav_engine.storage.files import read_limited, write_whole
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.check.findings import Finding, Verdict
 from wildscav_evaluator.check.trials import Trial, run_checks
 from wildscav_evaluator.executors import Executor
 from wildscav_evaluator.matches.jobs import Job, JobResult
-from wildscav_evaluator.output.journal import file_digest
-from wildscav_evaluator.output.layout import LOGS, MATCHES, RECORDS
+from wildscav_evaluator.output.layout import LOGS, RECORDS
 from wildscav_evaluator.output.results import MatchRow
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.sandbox.process import DANGER, WARNING
@@ -31,6 +31,7 @@ from wildscav_evaluator.submissions.images import BuildError, build_image, lacks
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_leaderboard.boards.matchmaking import seated
 from wildscav_leaderboard.matches.models import LADDER, Match
+from wildscav_leaderboard.matches.record_files import record_digest
 from wildscav_leaderboard.matches.service import PlayedRecord, Seat
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.spectating.live import key_of
@@ -164,7 +165,7 @@ def job_of(
             (loaded[one.submission_id],) = with_images([found], sandbox)
     is_ladder = match.kind == LADDER
     out = season.match_folder(match.id)
-    for name in (RECORDS, LOGS, MATCHES):
+    for name in (RECORDS, LOGS):
         (out / name).mkdir(parents=True, exist_ok=True)
     submissions = tuple(
         loaded[number] for seat in sorted(by_seat) if (number := by_seat[seat].submission_id) is not None
@@ -177,7 +178,7 @@ def job_of(
         spec=spec,
         out=out,
         replay=False,
-        evaluation=key_of(match.id),
+        key=key_of(match.id),
         sandbox=sandbox,
         limits=season.limits(match.track),
         evaluated=None if is_ladder else seats[0].entrant,
@@ -198,7 +199,7 @@ def keep_record(result: JobResult) -> tuple[MatchRow, PlayedRecord]:
         OSError: It cannot be read or kept.
     """
     if result.row.record is None:
-        raise UserError(f"the match {result.job.evaluation} has no record")
+        raise UserError(f"the match {result.job.key} has no record")
     written = result.job.out / result.row.record
     fresh = written.with_name(f".{written.name}.{os.getpid()}")
     fresh.unlink(missing_ok=True)
@@ -207,7 +208,7 @@ def keep_record(result: JobResult) -> tuple[MatchRow, PlayedRecord]:
             os.link(written, fresh)
         except OSError:  # not every file system has hard links
             shutil.copyfile(written, fresh)
-        digest = file_digest(fresh)
+        digest = record_digest(read_limited(fresh, FILE_LIMIT))
         kept = written.with_name(f"{written.stem}-{digest}{written.suffix}")
         fresh.rename(kept)
     finally:

@@ -162,7 +162,7 @@ class Season:
         return self.files / "live"
 
     def match_folder(self, match: int) -> Path:
-        """Return the output folder of a match: its record, logs and journal."""
+        """Return the output folder of a match: its record and logs."""
         # A folder of a hundred thousand entries is slow to list.
         return self.files / "matches" / f"{match // 1000:04d}" / str(match)
 

@@ -13,9 +13,8 @@ from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.executors.cluster.messages import Played
 from wildscav_evaluator.executors.ray_executor import saved
 from wildscav_evaluator.matches.jobs import Job
-from wildscav_evaluator.matches.run_job import kept_result
 from wildscav_evaluator.matches.workers import Workers
-from wildscav_evaluator.output.layout import LOGS, MATCHES, RECORDS, REPLAYS
+from wildscav_evaluator.output.layout import LOGS, RECORDS, REPLAYS
 
 
 @pytest.fixture(scope="module")
@@ -27,7 +26,7 @@ def workers() -> Iterator[Workers]:
 
 @pytest.fixture
 def job(submit: Submit, tmp_path: Path) -> Job:
-    for name in (RECORDS, REPLAYS, LOGS, MATCHES):
+    for name in (RECORDS, REPLAYS, LOGS):
         (tmp_path / "out" / name).mkdir(parents=True)
     spec = MatchSpec(track="navigation", map=MapSpec(config=MapConfig(size=40, houses=0)), time_limit=1.0)
     return Job.of_one(submit("talker", TALKER), "navigation", 0, spec, tmp_path / "out", replay=False)
@@ -43,8 +42,8 @@ def test_the_files_of_a_match_are_those_of_a_local_worker(workers: Workers, job:
     result = saved(job, Played(here.row, here.timing, "", files))
 
     assert contents(job.out) == expected
-    assert kept_result(job) == result == here
-    assert {path.parent.name for path in job.out.rglob("*.*")} == {RECORDS, LOGS, MATCHES}
+    assert result == here
+    assert {path.parent.name for path in job.out.rglob("*.*")} == {RECORDS, LOGS}
 
 
 def test_a_record_that_cannot_be_written_costs_its_match_alone(workers: Workers, job: Job) -> None:
@@ -58,4 +57,4 @@ def test_a_record_that_cannot_be_written_costs_its_match_alone(workers: Workers,
 
     assert (lost.row.status, lost.row.fault) == ("failed", "platform")
     assert str(other.out / other.record) in lost.row.detail
-    assert kept_result(other) is None
+    assert (other.out / other.record).is_dir()

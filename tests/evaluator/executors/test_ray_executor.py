@@ -12,7 +12,7 @@ from tests.commands import run_command
 from tests.evaluator.conftest import submission_in
 from tests.evaluator.executors.ray_clusters import RayCluster, ray_cluster
 from tests.evaluator.executors.unlucky_agents import KILLS_RAYS_PROCESS
-from tests.evaluator.interrupted_runs import Sitting, check_whole, files, journal, without_timings
+from tests.evaluator.interrupted_runs import Sitting, check_whole, entered, files, without_timings
 from tests.evaluator.sample_agents import TALKER, Command, Submit
 from tests.evaluator.sandbox.available import missing
 from tests.evaluator.sandbox.sandbox_runs import processes_with, wait_until
@@ -189,7 +189,7 @@ def test_nodes_that_are_killed_cost_their_matches_an_attempt_and_nobody_a_result
     assert "the Ray cluster" in line
     assert "matches are saved in" in line
     assert "run the same command again to play the rest" in line
-    assert journal(lost.out)
+    assert entered(lost.out)
 
 
 def test_maps_that_nodes_make_are_those_of_this_machine(
@@ -234,7 +234,7 @@ def test_a_command_that_is_killed_or_interrupted_leaves_nothing_running_and_goes
     there = tmp_path / "there"
     arguments = (plodder, *options(in_cluster, suite))
     Sitting(there, *arguments).kill_at(1)
-    kept = journal(there)
+    kept = entered(there)
     interrupted = Sitting(there, *arguments)
     interrupted.await_begin()
     wait_until(lambda: bool(agents_of(in_cluster)), PATIENCE)
@@ -247,7 +247,7 @@ def test_a_command_that_is_killed_or_interrupted_leaves_nothing_running_and_goes
     assert Sitting(there, *arguments).process.wait(PATIENCE) == 0
 
     check_equal(there, plodder_here)
-    assert {stem: journal(there)[stem] for stem in kept} == kept
+    assert {stem: entered(there)[stem] for stem in kept} == kept
 
 
 def test_nodes_that_cannot_play_are_named_and_get_no_work(

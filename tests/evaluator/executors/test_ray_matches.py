@@ -17,7 +17,7 @@ from wildscav_evaluator.executors.base import Examined
 from wildscav_evaluator.executors.ray_executor import RayExecutor, _no_sandbox
 from wildscav_evaluator.matches.jobs import AttemptFailed, Job, JobEvent
 from wildscav_evaluator.matches.workers import Workers
-from wildscav_evaluator.output.layout import LOGS, MATCHES, RECORDS, REPLAYS
+from wildscav_evaluator.output.layout import LOGS, RECORDS, REPLAYS
 from wildscav_evaluator.sandbox.process import WARNING
 
 SPEC = MatchSpec(track="navigation", map=MapSpec(config=MapConfig(size=40, houses=0)), time_limit=2.0)
@@ -36,7 +36,7 @@ def executor(two_nodes: RayCluster) -> Iterator[RayExecutor]:
 
 @pytest.fixture
 def out(tmp_path: Path) -> Path:
-    for name in (RECORDS, REPLAYS, LOGS, MATCHES):
+    for name in (RECORDS, REPLAYS, LOGS):
         (tmp_path / "out" / name).mkdir(parents=True)
     return tmp_path / "out"
 

@@ -14,8 +14,6 @@ from wildscav_evaluator.ledger.entries import Closed, Entry, Fact, MatchEnded, O
 from wildscav_evaluator.ledger.keys import SigningKey
 from wildscav_evaluator.ledger.ledger import sha256_of
 from wildscav_evaluator.output.identity import Identity, read_identity, write_identity
-from wildscav_evaluator.output.journal import Entry as JournalEntry
-from wildscav_evaluator.output.journal import entry_path, file_digest
 from wildscav_evaluator.output.layout import LEDGER_FILE, stem_of
 from wildscav_evaluator.output.results import (
     Evaluation,
@@ -74,10 +72,8 @@ class Forgery:
         return self.out / "records" / f"navigation-{index:03d}-{name}.wsr"
 
     def remove_match(self, name: str, index: int) -> None:
-        """Take away a match's record and its entry in the journal."""
-        path = self.record(name, index)
-        path.unlink()
-        entry_path(self.out, path.stem).unlink()
+        """Take away a match's record."""
+        self.record(name, index).unlink()
 
     def play_otherwise(self, name: str, index: int) -> dict[str, float]:
         """Put in a well-formed record of the same match with other actions, and return its metrics."""
@@ -116,22 +112,6 @@ class Forgery:
         """Whether each submission was evaluated alone."""
         return self.results.tournament is None
 
-    def rewrite_journal(self) -> None:
-        """Have the journal say what the results say."""
-        timings = {stem_of(one.track, one.index, one.submission): one for one in self.results.timings.matches}
-        for stem, row in self.rows().items():
-            path = entry_path(self.out, stem)
-            if row.record is None:
-                path.unlink(missing_ok=True)
-                continue
-            JournalEntry(
-                evaluation=self.identity.digest,
-                match=path.stem,
-                record=file_digest(self.out / row.record),
-                row=row,
-                timing=timings[stem],
-            ).write(path)
-
     def facts(self) -> list[Fact]:
         lines = (self.out / LEDGER_FILE).read_bytes().splitlines()
         return [Entry.model_validate_json(line).fact for line in lines]
@@ -142,7 +122,6 @@ class Forgery:
         public = None if key is None else key.public
         self.identify(key=public)
         self.tell(key=public)
-        self.rewrite_journal()
         told = [self._retold(fact, rows) for fact in self.facts()]
         self.write_ledger((fact for fact in told if fact is not None), key)
 

@@ -54,7 +54,7 @@ def test_a_forgery_of_results_and_records_is_found_out_though_nobody_signed(
 def test_a_forgery_of_everything_cannot_be_signed(
     signed: Forgery, rescored: Rescored, key: SigningKey, tmp_path: Path, name: str
 ) -> None:
-    """Results, records, journal, evaluation.json and ledger all tell the same, wrong thing."""
+    """Results, records, evaluation.json and ledger all tell the same, wrong thing."""
     forge, _ = FORGERIES[name]
     forge(signed)
     assert "results.json is not the file that ledger.jsonl was closed with" in rescored(signed, key.public)

@@ -14,25 +14,20 @@ from wildscav_evaluator.output.layout import LEDGER_FILE
 from wildscav_evaluator.plans.evaluation import EvaluationPlan
 
 
-def test_an_edited_journal_does_not_get_into_the_results(plan: EvaluationPlan, unsigned: Forgery) -> None:
+def test_an_edited_ledger_does_not_get_into_the_results(plan: EvaluationPlan, unsigned: Forgery) -> None:
     unsigned_plan = replace(plan, key=None, out=unsigned.out)
     better = with_metrics(
         unsigned.evaluation("ada").matches[0],
         {"time": 0.1, "used_time": 0.1, "punish_time": 0.0, "success": 1.0},
     )
-    forge = {"matches": unsigned.rewrite_journal, "and the ledger": unsigned.rewrite_ledger}
     unsigned.change_matches("ada", lambda row: better if row.index == 0 else row)
+    unsigned.rewrite_ledger()
 
-    said = []
-    for rewrite in forge.values():
-        rewrite()
-        with pytest.raises(UserError) as refused:
-            run_session(unsigned_plan)
-        assert refused.value.exit_code == 2
-        said.append(str(refused.value))
+    with pytest.raises(UserError) as refused:
+        run_session(unsigned_plan)
 
-    assert "the journal and the ledger disagree about navigation-000-ada" in said[0]
-    assert "the metrics of navigation-000-ada in the journal are not those of its record" in said[1]
+    assert refused.value.exit_code == 2
+    assert "the metrics of navigation-000-ada in the ledger are not those of its record" in str(refused.value)
 
 
 def test_a_signed_evaluation_goes_on_only_with_its_key(
@@ -52,7 +47,5 @@ def test_a_signed_evaluation_goes_on_only_with_its_key(
 def test_a_loss_cannot_be_removed_to_be_played_again(plan: EvaluationPlan, signed: Forgery) -> None:
     signed.remove_match("ada", worst(signed))
 
-    with pytest.raises(
-        UserError, match=r"the record or the journal of navigation-00.-ada is missing, or was changed"
-    ):
+    with pytest.raises(UserError, match=r"the record of navigation-00.-ada cannot be read: .*: No such file"):
         run_session(replace(plan, out=signed.out))

@@ -14,8 +14,8 @@ from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.jobs import Heartbeat, Job, JobEvent
 from wildscav_evaluator.matches.run_job import run_job
 from wildscav_evaluator.matches.snapshots import snapshot_of
-from wildscav_evaluator.matches.watchdog import Patience, Watchdog
-from wildscav_evaluator.output.layout import LOGS, MATCHES, RECORDS
+from wildscav_evaluator.matches.watchdog import ProgressTimeouts, Watchdog
+from wildscav_evaluator.output.layout import LOGS, RECORDS
 from wildscav_evaluator.submissions.submission import Submission
 
 pytestmark = pytest.mark.usefixtures("compiled")
@@ -33,7 +33,7 @@ SPEC = MatchSpec(track="battle", map=SMALL, seats=("submission", "fighter"), tim
 
 def heartbeats_of(submission: Submission, out: Path, watched: bool) -> tuple[Job, list[Heartbeat]]:
     """Play a match, and return what it reported."""
-    for name in (RECORDS, LOGS, MATCHES):
+    for name in (RECORDS, LOGS):
         (out / name).mkdir(parents=True)
     events: list[JobEvent] = []
     job = Job.of_one(submission, "battle", 0, SPEC, out, False, watched=watched)
@@ -79,7 +79,7 @@ def test_snapshots_are_in_decimetres() -> None:
 
 def test_a_watched_match_that_stands_still_is_noticed(submit: Submit, tmp_path: Path) -> None:
     job = Job.of_one(submit("slow", SLOW), "battle", 0, SPEC, tmp_path, False, watched=True)
-    watchdog = Watchdog(job, Patience(step=1.0))
+    watchdog = Watchdog(job, ProgressTimeouts(step=1.0))
     moment = snapshot_of(Match(SPEC))
     watchdog.hear(Heartbeat(5, 1, (moment,)))
     for _ in range(100):

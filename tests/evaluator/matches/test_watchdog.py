@@ -7,9 +7,9 @@ from tests.evaluator.sample_agents import WALKER, Submit
 
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.jobs import AttemptFailed, Heartbeat, Job, JobEvent, RenderingReplay
-from wildscav_evaluator.matches.watchdog import CHECK_INTERVAL, Patience, Watchdog
+from wildscav_evaluator.matches.watchdog import CHECK_INTERVAL, ProgressTimeouts, Watchdog
 
-PATIENCE = Patience(set_up=300.0, seat=30.0, step=90.0, rendering=300.0)
+TIMEOUTS = ProgressTimeouts(set_up=300.0, seat=30.0, step=90.0, rendering=300.0)
 
 
 @pytest.fixture
@@ -40,7 +40,7 @@ def wait(watchdog: Watchdog, seconds: float) -> str:
 def test_the_limit_follows_from_what_the_job_is_at(
     job: Job, told: list[JobEvent], limit: int, where: str
 ) -> None:
-    watchdog = Watchdog(job, PATIENCE)
+    watchdog = Watchdog(job, TIMEOUTS)
     for one in told:
         watchdog.hear(one)
 
@@ -49,7 +49,7 @@ def test_the_limit_follows_from_what_the_job_is_at(
 
 
 def test_progress_begins_the_time_anew_and_signs_of_life_alone_do_not(job: Job) -> None:
-    watchdog = Watchdog(job, PATIENCE)
+    watchdog = Watchdog(job, TIMEOUTS)
     for step in range(1, 4):
         watchdog.hear(Heartbeat(5 * step, step))
         assert wait(watchdog, 100.0) == ""
@@ -60,7 +60,7 @@ def test_progress_begins_the_time_anew_and_signs_of_life_alone_do_not(job: Job) 
 
 
 def test_time_in_which_all_was_stopped_does_not_count(job: Job) -> None:
-    watchdog = Watchdog(job, PATIENCE)
+    watchdog = Watchdog(job, TIMEOUTS)
 
     watchdog.wait(10_000.0)
 

@@ -14,14 +14,14 @@ from tests.evaluator.sample_agents import SLEEPER, WALKER, Submit
 from wildscav_engine.record import read_record, verify_record
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.matches.jobs import Job, JobResult
+from wildscav_evaluator.matches.jobs import Job, JobResult, KeptMatch
 from wildscav_evaluator.matches.play import MatchAssignment
 from wildscav_evaluator.matches.run_job import after_worker_death
-from wildscav_evaluator.matches.watchdog import Patience
+from wildscav_evaluator.matches.watchdog import ProgressTimeouts
 from wildscav_evaluator.matches.workers import Workers
 from wildscav_evaluator.monitoring.dashboard import match_counts
 from wildscav_evaluator.monitoring.monitor import EvaluationMetrics, Monitor, MonitorOptions
-from wildscav_evaluator.output.layout import LOGS, MATCHES, RECORDS, REPLAYS
+from wildscav_evaluator.output.layout import LOGS, RECORDS, REPLAYS
 from wildscav_evaluator.submissions.submission import Submission
 
 KILLS_EVERY_WORKER = """
@@ -49,12 +49,12 @@ STOPS_ITS_FIRST_WORKER = """
 """
 STOPS_EVERY_WORKER = STOPS_ITS_FIRST_WORKER.replace('not os.path.exists("was_here")', "True")
 STEPS = 20
-IMPATIENT = Patience(set_up=60.0, step=2.0)  # beside the two seconds that agents have
+SHORT_TIMEOUTS = ProgressTimeouts(set_up=60.0, step=2.0)  # beside the two seconds that agents have
 
 
 @pytest.fixture
 def out(tmp_path: Path) -> Path:
-    for name in (RECORDS, REPLAYS, LOGS, MATCHES):
+    for name in (RECORDS, REPLAYS, LOGS):
         (tmp_path / "out" / name).mkdir(parents=True)
     return tmp_path / "out"
 
@@ -79,11 +79,11 @@ def run(
     jobs: list[Job],
     count: int,
     watch: Monitor | None = None,
-    patience: Patience | None = None,
+    timeouts: ProgressTimeouts | None = None,
     refused: Job | None = None,  # when its turn comes
 ) -> dict[tuple[str, int], JobResult]:
     watch = watch or Monitor(jobs, count, "suite", MonitorOptions("json", None))
-    with Workers(count, patience=patience) as workers:
+    with Workers(count, timeouts=timeouts) as workers:
         workers.precompile()
         given = jobs if refused is None else [refused, *jobs]
         for result in workers.run(given, lambda one: one != refused and watch.start(one), watch.handle):
@@ -147,7 +147,8 @@ def test_a_match_that_was_played_is_kept_even_if_its_replay_kills_every_worker(
     only = job(submit("walker", WALKER), 0, out)
     (played,) = run([only], 1).values()
 
-    again = after_worker_death(replace(only, replay=True), "killed")
+    kept_match = KeptMatch(played.row, played.timing)
+    again = after_worker_death(replace(only, replay=True, kept=kept_match), "killed")
     assert isinstance(again, Job)
     again = after_worker_death(again, "killed")
     assert isinstance(again, Job)
@@ -209,7 +210,7 @@ def test_a_worker_that_hangs_is_killed_and_its_match_played_again(
     stopper, walker = submit("stopper", STOPS_ITS_FIRST_WORKER), submit("walker", WALKER)
     jobs = [job(stopper, 0, out), job(walker, 0, out)]
 
-    results = run(jobs, 1, patience=IMPATIENT)
+    results = run(jobs, 1, timeouts=SHORT_TIMEOUTS)
 
     assert {result.row.status for result in results.values()} == {"finished"}
     again = results["stopper", 0].timing
@@ -224,7 +225,7 @@ def test_a_worker_that_hangs_is_killed_and_its_match_played_again(
 def test_a_worker_that_spins_in_compiled_code_is_killed_too(submit: Submit, out: Path) -> None:
     spins = Spins(**vars(job(submit("walker", WALKER), 0, out)))
 
-    results = run([spins], 1, patience=Patience(set_up=8.0, seat=0.0))
+    results = run([spins], 1, timeouts=ProgressTimeouts(set_up=8.0, seat=0.0))
 
     (result,) = results.values()
     assert result.row.status == "finished"

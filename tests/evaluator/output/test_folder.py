@@ -106,6 +106,7 @@ def test_a_fresh_evaluation_takes_the_folder(plan: EvaluationPlan) -> None:
 
 def test_halves_of_files_and_matches_that_do_not_count_are_removed(plan: EvaluationPlan) -> None:
     with output_folder(plan.out, plan.identity()):
+        (plan.out / "matches").mkdir()  # by Wildscav 0.1.0
         for name in (
             *("records/a.wsr", "logs/a.log", "matches/a.json", "records/b.wsr", "logs/b.log"),
             *("records/.b.wsr.12.part", "matches/.a.json.12.part", ".results.json.12.part", "results.json"),

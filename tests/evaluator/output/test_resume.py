@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 
 import pytest
-from tests.evaluator.interrupted_runs import Sitting, check_whole, files, journal, without_timings
+from tests.evaluator.interrupted_runs import Sitting, check_whole, entered, files, without_timings
 
 from wildscav_evaluator.output.results import read_results
 
@@ -64,7 +64,7 @@ def test_kills_at_random_moments_lose_nothing(pair: tuple[Path, Path], suite: Pa
             check_whole(out)
         else:
             sitting.process.wait()
-        now = journal(out)
+        now = entered(out)
         # Whoever is killed may leave a worker that ends its match: more is kept then, never less or other.
         assert {stem: now.get(stem) for stem in before} == before, "a match was lost or played again"
         before = now

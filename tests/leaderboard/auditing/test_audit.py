@@ -18,7 +18,6 @@ from tests.leaderboard.seasons_made import NOON, team_with_member
 from wildscav.errors import UserError
 from wildscav_engine.record import read_record
 from wildscav_engine.record.format import save
-from wildscav_evaluator.output.journal import file_digest
 from wildscav_evaluator.suites.seeds import commitment_of, new_secret
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.service import refresh
@@ -26,6 +25,7 @@ from wildscav_leaderboard.conductor.editions import begin_editions
 from wildscav_leaderboard.conductor.plans import plan_ladders
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import WAITING, Match
+from wildscav_leaderboard.matches.record_files import record_digest
 from wildscav_leaderboard.matches.service import next_matches
 from wildscav_leaderboard.organizing import finalizing
 from wildscav_leaderboard.organizing.acts import disqualify_team
@@ -214,7 +214,7 @@ def test_a_private_seed_that_does_not_follow_from_the_secret_is_found(
     record = read_record(path)
     seeds = [12345 if number == seat["seat"] else seed for number, seed in enumerate(record.seeds)]
     save(replace(record, seeds=tuple(seeds)), path)
-    opened.change_matches(track, lambda matches: matches[0].update(record=file_digest(path)))
+    opened.change_matches(track, lambda matches: matches[0].update(record=record_digest(path.read_bytes())))
 
     (finding,) = audit(opened, track=track.partition("-")[0]).findings
     assert (finding.track, finding.match, finding.submission) == (track, match["id"], seat["submission"])

@@ -9,8 +9,9 @@ from fastapi import FastAPI, Response
 from tests.leaderboard.spectating.served import served
 
 from wildscav_leaderboard.auditing import sources
-from wildscav_leaderboard.auditing.records import digest_of, fetcher
+from wildscav_leaderboard.auditing.records import fetcher
 from wildscav_leaderboard.auditing.sources import FolderSource, MissingError, SourceError, WebSource
+from wildscav_leaderboard.matches.record_files import record_digest
 from wildscav_leaderboard.publishing.documents import PublishedMatch
 
 RECORD = b"a record"
@@ -59,7 +60,7 @@ def source(site: Site) -> Iterator[WebSource]:
 
 def published(number: int, content: bytes) -> PublishedMatch:
     return PublishedMatch(
-        id=number, kind="ladder", number=0, submission=None, record=digest_of(content), record_size=8
+        id=number, kind="ladder", number=0, submission=None, record=record_digest(content), record_size=8
     )
 
 

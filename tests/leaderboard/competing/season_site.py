@@ -21,12 +21,12 @@ from wildscav_engine.record import write_record
 from wildscav_engine.simulation.match import Match as PlayedMatch
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.output.journal import file_digest
 from wildscav_evaluator.output.results import MatchRow, MatchTiming, SeatRow, metric_infos
 from wildscav_leaderboard.accounts import service as accounts
 from wildscav_leaderboard.accounts.passwords import hashed
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.hosting.app import create_app
+from wildscav_leaderboard.matches.record_files import record_digest
 from wildscav_leaderboard.matches.service import Entrant, PlayedRecord, add_ladder_match, deliver
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.submissions import service as submissions
@@ -123,7 +123,7 @@ def _deliver(session: Any, match: Any, entrant: str, record: Path, now: datetime
         steps=20,
         seats=(timing_of_a_seat(latency_p99=0.0125),),
     )
-    stored = PlayedRecord(file_digest(record), record.stat().st_size)
+    stored = PlayedRecord(record_digest(record.read_bytes()), record.stat().st_size)
     deliver(session, match, None, row, timing, stored, metric_infos("battle")[0], now)
 
 

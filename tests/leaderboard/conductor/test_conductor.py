@@ -14,7 +14,6 @@ from tests.leaderboard.real_conductor import conduct
 from tests.leaderboard.seasons_made import make_season, submitted, team_with_member
 
 from wildscav_engine.record import read_record
-from wildscav_evaluator.output.journal import file_digest
 from wildscav_leaderboard.conductor.attempts import RETURNED
 from wildscav_leaderboard.conductor.models import Attempt
 from wildscav_leaderboard.conductor.validators import now
@@ -27,6 +26,7 @@ from wildscav_leaderboard.matches.models import (
     Match,
     MatchResult,
 )
+from wildscav_leaderboard.matches.record_files import record_digest
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.state import PAUSED, write_state
 from wildscav_leaderboard.submissions.models import Submission
@@ -93,7 +93,7 @@ def test_a_submission_becomes_active_and_its_matches_are_played(
         for match in finished(session):
             result = session.get_one(MatchResult, match.id)
             path = season.match_folder(match.id) / result.row["record"]
-            assert file_digest(path) == result.record
+            assert record_digest(path.read_bytes()) == result.record
             record = read_record(path)
             assert record.names[0] == one.entrant
             assert record.seeds == season.seed.private(record.spec, [one.digest])

@@ -12,7 +12,6 @@ from tests.leaderboard.seasons_made import NOON, checked, make_season
 from wildscav.errors import UserError
 from wildscav_engine.storage.files import write_whole
 from wildscav_evaluator.matches.jobs import Job, JobResult
-from wildscav_evaluator.output.journal import file_digest
 from wildscav_evaluator.output.results import MatchRow
 from wildscav_evaluator.sandbox import SandboxError
 from wildscav_evaluator.sandbox.containers.container_engine import call, find_engine
@@ -28,6 +27,7 @@ from wildscav_leaderboard.matches.models import (
     Match,
     MatchSeat,
 )
+from wildscav_leaderboard.matches.record_files import record_digest
 from wildscav_leaderboard.submissions.archives import archive_name
 
 
@@ -42,7 +42,7 @@ def result(tmp_path: Path) -> JobResult:
         spec=season.suite_matches["navigation"][0],
         out=tmp_path / "match",
         replay=False,
-        evaluation="match-1",
+        key="match-1",
         sandbox="process",
         limits=DEFAULT_LIMITS,
         evaluated="runner-1",
@@ -61,14 +61,14 @@ def test_a_worker_that_comes_too_late_cannot_change_a_record_that_is_kept(result
     kept = result.job.out / str(row.record)
     assert row.record != result.row.record
     assert kept.read_bytes() == b"the first record"
-    assert (file_digest(kept), kept.stat().st_size) == (record.digest, record.size)
+    assert (record_digest(kept.read_bytes()), kept.stat().st_size) == (record.digest, record.size)
 
 
 def test_a_record_is_kept_once_however_often_it_comes(result: JobResult) -> None:
     first, _ = keep_record(result)
     again, record = keep_record(result)
     assert first == again
-    assert file_digest(result.job.out / str(again.record)) == record.digest
+    assert record_digest((result.job.out / str(again.record)).read_bytes()) == record.digest
     assert len(list((result.job.out / result.job.record).parent.iterdir())) == 2
 
 

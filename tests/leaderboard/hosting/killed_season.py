@@ -19,13 +19,13 @@ from tests.leaderboard.postgresql import PostgreSQL
 from tests.leaderboard.seasons_made import make_season, team_with_member
 from tests.ports import free_ports
 
-from wildscav_evaluator.output.journal import file_digest
 from wildscav_leaderboard.accounts.service import new_token
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.conductor.plans import plan_ladders
 from wildscav_leaderboard.conductor.validators import now
 from wildscav_leaderboard.database.connection import Database, DatabaseError
 from wildscav_leaderboard.matches.models import FINISHED, PLAYING, WAITING, Match, MatchResult
+from wildscav_leaderboard.matches.record_files import record_digest
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.models import Submission
@@ -199,7 +199,7 @@ class KilledSeason:
             assert set(session.scalars(select(Match.state))) == {FINISHED}
             for result in session.scalars(select(MatchResult)):
                 path = self.season.match_folder(result.match_id) / result.row["record"]
-                assert file_digest(path) == result.record
+                assert record_digest(path.read_bytes()) == result.record
         page = httpx.get(f"http://127.0.0.1:{self.port}/boards/navigation", timeout=30)
         assert page.status_code == 200
 

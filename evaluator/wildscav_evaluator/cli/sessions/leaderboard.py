@@ -32,13 +32,13 @@ def show_standings(
         UserError: A place does not exist or is not readable, or there is nothing of the track and the suite.
     """
     with error_console.status("reading results"):
-        found = find_results(places)
-    for line in found.unreadable:
+        results = find_results(places)
+    for line in results.unreadable:
         error_console.print(f"left out: {line}", soft_wrap=True)
-    ranked_tables = list(standings(found.evaluations, track, suite))
-    rated = latest_tournaments(found, track, suite)
+    ranked_tables = list(standings(results.evaluations, track, suite))
+    rated = latest_tournaments(results, track, suite)
     if not ranked_tables and not rated:
-        raise UserError(_nothing_found(found, track, suite, ", ".join(map(str, places))))
+        raise UserError(_nothing_found(results, track, suite, ", ".join(map(str, places))))
     if as_json:
         documents = [document(one) for one in ranked_tables]
         print_json({"standings": documents, "tournaments": [one.as_json() for one in rated]})
@@ -95,9 +95,9 @@ def _signed(one: Standings) -> str:
     )
 
 
-def _nothing_found(found: Found, track: str | None, suite: str | None, places: str) -> str:
+def _nothing_found(results: Found, track: str | None, suite: str | None, places: str) -> str:
     """Return why there is no table, with a suggestion of a similar name."""
-    everything = [one.conditions for one in standings(found.evaluations)]
+    everything = [one.conditions for one in standings(results.evaluations)]
     for what, asked, known in (
         ("track", track, dict.fromkeys(one.track for one in everything)),
         ("suite", suite, dict.fromkeys(one.suite for one in everything)),

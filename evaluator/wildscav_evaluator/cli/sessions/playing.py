@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 from rich.text import Text
@@ -13,8 +14,14 @@ from wildscav_engine.storage.files import write_whole
 from wildscav_evaluator.executors import Executor, ExecutorError
 from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_evaluator.ledger.writer import LedgerWriter
-from wildscav_evaluator.matches.jobs import AttemptFailed, Job, JobEvent, JobResult
-from wildscav_evaluator.matches.run_job import kept_result
+from wildscav_evaluator.matches.jobs import (
+    AttemptFailed,
+    Job,
+    JobEvent,
+    JobResult,
+    KeptMatch,
+    RenderingReplay,
+)
 from wildscav_evaluator.monitoring.dashboard import duration
 from wildscav_evaluator.monitoring.monitor import Monitor, MonitorOptions
 from wildscav_evaluator.output.folder import check_out, keep_only, output_folder
@@ -55,9 +62,9 @@ def playing(
             done = _play(plan, jobs, lock, ledger, options, executor or LocalExecutor(plan.jobs))
             results = plan.collect(done)
         except KeyboardInterrupt:
-            raise UserError(f"interrupted: {_saved(plan, jobs)}", INTERRUPTED) from None
+            raise UserError(f"interrupted: {_saved(plan, ledger, jobs)}", INTERRUPTED) from None
         except ExecutorError as error:
-            raise ExecutorError(f"{error}: {_saved(plan, jobs)}") from error
+            raise ExecutorError(f"{error}: {_saved(plan, ledger, jobs)}") from error
         yield results, ledger
 
 
@@ -70,7 +77,7 @@ def _play(
     executor: Executor,
 ) -> list[JobResult]:
     """Play the matches that no earlier run has played, and return the results of all."""
-    done = ledger.confirm([result for job in jobs if (result := kept_result(job)) is not None])
+    done = ledger.kept(jobs)
     keep_only(plan.out, (result.job.stem for result in done))
     if done:
         console.print(_resumption(len(done), len(jobs)))
@@ -78,7 +85,8 @@ def _play(
     for result in done:
         monitor.add_earlier(result)
     complete = {result.job.stem for result in done if not result.to_render}
-    waiting = [job for job in jobs if job.stem not in complete]
+    kept = {result.job.stem: KeptMatch(result.row, result.timing) for result in done}
+    waiting = [replace(job, kept=kept.get(job.stem)) for job in jobs if job.stem not in complete]
     if waiting:
         longest = max(Clock(longest=job.limits.wall_clock).bound(job.spec) for job in waiting)
         console.print(f"a match lasts at most {duration(longest)} by its agents' time limits")
@@ -104,6 +112,8 @@ def _listeners(
     def handle(job: Job, event: JobEvent) -> None:
         if isinstance(event, AttemptFailed):
             ledger.broke(job.stem, event.reason)
+        elif isinstance(event, RenderingReplay) and event.kept is not None:
+            ledger.end(JobResult(job, *event.kept))  # it counts, whatever becomes of its replay
         monitor.handle(job, event)
 
     return begin, handle
@@ -114,10 +124,9 @@ def _resumption(done: int, jobs: int) -> str:
     return some if done < jobs else f"all {counted(jobs, 'match')} were played before"
 
 
-def _saved(plan: Plan, jobs: Sequence[Job]) -> str:
-    done = sum(kept_result(job) is not None for job in jobs)
+def _saved(plan: Plan, ledger: LedgerWriter, jobs: Sequence[Job]) -> str:
     return (
-        f"{done:,} of {counted(len(jobs), 'match')} are saved in {plan.out}; "
+        f"{len(ledger.played):,} of {counted(len(jobs), 'match')} are saved in {plan.out}; "
         "run the same command again to play the rest"
     )
 

@@ -41,14 +41,16 @@ def run_rescore(out: Path, executor: Executor, key: str | None = None, *, as_jso
     folder = None if reported is None else read_folder(out, reported, key)
     replayed = _replay(paths, executor)
     results = recomputed(replayed, reported, read_identity(out))
-    found = [f"{out / one.record}: {one.fault}" for one in replayed if one.fault]
-    found += _show(results)
-    found += _without_results(out, key) if folder is None else discrepancies(folder, replayed, results)
+    disagreements = [f"{out / one.record}: {one.fault}" for one in replayed if one.fault]
+    disagreements += _show(results)
+    disagreements += (
+        _without_results(out, key) if folder is None else discrepancies(folder, replayed, results)
+    )
     if as_json:
-        print_json({"folder": str(out), "results": results.as_json(), "disagreements": found})
-    if len(found) > SHOWN:
-        found[SHOWN:] = [f"and {len(found) - SHOWN:,} more disagreements"]
-    raise_errors(found)
+        print_json({"folder": str(out), "results": results.as_json(), "disagreements": disagreements})
+    if len(disagreements) > SHOWN:
+        disagreements[SHOWN:] = [f"and {len(disagreements) - SHOWN:,} more disagreements"]
+    raise_errors(disagreements)
     everything = counted(len(replayed), "record")
     if folder is None:
         console.print(f"{everything} played again; there is no {out / RESULTS_FILE} to compare with")

@@ -81,11 +81,11 @@ def _verified_record(path: Path) -> Record:
     try:
         record = read_record(path)
         with console.status("re-simulating the record"):
-            found = verify_record(record)
+            verification = verify_record(record)
     except RecordError as error:
         raise UserError(str(error), exit_code=2) from error
-    if not found.holds:
-        raise UserError(f"{path} is not valid: {found.message}", exit_code=2)
+    if not verification.holds:
+        raise UserError(f"{path} is not valid: {verification.message}", exit_code=2)
     return record
 
 
@@ -124,18 +124,18 @@ def _chosen_seats(
             f"--seat is {min(wrong)}: the seats of submissions in {path} are {known}", exit_code=2
         )
     names = {one.name for one in entries}
-    found = tuple(asked) or tuple(
+    seats = tuple(asked) or tuple(
         seat
         for seat, name in entrants_in_names(record.spec.seats, record.names).items()
         if seat in filled and (name in names if names else submission_of(name) == submission.name)
     )
-    if not found:
+    if not seats:
         raise UserError(
             f"no seat in {path} belongs to {submission.name!r}: the seats of submissions are {known}; name "
             "one with --seat",
             exit_code=2,
         )
-    return found
+    return seats
 
 
 def _limits(

@@ -109,8 +109,8 @@ class ClusterNodes:
             self._update(ray.nodes())
         self._hear([node for node in self if node.examined is None], 0.0)
 
-    def _update(self, found: Sequence[Mapping[str, Any]]) -> None:
-        alive = {each["NodeID"]: each for each in found if each["Alive"]}
+    def _update(self, nodes: Sequence[Mapping[str, Any]]) -> None:
+        alive = {each["NodeID"]: each for each in nodes if each["Alive"]}
         for node in self:
             if node.key not in alive and not node.problem:
                 node.problem = "it was lost"
@@ -142,11 +142,11 @@ class ClusterNodes:
 
     def _answer(self, node: ClusterNode) -> Examined:
         try:
-            found: dict[str, Any] = ray.get(node.examination, timeout=0)
+            examination: dict[str, Any] = ray.get(node.examination, timeout=0)
         except (RayError, GetTimeoutError) as error:
             return Examined(node.name, node.cores, f"Wildscav does not run there: {last_line(error)}")
-        problem = mismatch(found) or "; ".join(filter(None, found["images"].values()))
-        return Examined(node.name, node.cores, problem, found["sandboxes"])
+        problem = mismatch(examination) or "; ".join(filter(None, examination["images"].values()))
+        return Examined(node.name, node.cores, problem, examination["sandboxes"])
 
     def _judge(self, node: ClusterNode) -> None:
         """Note why a node that was examined gets no work."""
@@ -158,10 +158,10 @@ class ClusterNodes:
             node.problem = f"{self._sandbox} does not work there: {broken}"
 
 
-def _name(found: Mapping[str, Any]) -> str:
+def _name(node: Mapping[str, Any]) -> str:
     """Return the name that a node was given, or that of its machine."""
-    name, address = str(found.get("NodeName", "")), str(found["NodeManagerAddress"])
-    return name if name and name != address else f"{found['NodeManagerHostname']} ({address})"
+    name, address = str(node.get("NodeName", "")), str(node["NodeManagerAddress"])
+    return name if name and name != address else f"{node['NodeManagerHostname']} ({address})"
 
 
 def last_line(error: BaseException) -> str:

@@ -16,15 +16,15 @@ from typing import Any
 from wildscav.errors import UserError, describe
 from wildscav_evaluator.executors.cluster.messages import Played
 from wildscav_evaluator.executors.cluster.submission_archives import arrived
-from wildscav_evaluator.matches.jobs import Heartbeat, Job, JobEvent, JobResult, Wanted
-from wildscav_evaluator.matches.watchdog import CHECK_INTERVAL, Patience
+from wildscav_evaluator.matches.jobs import Heartbeat, Job, JobEvent, JobResult, RenderingReplay, Wanted
+from wildscav_evaluator.matches.watchdog import CHECK_INTERVAL, ProgressTimeouts
 from wildscav_evaluator.matches.workers import (
     REPLAYS_PER_WORKER,
     STOP_TIME,
     Worker,
     WorkerDiedError,
 )
-from wildscav_evaluator.output.layout import LOGS, MATCHES, RECORDS, REPLAYS
+from wildscav_evaluator.output.layout import LOGS, RECORDS, REPLAYS
 from wildscav_evaluator.submissions.images import with_images
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_server import leftovers
@@ -63,15 +63,15 @@ class MatchHost:
 
     Args:
         sensors: The sensors that matches will read.
-        patience: How long a match may make no progress.
+        timeouts: How long a match may make no progress.
     """
 
-    def __init__(self, sensors: Sequence[Wanted], patience: Patience | None = None) -> None:
+    def __init__(self, sensors: Sequence[Wanted], timeouts: ProgressTimeouts | None = None) -> None:
         for name in RAYS_OWN:
             os.environ.pop(name, None)
         # Otherwise each worker would import Ray's main module, and thereby Ray.
         vars(sys.modules["__main__"]).pop("__file__", None)
-        self._sensors, self._patience = tuple(sensors), patience or Patience()
+        self._sensors, self._timeouts = tuple(sensors), timeouts or ProgressTimeouts()
         self._arrived: dict[str, Path] = {}
         self._stack = contextlib.ExitStack()  # with the folder of the current match
         self._job: Job | None = None  # as it was asked for, with its paths on the other machine
@@ -96,7 +96,7 @@ class MatchHost:
         self._job = job
         try:
             folder = self._stack.enter_context(leftovers.temporary_folder("match-"))
-            for name in (*RETURNED, MATCHES):
+            for name in RETURNED:
                 (folder / name).mkdir()
             for path, content in files.items():
                 (folder / path).write_bytes(content)
@@ -132,7 +132,7 @@ class MatchHost:
             return worker
         if worker is not None:
             worker.end(STOP_TIME)
-        self._worker = Worker(None, self._patience)
+        self._worker = Worker(None, self._timeouts)
         self._worker.precompile(self._sensors)
         return self._worker
 
@@ -149,7 +149,8 @@ class MatchHost:
                 return Report(tuple(events), Broken(event.faults[-1]))
             if events and isinstance(event, Heartbeat) and isinstance(events[-1], Heartbeat):
                 events.pop()  # only the last one matters
-            events.append(event)
+            # The record comes back with the replay, so nothing is kept of the match before.
+            events.append(RenderingReplay() if isinstance(event, RenderingReplay) else event)
             if isinstance(event, Heartbeat) and event.snapshots:
                 break  # spectators wait for them
         return Report(tuple(events))

@@ -48,7 +48,7 @@ class Host:
         return self.is_ready and self.answer is None
 
     @property
-    def patience(self) -> float:
+    def timeout(self) -> float:
         """How long it may not answer, s."""
         return SILENCE if self.is_ready else COMPILE_TIME
 
@@ -184,8 +184,8 @@ class MatchSchedule:
             host.silent = 0.0 if answer in ready else host.silent + waited
             if answer in ready:
                 yield host, self._report(host, answer)
-            elif host.silent > host.patience:
-                yield host, Broken(f"{host.node.name} did not answer within {host.patience:,.0f} s")
+            elif host.silent > host.timeout:
+                yield host, Broken(f"{host.node.name} did not answer within {host.timeout:,.0f} s")
 
     def _report(self, host: Host, answer: Any) -> Report | Broken:
         host.answer = None

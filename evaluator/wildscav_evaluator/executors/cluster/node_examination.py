@@ -53,14 +53,14 @@ def _broken(sandbox: str) -> str:
         return str(error)
 
 
-def mismatch(found: dict[str, Any]) -> str:
+def mismatch(examination: dict[str, Any]) -> str:
     """Return in one line how a node's Wildscav differs from the one here; an empty text if it does not."""
     here = CURRENT_VERSIONS.model_dump()
-    there = found["versions"]
+    there = examination["versions"]
     differing = [name for name in here if there.get(name) != here[name]]
     if differing:
         versions = ", ".join(f"{name} {there.get(name)} instead of {here[name]}" for name in differing)
         return f"it has another version of Wildscav: {versions}"
-    if found["code"] != code_digest():
+    if examination["code"] != code_digest():
         return "its Wildscav has the same version, but other code: install the same files there"
     return ""

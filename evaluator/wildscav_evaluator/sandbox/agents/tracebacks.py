@@ -75,8 +75,8 @@ def _threads(lines: Sequence[str]) -> list[list[Frame]]:
     for line in lines:
         if THREAD.match(line):
             threads.append([])
-        elif threads and (found := read_frames([line])):
-            threads[-1] += found
+        elif threads and (frames := read_frames([line])):
+            threads[-1] += frames
         elif line.strip():
             break
     return threads
@@ -92,8 +92,8 @@ def _above_sdk(frames: Sequence[Frame]) -> list[Frame]:
 
 def read_frames(lines: Sequence[str]) -> list[Frame]:
     """Return the frames that some lines of a traceback name, in their order."""
-    found = (FRAME.fullmatch(line) for line in lines)
-    return [Frame(one["file"], int(one["line"]), one["function"] or "") for one in found if one]
+    matches = (FRAME.fullmatch(line) for line in lines)
+    return [Frame(one["file"], int(one["line"]), one["function"] or "") for one in matches if one]
 
 
 def _unread(line: str) -> bool:

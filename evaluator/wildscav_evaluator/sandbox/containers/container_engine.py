@@ -20,7 +20,7 @@ from wildscav_evaluator.sandbox.processes import all_processes, read_file
 
 ENGINES = ("podman", "docker")  # in this order: Podman needs no daemon
 CHOICE = "WILDSCAV_ENGINE"  # the environment variable that names the engine to use
-PATIENCE = 120.0  # s for a command of the engine to finish
+COMMAND_TIMEOUT = 120.0  # s for a command of the engine to finish
 OWNER = "wildscav.owner"  # label of containers with their owner, as `wildscav_server.leftovers` names it
 BARE = "localhost/wildscav-bare"  # an empty image, for agents that run with this machine's Python
 INSTALL = "install Podman (packages podman, runc, catatonit, uidmap) or Docker"
@@ -56,11 +56,11 @@ class ContainerEngine:
             start_new_session=True,
         )
         try:
-            async with asyncio.timeout(PATIENCE):
+            async with asyncio.timeout(COMMAND_TIMEOUT):
                 output, errors = await process.communicate()
         except TimeoutError:
             process.kill()
-            raise SandboxError(f"{self.name} {arguments[0]} takes more than {PATIENCE:g} s") from None
+            raise SandboxError(f"{self.name} {arguments[0]} takes more than {COMMAND_TIMEOUT:g} s") from None
         if process.returncode != 0:
             raise SandboxError(f"{self.name} {arguments[0]} failed: {last_line(errors)}")
         return output.decode("utf-8", "replace").strip()
@@ -148,10 +148,10 @@ def call(
             stdin=subprocess.DEVNULL if content is None else None,
             capture_output=True,
             check=False,
-            timeout=PATIENCE,
+            timeout=COMMAND_TIMEOUT,
         )
     except subprocess.TimeoutExpired:
-        raise SandboxError(f"{engine.name} {arguments[0]} takes more than {PATIENCE:g} s") from None
+        raise SandboxError(f"{engine.name} {arguments[0]} takes more than {COMMAND_TIMEOUT:g} s") from None
 
 
 @functools.cache

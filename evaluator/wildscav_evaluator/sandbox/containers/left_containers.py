@@ -12,7 +12,7 @@ from collections.abc import Iterator
 
 from wildscav_evaluator.sandbox.base import SandboxError
 from wildscav_evaluator.sandbox.containers.container_engine import (
-    PATIENCE,
+    COMMAND_TIMEOUT,
     ContainerEngine,
     call,
     is_in_container,
@@ -71,7 +71,7 @@ def remove_left_container(entry: str) -> None:
     engine, name = _engine_and_name(entry)
     _wait_for_creation(name)
     now = time.monotonic()
-    settled, end = now + (SETTLING if engine.name == "docker" else 0.0), now + PATIENCE
+    settled, end = now + (SETTLING if engine.name == "docker" else 0.0), now + COMMAND_TIMEOUT
     while not _is_removed(engine, name, settled):
         if time.monotonic() > end:
             raise OSError(f"{engine.name} could not remove {name}")
@@ -159,7 +159,9 @@ def _succeeds(command: list[str]) -> bool:
         OSError: It cannot be run, or takes too long.
     """
     try:
-        return subprocess.run(command, capture_output=True, check=False, timeout=PATIENCE).returncode == 0
+        return (
+            subprocess.run(command, capture_output=True, check=False, timeout=COMMAND_TIMEOUT).returncode == 0
+        )
     except subprocess.TimeoutExpired as error:
         raise OSError(str(error)) from None
 

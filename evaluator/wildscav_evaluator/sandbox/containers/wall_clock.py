@@ -102,5 +102,5 @@ def _libraries(program: str) -> dict[str, Path]:
 @functools.cache
 def _find_init() -> Path | None:
     path = shutil.which("docker-init")
-    found = [Path(path)] if path else [Path(place, "docker-init") for place in INIT_PLACES]
-    return next((init for init in found if init.is_file()), None)
+    candidates = [Path(path)] if path else [Path(place, "docker-init") for place in INIT_PLACES]
+    return next((init for init in candidates if init.is_file()), None)

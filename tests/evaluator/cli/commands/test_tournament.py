@@ -8,7 +8,7 @@ import pytest
 import typer
 from tests.commands import run_command
 from tests.evaluator.conftest import submission_in
-from tests.evaluator.interrupted_runs import Sitting, check_whole, files, journal, without_timings
+from tests.evaluator.interrupted_runs import Sitting, check_whole, entered, files, without_timings
 from tests.evaluator.sample_agents import CRASHER, WALKER, Command
 from typer.testing import CliRunner
 
@@ -152,10 +152,10 @@ def test_a_tournament_that_was_killed_goes_on_where_it_was(
     for least in (0, 3, 7):
         Sitting(out, *arguments(entrants, suite), verb="tournament").kill_at(least)
         check_whole(out)
-    before = journal(out)
+    before = entered(out)
     last = Sitting(out, *arguments(entrants, suite), verb="tournament")
     last.process.wait(120)
-    assert {stem: journal(out)[stem] for stem in before} == before, "a match was played again"
+    assert {stem: entered(out)[stem] for stem in before} == before, "a match was played again"
     assert without_timings(out) == without_timings(whole)
     assert (out / "tournament.json").read_bytes() == (whole / "tournament.json").read_bytes()
     assert files(out, "records") == files(whole, "records")
