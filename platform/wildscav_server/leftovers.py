@@ -79,14 +79,14 @@ def temporary_folder_in(place: Path, prefix: str) -> Iterator[Path]:
         OSError: It cannot be made.
     """
     folder = place.absolute() / f"{prefix}{owner()}-{secrets.token_hex(4)}"
-    enter(FOLDER, str(folder))
+    claim(FOLDER, str(folder))
     try:
         folder.mkdir()
         yield folder
     finally:
         shutil.rmtree(folder, ignore_errors=True)
         if not folder.exists():
-            cross_out(FOLDER, str(folder))
+            release(FOLDER, str(folder))
 
 
 def _remove_folder(folder: str) -> None:
@@ -94,8 +94,8 @@ def _remove_folder(folder: str) -> None:
         shutil.rmtree(folder)
 
 
-def enter(kind: str, what: str) -> None:
-    """Enter in this process's list a resource that it is about to create outside its folder.
+def claim(kind: str, what: str) -> None:
+    """Note in this process's list that it is about to create a resource outside its folder.
 
     Args:
         kind: As it was registered.
@@ -104,8 +104,8 @@ def enter(kind: str, what: str) -> None:
     _write(kind, what, there=True)
 
 
-def cross_out(kind: str, what: str) -> None:
-    """Note in this process's list that an entered resource is gone."""
+def release(kind: str, what: str) -> None:
+    """Note in this process's list that a claimed resource is gone."""
     _write(kind, what, there=False)
 
 
@@ -212,7 +212,7 @@ def _remove(folder: Path) -> None:
 
 
 def _entries(path: Path) -> list[tuple[str, str]]:
-    """Return the entries of a list that are not crossed out. Damaged lines are skipped.
+    """Return the entries of a list that are not released. Damaged lines are skipped.
 
     If the last line is incomplete, the process was killed before it created the resource.
     """

@@ -32,8 +32,8 @@ from wildscav_evaluator.sandbox.containers.container_engine import (
     last_line,
 )
 from wildscav_evaluator.sandbox.containers.left_containers import (
-    cross_out_container,
     enter_container,
+    release_container,
     removal,
 )
 from wildscav_evaluator.submission_files import copy_files
@@ -296,7 +296,7 @@ def _manifest_in(engine: ContainerEngine, image: str, reference: str) -> bytes:
         packed = _beginning(engine, "cp", f"{container}:/submission/{MANIFEST}", "-")
     finally:
         if call(engine, *removal(engine, container)).returncode == 0:
-            cross_out_container(engine, container)
+            release_container(engine, container)
     manifest = _first_file(packed)
     if manifest is None:
         raise SubmissionError(

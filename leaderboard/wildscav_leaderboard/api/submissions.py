@@ -53,10 +53,10 @@ def submission_views(
     waits = any(one.state in states.ON_THE_WAY for one in submissions)
     positions = {one.id: number for number, one in enumerate(queue(session), 1)} if waits else {}
     each, at_once = mean_time(session) if waits else 0.0, validations(session)
-    places = [(one, positions.get(one.id)) for one in submissions]
+    queued = [(one, positions.get(one.id)) for one in submissions]
     return [
-        _view(session, one, teams[one.team_id], caller, place, expected_wait(one, place, each, at_once, now))
-        for one, place in places
+        _view(session, one, teams[one.team_id], caller, turn, expected_wait(one, turn, each, at_once, now))
+        for one, turn in queued
     ]
 
 

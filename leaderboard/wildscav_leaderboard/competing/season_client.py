@@ -57,23 +57,21 @@ class SeasonClient:
 
     def season(self) -> SeasonView:
         """Return the season."""
-        return self._as(SeasonView, self._connection.get("/season"))
+        return self._get(SeasonView, "/season")
 
     def boards(self) -> list[BoardDocument]:
         """Return the boards of all tracks that have results."""
-        return self._as(list[BoardDocument], self._connection.get("/boards"))
+        return self._get(list[BoardDocument], "/boards")
 
     # Accounts.
 
     def register(self, name: str, password: str, invitation: str | None) -> NewAccountView:
         """Make an account; it comes with a token."""
-        content = {"name": name, "password": password, "invitation": invitation}
-        return self._as(NewAccountView, self._connection.ask("POST", "/accounts", content=content))
+        return self._post(NewAccountView, "/accounts", name=name, password=password, invitation=invitation)
 
     def new_token(self, name: str, password: str, label: str) -> str:
         """Return a new token of an account."""
-        content = {"name": name, "password": password, "label": label}
-        return self._as(NewTokenView, self._connection.ask("POST", "/tokens", content=content)).token
+        return self._post(NewTokenView, "/tokens", name=name, password=password, label=label).token
 
     def revoke_own_token(self) -> None:
         """Make this client's token worth nothing."""
@@ -81,22 +79,21 @@ class SeasonClient:
 
     def me(self) -> AccountView:
         """Return the account, its team and its quota."""
-        return self._as(AccountView, self._connection.get("/me"))
+        return self._get(AccountView, "/me")
 
     # Teams.
 
     def team(self, name: str) -> TeamView:
         """Return a team."""
-        return self._as(TeamView, self._connection.get(f"/teams/{quote(name, safe='')}"))
+        return self._get(TeamView, f"/teams/{quote(name, safe='')}")
 
     def make_team(self, name: str, title: str) -> NewTeamView:
         """Make a team; the key for teammates comes with it."""
-        content = {"name": name, "title": title}
-        return self._as(NewTeamView, self._connection.ask("POST", "/teams", content=content))
+        return self._post(NewTeamView, "/teams", name=name, title=title)
 
     def join_team(self, key: str) -> TeamView:
         """Join a team with its key."""
-        return self._as(TeamView, self._connection.ask("POST", "/teams/join", content={"key": key}))
+        return self._post(TeamView, "/teams/join", key=key)
 
     def leave_team(self) -> None:
         """Leave the account's team."""
@@ -104,7 +101,7 @@ class SeasonClient:
 
     def new_team_key(self) -> str:
         """Return another key for teammates; the old one is worth nothing from now on."""
-        return self._as(KeyView, self._connection.ask("POST", "/teams/mine/key")).key
+        return self._post(KeyView, "/teams/mine/key").key
 
     # Submissions.
 
@@ -129,11 +126,11 @@ class SeasonClient:
 
     def submission(self, number: int) -> SubmissionView:
         """Return a submission with its history."""
-        return self._as(SubmissionView, self._connection.get(f"/submissions/{number}"))
+        return self._get(SubmissionView, f"/submissions/{number}")
 
     def act(self, number: int, act: str) -> SubmissionView:
         """Do an act on a submission of the own team, such as ``cancel``."""
-        return self._as(SubmissionView, self._connection.ask("POST", f"/submissions/{number}/{quote(act)}"))
+        return self._post(SubmissionView, f"/submissions/{number}/{quote(act)}")
 
     def submission_log(self, number: int) -> str:
         """Return what a submission of the own team printed in its validation."""
@@ -150,7 +147,7 @@ class SeasonClient:
 
     def match(self, number: int) -> MatchView:
         """Return a match."""
-        return self._as(MatchView, self._connection.get(f"/matches/{number}"))
+        return self._get(MatchView, f"/matches/{number}")
 
     def match_log(self, number: int, seat: int) -> str:
         """Return what an agent of the own team printed in a match."""
@@ -172,6 +169,14 @@ class SeasonClient:
             if len(page) < size:
                 break
         return found
+
+    def _get(self, kind: type[T], path: str) -> T:
+        """Return the document at a path."""
+        return self._as(kind, self._connection.get(path))
+
+    def _post(self, kind: type[T], path: str, **content: str | None) -> T:
+        """Send a document, or nothing, and return the one in the answer."""
+        return self._as(kind, self._connection.ask("POST", path, content=content or None))
 
     def _as(self, kind: type[T], answer: object) -> T:
         """Return an answer as a document.

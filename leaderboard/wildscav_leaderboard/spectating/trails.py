@@ -141,15 +141,15 @@ def _samples(history: History) -> Samples:
     # The first row of every interval, and the last row, which shows how the match ended.
     first = np.flatnonzero(np.diff(history.frame // SAMPLE_INTERVAL, prepend=-1))
     rows = np.union1d(first, history.rows[-1:])
-    places = np.rint(agents.position[rows] * DECIMETRES).astype(int)
+    positions = np.rint(agents.position[rows] * DECIMETRES).astype(int)
     degrees = np.rint(agents.yaw[rows]).astype(int)
     return Samples(
         frames=history.frame[rows].tolist(),
         seats=[
             SeatSamples(
-                x=places[:, seat, 0].tolist(),
-                z=places[:, seat, 2].tolist(),
-                height=places[:, seat, 1].tolist(),
+                x=positions[:, seat, 0].tolist(),
+                z=positions[:, seat, 2].tolist(),
+                height=positions[:, seat, 1].tolist(),
                 yaw=degrees[:, seat].tolist(),
                 health=agents.health[rows, seat].tolist(),
                 supplies=agents.supplies[rows, seat].tolist(),

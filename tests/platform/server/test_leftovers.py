@@ -18,9 +18,9 @@ import sys
 from wildscav_server import leftovers
 with leftovers.temporary_folder("sockets-") as folder:
     (folder / "match.sock").write_text("x")
-    leftovers.enter("lamp", "hall")
-    leftovers.enter("lamp", "stairs")
-    leftovers.cross_out("lamp", "stairs")
+    leftovers.claim("lamp", "hall")
+    leftovers.claim("lamp", "stairs")
+    leftovers.release("lamp", "stairs")
     print(leftovers.own_folder(), flush=True)
     sys.stdin.read()
 """

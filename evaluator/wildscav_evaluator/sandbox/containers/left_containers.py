@@ -32,7 +32,7 @@ DYING_TIME = 20.0  # s in which killed processes are gone
 
 def enter_container(engine: ContainerEngine, name: str) -> None:
     """Enter a container in this process's list of leftovers, before it is created."""
-    leftovers.enter(CONTAINER, _entry(engine, name))
+    leftovers.claim(CONTAINER, _entry(engine, name))
 
 
 def enter_processes(engine: ContainerEngine, identity: str) -> None:
@@ -43,14 +43,14 @@ def enter_processes(engine: ContainerEngine, identity: str) -> None:
         identity: The identity that the engine gave the container.
     """
     if engine.name == "podman":  # no command can take a container away from Docker's daemon
-        leftovers.enter(PROCESSES, _entry(engine, identity))
+        leftovers.claim(PROCESSES, _entry(engine, identity))
 
 
-def cross_out_container(engine: ContainerEngine, name: str, identity: str = "") -> None:
+def release_container(engine: ContainerEngine, name: str, identity: str = "") -> None:
     """Remove a container that is gone from that list, and its processes if they were entered."""
-    leftovers.cross_out(CONTAINER, _entry(engine, name))
+    leftovers.release(CONTAINER, _entry(engine, name))
     if identity and engine.name == "podman":
-        leftovers.cross_out(PROCESSES, _entry(engine, identity))
+        leftovers.release(PROCESSES, _entry(engine, identity))
 
 
 def _entry(engine: ContainerEngine, name: str) -> str:

@@ -38,9 +38,9 @@ from wildscav_evaluator.sandbox.containers.container_engine import (
     processes_of,
 )
 from wildscav_evaluator.sandbox.containers.left_containers import (
-    cross_out_container,
     enter_container,
     enter_processes,
+    release_container,
     removal,
     start_reaper,
 )
@@ -145,7 +145,7 @@ class ContainerHandle:
             with contextlib.suppress(SandboxError):
                 await self.engine.run(*removal(self.engine, self.container))
                 self._removed = True
-                cross_out_container(self.engine, self.container, self.identity)
+                release_container(self.engine, self.container, self.identity)
 
     async def memory_kill(self, code: int) -> MemoryKill:
         """Return whose memory ran out, from the kernel's log or from the engine.

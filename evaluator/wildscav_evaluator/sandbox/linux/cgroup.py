@@ -117,7 +117,7 @@ class AgentGroup:
         name = f"{PREFIX}{leftovers.owner()}-{next(_numbers)}"
         self._folders = {controller: parent / name for controller, parent in version.parents.items()}
         self._entry = json.dumps([str(folder) for folder in self._folders.values()])
-        leftovers.enter(KIND, self._entry)
+        leftovers.claim(KIND, self._entry)
         try:
             for controller, files in version.settings(limits).items():
                 self._folders[controller].mkdir(exist_ok=controller == ACCOUNTS)  # which may be one with cpu
@@ -148,7 +148,7 @@ class AgentGroup:
     def remove(self) -> None:
         """Remove the group, whose processes have all ended."""
         if _remove_all(self._folders.values()):
-            leftovers.cross_out(KIND, self._entry)
+            leftovers.release(KIND, self._entry)
 
 
 class CountedGroup:
