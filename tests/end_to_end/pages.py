@@ -6,6 +6,7 @@ from contextlib import chdir, redirect_stdout
 from io import StringIO
 from pathlib import Path
 
+import pytest
 from tests.commands import run_command
 
 ROOT = Path(__file__).parents[2]
@@ -26,6 +27,9 @@ def run_code(code: str, folder: Path) -> str:
 def run_line(line: str, folder: Path, *more: str) -> str:
     """Run a line that calls `wildscav` in a folder, as a shell does, and return what it prints.
 
+    Matches are played as on a machine with one core: a second worker takes longer to start than the matches
+    of most lines take.
+
     Args:
         line: With commands in `$(…)`, and names with `*`.
         folder: Where it runs.
@@ -35,6 +39,8 @@ def run_line(line: str, folder: Path, *more: str) -> str:
     words = []
     for word in shlex.split(line, comments=True)[1:]:
         words += sorted(map(str, folder.glob(word))) if "*" in word else [word]
-    done = run_command(*words, *more, cwd=folder)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("wildscav_evaluator.executors.local.cores", lambda: 1)
+        done = run_command(*words, *more, cwd=folder)
     assert done.returncode == 0, f"{line}\n{done.stdout}{done.stderr}"
     return done.stdout

@@ -15,7 +15,7 @@ from wildscav_evaluator.check.findings import Finding, Verdict, advice_on
 from wildscav_evaluator.check.trials import Tell, Trial, run_checks
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES, Limits
 from wildscav_evaluator.submissions.submission import Submission
-from wildscav_evaluator.suites.suite import EVALUATION_MAPS, SUITES
+from wildscav_evaluator.suites.suite import EVALUATION_MAPS, SUITES, Suite
 from wildscav_evaluator.suites.suite_file import read_suite
 from wildscav_server.hosting.observations import match_info
 from wildscav_server.time_limits import Clock
@@ -30,9 +30,13 @@ CHECKS = ["start-up", MATCH, "actions", "timing", "output", "end", "late answers
 
 
 def findings(
-    submission: Submission, logs: Path, clock: Clock = PATIENT, tell: Tell = print
+    submission: Submission,
+    logs: Path,
+    clock: Clock = PATIENT,
+    tell: Tell = print,
+    suite: Suite = SUITES["quick"],
 ) -> dict[str, Finding]:
-    trials = {"navigation": Trial.of(SUITES["quick"], "navigation", DEFAULT_LIMITS, seed=0)}
+    trials = {"navigation": Trial.of(suite, "navigation", DEFAULT_LIMITS, seed=0)}
     found = list(run_checks(submission, SANDBOXES["process"], logs, trials, clock=clock, tell=tell))
     return {finding.check: finding for finding in found}
 
@@ -49,6 +53,14 @@ def test_an_agent_that_keeps_the_rules_passes_every_check(submit: Submit, tmp_pa
     went_on = re.fullmatch(r"it continued after (\d+) steps without its answer", found["late answers"].seen)
     assert went_on is not None
     assert int(went_on[1]) > 10  # however quick it is
+
+
+@pytest.fixture
+def short(tmp_path: Path) -> Suite:
+    """A suite of one match of six seconds."""
+    navigation = "[tracks.navigation]\nmaps = 1\nmatch = { time_limit = 6 }\n"
+    (tmp_path / "short.toml").write_text(f'name = "short"\nmap = {{ size = 40, houses = 0 }}\n{navigation}')
+    return read_suite(tmp_path / "short.toml")
 
 
 LONG = """
@@ -155,9 +167,17 @@ def test_packages_that_the_sandbox_lacks_are_named_before_anything_is_played(
     ],
 )
 def test_an_agent_that_cannot_play_is_told_why_and_what_to_do(
-    submit: Submit, tmp_path: Path, name: str, body: str, clock: Clock, seen: str, advice: str
+    *,
+    submit: Submit,
+    short: Suite,
+    tmp_path: Path,
+    name: str,
+    body: str,
+    clock: Clock,
+    seen: str,
+    advice: str,
 ) -> None:
-    found = findings(submit(name, body), tmp_path / "logs", clock)
+    found = findings(submit(name, body), tmp_path / "logs", clock, suite=short)
 
     assert found[MATCH].verdict == Verdict.BROKEN
     assert seen in found[MATCH].seen
@@ -208,9 +228,9 @@ def test_an_agent_that_cannot_play_is_told_why_and_what_to_do(
     ],
 )
 def test_what_is_not_as_it_should_be_is_named(
-    submit: Submit, tmp_path: Path, name: str, body: str, check: str, seen: str
+    submit: Submit, short: Suite, tmp_path: Path, name: str, body: str, check: str, seen: str
 ) -> None:
-    found = findings(submit(name, body), tmp_path / "logs")
+    found = findings(submit(name, body), tmp_path / "logs", suite=short)
 
     assert found[MATCH].verdict == Verdict.KEPT
     assert found[check].verdict != Verdict.KEPT

@@ -77,11 +77,11 @@ def test_without_a_seat_it_says_how_to_start_it(built: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("compiled")
-@pytest.mark.parametrize("sandbox", ["process", "bubblewrap", "oci"])
+@pytest.mark.parametrize("sandbox", ["bubblewrap", "oci"])
 def test_it_plays_to_the_end_and_reaches_the_target(
     wildscav: Command, built: Path, sandbox: str, tmp_path: Path
 ) -> None:
-    if sandbox != "process" and missing(sandbox):
+    if missing(sandbox):
         pytest.skip(missing(sandbox))
 
     done = wildscav("play", built, "--sandbox", sandbox, "--logs", tmp_path / "logs")
