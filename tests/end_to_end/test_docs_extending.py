@@ -172,10 +172,6 @@ def test_an_evaluation_plays_the_suite_in_the_sandbox_and_measures_what_it_asks_
 
 @pytest.mark.slow
 def test_records_hold_and_give_the_same_metrics_again(hills: Path, evaluated: Path) -> None:
-    records = sorted((evaluated / "records").iterdir())
-    verified = wildscav(hills, "verify", *records)
-    assert verified.returncode == 0, verified.stderr
-
     rescored = wildscav(hills, "verify", evaluated, "--workers", "1")
     assert rescored.returncode == 0, rescored.stderr
     assert "pace" in rescored.stdout

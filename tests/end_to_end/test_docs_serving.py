@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from prometheus_client.core import CounterMetricFamily
-from tests.end_to_end.pages import blocks
+from tests.end_to_end.pages import blocks, run_code, run_line
 from tests.ports import free_ports
 
 from wildscav_server.hosting.precompile import precompile
@@ -35,16 +35,14 @@ def test_the_commands_and_the_code_of_the_page_play_a_match(tmp_path: Path) -> N
         assert server.stdout is not None
         lines = [server.stdout.readline() for _ in range(3)]
         assert [line.split()[0] for line in lines] == ["listening", "worker", "worker"]
-        done = subprocess.run(
-            [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False
-        )
-        server.terminate()
+        try:
+            said = run_code(code, tmp_path)
+        finally:
+            server.terminate()
         assert server.wait(120) == 0
 
-    assert done.returncode == 0, done.stderr
-    assert "success" in done.stdout or "score" in done.stdout, done.stdout
-    verify = [sys.executable, "-m", "wildscav.cli.main", "verify", "match.wsr"]
-    assert subprocess.run(verify, cwd=tmp_path, capture_output=True, check=False).returncode == 0
+    assert "success" in said or "score" in said, said
+    run_line("wildscav verify match.wsr", tmp_path)
 
 
 @pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl is not installed")

@@ -8,7 +8,7 @@ from tests.leaderboard.conductor.stormy_season import StormySeason
 QUICK = settings(
     max_examples=8, stateful_step_count=30, deadline=None, suppress_health_check=list(HealthCheck)
 )
-THOROUGH = settings(QUICK, max_examples=100, stateful_step_count=60)
+THOROUGH = settings(QUICK, max_examples=25, stateful_step_count=60)
 
 
 def test_a_season_survives_some_storms() -> None:

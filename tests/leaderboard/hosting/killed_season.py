@@ -92,40 +92,43 @@ class KilledSeason:
                 for process in self._served.values():
                     process.wait(60)
 
-    def storm(self, kills: int, pause: float = 6.0) -> None:
+    def storm(self, rounds: int, pause: float = 6.0) -> None:
         """Hand everything in, and kill something again and again meanwhile.
 
         Args:
-            kills: How often.
+            rounds: How often something of each kind is killed.
             pause: Time between two kills, at most, s.
         """
+        kinds = ["web", "conductor", "worker", *(["database"] if self._server else [])]
         self.wait_for_web()
         handing_in = threading.Thread(target=self.hand_everything_in)
         handing_in.start()
-        killed = 0
-        while killed < kills:
-            time.sleep(self._chance.uniform(0.5, pause))
-            killed += self.kill_something()
+        for kind in self._chance.sample(rounds * kinds, rounds * len(kinds)):
+            self._pause(pause)
+            while not self.kill(kind) and (handing_in.is_alive() or not self._is_quiet()):
+                self._pause(pause)
         handing_in.join()
         self.wait_until_quiet()
 
-    def kill_something(self) -> bool:
-        """Kill a process, if there is one of the kind that comes by lot."""
-        kind = self._chance.choice(("web", "conductor", "worker", "database")[: 3 + bool(self._server)])
+    def _pause(self, longest: float) -> None:
+        time.sleep(self._chance.uniform(0.5, longest))
+
+    def kill(self, kind: str) -> bool:
+        """Kill a process of a kind, if there is one."""
         if kind == "database" and self._server is not None:
             self._server.stop("immediate")
             time.sleep(self._chance.uniform(0.0, 2.0))
             self._server.start()
-        else:
-            served = self._served["web" if kind == "web" else "conductor"].pid
-            parts = [one for one in children(served) if is_part(one)]
-            if kind == "worker":
-                # Not the agents: one that is killed has failed by its own fault, as far as anyone can see.
-                parts = [one for part in parts for one in descendants(part) if is_part(one)]
-            if not parts:
-                return False
-            with suppress(ProcessLookupError):
-                os.kill(self._chance.choice(parts), signal.SIGKILL)
+            return True
+        served = self._served["web" if kind == "web" else "conductor"].pid
+        parts = [one for one in children(served) if is_part(one)]
+        if kind == "worker":
+            # Not the agents: one that is killed has failed by its own fault, as far as anyone can see.
+            parts = [one for part in parts for one in descendants(part) if is_part(one)]
+        if not parts:
+            return False
+        with suppress(ProcessLookupError):
+            os.kill(self._chance.choice(parts), signal.SIGKILL)
         return True
 
     def hand_everything_in(self) -> None:
@@ -168,15 +171,14 @@ class KilledSeason:
         """Wait until nothing waits and nothing is played."""
         until = time.monotonic() + QUIET
         while time.monotonic() < until:
-            with suppress(DatabaseError):
-                if self._is_quiet():
-                    return
+            if self._is_quiet():
+                return
             time.sleep(1.0)
         raise TimeoutError(f"the season is stuck: see {self._folder}")
 
     def _is_quiet(self) -> bool:
         moving = (states.SUBMITTED, states.QUEUED, states.BUILDING, states.VALIDATING)
-        with self.database.reading() as session:
+        with suppress(DatabaseError), self.database.reading() as session:
             left = select(func.count()).select_from(Submission).where(Submission.state.in_(moving))
             matches = select(func.count()).select_from(Match).where(Match.state.in_((WAITING, PLAYING)))
             if session.scalar(left) or session.scalar(matches):
@@ -185,6 +187,7 @@ class KilledSeason:
             if board is None or any(row.rank is None for row in board.rows):
                 return False
             return plan_ladders(session, self.season, now()) == 0  # what it plans here is not stored
+        return False  # the database was killed just now
 
     def check(self) -> None:
         """Check that nothing is lost, nothing was done twice, and nothing is stuck."""

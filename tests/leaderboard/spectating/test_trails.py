@@ -150,16 +150,17 @@ def test_a_file_that_is_no_record_is_one_clear_error(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_battle_of_fifteen_minutes_fits_in_a_page() -> None:
+    """Its trails are as long as it is, so the first three minutes tell."""
     spec = MatchSpec(
         track="battle",
         map=MapSpec(config=MapConfig(size=200, houses=6), seed=2),
         seats=("fighter",) * 10,
-        time_limit=900.0,
+        time_limit=180.0,
         seed=1,
     )
     match = Match(spec)
     match.play_out()
 
-    whole = trails_of(record_of(match, spec.seats)).model_dump_json().encode()
+    part = trails_of(record_of(match, spec.seats)).model_dump_json().encode()
 
-    assert len(gzip.compress(whole, 6)) < 1_500_000
+    assert 5 * len(gzip.compress(part, 6)) < 1_500_000

@@ -77,5 +77,6 @@ def logs(folder: Path) -> str:
 def install(folder: Path, *maps: int) -> None:
     """Make a folder that the client can be pointed at, as ``wildscav-legacy install`` does."""
     install_engine(folder / "engine")
+    (folder / "maps").mkdir()
     for map_id in maps:
         write_map(map_id, folder / "maps")
