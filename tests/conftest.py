@@ -1,5 +1,6 @@
 """What all tests share."""
 
+import gc
 import os
 import signal
 import sys
@@ -17,13 +18,16 @@ os.environ.setdefault("WILDSCAV_SANDBOX", "process")
 # Programs that tests start say what the tests are about, whether something has to be compiled or not.
 os.environ.setdefault("WILDSCAV_QUIET", "1")
 
+# Imports and tests leave objects behind by the million, and next to no garbage.
+gc.disable()
+
 # A shell's background jobs ignore Ctrl-C, and whatever they start does, too; some tests press it.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # The first call of a kernel may compile it, so no single example has a deadline. The same examples are
-# drawn each time, so that a run tells about the code and not about luck.
-settings.register_profile("wildscav", deadline=None, derandomize=True)
+# drawn each time, so that a run tells about the code and not about luck; more of them is a run by hand.
+settings.register_profile("wildscav", deadline=None, derandomize=True, max_examples=40)
 settings.load_profile("wildscav")
 
 
@@ -41,11 +45,34 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
     return without.get(config.option.markexpr) or None
 
 
+@pytest.fixture(scope="session")
+def compiled() -> None:
+    """Compile what matches need before anybody's time runs, or before another cache is named."""
+    from wildscav_server.hosting.precompile import precompile
+
+    precompile(())
+
+
 @pytest.fixture(autouse=True)
 def stdout_of_commands() -> Iterator[None]:
     """Let commands print to stdout again after one of a test kept it free for JSON."""
     yield
     console.stderr = False
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Import no file of slow tests alone, some of which takes seconds, for a run of all others."""
+    is_whole = [Path(argument).name for argument in config.args] == config.getini("testpaths")
+    if not is_whole or config.option.markexpr != "not slow" or collection_path.suffix != ".py":
+        return None
+    return "\npytestmark = pytest.mark.slow" in collection_path.read_text("utf-8") or None
+
+
+def pytest_collection_finish() -> None:
+    """Look for garbage again, but not among what was collected, and less often."""
+    gc.freeze()
+    gc.set_threshold(20_000, 20, 20)
+    gc.enable()
 
 
 def pytest_sessionfinish() -> None:

@@ -9,9 +9,9 @@ import pytest
 from tests.commands import run_command
 from tests.evaluator.docker_daemon import docker_daemon
 from tests.evaluator.sample_agents import CRASHER, WALKER, Command, Submit
+from tests.evaluator.warm_workers import WarmWorkers
 
 from wildscav_evaluator.submissions.submission import Submission, load_submission
-from wildscav_server.hosting.precompile import precompile
 
 HEAD = """
 import os, signal, subprocess, sys, time
@@ -29,9 +29,12 @@ tracks = {tracks}
 
 
 @pytest.fixture(scope="session")
-def compiled() -> None:
-    """Compile what matches need before anybody's time runs."""
-    precompile(())
+def warm_workers() -> Iterator[WarmWorkers]:
+    """One worker that has compiled everything."""
+    workers = WarmWorkers()
+    with workers:
+        workers.precompile()
+        yield workers
 
 
 @pytest.fixture(scope="session")

@@ -3,16 +3,20 @@
 import os
 import shutil
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
+from httpx import create_ssl_context
 from pwdlib.hashers.argon2 import Argon2Hasher
 from tests.leaderboard.filled_season import HOSTILE, FilledSeason, filled_season
 from tests.leaderboard.made_once import made_once
 from tests.leaderboard.played_seasons import play_season
 from tests.leaderboard.postgresql import PostgreSQL, missing, postgresql_server
+from tests.unlimited import call_here
 
+from wildscav_evaluator.submissions import archives
 from wildscav_leaderboard.accounts import passwords
 from wildscav_leaderboard.database import connection
 from wildscav_leaderboard.database.connection import Database
@@ -21,7 +25,11 @@ from wildscav_leaderboard.seasons.folder import Season
 
 @pytest.fixture(scope="session", autouse=True)
 def quick_beginnings(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Migrate one SQLite database, of which all are copies, wait for no disk, and hash passwords quickly."""
+    """Do what most tests begin with once, or more cheaply.
+
+    One SQLite database is migrated, of which all are copies, and nothing waits for the disk. Passwords are
+    hashed quickly, archives are unpacked in this process, and the system's certificates are read once.
+    """
     template, upgrade = tmp_path_factory.mktemp("template") / "season.db", Database.upgrade
 
     def quick(database: Database) -> None:
@@ -45,6 +53,8 @@ def quick_beginnings(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]
         patch.setattr(Database, "upgrade", quick)
         cheap = Argon2Hasher(time_cost=1, memory_cost=8, parallelism=1)
         patch.setattr(passwords, "Argon2Hasher", lambda: cheap)
+        patch.setattr(archives, "call_limited", call_here)
+        patch.setattr("httpx._transports.default.create_ssl_context", cache(create_ssl_context))
         yield
 
 

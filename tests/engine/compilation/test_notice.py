@@ -7,9 +7,10 @@ import sys
 from pathlib import Path
 
 import pytest
+from tests.engine.compilation.compiling import compile_five
 
+from wildscav_engine.compilation import notice
 from wildscav_engine.compilation.kernel import PLAIN
-from wildscav_engine.compilation.notice import Progress
 
 pytestmark = pytest.mark.skipif(PLAIN, reason="nothing is compiled")
 
@@ -21,10 +22,6 @@ notice.TICK = 0.01
 from wildscav_engine.arithmetic.elementary_functions import sine
 sine(90.0)
 """
-PATIENT = USE.replace("notice.MOMENT = notice.PAUSE = 0.0", "notice.MOMENT = 1e9")
-TELLING = USE.replace(
-    "sine(90", "told = []; context = notice.telling(told.append); context.__enter__(); sine(90"
-)
 BEGINS = "wildscav: compiling parts of the engine that this machine has not used yet, for up to a minute"
 
 
@@ -54,20 +51,30 @@ def test_of_processes_that_compile_one_says_so_and_that_it_is_done(tmp_path: Pat
 
 
 @pytest.mark.parametrize(
-    ("code", "settings"),
-    [(USE, {"WILDSCAV_QUIET": "1"}), (PATIENT, {})],
-    ids=["nobody wants to hear it", "it takes but a moment"],
+    ("quiet", "moment"), [("1", 0.0), ("", 1e9)], ids=["nobody wants to hear it", "it takes but a moment"]
 )
-def test_nothing_is_said_where(code: str, settings: dict[str, str], tmp_path: Path) -> None:
-    assert said_by(start(code, tmp_path, **settings)) == []
+def test_nothing_is_said_where(
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    quiet: str,
+    moment: float,
+) -> None:
+    monkeypatch.setattr(notice, "MOMENT", moment)
+    monkeypatch.setenv("WILDSCAV_CACHE_DIR", str(tmp_path))
+    monkeypatch.setenv("WILDSCAV_QUIET", quiet)
+    compile_five(monkeypatch)
+    assert capsys.readouterr().err == ""
 
 
-def test_a_program_can_take_the_figures_instead(tmp_path: Path) -> None:
-    show = (
-        "\nnotice.notice.end(); print([tuple(one) for one in told][-1][::2], file=__import__('sys').stderr)"
-    )
-    assert said_by(start(TELLING + show, tmp_path)) == ["(5, True)"]
-    assert Progress._fields[::2] == ("kernels", "is_done")
+def test_a_program_can_take_the_figures_instead(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    told: list[notice.Progress] = []
+    with notice.telling(told.append):
+        compile_five(monkeypatch)
+    assert (told[-1].kernels, told[-1].is_done) == (5, True)
+    assert capsys.readouterr().err == ""
 
 
 def test_in_a_terminal_lines_tell_how_far_it_is(tmp_path: Path) -> None:

@@ -1,27 +1,19 @@
 """A match that was played on a node is written here like one that was played here."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from tests.evaluator.executors.match_files import contents
 from tests.evaluator.sample_agents import TALKER, Submit
+from tests.evaluator.warm_workers import WarmWorkers
 
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.executors.cluster.messages import Played
 from wildscav_evaluator.executors.ray_executor import saved
 from wildscav_evaluator.matches.jobs import Job
-from wildscav_evaluator.matches.workers import Workers
 from wildscav_evaluator.output.layout import LOGS, RECORDS, REPLAYS
-
-
-@pytest.fixture(scope="module")
-def workers() -> Iterator[Workers]:
-    with Workers(1) as workers:
-        workers.precompile()
-        yield workers
 
 
 @pytest.fixture
@@ -32,8 +24,10 @@ def job(submit: Submit, tmp_path: Path) -> Job:
     return Job.of_one(submit("talker", TALKER), "navigation", 0, spec, tmp_path / "out", replay=False)
 
 
-def test_the_files_of_a_match_are_those_of_a_local_worker(workers: Workers, job: Job, tmp_path: Path) -> None:
-    (here,) = workers.run([job])
+def test_the_files_of_a_match_are_those_of_a_local_worker(
+    warm_workers: WarmWorkers, job: Job, tmp_path: Path
+) -> None:
+    (here,) = warm_workers.run([job])
     expected = contents(job.out)
     for path in job.out.rglob("*.*"):
         path.unlink()
@@ -46,8 +40,8 @@ def test_the_files_of_a_match_are_those_of_a_local_worker(workers: Workers, job:
     assert {path.parent.name for path in job.out.rglob("*.*")} == {RECORDS, LOGS}
 
 
-def test_a_record_that_cannot_be_written_costs_its_match_alone(workers: Workers, job: Job) -> None:
-    (here,) = workers.run([job])
+def test_a_record_that_cannot_be_written_costs_its_match_alone(warm_workers: WarmWorkers, job: Job) -> None:
+    (here,) = warm_workers.run([job])
     files = {job.record: (job.out / job.record).read_bytes()}
     other = replace(job, index=1)
     (other.out / other.record).mkdir()

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 from tests.evaluator.ledger.forging import Forgery, Rescored, copied
 from tests.evaluator.results_by_hand import plan_of
+from tests.evaluator.warm_workers import WarmWorkers, playing_with
 
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.evaluate import run_session
@@ -68,8 +69,9 @@ def plan(tmp_path_factory: pytest.TempPathFactory, key: SigningKey) -> Evaluatio
 
 
 @pytest.fixture(scope="session")
-def evaluated(plan: EvaluationPlan, compiled: None) -> Path:
-    run_session(plan)
+def evaluated(plan: EvaluationPlan, warm_workers: WarmWorkers) -> Path:
+    with playing_with(warm_workers):
+        run_session(plan)
     return plan.out
 
 

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 from tests.evaluator.ledger.forging import Forgery, Rescored
+from tests.evaluator.warm_workers import WarmWorkers, playing_with
 
 from wildscav_evaluator.cli.commands.compare import compare
 from wildscav_evaluator.cli.sessions.rescore import run_rescore
@@ -16,13 +17,18 @@ from wildscav_evaluator.scores.compare import Comparisons
 
 @pytest.fixture
 def compared(
-    plan: EvaluationPlan, signed: Forgery, key_file: Path, capsys: pytest.CaptureFixture[str]
+    plan: EvaluationPlan,
+    signed: Forgery,
+    key_file: Path,
+    warm_workers: WarmWorkers,
+    capsys: pytest.CaptureFixture[str],
 ) -> Forgery:
     """A comparison of what was played already, signed with the same key."""
     ada, bob = (one.folder for one in plan.submissions)
     suite = str(signed.out / "suite.toml")
     capsys.readouterr()
-    compare(ada, bob, suite=suite, rounds=1, out=signed.out, sandbox="process", sign=key_file)
+    with playing_with(warm_workers):
+        compare(ada, bob, suite=suite, rounds=1, out=signed.out, sandbox="process", sign=key_file)
     said = capsys.readouterr().out
     assert "signed with the key" in said
     assert "its head, to be published with the results:" in said

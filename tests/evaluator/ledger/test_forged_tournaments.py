@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.evaluator.ledger.forging import Forgery, Rescored, copied
+from tests.evaluator.warm_workers import WarmWorkers, playing_with
 
 from wildscav.errors import UserError
 from wildscav_engine.record import read_record, write_record
@@ -41,7 +42,7 @@ def secret(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def played(tmp_path_factory: pytest.TempPathFactory, secret: Path, compiled: None) -> Path:
+def played(tmp_path_factory: pytest.TempPathFactory, secret: Path, warm_workers: WarmWorkers) -> Path:
     """Four robots in twelve matches of two, on a hidden seed."""
     folder = tmp_path_factory.mktemp("tournament")
     (folder / "arena.toml").write_text(SUITE)
@@ -57,7 +58,8 @@ def played(tmp_path_factory: pytest.TempPathFactory, secret: Path, compiled: Non
         jobs=1,
         out=folder / "out",
     )
-    run_tournament(plan, MonitorOptions())
+    with playing_with(warm_workers):
+        run_tournament(plan, MonitorOptions())
     return plan.out
 
 

@@ -71,7 +71,7 @@ def test_a_folder_as_it_was_written_is_borne_out(evaluated: Path, replayed: list
     assert audit(evaluated, replayed) == []
 
 
-@settings(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
 def test_any_value_anywhere_is_noticed_and_breaks_nothing(
     evaluated: Path, folder: Path, replayed: list[Replayed], data: st.DataObject
@@ -94,7 +94,7 @@ def test_any_value_anywhere_is_noticed_and_breaks_nothing(
     assert not any("\n" in line for line in said)
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data(), name=st.sampled_from(FILES), junk=st.binary(max_size=40))
 def test_damage_anywhere_is_noticed_and_breaks_nothing(
     evaluated: Path, folder: Path, replayed: list[Replayed], data: st.DataObject, name: str, junk: bytes

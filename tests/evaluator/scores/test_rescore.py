@@ -1,11 +1,12 @@
 """Scores from records alone: what an evaluation says holds only if its records bear it out."""
 
 import shutil
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
 from tests.evaluator.results_by_hand import plan_of
+from tests.evaluator.warm_workers import WarmWorkers, playing_with
 
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.evaluate import run_session
@@ -16,17 +17,29 @@ from wildscav_evaluator.output.results import Evaluation, Results, read_results,
 from wildscav_evaluator.scores.expected_matches import expected_matches, judge_of
 from wildscav_evaluator.scores.rescore import Replayed, disagreements, recompute, replay_one
 from wildscav_evaluator.submissions.submission import load_submission
+from wildscav_evaluator.suites.suite_file import read_suite
 
 HOMING = Path(__file__).parents[3] / "submissions" / "homing"
+Faults = Callable[[Sequence[Replayed], Results], str]
+# Short matches on small maps.
+SUITE = """
+name = "tiny"
+map = { size = 40, houses = 0 }
+[tracks.navigation]
+maps = 5
+match = { time_limit = 3.0 }
+"""
 
 
 @pytest.fixture(scope="module")
-def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def out(tmp_path_factory: pytest.TempPathFactory, warm_workers: WarmWorkers) -> Path:
     """The output folder of an evaluation."""
-    out = tmp_path_factory.mktemp("evaluation") / "out"
-    plan = plan_of(load_submission(HOMING), out=out)
-    run_session(plan)
-    return out
+    folder = tmp_path_factory.mktemp("evaluation")
+    (folder / "tiny.toml").write_text(SUITE)
+    suite = read_suite(folder / "tiny.toml")
+    with playing_with(warm_workers):
+        run_session(plan_of(load_submission(HOMING), out=folder / "out", suite=suite))
+    return folder / "out"
 
 
 @pytest.fixture(scope="module")
@@ -43,14 +56,22 @@ def with_evaluation(told: Results, evaluation: Evaluation) -> Results:
     return told.model_copy(update={"evaluations": (evaluation,)})
 
 
-def faults(replayed: Sequence[Replayed], told: Results) -> str:
-    found = recompute(replayed, told)
-    return "\n".join(
-        disagreements(replayed, told, found, judge_of(Path(), told, expected_matches(Path(), told)))
-    )
+@pytest.fixture
+def faults(out: Path) -> Faults:
+    """Say in what records and results disagree."""
+
+    def compared(replayed: Sequence[Replayed], told: Results) -> str:
+        found = recompute(replayed, told)
+        return "\n".join(
+            disagreements(replayed, told, found, judge_of(out, told, expected_matches(out, told)))
+        )
+
+    return compared
 
 
-def test_every_number_of_an_evaluation_comes_out_again(replayed: list[Replayed], told: Results) -> None:
+def test_every_number_of_an_evaluation_comes_out_again(
+    replayed: list[Replayed], told: Results, faults: Faults
+) -> None:
     assert recomputed(replayed, told) == told
     assert faults(replayed, told) == ""
 
@@ -63,7 +84,7 @@ def test_tables_come_from_the_records_alone(replayed: list[Replayed], told: Resu
     assert [row.metrics for row in evaluation.matches] == [row.metrics for row in before.matches]
 
 
-def test_a_figure_that_was_changed_is_named(replayed: list[Replayed], told: Results) -> None:
+def test_a_figure_that_was_changed_is_named(replayed: list[Replayed], told: Results, faults: Faults) -> None:
     (evaluation,) = told.evaluations
     better = evaluation.summary["time"].model_copy(update={"mean": 0.5})
     changed = evaluation.model_copy(update={"summary": {**evaluation.summary, "time": better}})
@@ -75,7 +96,7 @@ def test_a_figure_that_was_changed_is_named(replayed: list[Replayed], told: Resu
     assert len(said.splitlines()) == 1
 
 
-def test_a_match_that_was_changed_is_named(replayed: list[Replayed], told: Results) -> None:
+def test_a_match_that_was_changed_is_named(replayed: list[Replayed], told: Results, faults: Faults) -> None:
     (evaluation,) = told.evaluations
     first, *others = evaluation.matches
     assert first.metrics is not None
@@ -87,7 +108,7 @@ def test_a_match_that_was_changed_is_named(replayed: list[Replayed], told: Resul
     assert "homing on navigation, match 0: the results say time 0.5, " in said
 
 
-def test_a_match_that_was_left_out_is_named(replayed: list[Replayed], told: Results) -> None:
+def test_a_match_that_was_left_out_is_named(replayed: list[Replayed], told: Results, faults: Faults) -> None:
     (evaluation,) = told.evaluations
     fewer = evaluation.model_copy(update={"matches": evaluation.matches[1:]})
 
@@ -99,7 +120,9 @@ def test_a_match_that_was_left_out_is_named(replayed: list[Replayed], told: Resu
     )
 
 
-def test_a_record_that_was_taken_away_is_named(replayed: list[Replayed], told: Results) -> None:
+def test_a_record_that_was_taken_away_is_named(
+    replayed: list[Replayed], told: Results, faults: Faults
+) -> None:
     said = faults(replayed[1:], told)
 
     assert "homing on navigation, match 0: its record is missing or does not hold" in said
@@ -107,7 +130,7 @@ def test_a_record_that_was_taken_away_is_named(replayed: list[Replayed], told: R
 
 
 def test_a_record_of_another_match_does_not_count_for_this_one(
-    out: Path, replayed: list[Replayed], told: Results, tmp_path: Path
+    out: Path, replayed: list[Replayed], told: Results, faults: Faults, tmp_path: Path
 ) -> None:
     assert replayed[0].metrics is not None
     easy = tmp_path / "navigation-000-homing.wsr"
@@ -163,7 +186,7 @@ def test_the_command_shows_the_tables_and_says_whether_all_agree(
 
     run_rescore(copy, LocalExecutor(1))
     agreed = capsys.readouterr().out
-    assert "navigation · suite quick · seed 0" in agreed
+    assert "navigation · suite tiny@" in agreed
     assert "5 records played again: all agree with" in " ".join(agreed.split())
 
     (evaluation,) = told.evaluations
@@ -186,7 +209,7 @@ def test_records_of_an_evaluation_that_came_to_no_results_yet_are_played_again_a
 
     run_rescore(copy, LocalExecutor(1))
     said = " ".join(capsys.readouterr().out.split())
-    assert "navigation · suite quick · seed 0" in said
+    assert "navigation · suite tiny@" in said
     assert "played in process; each agent: " in said
     assert "there is no" in said
 

@@ -13,6 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from tests.unlimited import call_here
 
 from wildscav.system.limited_process import PROCESSOR_TIME
 from wildscav_evaluator.cache import prune
@@ -30,6 +31,12 @@ KINDS = ["a.zip", "a.tar.gz"]
 def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("WILDSCAV_CACHE_DIR", str(tmp_path / "cache"))
     return tmp_path / "cache" / "submissions"
+
+
+@pytest.fixture
+def here(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Unpack in this process."""
+    monkeypatch.setattr(archives, "call_limited", call_here)
 
 
 def pack(path: Path, files: dict[str, bytes]) -> Path:
@@ -66,6 +73,7 @@ def special(path: Path, name: str, target: str, kind: bytes = tarfile.SYMTYPE) -
     return path
 
 
+@pytest.mark.usefixtures("here")
 @pytest.mark.parametrize("name", [*KINDS, "a.tgz"])
 @pytest.mark.parametrize("top", ["", "./", "my-agent/"])
 def test_a_good_archive_is_the_submission_that_was_packed(tmp_path: Path, name: str, top: str) -> None:
@@ -117,6 +125,7 @@ def test_an_archive_and_the_folder_in_it_have_one_digest(tmp_path: Path) -> None
     assert digests == {load_submission(folder).digest}
 
 
+@pytest.mark.usefixtures("here")
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize(
     ("name", "says"),
@@ -148,6 +157,7 @@ def test_names_stay_inside_and_are_names(
     assert not Path("/tmp/wildscav-evil.py").exists()  # noqa: S108
 
 
+@pytest.mark.usefixtures("here")
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("target", ["/etc/passwd", "../../outside", "agent.py"])
 def test_links_are_refused(tmp_path: Path, cache: Path, kind: str, target: str) -> None:
@@ -204,6 +214,7 @@ def test_an_archive_that_is_too_large_is_not_even_opened(
         unpack(pack(tmp_path / "a.zip", GOOD))
 
 
+@pytest.mark.usefixtures("here")
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize(
     "spoil", [lambda _: b"", lambda _: b"no archive", lambda good: good[: len(good) // 2]]

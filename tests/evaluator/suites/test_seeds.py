@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import shutil
 import stat
 from functools import partial
 from pathlib import Path
@@ -9,6 +10,7 @@ from pathlib import Path
 import pytest
 from tests.commands import Done, Run, run_command
 from tests.evaluator.results_by_hand import plan_of
+from tests.evaluator.warm_workers import WarmWorkers, playing_with
 
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.evaluate import run_session
@@ -17,8 +19,17 @@ from wildscav_evaluator.output.results import read_results
 from wildscav_evaluator.scores.expected_matches import check_opened, expected_matches
 from wildscav_evaluator.submissions.submission import load_submission
 from wildscav_evaluator.suites.seeds import SuiteSeed, read_secret
+from wildscav_evaluator.suites.suite_file import read_suite
 
 HOMING = Path(__file__).parents[3] / "submissions" / "homing"
+# Short matches on small maps.
+SUITE = """
+name = "tiny"
+map = { size = 40, houses = 0 }
+[tracks.navigation]
+maps = 5
+match = { time_limit = 3.0 }
+"""
 
 
 @pytest.fixture
@@ -28,13 +39,15 @@ def secret(tmp_path: Path) -> Run:
 
 
 @pytest.fixture(scope="module")
-def evaluated(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+def evaluated(tmp_path_factory: pytest.TempPathFactory, warm_workers: WarmWorkers) -> tuple[Path, Path]:
     """A secret's file, and the output folder of an evaluation with that hidden seed."""
     folder = tmp_path_factory.mktemp("hidden")
     file, out = folder / "season.secret", folder / "out"
     file.write_bytes(b"nobody knows this, and nobody is going to guess it\n")
-    plan = plan_of(load_submission(HOMING), out=out, seed=read_secret(file))
-    run_session(plan)
+    (folder / "tiny.toml").write_text(SUITE)
+    suite = read_suite(folder / "tiny.toml")
+    with playing_with(warm_workers):
+        run_session(plan_of(load_submission(HOMING), out=out, suite=suite, seed=read_secret(file)))
     return file, out
 
 
@@ -144,9 +157,9 @@ def test_results_that_name_the_commitment_and_other_matches_are_found_out(
     other = tmp_path / "other"
     other.write_bytes(b"the one that was committed to, but whose matches were not to somebody's liking")
     forged = tmp_path / "out"
-    (forged / "records").mkdir(parents=True)
-    for path in (out / "records").iterdir():
-        (forged / "records" / path.name).write_bytes(path.read_bytes())
+    forged.mkdir()
+    shutil.copytree(out / "records", forged / "records")
+    shutil.copy(out / "suite.toml", forged)
     told = json.loads((out / "results.json").read_text())
     told["commitment"] = read_secret(other).commitment
     (forged / "results.json").write_text(json.dumps(told))

@@ -23,7 +23,9 @@ def folder(played: tuple[Season, Database], tmp_path_factory: pytest.TempPathFac
 
 
 @pytest.fixture
-def wildscav(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Said:
+def wildscav(
+    compiled: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Said:
     """Run a command in this process; return its exit code, and what it printed."""
     monkeypatch.setenv("WILDSCAV_CACHE_DIR", str(tmp_path / "cache"))
 

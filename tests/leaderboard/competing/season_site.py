@@ -162,7 +162,7 @@ class Competitor:
 
 
 @pytest.fixture
-def competitor(site: Site, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Competitor:
+def competitor(site: Site, compiled: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Competitor:
     """A competitor in an empty folder, who is logged in nowhere."""
     monkeypatch.setenv("WILDSCAV_CONFIG_DIR", str(tmp_path / "config"))
     monkeypatch.setenv("WILDSCAV_CACHE_DIR", str(tmp_path / "cache"))

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import typer
 from rich.console import Console
+from tests.unlimited import call_here
 from typer.testing import CliRunner
 
 from wildscav.errors import UserError
@@ -30,6 +31,12 @@ def maps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The folder of bases."""
     monkeypatch.setenv("WILDSCAV_MAPS", str(tmp_path / "maps"))
     return tmp_path / "maps"
+
+
+@pytest.fixture
+def here(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Import in this process."""
+    monkeypatch.setattr("wildscav.system.limited_process.call_limited", call_here)
 
 
 @pytest.fixture
@@ -80,6 +87,7 @@ def test_a_height_map_can_be_used_by_what_is_printed(
     assert load_base(config.base).size == 80
 
 
+@pytest.mark.usefixtures("here")
 def test_a_mesh_can_be_used_by_what_is_printed(house: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     lines = run(monkeypatch, house, "--name", "my house", "--size", 60)
     config = config_in(lines)
@@ -90,6 +98,7 @@ def test_a_mesh_can_be_used_by_what_is_printed(house: Path, monkeypatch: pytest.
     assert len(load_base(config.base).solids) == 3
 
 
+@pytest.mark.usefixtures("here")
 @pytest.mark.parametrize(
     ("file", "options", "code", "said"),
     [

@@ -10,6 +10,7 @@ from tests.commands import run_command
 from tests.evaluator.conftest import submission_in
 from tests.evaluator.interrupted_runs import Sitting, check_whole, entered, files, without_timings
 from tests.evaluator.sample_agents import CRASHER, WALKER, Command
+from tests.evaluator.warm_workers import WarmWorkers, playing_with
 from typer.testing import CliRunner
 
 from wildscav.errors import UserError
@@ -69,16 +70,12 @@ def arguments(entrants: tuple[str, ...], suite: Path, *more: str) -> list[str]:
 
 
 @pytest.fixture(scope="module")
-def document(entrants: tuple[str, ...], suite: Path, place: Path) -> dict[str, object]:
+def document(
+    entrants: tuple[str, ...], suite: Path, place: Path, warm_workers: WarmWorkers
+) -> dict[str, object]:
     """What is printed of a tournament that is in the folder ``out`` of the place."""
-    done = run_command(
-        *(
-            "tournament",
-            *arguments(entrants, suite),
-            f"--out={place / 'out'}",
-            "--json",
-        )
-    )
+    with playing_with(warm_workers):
+        done = run_command("tournament", *arguments(entrants, suite), f"--out={place / 'out'}", "--json")
     assert done.returncode == 1, done.stderr
     assert "crasher failed in every match of battle" in done.stderr
     printed: dict[str, object] = json.loads(

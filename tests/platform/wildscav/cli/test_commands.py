@@ -110,10 +110,11 @@ def test_a_new_submission_plays_every_track_unchanged(tmp_path: Path) -> None:
     serving(tmp_path, play)
 
 
-@pytest.fixture
-def record(tmp_path: Path) -> Path:
+@pytest.fixture(scope="module")
+def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The record of a match that was served."""
-    path = tmp_path / "match.wsrec"
+    folder = tmp_path_factory.mktemp("served")
+    path = folder / "match.wsrec"
 
     async def play(server: MatchServer, address: str) -> None:
         hosted = await host(server, small_spec("battle", filled_by=("submission", "fighter")))
@@ -122,7 +123,7 @@ def record(tmp_path: Path) -> Path:
         await ended(agent)
         write_record(path, outcome.match, hosted.names)
 
-    serving(tmp_path, play)
+    serving(folder, play)
     return path
 
 
