@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
-from wildscav_engine.geometry.rays import Ray, cast_ray, intersect_faces, make_ray
+from wildscav_engine.geometry.rays import Ray, intersect_faces, make_ray, raycast
 from wildscav_engine.geometry.world import CELL, World
 from wildscav_engine.parallel.turns import ALONE, Turns
 from wildscav_engine.rendering.cameras import TAKEN_ALREADY, Cameras, item_at
@@ -318,7 +318,7 @@ def _cast_steep_rays(
                 level = rings.levels[ring]
                 dx, dy, dz = east * level, rings.rises[ring], north * level
                 ray = make_ray(world, x, y, z, dx, dy, dz)
-                nearest = cast_ray(world, x, y, z, dx, dy, dz, cameras.far).distance
+                nearest = raycast(world, x, y, z, dx, dy, dz, cameras.far).distance
                 nearest = nearest if nearest <= _to_edge(world, ray) else cameras.far
                 images[image, ring, column] = _nearest(moving, cameras.viewers[image], ray, nearest)
 

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from tests.builders import box, flat_world, map_from
 
-from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT, cast_ray
+from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT, raycast
 from wildscav_engine.geometry.world import Kind, Solid, build_world
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.game_map import GameMap
@@ -83,7 +83,7 @@ def test_the_sun_shines_where_a_ray_to_it_meets_nothing() -> None:
     random = np.random.default_rng(0)
     places = random.uniform((-32.0, world.heights.min() - 1.0, -32.0), (32.0, 12.0, 32.0), (3000, 3))
     clear = [sun_is_clear(world, (x, y, z)) for x, y, z in places]
-    free = [cast_ray(world, x, y, z, *SUN_DIRECTION, SHADOW_REACH).solid == NOTHING_HIT for x, y, z in places]
+    free = [raycast(world, x, y, z, *SUN_DIRECTION, SHADOW_REACH).solid == NOTHING_HIT for x, y, z in places]
     assert clear == free
     assert 500 < sum(clear) < 2500
 
