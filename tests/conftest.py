@@ -60,14 +60,6 @@ def stdout_of_commands() -> Iterator[None]:
     console.stderr = False
 
 
-def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
-    """Import no file of slow tests alone, some of which takes seconds, for a run of all others."""
-    is_whole = [Path(argument).name for argument in config.args] == config.getini("testpaths")
-    if not is_whole or config.option.markexpr != "not slow" or collection_path.suffix != ".py":
-        return None
-    return "\npytestmark = pytest.mark.slow" in collection_path.read_text("utf-8") or None
-
-
 def pytest_collection_finish() -> None:
     """Look for garbage again, but not among what was collected, and less often."""
     gc.freeze()

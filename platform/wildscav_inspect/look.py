@@ -259,11 +259,11 @@ def _check_free(world: "World", eye: Place) -> None:
     Raises:
         UserError: It is such a place.
     """
-    from wildscav_engine.geometry.rays import TERRAIN_HIT, cast_ray
+    from wildscav_engine.geometry.rays import TERRAIN_HIT, raycast
     from wildscav_engine.geometry.world import Kind
 
     x, y, z = eye
-    hit = cast_ray(world, x, y, z, 0.0, 1.0, 0.0, 1.0)
+    hit = raycast(world, x, y, z, 0.0, 1.0, 0.0, 1.0)
     if hit.distance > 0.0:
         return
     inside = (

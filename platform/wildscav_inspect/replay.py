@@ -10,7 +10,7 @@ from rich.markup import escape
 from wildscav.cli.shared_options import takes
 from wildscav.errors import UserError
 from wildscav_inspect.records import SeasonOption, read_of_seat, resolve_record
-from wildscav_inspect.video import VIDEO, VIDEO_SUFFIXES, VideoOptions, make_video
+from wildscav_inspect.video import VIDEO, VideoOptions, make_video
 
 if TYPE_CHECKING:
     from wildscav_engine.record import Record
@@ -64,7 +64,9 @@ def replay(
     season: SeasonOption = None,
 ) -> None:
     """Render a record: as a replay that can be watched in 3D, as a video, or as one picture."""
-    if video or wanted.poster is not None or (out is not None and out.suffix.lower() in VIDEO_SUFFIXES):
+    from wildscav_engine.view.video import VIDEOS
+
+    if video or wanted.poster is not None or (out is not None and out.suffix.lower() in VIDEOS):
         if web:
             raise UserError("--web is for replays: leave it out, or --video and --poster", exit_code=2)
         return make_video(record, seat, out, wanted, season)

@@ -18,11 +18,9 @@ if TYPE_CHECKING:
     from wildscav_engine.view.video.encode import Pace
     from wildscav_engine.view.video.film import Film, Look, View
 
-SUFFIX = ".mp4"
-VIDEO_SUFFIXES = (SUFFIX, ".gif", ".webp")
 VIEWS: dict[str, "View"] = {"eyes": "eyes", "behind": "follow", "above": "overview", "grid": "grid"}
-MP4 = (1280, 720, 25.0)  # pixels across and down, pictures a second
-ANIMATION = (640, 360, 10.0)  # the same of a GIF or WebP, which would be large
+OF_MP4 = (1280, 720, 25.0)  # pixels across and down, pictures a second
+OF_ANIMATION = (640, 360, 10.0)  # the same of a GIF or WebP, which would be large
 VIDEO = "Videos and pictures"  # the panel of the help
 
 
@@ -99,13 +97,15 @@ def make_video(
     Raises:
         UserError: The options do not go together, or the record cannot be rendered.
     """
+    from wildscav_engine.view.video import MP4
+
     poster, speed = options.poster, 1.0 if options.speed is None else options.speed
     view = VIEWS[options.view or "eyes"]
     if seat is not None and options.view in {"above", "grid"}:
         raise UserError(f"--seat and --view {options.view} exclude each other", exit_code=2)
     if poster is not None and (out is not None or (options.end, options.fps, options.speed) != (None,) * 3):
         raise UserError("--poster is one picture: leave out --out, --end, --fps and --speed", exit_code=2)
-    path = poster or out or record.with_suffix(SUFFIX)
+    path = poster or out or record.with_suffix(MP4)
     _check_name(path, is_poster=poster is not None)
     record = resolve_record(record, season)
     played = read_of_seat(record, "--seat", seat)
@@ -113,7 +113,7 @@ def make_video(
     from wildscav_engine.view.video.encode import Pace, check_encoder, write_poster
     from wildscav_engine.view.video.film import DETAIL, Look, VideoError
 
-    width, height, pictures = MP4 if poster or path.suffix.lower() == SUFFIX else ANIMATION
+    width, height, pictures = OF_MP4 if poster or path.suffix.lower() == MP4 else OF_ANIMATION
     width, height = _size(options.size) if options.size else (width, height)
     look = Look(view, seat, width, height, options.detail or (1.0 if poster else DETAIL))
     try:
@@ -155,9 +155,9 @@ def _check_name(path: Path, *, is_poster: bool) -> None:
     Raises:
         UserError: It does not.
     """
-    from wildscav_engine.view.video.encode import PICTURES, SUFFIXES
+    from wildscav_engine.view.video import PICTURES, VIDEOS
 
-    allowed, option = (PICTURES, "--poster") if is_poster else (SUFFIXES, "--out")
+    allowed, option = (PICTURES, "--poster") if is_poster else (VIDEOS, "--out")
     if path.suffix.lower() not in allowed:
         raise UserError(f"{option} is {path}: its name must end in {', '.join(allowed)}", exit_code=2)
 

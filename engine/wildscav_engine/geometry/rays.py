@@ -7,7 +7,8 @@ Bullets, lines of sight, heights under a roof and pictures of maps use this, and
 many rays at once gives the same answers: ``rendering.trace`` (cameras) and ``rendering.panorama`` (LIDAR).
 """
 
-from typing import NamedTuple
+import warnings
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,7 +64,7 @@ class Step(NamedTuple):
 
 
 @kernel
-def cast_ray(
+def raycast(
     world: World, x: float, y: float, z: float, dx: float, dy: float, dz: float, max_distance: float
 ) -> Hit:
     """Return the nearest hit of a ray.
@@ -226,7 +227,7 @@ def sight_is_clear(world: World, x: float, y: float, z: float, to_x: float, to_y
     distance = np.sqrt(dx * dx + dy * dy + dz * dz)
     if distance == 0.0:
         return True
-    hit = cast_ray(world, x, y, z, dx / distance, dy / distance, dz / distance, distance)
+    hit = raycast(world, x, y, z, dx / distance, dy / distance, dz / distance, distance)
     return hit.solid == NOTHING_HIT
 
 
@@ -238,3 +239,11 @@ def kind_of(world: World, hit: Hit) -> int:
     if hit.solid == TERRAIN_HIT:
         return TERRAIN
     return int(np.int64(world.solid_kind[hit.solid]))
+
+
+def __getattr__(name: str) -> Any:
+    """Return a name by its old spelling, for one release."""
+    if name != "cast_ray":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    warnings.warn("cast_ray is called raycast now", DeprecationWarning, stacklevel=2)
+    return raycast

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from wildscav_engine.arithmetic.random_numbers import Stream, uniform, uniform_in
 from wildscav_engine.compilation.kernel import array_kernel, kernel
 from wildscav_engine.geometry.clearance import is_clear
-from wildscav_engine.geometry.rays import cast_ray
+from wildscav_engine.geometry.rays import raycast
 from wildscav_engine.geometry.terrain import ground_at, water_at
 from wildscav_engine.geometry.world import Kind, World
 from wildscav_engine.maps.settlements.houses import House
@@ -264,7 +264,7 @@ def is_covered(world: World, places: NDArray[np.float64], ceilings: NDArray[np.i
     covered = np.empty(len(places), np.bool_)
     for index in range(len(places)):
         x, y, z = places[index, 0], places[index, 1] + 1.0, places[index, 2]
-        hit = cast_ray(world, x, y, z, 0.0, 1.0, 0.0, CEILING)
+        hit = raycast(world, x, y, z, 0.0, 1.0, 0.0, CEILING)
         covered[index] = hit.solid >= 0 and counts[hit.solid] and not is_plant(world.solid_kind[hit.solid])
     return covered
 

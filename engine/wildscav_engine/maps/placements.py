@@ -120,7 +120,7 @@ def _check_apart(number: int, site: Site, numbers: Sequence[int], sites: Sequenc
 def _level(number: int, site: Site, sites: Sequence[Site], terrain: Terrain) -> float:
     """Return the ground level in m for a placed house; near others it equals theirs, or nearly so."""
     footprint = np.array(site.footprint)
-    lowest, highest, mean = heights_under(terrain.corner, terrain.heights, footprint)
+    lowest, highest, mean = heights_under(terrain, footprint)
     least = terrain.water_level + SHORE_MARGIN
     if lowest < least:
         raise MapError(
@@ -177,8 +177,8 @@ def _block(config: MapConfig, number: int, placed: Placement, terrain: Terrain) 
     where = pose(*placed.location, placed.orientation)
     _check_inside(config, number, where, placed.area, 0.0)
     across, along = placed.area[0] / 2.0, placed.area[1] / 2.0
-    lowest = heights_under(terrain.corner, terrain.heights, np.array((*where, across, along)))[0]
-    ground = height_at(terrain.corner, terrain.heights, where.x, where.z)
+    lowest = heights_under(terrain, np.array((*where, across, along)))[0]
+    ground = height_at(terrain, where.x, where.z)
     low, high = (-across, lowest - ROOT, -along), (across, ground + placed.height, along)
     return box(Kind.WALL, where, low, high)
 
@@ -234,7 +234,7 @@ def _check_single(
     """Raise MapError if a single plant has no ground to stand on."""
     x, z = placed.location
     _check_inside(config, number, pose(x, z, 0.0), (0.0, 0.0), PLANT_MARGIN)
-    ground = height_at(terrain.corner, terrain.heights, x, z)
+    ground = height_at(terrain, x, z)
     if ground < terrain.water_level:
         raise MapError(
             f"placements.{number}.location is {(x, z)}: in water; its ground is at {ground:.2f} m, "

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wildscav_engine.arithmetic.elementary_functions import arctangent
-from wildscav_engine.geometry.rays import cast_ray
+from wildscav_engine.geometry.rays import raycast
 from wildscav_engine.geometry.terrain import ground_at, water_at
 from wildscav_engine.geometry.world import World, cell_of
 from wildscav_engine.maps.game_map import GameMap
@@ -97,5 +97,5 @@ def _sees(game_map: GameMap, view: Viewpoint, house: House) -> bool:
     way = np.array([east - x, house.ground + house.storeys * house.storey_height / 2 - y, north - z])
     distance = float(np.linalg.norm(way))
     dx, dy, dz = (way / distance).tolist()
-    hit = cast_ray(game_map.world, x, y, z, dx, dy, dz, distance)
+    hit = raycast(game_map.world, x, y, z, dx, dy, dz, distance)
     return hit.solid >= 0 and game_map.houses[game_map.solid_house[hit.solid]] is house

@@ -24,7 +24,7 @@ class ObjectArrays(NamedTuple):
     faces: NDArray[np.float64]
     corner_start: NDArray[np.int64]
     corners: NDArray[np.float64]
-    boxes: NDArray[np.float64]
+    obbs: NDArray[np.float64]
     names: NDArray[np.int64]
     color: NDArray[np.float64]  # (S, 3) red, green, blue 0-255
     instance: NDArray[np.int32]  # (S,) the seat of an agent, the serial number of a box
@@ -99,7 +99,7 @@ class DynamicObjects(Solids):
         """Return the objects of a single match."""
         arrays, starts = sets.arrays, sets.arrays.face_start
         objects = cls(sets.solids_of(0), arrays.instance, arrays.color)
-        objects.shapes = Shapes(arrays.boxes, starts, arrays.faces, arrays.names, starts[:-1])
+        objects.shapes = Shapes(arrays.obbs, starts, arrays.faces, arrays.names, starts[:-1])
         objects.sets = sets
         return objects
 
@@ -136,7 +136,7 @@ def sets_of(solids: Solids) -> ObjectSets:
 def _in_one_set(
     solids: Solids, shapes: Shapes, color: NDArray[np.float64], instance: NDArray[np.int32]
 ) -> ObjectSets:
-    arrays = ObjectArrays(*solids, shapes.boxes, shapes.names, color, instance)
+    arrays = ObjectArrays(*solids, shapes.obbs, shapes.names, color, instance)
     most_faces = int(np.diff(solids.face_start).max(initial=0))
     return ObjectSets(arrays, np.array([0, len(solids.kind)]), len(solids.kind), most_faces)
 
@@ -144,38 +144,25 @@ def _in_one_set(
 def addresses_of_new(arrays: ObjectArrays) -> Addresses:
     """Return the same as ``addresses_of`` in a tenth of its time, without its checks: of arrays just made."""
     addresses = np.empty((len(arrays), COLUMNS), np.int64)
-    _write_addresses(*arrays, addresses)
+    _write_addresses(addresses, *arrays)
     return addresses
 
 
 @kernel
-def _write_addresses(
-    kind: NDArray[np.int8],
-    owner: NDArray[np.int32],
-    low: NDArray[np.float64],
-    high: NDArray[np.float64],
-    face_start: NDArray[np.int64],
-    faces: NDArray[np.float64],
-    corner_start: NDArray[np.int64],
-    corners: NDArray[np.float64],
-    boxes: NDArray[np.float64],
-    names: NDArray[np.int64],
-    color: NDArray[np.float64],
-    instance: NDArray[np.int32],
-    table: Addresses,
-) -> None:
-    _write_address(kind, table[0])
-    _write_address(owner, table[1])
-    _write_address(low, table[2])
-    _write_address(high, table[3])
-    _write_address(face_start, table[4])
-    _write_address(faces, table[5])
-    _write_address(corner_start, table[6])
-    _write_address(corners, table[7])
-    _write_address(boxes, table[8])
-    _write_address(names, table[9])
-    _write_address(color, table[10])
-    _write_address(instance, table[11])
+def _write_addresses(table: Addresses, *arrays: NDArray[Any]) -> None:
+    # One by one, because the types differ.
+    _write_address(arrays[0], table[0])
+    _write_address(arrays[1], table[1])
+    _write_address(arrays[2], table[2])
+    _write_address(arrays[3], table[3])
+    _write_address(arrays[4], table[4])
+    _write_address(arrays[5], table[5])
+    _write_address(arrays[6], table[6])
+    _write_address(arrays[7], table[7])
+    _write_address(arrays[8], table[8])
+    _write_address(arrays[9], table[9])
+    _write_address(arrays[10], table[10])
+    _write_address(arrays[11], table[11])
 
 
 @inlined_kernel
@@ -225,7 +212,7 @@ def solids_between(objects: ObjectArrays, first: int, last: int) -> Solids:
 def shapes_between(objects: ObjectArrays, first: int, last: int) -> Shapes:
     """Return the same objects in the form for tracing."""
     return Shapes(
-        objects.boxes[first:last],
+        objects.obbs[first:last],
         objects.face_start[first : last + 1],
         objects.faces,
         objects.names[first:last],

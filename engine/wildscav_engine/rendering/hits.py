@@ -80,7 +80,7 @@ def _write_solid(
     line: Hits,
 ) -> None:
     """Write the solid that some successive rays of a row hit, and its faces; the row begins at ``start``."""
-    statics, faces = solids.boxes.shape[0], line.face[first:last]
+    statics, faces = solids.obbs.shape[0], line.face[first:last]
     if met < statics:
         line.solid[first:last] = solids.names[met]
         write_entered_faces(solids, met, camera, start + first, solids.face_names[met], buffer, faces)

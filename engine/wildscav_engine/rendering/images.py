@@ -9,15 +9,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.parallel.turns import ALONE, Turns
 from wildscav_engine.rendering.cameras import TAKEN_ALREADY, Cameras, are_finite, item_at
-from wildscav_engine.rendering.dynamic_objects import ObjectSets, read_objects, sets_of
+from wildscav_engine.rendering.dynamic_objects import ObjectSets, sets_of
 from wildscav_engine.rendering.hits import Hits, write_hits
 from wildscav_engine.rendering.labels import write_labels
 from wildscav_engine.rendering.normals import write_normals
-from wildscav_engine.rendering.trace import Matches, Scene, Scenes, objects_in, trace_in_match, write_depths
+from wildscav_engine.rendering.trace import (
+    Scene,
+    Scenes,
+    flatten_views,
+    objects_in,
+    read_views,
+    trace_view,
+    write_depths,
+)
 from wildscav_engine.rendering.tracing.solids import Solids
 from wildscav_engine.rendering.tracing.workspace import Size
 
@@ -64,18 +71,18 @@ def trace_images(
     Returns:
         Whether all numbers of the cameras are finite; if not, nothing is written.
     """
-    _, height, width, *_ = images.shape
-    size = Size(height, width, cameras.half_width, objects.most_faces)
+    number, with_water = int(output), True
     floats, kinds, numbers = NO_FLOATS, NO_KINDS, NO_NUMBERS
-    if output is Output.KINDS:
+    if number == KINDS:
         kinds = images
-    elif output is Output.INSTANCES:
+    elif number == INSTANCES:
         numbers = images
     else:
-        floats = images if output is Output.NORMALS else images[..., None]
-    with_water = output in (Output.KINDS, Output.INSTANCES)
-    arrays = (scenes.tables(size), objects.addresses, objects.start, matches, *turns)
-    return _trace_images(output.value, with_water, *cameras, *arrays, floats, kinds, numbers, NO_NUMBERS)
+        floats, with_water = images if number == NORMALS else images[..., None], False
+    height, width = images.shape[1:3]
+    size = Size(height, width, cameras.half_width, objects.most_faces)
+    views = flatten_views(scenes, objects, matches, cameras, turns, size)
+    return _trace_images(number, with_water, floats, kinds, numbers, NO_NUMBERS, *views)
 
 
 def trace(scene: Scene, moving: Solids, cameras: Cameras, hits: Hits, *, with_water: bool = False) -> bool:
@@ -90,10 +97,9 @@ def trace(scene: Scene, moving: Solids, cameras: Cameras, hits: Hits, *, with_wa
     objects, in_one_match = sets_of(moving), np.zeros(len(cameras.yaws), np.int64)
     distance, solid, face = hits
     _, height, width = distance.shape
-    tables = scene.tables(Size(height, width, cameras.half_width, objects.most_faces))
-    arrays = (tables, objects.addresses, objects.start, in_one_match, *ALONE)
-    output = Output.HITS.value
-    return _trace_images(output, with_water, *cameras, *arrays, distance[..., None], NO_KINDS, solid, face)
+    size = Size(height, width, cameras.half_width, objects.most_faces)
+    views = flatten_views(scene, objects, in_one_match, cameras, ALONE, size)
+    return _trace_images(int(Output.HITS), with_water, distance[..., None], NO_KINDS, solid, face, *views)
 
 
 # Arrays are passed to this kernel one by one, for the reason given in ``trace.py``.
@@ -101,44 +107,33 @@ def trace(scene: Scene, moving: Solids, cameras: Cameras, hits: Hits, *, with_wa
 def _trace_images(
     output: int,
     with_water: bool,
-    eyes: NDArray[np.float64],
-    yaws: NDArray[np.float64],
-    pitches: NDArray[np.float64],
-    viewers: NDArray[np.int32],
-    half_width: float,
-    far: float,
-    workspaces: NDArray[np.int64],
-    objects: Addresses,
-    start: NDArray[np.int64],
-    matches: NDArray[np.int64],
-    order: NDArray[np.int64],
-    taken: NDArray[np.int64],
     floats: NDArray[np.float32],
     kinds: NDArray[np.uint8],
     numbers: NDArray[np.int32],
     faces: NDArray[np.int32],
+    *views: Any,
 ) -> bool:
     """Implement ``trace_images`` and ``trace``, which say what is in the arrays of each output."""
-    if not are_finite(eyes, yaws, pitches):
+    seen = read_views(views)
+    matches, cameras = seen.matches, seen.cameras
+    if not are_finite(cameras.eyes, cameras.yaws, cameras.pitches):
         return False
-    cameras = Cameras(eyes, yaws, pitches, viewers, half_width, far)
-    shown = Matches(workspaces, read_objects(objects), start, matches)
     height = max(floats.shape[1], kinds.shape[1], numbers.shape[1])
     width = max(floats.shape[2], kinds.shape[2], numbers.shape[2])
-    for turn in range(yaws.shape[0]):
-        image = item_at(Turns(order, taken), turn)
+    for turn in range(cameras.yaws.shape[0]):
+        image = item_at(seen.turns, turn)
         if image == TAKEN_ALREADY:
             continue
-        traced = trace_in_match(shown, cameras, image, height, width, with_water)
-        first, _ = objects_in(shown, image)
+        traced = trace_view(seen, image, height, width, with_water)
+        first, _ = objects_in(matches, image)
         if output == DEPTHS:
             write_depths(traced.buffer, floats[image].reshape(height, width))
         elif output == NORMALS:
             write_normals(traced, floats[image])
         elif output == KINDS:
-            write_labels(traced, shown.objects, first, False, kinds[image])
+            write_labels(traced, matches.objects, first, False, kinds[image])
         elif output == INSTANCES:
-            write_labels(traced, shown.objects, first, True, numbers[image])
+            write_labels(traced, matches.objects, first, True, numbers[image])
         else:
             write_hits(traced, Hits(floats[image].reshape(height, width), numbers[image], faces[image]))
     return True

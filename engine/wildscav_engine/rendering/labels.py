@@ -28,7 +28,7 @@ def write_labels(
             other labels are a ``Kind``.
         image: (H, W) integers, written.
     """
-    kinds, statics = traced.workspace.blocks.kinds, traced.solids.boxes.shape[0]
+    kinds, statics = traced.workspace.blocks.kinds, traced.solids.obbs.shape[0]
     for row in range(image.shape[0]):
         line, start = image[row], nonnegative(row * image.shape[1])
         mets = traced.buffer.met[start : start + line.shape[0]]

@@ -22,7 +22,7 @@ def write_normals(traced: TracedImage, image: NDArray[np.float32]) -> None:
 @inlined_kernel
 def _write_row(traced: TracedImage, blocks: Blocks, start: int, line: NDArray[np.float32]) -> None:
     """Write (W, 3) the normals of a row of pixels, the first of whose rays is ``start``."""
-    statics, width, buffer = traced.solids.boxes.shape[0], line.shape[0], traced.buffer
+    statics, width, buffer = traced.solids.obbs.shape[0], line.shape[0], traced.buffer
     first = 0
     while first < width:
         met, last = buffer.met[start + first], first + 1

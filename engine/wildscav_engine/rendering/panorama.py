@@ -7,23 +7,23 @@ and rise or fall towards the sides. So a sector has optics of its own, see ``Cam
 steeply up or down would need images of endless height. Their rays are short, so they are cast one by one.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
-from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
-from wildscav_engine.geometry.rays import Ray, cast_ray, intersect_faces, make_ray
+from wildscav_engine.geometry.rays import Ray, intersect_faces, make_ray, raycast
 from wildscav_engine.geometry.world import CELL, World
 from wildscav_engine.parallel.turns import ALONE, Turns
 from wildscav_engine.rendering.cameras import TAKEN_ALREADY, Cameras, item_at
-from wildscav_engine.rendering.dynamic_objects import ObjectSets, read_objects
+from wildscav_engine.rendering.dynamic_objects import ObjectSets
 from wildscav_engine.rendering.trace import (
-    Matches,
     Scene,
     Scenes,
+    flatten_views,
+    read_views,
     shapes_of_match,
     trace_moving,
     trace_static,
@@ -170,23 +170,10 @@ class Panorama:
         sectors = self._sectors
         if sectors is None:
             return
-        size = Size(self._last - self._first, sectors.columns, sectors.optics.half_width, objects.most_faces)
-        _trace_sectors(
-            cameras.eyes,
-            cameras.yaws,
-            cameras.viewers,
-            cameras.far,
-            sectors.number,
-            sectors.optics,
-            self._level_rings,
-            scenes.tables(size),
-            objects.addresses,
-            objects.start,
-            matches,
-            *turns,
-            images,
-            self._first,
-        )
+        number, columns, optics = sectors
+        size = Size(self._last - self._first, columns, optics.half_width, objects.most_faces)
+        views = flatten_views(scenes, objects, matches, cameras, turns, size)
+        _trace_sectors(number, optics, self._level_rings, self._first, images, *views)
 
     def cast_steep_rays(
         self, world: World, moving: Solids, cameras: Cameras, images: NDArray[np.float32]
@@ -205,40 +192,29 @@ def _aim_rings(
 
 @kernel
 def _trace_sectors(
-    eyes: NDArray[np.float64],
-    yaws: NDArray[np.float64],
-    viewers: NDArray[np.int32],
-    far: float,
-    sectors: int,
-    optics: Optics,
-    rings: Rings,
-    workspaces: NDArray[np.int64],
-    objects: Addresses,
-    start: NDArray[np.int64],
-    matches: NDArray[np.int64],
-    order: NDArray[np.int64],
-    taken: NDArray[np.int64],
-    images: NDArray[np.float32],
-    above: int,
+    sectors: int, optics: Optics, rings: Rings, above: int, images: NDArray[np.float32], *views: Any
 ) -> None:
     """Write the distances of some rings, of which the first is row ``above`` of the images."""
-    shown = Matches(workspaces, read_objects(objects), start, matches)
+    cameras, matches, turns = read_views(views)
     count, _, azimuths = images.shape
     for turn in range(count):
-        image = item_at(Turns(order, taken), turn)
+        image = item_at(turns, turn)
         if image == TAKEN_ALREADY:
             continue
-        parts, others = workspace_of(shown, image), shapes_of_match(shown, image)
+        yaw = cameras.yaws[image]
+        parts, others = workspace_of(matches, image), shapes_of_match(matches, image)
         columns = parts.image.met.shape[0] // rings.levels.shape[0]
         buffer = hit_buffer_in(columns, parts.image)
         for sector in range(sectors):
             first, last = sector * columns, min((sector + 1) * columns, azimuths)
-            middle = yaws[image] + 360.0 * (first + (columns - 1) * 0.5) / azimuths
-            camera = _camera_at(eyes[image], middle, columns, rings.levels.shape[0], optics, far)
-            _aim_sector(buffer, rings, yaws[image], first, azimuths)
-            fill(buffer, far, NOTHING)
+            middle = yaw + 360.0 * (first + (columns - 1) * 0.5) / azimuths
+            camera = _camera_at(
+                cameras.eyes[image], middle, columns, rings.levels.shape[0], optics, cameras.far
+            )
+            _aim_sector(buffer, rings, yaw, first, azimuths)
+            fill(buffer, cameras.far, NOTHING)
             trace_static(parts, camera, False, buffer)
-            trace_moving(parts, others, camera, viewers[image], buffer)
+            trace_moving(parts, others, camera, cameras.viewers[image], buffer)
             for ring in range(rings.levels.shape[0]):
                 line, distance = images[image, above + ring, first:last], buffer.distance[ring * columns :]
                 for column in range(last - first):
@@ -318,7 +294,7 @@ def _cast_steep_rays(
                 level = rings.levels[ring]
                 dx, dy, dz = east * level, rings.rises[ring], north * level
                 ray = make_ray(world, x, y, z, dx, dy, dz)
-                nearest = cast_ray(world, x, y, z, dx, dy, dz, cameras.far).distance
+                nearest = raycast(world, x, y, z, dx, dy, dz, cameras.far).distance
                 nearest = nearest if nearest <= _to_edge(world, ray) else cameras.far
                 images[image, ring, column] = _nearest(moving, cameras.viewers[image], ray, nearest)
 

@@ -9,7 +9,7 @@ in the same way, whichever image the ray belongs to.
 
 from collections.abc import Callable
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel, only_for
 from wildscav_engine.parallel.turns import ALONE, Turns
 from wildscav_engine.rendering.cameras import TAKEN_ALREADY, Cameras, are_finite, item_at
-from wildscav_engine.rendering.dynamic_objects import ObjectArrays, shapes_between
+from wildscav_engine.rendering.dynamic_objects import ObjectArrays, ObjectSets, read_objects, shapes_between
 from wildscav_engine.rendering.tracing.front_to_back import trace_moving_solids, trace_world
 from wildscav_engine.rendering.tracing.frustum import Camera, camera_at
 from wildscav_engine.rendering.tracing.hit_buffer import NOTHING, HitBuffer, aim_rays, hit_buffer_in
@@ -32,6 +32,9 @@ __all__ = [
     "scene_of",
     "trace_static_depths",
 ]
+
+CAMERAS = len(Cameras._fields)  # the arguments of ``*views`` that are of cameras
+TURNS = CAMERAS + 4  # where those of turns start
 
 
 def trace_static_depths(
@@ -106,7 +109,7 @@ def trace_static(parts: Workspace, camera: Camera, with_water: bool, buffer: Hit
 @inlined_kernel
 def trace_moving(parts: Workspace, others: Shapes, camera: Camera, viewer: int, buffer: HitBuffer) -> None:
     """Trace moving solids in an image whose static world has been traced."""
-    statics = parts.solids.boxes.shape[0]
+    statics = parts.solids.obbs.shape[0]
     trace_moving_solids(others, statics, camera, viewer, parts.scratch.outside, buffer)
 
 
@@ -130,6 +133,45 @@ class Matches(NamedTuple):
     seen: NDArray[np.int64]  # (N,) the match that each camera is in
 
 
+class Views(NamedTuple):
+    """The views of N cameras, and in which order a thread comes to them."""
+
+    cameras: Cameras
+    matches: Matches
+    turns: Turns
+
+
+def flatten_views(
+    scenes: Scene | Scenes,
+    objects: ObjectSets,
+    matches: NDArray[np.int64],
+    cameras: Cameras,
+    turns: Turns,
+    size: Size,
+) -> tuple[Any, ...]:
+    """Return the views of some cameras as the last arguments of a kernel, which takes them as ``*views``.
+
+    They include addresses: the caller must keep the scenes and objects alive during the call.
+
+    Args:
+        scenes: The static worlds of N cameras, or one for all.
+        objects: The moving objects of some matches.
+        matches: (N,) the match in ``objects`` that each camera is in.
+        cameras: N cameras.
+        turns: In which order to render their images, with other threads.
+        size: The size of their images, and of the largest of the moving objects.
+    """
+    return *cameras, scenes.tables(size), objects.addresses, objects.start, matches, *turns
+
+
+@inlined_kernel
+def read_views(flat: tuple[Any, ...]) -> Views:
+    """Return the views that ``flatten_views`` flattened."""
+    workspaces, objects, start, seen = flat[CAMERAS:TURNS]
+    matches = Matches(workspaces, read_objects(objects), start, seen)
+    return Views(Cameras(*flat[:CAMERAS]), matches, Turns(*flat[TURNS:]))
+
+
 class TracedImage(NamedTuple):
     """An image, and what its rays hit."""
 
@@ -141,10 +183,9 @@ class TracedImage(NamedTuple):
 
 
 @inlined_kernel
-def trace_in_match(
-    matches: Matches, cameras: Cameras, image: int, height: int, width: int, with_water: bool
-) -> TracedImage:
+def trace_view(views: Views, image: int, height: int, width: int, with_water: bool) -> TracedImage:
     """Trace the image of one of some cameras, and return it; it is valid until the next one is traced."""
+    matches, cameras = views.matches, views.cameras
     workspace, moving = workspace_of(matches, image), shapes_of_match(matches, image)
     buffer = hit_buffer_in(width, workspace.image)
     eye, yaw, pitch = cameras.eyes[image], cameras.yaws[image], cameras.pitches[image]

@@ -8,13 +8,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.builders import box, flat_world
 
+from wildscav_engine.geometry import rays
 from wildscav_engine.geometry.rays import (
     NOTHING_HIT,
     TERRAIN_HIT,
-    cast_ray,
     intersect_solid,
     kind_of,
     make_ray,
+    raycast,
     sight_is_clear,
 )
 from wildscav_engine.geometry.terrain import ground_at
@@ -44,14 +45,14 @@ def test_what_a_ray_meets(
     start: tuple[float, ...], direction: tuple[float, ...], distance: float, kind: Kind
 ) -> None:
     world = flat_world(40, [WALL])
-    hit = cast_ray(world, *map(float, start), *map(float, direction), 100.0)
+    hit = raycast(world, *map(float, start), *map(float, direction), 100.0)
     assert hit.distance == pytest.approx(distance, abs=1e-9)
     assert kind_of(world, hit) == kind
 
 
 def test_nothing_is_hit_beyond_far() -> None:
     world = flat_world(40, [WALL])
-    assert cast_ray(world, 0.0, 1.5, 0.0, 0.0, 0.0, 1.0, 9.99).solid == NOTHING_HIT
+    assert raycast(world, 0.0, 1.5, 0.0, 0.0, 0.0, 1.0, 9.99).solid == NOTHING_HIT
 
 
 def test_a_wall_between_two_points_blocks_sight_and_a_gap_does_not() -> None:
@@ -100,7 +101,7 @@ def test_the_grid_finds_what_brute_force_finds(
     eye = np.array([x, ground_at(country, x, z).height + up, z])
     a, b = math.radians(yaw), math.radians(pitch)
     way = np.array([math.sin(a) * math.cos(b), -math.sin(b), math.cos(a) * math.cos(b)])
-    hit = cast_ray(country, *eye, *way, 50.0)
+    hit = raycast(country, *eye, *way, 50.0)
     wanted = by_brute_force(country, eye, way, 50.0)
     assert min(hit.distance, 50.0) == pytest.approx(wanted, abs=1e-6)
 
@@ -116,7 +117,7 @@ def test_rays_along_cell_edges_and_corners_find_the_ground(
     dx, dz = way[0] * 0.6, way[1] * 0.6
     dy = -math.sqrt(1 - dx * dx - dz * dz)
     eye = np.array([x, 60.0, z])
-    hit = cast_ray(country, *eye, dx, dy, dz, 200.0)
+    hit = raycast(country, *eye, dx, dy, dz, 200.0)
     wanted = by_brute_force(country, eye, np.array([dx, dy, dz]), 200.0)
     leaves_map = max(abs(x + dx * wanted), abs(z + dz * wanted)) >= 29.9
     assert leaves_map or hit.distance == pytest.approx(wanted, abs=1e-6)
@@ -124,5 +125,10 @@ def test_rays_along_cell_edges_and_corners_find_the_ground(
 
 def test_a_ray_that_starts_on_the_ground_can_leave_it() -> None:
     world = flat_world(40, slope=0.3)
-    assert cast_ray(world, 1.0, 0.3 + 1e-9, 1.0, 0.0, 1.0, 0.0, 50.0).solid == NOTHING_HIT
-    assert cast_ray(world, 1.0, 0.3 + 1e-9, 1.0, HALF, -HALF, 0.0, 50.0).solid == TERRAIN_HIT
+    assert raycast(world, 1.0, 0.3 + 1e-9, 1.0, 0.0, 1.0, 0.0, 50.0).solid == NOTHING_HIT
+    assert raycast(world, 1.0, 0.3 + 1e-9, 1.0, HALF, -HALF, 0.0, 50.0).solid == TERRAIN_HIT
+
+
+def test_the_old_name_of_casting_a_ray_still_works() -> None:
+    with pytest.warns(DeprecationWarning, match="cast_ray is called raycast now"):
+        assert rays.cast_ray is raycast

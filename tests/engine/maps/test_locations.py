@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wildscav_engine.geometry.clearance import has_clearance, is_clear
-from wildscav_engine.geometry.rays import cast_ray
+from wildscav_engine.geometry.rays import raycast
 from wildscav_engine.geometry.shapes import box, pose
 from wildscav_engine.geometry.terrain import ground_at, water_at
 from wildscav_engine.geometry.world import Kind, Solid, World, build_world
@@ -99,7 +99,7 @@ def test_high_places_lie_under_the_open_sky_and_off_the_ground(game_map: GameMap
     assert len(high) > 0
     for x, y, z in high:
         assert y > ground_at(world, x, z).height + 0.05
-        above = cast_ray(world, x, y + 1.0, z, 0.0, 1.0, 0.0, CEILING).solid
+        above = raycast(world, x, y + 1.0, z, 0.0, 1.0, 0.0, CEILING).solid
         assert above < 0 or world.solid_kind[above] in PLANTS
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tests.builders import box, flat_world, map_from
 
-from wildscav_engine.geometry.rays import cast_ray
+from wildscav_engine.geometry.rays import raycast
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.viewpoints import standing_height, viewpoint_of
@@ -72,4 +72,4 @@ def test_a_map_without_houses_can_be_looked_at_too() -> None:
     view = viewpoint_of(game_map)
     x, y, z = view.eye
     assert y == pytest.approx(standing_height(game_map.world, x, z) + EYE_HEIGHT)
-    assert cast_ray(game_map.world, x, y, z, 0.0, 1.0, 0.0, 1.0).distance > 0
+    assert raycast(game_map.world, x, y, z, 0.0, 1.0, 0.0, 1.0).distance > 0

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from tests.builders import box, flat_world, map_from
 
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
-from wildscav_engine.geometry.rays import cast_ray
+from wildscav_engine.geometry.rays import raycast
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.game_map import GameMap
@@ -36,7 +36,7 @@ def cast_alone(country: GameMap, eye: tuple[float, float, float], yaw: float, li
         azimuth, height = yaw + 360.0 * column / lidar.azimuths, lidar.elevations[ring]
         level = max(cosine(height), 1e-12)
         way = (sine(azimuth) * level, sine(height), cosine(azimuth) * level)
-        hit = cast_ray(country.world, *eye, *way, FAR).distance
+        hit = raycast(country.world, *eye, *way, FAR).distance
         is_on_map = hit < np.inf and np.abs(eye + hit * np.array(way))[[0, 2]].max() <= 30.0 + 1e-9
         distances[ring, column] = hit if is_on_map else FAR
     return distances

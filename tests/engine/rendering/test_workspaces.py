@@ -41,7 +41,7 @@ def test_scenes_of_about_one_size_share_scratch_buffers_that_suffice_for_each() 
     assert first.scratch.queue is second.scratch.queue
     assert third.scratch.queue is not first.scratch.queue
     assert len(third.scratch.shown) >= len(large.arrays.blocks.spans)
-    assert len(first.scratch.done) > len(one.arrays.solids.boxes)
+    assert len(first.scratch.done) > len(one.arrays.solids.obbs)
     assert len(first.scratch.outside) >= np.diff(one.arrays.solids.face_start).max()
 
 

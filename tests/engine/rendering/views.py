@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from tests.engine.rendering.brute_force import Met
 
-from wildscav_engine.geometry.rays import TERRAIN_HIT, cast_ray
+from wildscav_engine.geometry.rays import TERRAIN_HIT, raycast
 from wildscav_engine.geometry.world import CELL, World
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.hits import WATER_HIT, Hits, allocate_hits
@@ -85,7 +85,7 @@ def seen_by(scene: Scene, view: View, moving: Solids = NOTHING_MOVES, *, with_wa
 def cast(world: World, eye: Sequence[float], ways: NDArray[np.float64], far: float) -> Met:
     """Return what single rays hit."""
     x, y, z = map(float, eye)
-    hits = [cast_ray(world, x, y, z, *map(float, way), far) for way in ways]
+    hits = [raycast(world, x, y, z, *map(float, way), far) for way in ways]
     normals = np.zeros((len(ways), 3))
     terrain = terrain_normals(world)
     for ray, (hit, way) in enumerate(zip(hits, ways, strict=True)):

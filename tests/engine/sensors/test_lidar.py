@@ -8,7 +8,7 @@ import pytest
 from tests.builders import box, flat_world, make_match, map_from, place
 
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
-from wildscav_engine.geometry.rays import cast_ray
+from wildscav_engine.geometry.rays import raycast
 from wildscav_engine.geometry.world import World
 from wildscav_engine.maps import generate_map
 from wildscav_engine.rendering.tracing.solids import gather_solids
@@ -101,7 +101,7 @@ def test_every_ray_meets_what_the_one_ray_kernel_says(highest: float) -> None:
         rise, azimuth = lidar.elevations[channel], azimuths[image, column]
         level = cosine(rise)
         way = (sine(azimuth) * level, sine(rise), cosine(azimuth) * level)
-        expected = min(70.0, cast_ray(country.world, *eyes[image], *way, 70.0).distance)
+        expected = min(70.0, raycast(country.world, *eyes[image], *way, 70.0).distance)
         assert rings[image, channel, column] == pytest.approx(expected, abs=1e-5), (image, channel, column)
 
 

@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.random_numbers import Dice, Stream
 from wildscav_engine.compilation.kernel import array_kernel
-from wildscav_engine.geometry.world import CELL
-from wildscav_engine.maps.country.landforms import ward_of_points
+from wildscav_engine.maps.country.landforms import wards_at
 from wildscav_engine.maps.country.plan import CountryPlan
 from wildscav_engine.maps.ground.terrain import Terrain
 from wildscav_engine.maps.settlements.houses import House
@@ -140,9 +139,7 @@ def hide_targets(
         across, along = house.pose.inside(x, z)
         within = (np.abs(across) < house.size[0] / 2.0) & (np.abs(along) < house.size[1] / 2.0)
         is_upstairs |= within & (indoor[:, 1] > house.ground + house.storey_height / 2.0)
-    columns = ((ground[:, 0] - terrain.corner[0]) / CELL + 0.5).astype(np.int64)
-    rows = ((ground[:, 2] - terrain.corner[1]) / CELL + 0.5).astype(np.int64)
-    is_dead_end = plan.wards.ways[ward_of_points(plan.wards, terrain)[rows, columns]] == 1
+    is_dead_end = plan.wards.ways[wards_at(plan.wards, terrain, ground[:, 0], ground[:, 2])] == 1
     dice = Dice(seed, Stream.HIDING)
     chosen = [
         _draw(dice, indoor[is_upstairs], UPSTAIRS),

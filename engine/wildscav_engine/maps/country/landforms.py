@@ -67,6 +67,15 @@ def ward_of_points(wards: Wards, terrain: Terrain) -> NDArray[np.int64]:
     return found
 
 
+def wards_at(
+    wards: Wards, terrain: Terrain, x: NDArray[np.float64], z: NDArray[np.float64]
+) -> NDArray[np.int64]:
+    """Return (N,) the wards of places in m: those of the nearest points of the height field."""
+    columns = ((x - terrain.corner[0]) / CELL + 0.5).astype(np.int64)
+    rows = ((z - terrain.corner[1]) / CELL + 0.5).astype(np.int64)
+    return ward_of_points(wards, terrain)[rows, columns]
+
+
 def raise_terraces(wards: Wards, terrain: Terrain) -> None:
     """Raise the ground of each ward, in place, to its level, and lay the ramps."""
     if not wards.levels.any():

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.random_numbers import Dice, Stream
 from wildscav_engine.geometry.shapes import Pose, box, polygon, stack
-from wildscav_engine.geometry.world import CELL, Kind, Solid
-from wildscav_engine.maps.country.landforms import raise_ridges, raise_terraces, ward_of_points
+from wildscav_engine.geometry.world import Kind, Solid
+from wildscav_engine.maps.country.landforms import raise_ridges, raise_terraces, wards_at
 from wildscav_engine.maps.country.towns import Town, choose_blocks, draw_town
 from wildscav_engine.maps.country.wards import Barrier, Border, Wards, draw_wards
 from wildscav_engine.maps.ground.terrain import Terrain
@@ -115,14 +115,9 @@ def shape_country(plan: CountryPlan, seed: int, terrain: Terrain, sites: Sequenc
     """Raise the levelled ground, in place, to its terraces and ridges; return the sites raised with it."""
     raised = list(sites)
     if plan.wards.levels.any():
-        wards = ward_of_points(plan.wards, terrain)
-        for number, site in enumerate(raised):
-            row, column = (
-                int((at - corner) / CELL + 0.5)
-                for at, corner in zip((site.pose.z, site.pose.x), terrain.corner[::-1], strict=True)
-            )
-            lift = float(plan.wards.levels[wards[row, column]])
-            raised[number] = site._replace(ground=site.ground + lift)
+        x, z = np.array([(site.pose.x, site.pose.z) for site in sites], np.float64).reshape(-1, 2).T
+        lifts = plan.wards.levels[wards_at(plan.wards, terrain, x, z)].tolist()
+        raised = [site._replace(ground=site.ground + lift) for site, lift in zip(sites, lifts, strict=True)]
     raise_terraces(plan.wards, terrain)
     raise_ridges(plan.wards, seed, terrain)
     return raised
@@ -164,7 +159,7 @@ def _piece(
     for share in (0.0, 0.25, 0.5, 0.75, 1.0):
         for aside in (-thickness, 0.0, thickness):
             x, z = border.at(start + share * (end - start), aside)
-            grounds.append(height_at(terrain.corner, terrain.heights, x, z))
+            grounds.append(height_at(terrain, x, z))
     x, z = border.at((start + end) / 2.0)
     half = (end - start) / 2.0 + OVERLAP
     low, high = min(grounds) - ROOT, max(grounds) + height
@@ -194,7 +189,7 @@ def _bush(dice: Dice, x: float, z: float, terrain: Terrain, *, narrow: bool) -> 
     """Return a bush, perhaps with a conifer that rises from it."""
     radius = RADIUS[0] if narrow else dice.uniform(*RADIUS)
     grounds = [
-        height_at(terrain.corner, terrain.heights, x + east, z + north)
+        height_at(terrain, x + east, z + north)
         for east, north in ((0.0, 0.0), (radius, 0.0), (-radius, 0.0), (0.0, radius), (0.0, -radius))
     ]
     low, top = min(grounds) - BUSH_ROOT, max(grounds) + dice.uniform(*HEIGHT)

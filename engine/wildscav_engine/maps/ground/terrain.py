@@ -28,6 +28,7 @@ __all__ = [
     "distance_to_footprint",
     "level_ground",
     "make_terrain",
+    "points_within",
     "water_of_cells",
 ]
 
@@ -138,6 +139,13 @@ def water_of_cells(heights: NDArray[np.float64], level: float) -> NDArray[np.flo
 
 
 @kernel
+def points_within(corner: float, coordinate: float, reach: float, count: int) -> tuple[int, int]:
+    """Return the first and the last of ``count`` rows or columns of points that are in reach, all in m."""
+    first = max(0, int((coordinate - reach - corner) / CELL))
+    return first, min(count - 1, int((coordinate + reach - corner) / CELL) + 1)
+
+
+@kernel
 def distance_to_footprint(footprint: NDArray[np.float64], x: float, z: float) -> float:
     """Return the distance in m of (x, z) from a footprint (see ``sites.Site``), 0 inside it."""
     east, north = x - footprint[0], z - footprint[1]
@@ -181,10 +189,8 @@ def _limit(
     """Narrow the limits of the ground's height, (R + 1, C + 1) m each, so that it joins each level area."""
     for house in range(footprints.shape[0]):
         reach = footprints[house, 4] + footprints[house, 5] + LEVEL_MARGIN + LONGEST_JOIN
-        first_row = max(0, int((footprints[house, 1] - reach - corner[1]) / CELL))
-        first_column = max(0, int((footprints[house, 0] - reach - corner[0]) / CELL))
-        last_row = min(least.shape[0] - 1, int((footprints[house, 1] + reach - corner[1]) / CELL) + 1)
-        last_column = min(least.shape[1] - 1, int((footprints[house, 0] + reach - corner[0]) / CELL) + 1)
+        first_row, last_row = points_within(corner[1], footprints[house, 1], reach, least.shape[0])
+        first_column, last_column = points_within(corner[0], footprints[house, 0], reach, least.shape[1])
         for row in range(first_row, last_row + 1):
             for column in range(first_column, last_column + 1):
                 x, z = corner[0] + column * CELL, corner[1] + row * CELL

@@ -16,7 +16,9 @@ from wildscav_engine.maps.house.plan import (
     Stairs,
     Wall,
     Wing,
+    part_of,
     span_of,
+    strip_at,
 )
 from wildscav_engine.maps.house.rooms import without
 from wildscav_engine.maps.house.stairs import EDGE, LANDING_HEIGHT, steps_of
@@ -75,7 +77,8 @@ class Builder:
             bottom: m, its bottom.
             top: m, its top.
         """
-        ends = [span_of(wall.outline, Side.FRONT if wall.is_across else Side.RIGHT)]
+        side = Side.FRONT if wall.is_across else Side.RIGHT
+        ends = [span_of(wall.outline, side)]
         if not wall.openings:
             self.block(Kind.WALL, wall.outline, bottom, top)
             return
@@ -84,15 +87,16 @@ class Builder:
         for door in wall.doorways:
             ends = without(ends, (door.start, door.end))
             if bottom < floor:
-                self.block(Kind.FLOOR, part_of(wall, door.start, door.end), bottom, floor)
+                self.block(Kind.FLOOR, part_of(wall.outline, side, door.start, door.end), bottom, floor)
         for start, end in ends:
             windows = [other for other in wall.openings if start < other.middle < end]
-            self.block(Kind.WALL, part_of(wall, start, end), bottom, sill if windows else lintel)
+            part = part_of(wall.outline, side, start, end)
+            self.block(Kind.WALL, part, bottom, sill if windows else lintel)
             pillars = [(start, end)] if windows else []
             for window in windows:
                 pillars = without(pillars, (window.start, window.end))
             for pillar in pillars:
-                self.block(Kind.WALL, part_of(wall, *pillar), sill, lintel)
+                self.block(Kind.WALL, part_of(wall.outline, side, *pillar), sill, lintel)
 
     def floor(self, area: Rectangle, hole: Rectangle | None, bottom: float, top: float) -> None:
         """Add a floor with a rectangular hole."""
@@ -114,13 +118,6 @@ class Builder:
         if stairs.landing:
             bottom = floor + (LANDING_HEIGHT - SLAB if hangs else 0.0)
             self.block(Kind.STAIR, stairs.landing, bottom, floor + LANDING_HEIGHT)
-
-
-def part_of(wall: Wall, start: float, end: float) -> Rectangle:
-    """Return the part of a wall's outline between two coordinates on the axis that it runs along."""
-    if wall.is_across:
-        return wall.outline._replace(left=start, right=end)
-    return wall.outline._replace(back=start, front=end)
 
 
 def around_hole(area: Rectangle, hole: Rectangle | None) -> list[Rectangle]:
@@ -176,7 +173,7 @@ def doorsteps(plan: HousePlan, site: Site, distance: float) -> list[tuple[float,
     """Return x and z in m of the place in front of each outer doorway, ``distance`` m from the wall."""
     places = []
     for (across, along), side in plan.doors:
-        away = distance if side in (Side.FRONT, Side.RIGHT) else -distance
+        away = distance if side.is_ahead else -distance
         place = (across, along + away) if side.is_across else (across + away, along)
         places.append(site.pose.outside(*place))
     return places
@@ -232,25 +229,13 @@ def _build_parapet(builder: Builder, wings: tuple[Wing, ...], number: int, top: 
     for face in draw_faces(wings, wing.storeys - 1):
         if face.wing != number:
             continue
-        outline = face.outline
-        if face.facing is Side.FRONT:
-            outline = outline._replace(back=outline.front - PARAPET_THICKNESS)
-        elif face.facing is Side.BACK:
-            outline = outline._replace(front=outline.back + PARAPET_THICKNESS)
-        elif face.facing is Side.RIGHT:
-            outline = outline._replace(left=outline.right - PARAPET_THICKNESS)
-        else:
-            outline = outline._replace(right=outline.left + PARAPET_THICKNESS)
+        outline = strip_at(face.outline, face.facing, PARAPET_THICKNESS)
         spans = [span_of(outline, face.facing)]
         for other in wings[1:]:
             if number == 0 and other.joint is face.facing.opposite and other.storeys == wing.storeys:
                 spans = without(spans, span_of(other.inside, face.facing))
         for start, end in spans:
-            if face.facing.is_across:
-                part = outline._replace(left=start, right=end)
-            else:
-                part = outline._replace(back=start, front=end)
-            builder.block(Kind.WALL, part, top, top + height)
+            builder.block(Kind.WALL, part_of(outline, face.facing, start, end), top, top + height)
 
 
 def _turned(where: Pose, area: Rectangle, towards: Side) -> tuple[Pose, Rectangle]:
@@ -317,15 +302,9 @@ def _build_exit(builder: Builder, stairs: Stairs, top: float) -> None:
             continue
         start, end = span_of(stairs.exit, side)
         for part in without([span_of(strip, side)], (start, end)):
-            builder.block(Kind.WALL, _part(strip, side, *part), top, top + EXIT_HEIGHT)
-        builder.block(Kind.WALL, _part(strip, side, start, end), top + DOOR_HEIGHT, top + EXIT_HEIGHT)
+            builder.block(Kind.WALL, part_of(strip, side, *part), top, top + EXIT_HEIGHT)
+        builder.block(Kind.WALL, part_of(strip, side, start, end), top + DOOR_HEIGHT, top + EXIT_HEIGHT)
     builder.block(Kind.ROOF, outer, top + EXIT_HEIGHT, top + EXIT_HEIGHT + EDGE)
-
-
-def _part(strip: Rectangle, side: Side, start: float, end: float) -> Rectangle:
-    if side.is_across:
-        return strip._replace(left=start, right=end)
-    return strip._replace(back=start, front=end)
 
 
 def _side_of(well: Rectangle, edge: Rectangle) -> Side:

@@ -17,8 +17,11 @@ from wildscav_engine.maps.house.plan import (
     Furniture,
     Side,
     line_of,
+    part_of,
     shrunk,
     span_of,
+    strip_at,
+    with_line,
 )
 from wildscav_engine.maps.house.rooms import Span, without
 
@@ -154,7 +157,7 @@ class _Arrangement:
         for gap in self.gaps:
             if gap.side is side and (gap.is_doorway or piece.height > WINDOW_SILL):
                 spans = without(spans, gap.span)
-        strip = _strip(self.area, side, span_of(self.area, side), piece.depth + CORNER_GAP)
+        strip = strip_at(self.area, side, piece.depth + CORNER_GAP)
         for outline in self.outlines:
             if overlap(strip, outline):
                 start, end = span_of(outline, side)
@@ -204,7 +207,7 @@ def _place_piece(
         span = _draw_place(dice, arrangement.free_spans(side, piece), width)
         if span is None:
             continue
-        outline = _strip(arrangement.area, side, span, piece.depth)
+        outline = part_of(strip_at(arrangement.area, side, piece.depth), side, *span)
         if arrangement.place_at_wall(outline, side):
             return _furniture(name, outline, side, width)
     return None
@@ -256,30 +259,14 @@ def _contains(outer: Rectangle, inner: Rectangle) -> bool:
 
 def _less(core: Rectangle, outline: Rectangle, side: Side) -> Rectangle:
     """Return the part of a room's middle that a piece at a wall leaves free."""
-    if side is Side.FRONT:
-        return core._replace(front=min(core.front, outline.back))
-    if side is Side.BACK:
-        return core._replace(back=max(core.back, outline.front))
-    if side is Side.RIGHT:
-        return core._replace(right=min(core.right, outline.left))
-    return core._replace(left=max(core.left, outline.right))
+    lines = line_of(core, side), line_of(outline, side.opposite)
+    return with_line(core, side, min(lines) if side.is_ahead else max(lines))
 
 
 def _doorway_clearance(area: Rectangle, core: Rectangle, gap: Gap) -> Rectangle:
     """Return the area that must stay free in front of a doorway, so that the middle can be reached."""
     depth = abs(line_of(area, gap.side) - line_of(core, gap.side)) + PASSAGE_WIDTH
-    return _strip(area, gap.side, gap.span, depth)
-
-
-def _strip(area: Rectangle, side: Side, span: Span, depth: float) -> Rectangle:
-    """Return the rectangle of a depth along a part of a side."""
-    if side is Side.FRONT:
-        return Rectangle(span[0], area.front - depth, span[1], area.front)
-    if side is Side.BACK:
-        return Rectangle(span[0], area.back, span[1], area.back + depth)
-    if side is Side.RIGHT:
-        return Rectangle(area.right - depth, span[0], area.right, span[1])
-    return Rectangle(area.left, span[0], area.left + depth, span[1])
+    return part_of(strip_at(area, gap.side, depth), gap.side, *gap.span)
 
 
 def _furniture(name: str, outline: Rectangle, side: Side, width: float) -> Furniture:
@@ -287,6 +274,6 @@ def _furniture(name: str, outline: Rectangle, side: Side, width: float) -> Furni
     blocks = []
     start = span_of(outline, side)[0]
     for left, near, bottom, right, far, top in PIECES[name].boxes(width):
-        block = _strip(outline, side, (start + left, start + right), far)
-        blocks.append(Block(_less(block, _strip(outline, side, (0.0, 0.0), near), side), bottom, top))
+        block = part_of(strip_at(outline, side, far), side, start + left, start + right)
+        blocks.append(Block(_less(block, strip_at(outline, side, near), side), bottom, top))
     return Furniture(name, outline, tuple(blocks))

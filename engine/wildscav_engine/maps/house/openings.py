@@ -16,7 +16,9 @@ from wildscav_engine.maps.house.plan import (
     Stairs,
     Wing,
     line_of,
+    part_of,
     span_of,
+    strip_at,
 )
 from wildscav_engine.maps.house.rooms import Span, clear_of_stairs, draw_span, within, without
 
@@ -77,14 +79,10 @@ def _faces_of_wing(number: int, wing: Wing) -> list[Face]:
 
 def strip_along(outline: Rectangle, side: Side, thickness: float = OUTER_WALL) -> Rectangle:
     """Return the wall along a side of a block; walls that run across include the corners."""
-    left, back, right, front = outline
-    if side is Side.FRONT:
-        return Rectangle(left, front - thickness, right, front)
-    if side is Side.BACK:
-        return Rectangle(left, back, right, back + thickness)
-    if side is Side.RIGHT:
-        return Rectangle(right - thickness, back + thickness, right, front - thickness)
-    return Rectangle(left, back + thickness, left + thickness, front - thickness)
+    strip = strip_at(outline, side, thickness)
+    if side.is_across:
+        return strip
+    return part_of(strip, side, outline.back + thickness, outline.front - thickness)
 
 
 class Edge(NamedTuple):

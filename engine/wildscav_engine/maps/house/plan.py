@@ -37,6 +37,16 @@ class Side(IntEnum):
         """The opposite side."""
         return Side((self + 2) % 4)
 
+    @property
+    def aside(self) -> "Side":
+        """A side at right angles to it."""
+        return Side.RIGHT if self.is_across else Side.FRONT
+
+    @property
+    def is_ahead(self) -> bool:
+        """Whether it has the greater coordinate of the two sides that are parallel."""
+        return self in (Side.FRONT, Side.RIGHT)
+
 
 def line_of(area: Rectangle, side: Side) -> float:
     """Return the coordinate of a side of a rectangle in m, on the axis perpendicular to the side."""
@@ -46,6 +56,24 @@ def line_of(area: Rectangle, side: Side) -> float:
 def span_of(area: Rectangle, side: Side) -> tuple[float, float]:
     """Return the start and end of a side of a rectangle in m, on the axis parallel to the side."""
     return (area.left, area.right) if side.is_across else (area.back, area.front)
+
+
+def with_line(area: Rectangle, side: Side, line: float) -> Rectangle:
+    """Return a rectangle with one side moved to a coordinate in m; see ``line_of``."""
+    return area._replace(**{("front", "right", "back", "left")[side]: line})
+
+
+def part_of(area: Rectangle, side: Side, start: float, end: float) -> Rectangle:
+    """Return the part of a rectangle between two coordinates in m on the axis parallel to a side."""
+    if side.is_across:
+        return area._replace(left=start, right=end)
+    return area._replace(back=start, front=end)
+
+
+def strip_at(area: Rectangle, side: Side, depth: float) -> Rectangle:
+    """Return the strip of a depth in m along a side of a rectangle."""
+    line = line_of(area, side)
+    return with_line(area, side.opposite, line - depth if side.is_ahead else line + depth)
 
 
 def shrunk(area: Rectangle, margin: float) -> Rectangle:

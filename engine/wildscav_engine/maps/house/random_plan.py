@@ -3,7 +3,16 @@
 from wildscav_engine.arithmetic.random_numbers import Dice, Stream
 from wildscav_engine.geometry.shapes import Rectangle
 from wildscav_engine.maps.errors import MapError
-from wildscav_engine.maps.house.plan import OUTER_WALL, HousePlan, Roof, Side, Wing
+from wildscav_engine.maps.house.plan import (
+    OUTER_WALL,
+    HousePlan,
+    Roof,
+    Side,
+    Wing,
+    part_of,
+    span_of,
+    with_line,
+)
 from wildscav_engine.maps.house.stairs import HallPlace, draw_stairs
 from wildscav_engine.maps.house.storeys import STYLES, can_be_joined, draw_storey
 from wildscav_engine.specs.map_spec import Pieces
@@ -108,8 +117,7 @@ def _has_room(size: tuple[float, float], side: Side) -> bool:
 
 def _part(dice: Dice, whole: Rectangle, side: Side, is_annex: bool) -> tuple[Rectangle, Rectangle]:
     """Return the outlines of the main block and of the wing on one side of it."""
-    start, end = (whole.left, whole.right) if side.is_across else (whole.back, whole.front)
-    near, far = (whole.back, whole.front) if side.is_across else (whole.left, whole.right)
+    (start, end), (near, far) = span_of(whole, side), span_of(whole, side.aside)
     most = min(far - near - MAIN_LEAST, 5.0 if is_annex else 0.55 * (far - near))
     depth = dice.uniform(WING_LEAST - OUTER_WALL, most)
     widest = end - start - YARD_LEAST
@@ -118,17 +126,10 @@ def _part(dice: Dice, whole: Rectangle, side: Side, is_annex: bool) -> tuple[Rec
     first = start if place < 0.4 else end - width
     if is_annex and place > 0.8:
         first = (start + end - width) / 2.0
-    ahead = side in (Side.FRONT, Side.RIGHT)
-    cut = far - depth if ahead else near + depth
-    main = (start, near, end, cut) if ahead else (start, cut, end, far)
-    wing = (
-        (first, cut - OUTER_WALL, first + width, far)
-        if ahead
-        else (first, near, first + width, cut + OUTER_WALL)
-    )
-    if side.is_across:
-        return Rectangle(*main), Rectangle(*wing)
-    return Rectangle(main[1], main[0], main[3], main[2]), Rectangle(wing[1], wing[0], wing[3], wing[2])
+    cut = far - depth if side.is_ahead else near + depth
+    edge = cut - OUTER_WALL if side.is_ahead else cut + OUTER_WALL  # they share the wall between them
+    wing = with_line(part_of(whole, side, first, first + width), side.opposite, edge)
+    return with_line(whole, side, cut), wing
 
 
 def _draw_main_roof(dice: Dice) -> Roof:

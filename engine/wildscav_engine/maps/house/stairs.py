@@ -8,7 +8,16 @@ from typing import NamedTuple
 
 from wildscav_engine.arithmetic.random_numbers import Dice
 from wildscav_engine.geometry.shapes import Rectangle
-from wildscav_engine.maps.house.plan import INNER_WALL, NARROWEST_ROOM, PASSAGE_WIDTH, Flight, Side, Stairs
+from wildscav_engine.maps.house.plan import (
+    INNER_WALL,
+    NARROWEST_ROOM,
+    PASSAGE_WIDTH,
+    Flight,
+    Side,
+    Stairs,
+    part_of,
+    span_of,
+)
 
 RISE, GOING = 0.2, 0.28  # m, of a step
 RISES = 15  # from floor to floor
@@ -39,7 +48,7 @@ class _HallAxes(NamedTuple):
             width, length = length, width
         if self.mirrored:
             u_0, u_1 = width - u_1, width - u_0
-        if self.entry in (Side.FRONT, Side.RIGHT):
+        if self.entry.is_ahead:
             v_0, v_1 = length - v_1, length - v_0
         if self.entry.is_across:
             return Rectangle(left + u_0, back + v_0, left + u_1, back + v_1)
@@ -165,19 +174,13 @@ def _turning(axes: _HallAxes, length: float) -> Stairs:
 
 def steps_of(flight: Flight) -> list[tuple[Rectangle, float]]:
     """Return the steps of a flight: the area of each, and its height in m above the floor below."""
-    left, back, right, front = flight.outline
-    length = front - back if flight.climbs.is_across else right - left
+    low, high = span_of(flight.outline, flight.climbs.aside)
     steps = []
-    for step in range(round(length / GOING)):
-        height = (flight.first + step + 1) * RISE
+    for step in range(round((high - low) / GOING)):
         near = step * GOING
-        if flight.climbs is Side.FRONT:
-            area = Rectangle(left, back + near, right, back + near + GOING)
-        elif flight.climbs is Side.BACK:
-            area = Rectangle(left, front - near - GOING, right, front - near)
-        elif flight.climbs is Side.RIGHT:
-            area = Rectangle(left + near, back, left + near + GOING, front)
+        if flight.climbs.is_ahead:
+            span = (low + near, low + near + GOING)
         else:
-            area = Rectangle(right - near - GOING, back, right - near, front)
-        steps.append((area, height))
+            span = (high - near - GOING, high - near)
+        steps.append((part_of(flight.outline, flight.climbs.aside, *span), (flight.first + step + 1) * RISE))
     return steps

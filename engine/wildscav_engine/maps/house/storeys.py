@@ -26,6 +26,8 @@ from wildscav_engine.maps.house.plan import (
     Wall,
     Wing,
     line_of,
+    span_of,
+    with_line,
 )
 from wildscav_engine.maps.house.rooms import Door, Layout, choose_doors, divide, doorway
 from wildscav_engine.maps.house.stairs import HallPlace
@@ -207,7 +209,7 @@ def _draw_furniture(
 def _furnish_hall(dice: Dice, stairs: Stairs, gaps: list[Gap]) -> list[Furniture]:
     """Furnish the end of a hall in front of its stairs, leaving a passage to them."""
     side, hall = stairs.entry, stairs.hall
-    ahead = PASSAGE_WIDTH if side in (Side.FRONT, Side.RIGHT) else -PASSAGE_WIDTH
+    ahead = PASSAGE_WIDTH if side.is_ahead else -PASSAGE_WIDTH
     end = line_of(stairs.foot, side) + ahead
     length = abs(line_of(hall, side) - end)
     if length > FURNISHED_HALL:
@@ -215,18 +217,13 @@ def _furnish_hall(dice: Dice, stairs: Stairs, gaps: list[Gap]) -> list[Furniture
     else:
         # A short end has space only at its far wall, in front of the passage.
         sides, end = (side,), end - ahead
-    area = {
-        Side.FRONT: hall._replace(back=end),
-        Side.RIGHT: hall._replace(left=end),
-        Side.BACK: hall._replace(front=end),
-        Side.LEFT: hall._replace(right=end),
-    }[side]
+    area = with_line(hall, side.opposite, end)
     return furnish(dice, area, "hall", [gap for gap in gaps if _is_before(area, gap)], sides)
 
 
 def _is_before(area: Rectangle, gap: Gap) -> bool:
     """Return whether a gap of a hall is in the part in front of its stairs."""
-    start, end = (area.left, area.right) if gap.side.is_across else (area.back, area.front)
+    start, end = span_of(area, gap.side)
     return gap.span[0] < end and gap.span[1] > start
 
 

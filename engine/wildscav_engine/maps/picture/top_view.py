@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT, cast_ray
+from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT, raycast
 from wildscav_engine.geometry.world import CELL, Kind, World, cell_of
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.maps.settlements.houses import House
@@ -148,7 +148,7 @@ def _cast_sample(
     seen.ground[row, column] = ground
     seen.slope[row, column] = np.sqrt(slope_x * slope_x + slope_z * slope_z)
     seen.depth[row, column] = surface - ground
-    hit = cast_ray(world, x, start, z, 0.0, -1.0, 0.0, FAR)
+    hit = raycast(world, x, start, z, 0.0, -1.0, 0.0, FAR)
     sun_x, sun_y, sun_z = sun
     height = start - hit.distance
     kind, normal_x, normal_y, normal_z = TERRAIN, -EXAGGERATION * slope_x, 1.0, -EXAGGERATION * slope_z
@@ -178,7 +178,7 @@ def _cast_sample(
     # Nothing is above ``sky``; and the sun shines into an opened house through the cut.
     far = ((start if hit.solid >= 0 else sky) - height) / sun_y
     seen.sunny[row, column] = kind == NOTHING or (
-        light > 0.0 and cast_ray(world, x, height + LIFT, z, sun_x, sun_y, sun_z, far).solid == NOTHING_HIT
+        light > 0.0 and raycast(world, x, height + LIFT, z, sun_x, sun_y, sun_z, far).solid == NOTHING_HIT
     )
 
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.shapes import Pose, pose
 from wildscav_engine.geometry.world import CELL
-from wildscav_engine.maps.ground.terrain import LEVEL_MARGIN, distance_to_footprint
+from wildscav_engine.maps.ground.terrain import LEVEL_MARGIN, Terrain, distance_to_footprint, points_within
 from wildscav_engine.specs.map_spec import MapConfig
 
 WIDEST = {"block": 0.0, "tree": 0.5, "bush": 1.2, "rock": 2.2}  # m, greatest reach from the axis
@@ -102,15 +102,12 @@ def half_diagonal(footprint: NDArray[np.float64]) -> float:
 
 
 @kernel
-def heights_under(
-    corner: tuple[float, float], heights: NDArray[np.float64], footprint: NDArray[np.float64]
-) -> tuple[float, float, float]:
+def heights_under(terrain: Terrain, footprint: NDArray[np.float64]) -> tuple[float, float, float]:
     """Return the lowest, highest and mean height in m of the ground under a house and around it."""
+    corner, heights = terrain.corner, terrain.heights
     reach = half_diagonal(footprint) + LEVEL_MARGIN
-    first_row = max(0, int((footprint[1] - reach - corner[1]) / CELL))
-    first_column = max(0, int((footprint[0] - reach - corner[0]) / CELL))
-    last_row = min(heights.shape[0] - 1, int((footprint[1] + reach - corner[1]) / CELL) + 1)
-    last_column = min(heights.shape[1] - 1, int((footprint[0] + reach - corner[0]) / CELL) + 1)
+    first_row, last_row = points_within(corner[1], footprint[1], reach, heights.shape[0])
+    first_column, last_column = points_within(corner[0], footprint[0], reach, heights.shape[1])
     lowest, highest, total, count = np.inf, -np.inf, 0.0, 0
     for row in range(first_row, last_row + 1):
         for column in range(first_column, last_column + 1):

@@ -86,9 +86,7 @@ class Plots:
         for number, (x, z, yaw) in enumerate(places):
             rows[number, :4] = x, z, sine(yaw), cosine(yaw)
         number, ground = _first_fit(
-            self.terrain.corner,
-            self.terrain.heights,
-            self.terrain.water_level,
+            self.terrain,
             rows,
             self._footprints[: self._count],
             self._grounds[: self._count],
@@ -106,9 +104,7 @@ class Plots:
 
 @kernel
 def _first_fit(
-    corner: tuple[float, float],
-    heights: NDArray[np.float64],
-    water_level: float,
+    terrain: Terrain,
     rows: NDArray[np.float64],
     others: NDArray[np.float64],
     grounds: NDArray[np.float64],
@@ -119,13 +115,13 @@ def _first_fit(
     """Return the first footprint on which a house can stand, and its level in m; -1 if there is none."""
     for number in range(rows.shape[0]):
         footprint = rows[number]
-        if farthest_out(footprint) > -corner[0] - EDGE_MARGIN:
+        if farthest_out(footprint) > -terrain.corner[0] - EDGE_MARGIN:
             continue
         if not _is_clear(footprint, others, gap) or not _is_clear(footprint, placed, PLACED_MARGIN):
             continue
         if _is_on_lane(footprint, lanes):
             continue
-        ground = level_for(corner, heights, water_level, footprint, others, grounds)
+        ground = level_for(terrain, footprint, others, grounds)
         if ground > -np.inf:
             return number, ground
     return -1, -np.inf
@@ -165,16 +161,14 @@ def _is_near(footprints: NDArray[np.float64], x: float, z: float, margin: float)
 
 @kernel
 def level_for(
-    corner: tuple[float, float],
-    heights: NDArray[np.float64],
-    water_level: float,
+    terrain: Terrain,
     footprint: NDArray[np.float64],
     others: NDArray[np.float64],
     grounds: NDArray[np.float64],
 ) -> float:
     """Return the level in m for a house with this footprint, or -inf if the ground does not allow one."""
-    lowest, highest, mean = heights_under(corner, heights, footprint)
-    if lowest < water_level + SHORE_MARGIN or highest - lowest > STEEPEST_GROUND:
+    lowest, highest, mean = heights_under(terrain, footprint)
+    if lowest < terrain.water_level + SHORE_MARGIN or highest - lowest > STEEPEST_GROUND:
         return -np.inf
     ground = mean
     # Houses whose level margins meet share one level.

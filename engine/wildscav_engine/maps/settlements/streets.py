@@ -105,7 +105,7 @@ def _walk(dice: Dice, plots: Plots, start: Place, length: float, streets: list[l
     x, z, yaw = start
     bend = dice.uniform(-SHARPEST_BEND, SHARPEST_BEND)
     places = [start]
-    height = height_at(terrain.corner, terrain.heights, x, z)
+    height = height_at(terrain, x, z)
     for station in range(1, int(length / STATION) + 1):
         if station % 10 == 0:
             bend = max(-SHARPEST_BEND, min(SHARPEST_BEND, bend + dice.uniform(-0.6, 0.6)))
@@ -113,7 +113,7 @@ def _walk(dice: Dice, plots: Plots, start: Place, length: float, streets: list[l
         x, z = x + STATION * sine(yaw), z + STATION * cosine(yaw)
         if not _is_free(plots, x, z) or _comes_near(streets, start, x, z):
             break
-        before, height = height, height_at(terrain.corner, terrain.heights, x, z)
+        before, height = height, height_at(terrain, x, z)
         if height < terrain.water_level + SHORE_MARGIN or abs(height - before) > STEEPEST_STREET * STATION:
             break
         places.append((x, z, yaw))
@@ -159,10 +159,10 @@ def draw_road(
 def _onward(plots: Plots, x: float, z: float, towards: float, stride: float) -> tuple[float, float] | None:
     """Return the next point of a road, as near to the direction ``towards`` in ° as the ground allows."""
     terrain = plots.terrain
-    height = height_at(terrain.corner, terrain.heights, x, z)
+    height = height_at(terrain, x, z)
     for turn in (0.0, 20.0, -20.0, 40.0, -40.0, 65.0, -65.0, 95.0, -95.0):
         to_x, to_z = x + stride * sine(towards + turn), z + stride * cosine(towards + turn)
-        there = height_at(terrain.corner, terrain.heights, to_x, to_z)
+        there = height_at(terrain, to_x, to_z)
         is_dry = there >= terrain.water_level + SHORE_MARGIN
         if is_dry and abs(there - height) <= STEEPEST_ROAD * stride and _is_free(plots, to_x, to_z):
             return to_x, to_z
@@ -170,8 +170,9 @@ def _onward(plots: Plots, x: float, z: float, towards: float, stride: float) -> 
 
 
 @kernel
-def height_at(corner: tuple[float, float], heights: NDArray[np.float64], x: float, z: float) -> float:
+def height_at(terrain: Terrain, x: float, z: float) -> float:
     """Return the height in m of the ground at a place, interpolated between the corners of its cell."""
+    corner, heights = terrain.corner, terrain.heights
     column, row = (x - corner[0]) / CELL, (z - corner[1]) / CELL
     west = min(heights.shape[1] - 2, max(0, int(column)))
     south = min(heights.shape[0] - 2, max(0, int(row)))
@@ -194,9 +195,7 @@ def town_center(dice: Dice, terrain: Terrain, radius: float, others: list[Place]
     for _ in range(choices):
         x, z = dice.uniform(-reach, reach), dice.uniform(-reach, reach)
         yaw = dice.uniform(-180.0, 180.0)
-        score = _town_score(
-            terrain.corner, terrain.heights, terrain.water_level, x, z, sine(yaw), cosine(yaw), radius
-        )
+        score = _town_score(terrain, x, z, sine(yaw), cosine(yaw), radius)
         for other_x, other_z, _ in others:
             apart = (x - other_x) * (x - other_x) + (z - other_z) * (z - other_z)
             score -= 0.0 if apart > 9.0 * radius * radius else 1.0 - apart / (9.0 * radius * radius)
@@ -207,18 +206,11 @@ def town_center(dice: Dice, terrain: Terrain, radius: float, others: list[Place]
 
 @kernel
 def _town_score(
-    corner: tuple[float, float],
-    heights: NDArray[np.float64],
-    water_level: float,
-    x: float,
-    z: float,
-    sine_of_yaw: float,
-    cosine_of_yaw: float,
-    radius: float,
+    terrain: Terrain, x: float, z: float, sine_of_yaw: float, cosine_of_yaw: float, radius: float
 ) -> float:
     """Return the score of a place for a town, up to 1: the share of it that can be built on."""
     good, count = 0.0, 0.0
-    half = -corner[0] - EDGE_MARGIN
+    half = -terrain.corner[0] - EDGE_MARGIN
     for row in range(-4, 5):
         for column in range(-4, 5):
             along, across = row * radius / 4.0, column * radius / 8.0
@@ -227,12 +219,10 @@ def _town_score(
             count += 1.0
             if max(abs(at_x), abs(at_z)) > half:
                 continue
-            height = height_at(corner, heights, at_x, at_z)
-            east = height_at(corner, heights, at_x + 6.0, at_z) - height_at(corner, heights, at_x - 6.0, at_z)
-            north = height_at(corner, heights, at_x, at_z + 6.0) - height_at(
-                corner, heights, at_x, at_z - 6.0
-            )
+            height = height_at(terrain, at_x, at_z)
+            east = height_at(terrain, at_x + 6.0, at_z) - height_at(terrain, at_x - 6.0, at_z)
+            north = height_at(terrain, at_x, at_z + 6.0) - height_at(terrain, at_x, at_z - 6.0)
             steepness = (abs(east) + abs(north)) / 12.0
-            if height > water_level + SHORE_MARGIN:
+            if height > terrain.water_level + SHORE_MARGIN:
                 good += max(0.0, 1.0 - 4.0 * steepness)
     return good / count

@@ -123,9 +123,7 @@ class Fields(NamedTuple):
 class GrowingGround(NamedTuple):
     """The ground for plants: where they grow and what they must stay away from."""
 
-    corner: tuple[float, float]  # m
-    heights: NDArray[np.float64]  # (R + 1, C + 1) m
-    water_level: float  # m
+    terrain: Terrain
     houses: NDArray[np.float64]  # (H, 6) footprints
     placed: NDArray[np.float64]  # (P, 6) footprints of placements
     doorsteps: NDArray[np.float64]  # (D, 2) m
@@ -146,19 +144,9 @@ def land_of(
     near = np.zeros(fields.shore.shape, np.bool_)
     _mark_near(terrain.corner, houses, near)
     _mark_near(terrain.corner, placed, near)
-    _mark_near_points(terrain.corner, doorsteps, near)
+    _mark_near_lanes(terrain.corner, np.hstack([doorsteps, doorsteps]), near)
     _mark_near_lanes(terrain.corner, lanes, near)
-    return GrowingGround(
-        terrain.corner,
-        terrain.heights,
-        terrain.water_level,
-        houses,
-        placed,
-        doorsteps,
-        lanes,
-        near,
-        fields,
-    )
+    return GrowingGround(terrain, houses, placed, doorsteps, lanes, near, fields)
 
 
 @kernel
@@ -170,15 +158,6 @@ def _mark_near(corner: tuple[float, float], footprints: NDArray[np.float64], nea
             x, z = corner_of(footprint, end)
             low_x, high_x, low_z, high_z = min(low_x, x), max(high_x, x), min(low_z, z), max(high_z, z)
         _mark_box(corner, low_x, low_z, high_x, high_z, near)
-
-
-@kernel
-def _mark_near_points(
-    corner: tuple[float, float], points: NDArray[np.float64], near: NDArray[np.bool_]
-) -> None:
-    for number in range(points.shape[0]):
-        x, z = points[number, 0], points[number, 1]
-        _mark_box(corner, x, z, x, z, near)
 
 
 @kernel
@@ -211,7 +190,7 @@ def _mark_box(
 def patch_of(land: GrowingGround, x: float, z: float) -> tuple[int, int]:
     """Return the row and column of a place's patch; outside the map, of the nearest one."""
     count = land.near.shape[0]
-    return _patch(land.corner[1], z, count), _patch(land.corner[0], x, count)
+    return _patch(land.terrain.corner[1], z, count), _patch(land.terrain.corner[0], x, count)
 
 
 @kernel

@@ -9,7 +9,7 @@ from wildscav_engine.arithmetic.elementary_functions import arctangent, cosine, 
 from wildscav_engine.arithmetic.random_numbers import Stream, uniform
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.world import CELL
-from wildscav_engine.maps.ground.terrain import distance_to_footprint
+from wildscav_engine.maps.ground.terrain import distance_to_footprint, points_within
 from wildscav_engine.maps.settlements.footprints import nearest_on_lane
 from wildscav_engine.maps.settlements.streets import height_at
 from wildscav_engine.maps.vegetation.growing_ground import BUSHES, NEAR, ROCKS, TREES, GrowingGround, patch_of
@@ -181,13 +181,15 @@ def can_stand(land: GrowingGround, spots: Spots, number: int, group: int) -> boo
         group: Index of the first plant of its group, whose members may touch it.
     """
     spot = spots.rows[number]
-    half = -land.corner[0] - EDGE_MARGIN
+    half = -land.terrain.corner[0] - EDGE_MARGIN
     if max(abs(spot[X]), abs(spot[Z])) + spot[RADIUS] > half + 0.5:
         return False
     survey(land, spot)
     lowest, highest = heights_within(land, spot[X], spot[Z], 0.0)
     steepest = STEEPEST_FOR_ROCKS if is_rock(spot[SPECIES]) else STEEPEST
-    if min(lowest, spot[LOWEST]) < land.water_level + SHORE_MARGIN or highest - lowest > steepest * CELL:
+    if min(lowest, spot[LOWEST]) < land.terrain.water_level + SHORE_MARGIN:
+        return False
+    if highest - lowest > steepest * CELL:
         return False
     row, column = patch_of(land, spot[X], spot[Z])
     if land.near[row, column] and not _is_clear(land, spot):
@@ -198,7 +200,7 @@ def can_stand(land: GrowingGround, spots: Spots, number: int, group: int) -> boo
 @kernel
 def survey(land: GrowingGround, spot: NDArray[np.float64]) -> None:
     """Write the heights of a plant's ground: at its axis, under its foot and under its crown."""
-    spot[GROUND] = height_at(land.corner, land.heights, spot[X], spot[Z])
+    spot[GROUND] = height_at(land.terrain, spot[X], spot[Z])
     spot[LOWEST] = heights_within(land, spot[X], spot[Z], spot[RADIUS])[0]
     spot[HIGHEST] = heights_within(land, spot[X], spot[Z], spot[CROWN])[1]
 
@@ -206,11 +208,9 @@ def survey(land: GrowingGround, spot: NDArray[np.float64]) -> None:
 @kernel
 def heights_within(land: GrowingGround, x: float, z: float, reach: float) -> tuple[float, float]:
     """Return the least and greatest height in m of the cells within reach of a place."""
-    heights, corner = land.heights, land.corner
-    first_row = max(0, int((z - reach - corner[1]) / CELL))
-    last_row = min(heights.shape[0] - 1, int((z + reach - corner[1]) / CELL) + 1)
-    first_column = max(0, int((x - reach - corner[0]) / CELL))
-    last_column = min(heights.shape[1] - 1, int((x + reach - corner[0]) / CELL) + 1)
+    heights, corner = land.terrain.heights, land.terrain.corner
+    first_row, last_row = points_within(corner[1], z, reach, heights.shape[0])
+    first_column, last_column = points_within(corner[0], x, reach, heights.shape[1])
     lowest, highest = np.inf, -np.inf
     for row in range(first_row, last_row + 1):
         for column in range(first_column, last_column + 1):
@@ -255,7 +255,8 @@ def least_distance(one: NDArray[np.float64], other: NDArray[np.float64]) -> floa
 @kernel
 def _is_crowded(land: GrowingGround, spots: Spots, spot: NDArray[np.float64], group: int) -> bool:
     """Return whether another plant is too near; it searches the 25 cells around."""
-    row, column = int((spot[Z] - land.corner[1]) / LINK), int((spot[X] - land.corner[0]) / LINK)
+    corner = land.terrain.corner
+    row, column = int((spot[Z] - corner[1]) / LINK), int((spot[X] - corner[0]) / LINK)
     for near_row in range(max(0, row - 2), min(spots.first.shape[0], row + 3)):
         for near_column in range(max(0, column - 2), min(spots.first.shape[1], column + 3)):
             other = spots.first[near_row, near_column]
@@ -271,8 +272,8 @@ def _is_crowded(land: GrowingGround, spots: Spots, spot: NDArray[np.float64], gr
 @kernel
 def link(land: GrowingGround, spots: Spots, number: int) -> None:
     """Insert a plant into the list of its cell."""
-    row = int((spots.rows[number, Z] - land.corner[1]) / LINK)
-    column = int((spots.rows[number, X] - land.corner[0]) / LINK)
+    row = int((spots.rows[number, Z] - land.terrain.corner[1]) / LINK)
+    column = int((spots.rows[number, X] - land.terrain.corner[0]) / LINK)
     spots.following[number] = spots.first[row, column]
     spots.first[row, column] = number
 

@@ -44,6 +44,7 @@ SMALL_STRIDE = 0.02  # m per frame, of a body that walks at 1 m/s
 EVEN, HALF_EDGE = 0.4, 0.7072  # m up per m, and m of the longest edges
 LEVEL = 0.02  # m; smaller differences are no steps
 STEEP_DROP = 0.7  # m down within a metre; steeper edges are candidates for getting down
+NO_BODIES = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)  # around a body that walks alone
 # m, greatest height difference over a diagonal that needs no walk if all sides can be walked
 FLAT_DIAGONAL = 0.45
 

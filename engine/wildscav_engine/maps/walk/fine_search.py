@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import World
-from wildscav_engine.maps.walk.explore import SIDE_CLEARANCE, leaves_clearance, walk_within
+from wildscav_engine.maps.walk.explore import NO_BODIES, SIDE_CLEARANCE, leaves_clearance, walk_within
 from wildscav_engine.maps.walk.graph import NavGraph
 from wildscav_engine.maps.walk.lattice import (
     BORDER,
@@ -109,11 +109,10 @@ def fine_route(
     """
     grid = _grid_around(graph, start, goal)
     leaps = Leaps(graph.lattice, graph.nodes, graph.leap_start, graph.leap_end)
-    nobody = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
     capacity = 16 * 1024
     while True:
         found = _no_places(grid, capacity)
-        last = search_on(Search(graph.world, nobody, leaps, grid, found, goal), start)
+        last = search_on(Search(graph.world, NO_BODIES, leaps, grid, found, goal), start)
         if last != FULL:
             break
         capacity *= 4

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import array_kernel, kernel
 from wildscav_engine.geometry.world import World
-from wildscav_engine.maps.walk.explore import walk_straight
+from wildscav_engine.maps.walk.explore import NO_BODIES, walk_straight
 from wildscav_engine.maps.walk.graph import NavGraph
 from wildscav_engine.maps.walk.lattice import SAME_SURFACE, SPACING
 from wildscav_engine.maps.walk.search import LEG_STRIDE, is_edge, is_straight, pull_straight, shortest_route
@@ -233,8 +233,7 @@ def _nodes_around(graph: NavGraph, x: float, z: float) -> NDArray[np.int64]:
 
 
 def _leads_to(graph: NavGraph, start: Point, end: Point) -> bool:
-    nobody = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
-    height = walk_straight(graph.world, nobody, start, end.x, end.z, SPACING)
+    height = walk_straight(graph.world, NO_BODIES, start, end.x, end.z, SPACING)
     return bool(abs(height - end.y) <= SAME_SURFACE)
 
 
@@ -263,14 +262,13 @@ def _legs(
 
 def pulled(graph: NavGraph, places: NDArray[np.float64], route: NDArray[np.int32]) -> NDArray[np.float64]:
     """Return (P, 3) m the turns of a walk after it is pulled straight and tight."""
-    nobody = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
     while True:
-        kept = pull_straight(graph.world, nobody, places, route)
+        kept = pull_straight(graph.world, NO_BODIES, places, route)
         if len(kept) == len(route):
             break
         route = kept
-    turns = pull_tight(graph.world, nobody, places[route])
-    kept = pull_straight(graph.world, nobody, turns, np.arange(len(turns), dtype=np.int32))
+    turns = pull_tight(graph.world, NO_BODIES, places[route])
+    kept = pull_straight(graph.world, NO_BODIES, turns, np.arange(len(turns), dtype=np.int32))
     return np.asarray(turns[kept])
 
 

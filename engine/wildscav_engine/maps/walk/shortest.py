@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.world import World
-from wildscav_engine.maps.walk.explore import ARRIVAL, move_on
+from wildscav_engine.maps.walk.explore import ARRIVAL, NO_BODIES, move_on
 from wildscav_engine.maps.walk.fine_search import Goal, fine_route
 from wildscav_engine.maps.walk.graph import NavGraph
 from wildscav_engine.maps.walk.paths import Place, find_path, pulled
@@ -106,17 +106,17 @@ def length_to_target(world: World, turns: NDArray[np.float64], leaps: NDArray[np
         turns: (P, 3) m, soles, with the start.
         leaps: (P,) whether a leap leads to each.
     """
-    nobody = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
     before, best = 0.0, np.inf
     for number, turn in enumerate(turns):
         best = min(
-            best, before + walk_until_reached(world, nobody, turn, goal.target, goal.target, goal.reach)
+            best, before + walk_until_reached(world, NO_BODIES, turn, goal.target, goal.target, goal.reach)
         )
         if number + 1 == len(turns):
             break
         after = turns[number + 1]
         if not leaps[number + 1]:
-            best = min(best, before + walk_until_reached(world, nobody, turn, after, goal.target, goal.reach))
+            walked = walk_until_reached(world, NO_BODIES, turn, after, goal.target, goal.reach)
+            best = min(best, before + walked)
         before += _level_distance(turn, after)
     return best
 

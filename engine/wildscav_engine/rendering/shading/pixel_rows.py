@@ -45,20 +45,6 @@ def view_of(cameras: Cameras, image: int, height: int, width: int) -> View:
     return View(eye, sine(yaw), cosine(yaw), sine(pitch), cosine(pitch), pixel, left, top, height, width)
 
 
-@kernel
-def direction_of(view: View, row: int, column: int) -> Vector:
-    """Return the unit vector of a pixel's ray."""
-    up = (view.height * 0.5 - row - 0.5) * view.pixel
-    right = (column + 0.5 - view.width * 0.5) * view.pixel
-    level, rise = view.cos_pitch + view.sin_pitch * up, view.cos_pitch * up - view.sin_pitch
-    along = 1.0 / np.sqrt(1.0 + up * up + right * right)
-    return (
-        (view.sin_yaw * level + view.cos_yaw * right) * along,
-        rise * along,
-        (view.cos_yaw * level - view.sin_yaw * right) * along,
-    )
-
-
 @lru_cache(maxsize=4)
 def cosines_of(half_width: float, height: int, width: int) -> NDArray[np.float32]:
     """Return (H, W) the cosines of the angles between the view axis and the rays."""

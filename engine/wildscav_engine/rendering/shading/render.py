@@ -4,8 +4,7 @@ One kernel renders the pictures of many cameras on many maps, because every call
 other threads that are in Python.
 """
 
-import threading
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +13,7 @@ from wildscav_engine.compilation.array_tables import Addresses, ArrayTable, read
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.parallel.turns import ALONE, Turns
 from wildscav_engine.rendering.cameras import TAKEN_ALREADY, Cameras, are_finite, item_at
-from wildscav_engine.rendering.dynamic_objects import ObjectSets, read_objects, solids_between
+from wildscav_engine.rendering.dynamic_objects import ObjectSets, solids_between
 from wildscav_engine.rendering.hits import Hits, write_hits
 from wildscav_engine.rendering.shading.appearance import Appearance, Appearances, materials_in, world_in
 from wildscav_engine.rendering.shading.light.ambient_occlusion import LOOKED_AT, around_in
@@ -27,8 +26,8 @@ from wildscav_engine.rendering.shading.pixel_rows import (
     cosines_of,
     texture_scratch_in,
 )
-from wildscav_engine.rendering.trace import Matches, Scene, Scenes, objects_in, trace_in_match
-from wildscav_engine.rendering.tracing.workspace import Size
+from wildscav_engine.rendering.trace import Scene, Scenes, flatten_views, objects_in, read_views, trace_view
+from wildscav_engine.rendering.tracing.workspace import LatestOfThread, Size
 
 MAX_KEPT = 2**18  # pixels of the largest picture whose scratch buffers are kept for the next one
 
@@ -47,20 +46,15 @@ def render_pictures(
     """Write pictures, (N, H, W, 3) red, green, blue; for the rest, see ``images.trace_images``."""
     _, height, width, _ = images.shape
     size = Size(height, width, cameras.half_width, objects.most_faces)
-    scratch = latest_scratch.of(height, width)
+    scratch = _scratch_for(height, width)
     return _render(
-        *cameras,
-        scenes.tables(size),
         appearances.tables,
-        objects.addresses,
-        objects.start,
-        matches,
         allocate_casters(objects.most),
         cosines_of(cameras.half_width, height, width),
         scratch.addresses,
-        *turns,
-        images,
         shadows,
+        images,
+        *flatten_views(scenes, objects, matches, cameras, turns, size),
     )
 
 
@@ -97,70 +91,49 @@ def _allocate(height: int, width: int) -> Scratch:
 _read_scratch = reader(_allocate(1, 1))
 
 
-class LatestScratch(threading.local):
-    """The buffers that each thread used last, kept because fresh memory takes longer than used one."""
-
-    def __init__(self) -> None:
-        self._size = (0, 0)
-        self._table: ArrayTable
-
-    def of(self, height: int, width: int) -> ArrayTable:
-        """Return the buffers for a picture."""
-        if self._size == (height, width):
-            return self._table
-        table = ArrayTable(_allocate(height, width))
-        if height * width <= MAX_KEPT:
-            self._size, self._table = (height, width), table
-        return table
+_latest_scratch = LatestOfThread(1)
 
 
-latest_scratch = LatestScratch()
+def _scratch_for(height: int, width: int) -> ArrayTable:
+    """Return the buffers for a picture."""
+    if height * width > MAX_KEPT:
+        return ArrayTable(_allocate(height, width))
+    return _latest_scratch.get((height, width), lambda: ArrayTable(_allocate(height, width)))
 
 
 @kernel
 def _render(
-    eyes: NDArray[np.float64],
-    yaws: NDArray[np.float64],
-    pitches: NDArray[np.float64],
-    viewers: NDArray[np.int32],
-    half_width: float,
-    far: float,
-    workspaces: NDArray[np.int64],
     appearances: NDArray[np.int64],
-    objects: Addresses,
-    start: NDArray[np.int64],
-    matches: NDArray[np.int64],
     casters: Casters,
     cosines: NDArray[np.float32],
     scratch: Addresses,
-    order: NDArray[np.int64],
-    taken: NDArray[np.int64],
-    images: NDArray[np.uint8],
     shadows: bool,
+    images: NDArray[np.uint8],
+    *views: Any,
 ) -> bool:
     """Implement ``render_pictures``."""
-    if not are_finite(eyes, yaws, pitches):
+    seen = read_views(views)
+    cameras, objects = seen.cameras, seen.matches.objects
+    if not are_finite(cameras.eyes, cameras.yaws, cameras.pitches):
         return False
-    cameras = Cameras(eyes, yaws, pitches, viewers, half_width, far)
-    shown = Matches(workspaces, read_objects(objects), start, matches)
     buffers = _read_scratch(scratch)
     hit = Hits(buffers.distance, buffers.solid, buffers.face)
     around, texture = around_in(buffers.around), texture_scratch_in(buffers.floats, buffers.integers)
     canvas = Canvas(buffers.depths, buffers.rows, buffers.pieces, around, texture)
     count, height, width = images.shape[:3]
     for turn in range(count):
-        image = item_at(Turns(order, taken), turn)
+        image = item_at(seen.turns, turn)
         if image == TAKEN_ALREADY:
             continue
-        place = image if workspaces.shape[0] > 1 else 0
-        traced = trace_in_match(shown, cameras, image, height, width, True)
+        place = image if appearances.shape[0] > 1 else 0
+        traced = trace_view(seen, image, height, width, True)
         write_hits(traced, hit)
-        first, last = objects_in(shown, image)
+        first, last = objects_in(seen.matches, image)
         scene = ShadedScene(
             world_in(appearances[place]),
             materials_in(appearances[place]),
-            solids_between(shown.objects, first, last),
-            shown.objects.color[first:last],
+            solids_between(objects, first, last),
+            objects.color[first:last],
             casters,
             shadows,
         )

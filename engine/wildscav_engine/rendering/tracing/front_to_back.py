@@ -101,8 +101,8 @@ def trace_moving_solids(
         others: Number of the world's solids, which are counted before these.
         viewer: The owner of the solids that this camera does not see.
     """
-    for solid in range(moving.boxes.shape[0]):
-        box = moving.boxes[solid]
+    for solid in range(moving.obbs.shape[0]):
+        box = moving.obbs[solid]
         if moving.names[solid] != viewer and may_show(camera, box[0], box[1], box[2], box[3]):
             outline = outline_of_box(camera, box)
             pixels = pixels_of(camera, outline)
@@ -342,7 +342,7 @@ def _trace_members(
             scratch.done[1 + solid] = image
             pixels, nearest = pixels_at(boxes, lane), distance_at(boxes, lane)
             if is_near(boxes, lane):
-                outline = outline_of_box(camera, solids.boxes[solid])
+                outline = outline_of_box(camera, solids.obbs[solid])
                 pixels, nearest = pixels_of(camera, outline), outline.nearest
             if pixels.left < pixels.right and reaches_beyond(buffer, pixels, nearest):
                 trace_solid(solids, solid, solid, pixels, camera, scratch.outside, buffer)

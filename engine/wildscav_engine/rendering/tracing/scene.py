@@ -3,7 +3,6 @@
 It is created on first use and belongs neither to a map's data nor to its digest.
 """
 
-import threading
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -23,7 +22,7 @@ from wildscav_engine.rendering.tracing.scene_arrays import (
     Shapes,
 )
 from wildscav_engine.rendering.tracing.solids import Solids, shapes_of, solids_of_world
-from wildscav_engine.rendering.tracing.workspace import MAX_CACHED, Size, Workspaces, WorkspaceTable
+from wildscav_engine.rendering.tracing.workspace import LatestOfThread, Size, Workspaces, WorkspaceTable
 
 NO_MEMBER = -1
 
@@ -41,13 +40,13 @@ class Scene(NamedTuple):
         return self.workspaces.of(self.arrays, size).tables
 
 
-class Scenes(threading.local):
+class Scenes(LatestOfThread):
     """The scenes that N images show, or one for all, with the tables of their workspaces for each thread."""
 
     def __init__(self, scenes: Sequence[Scene]) -> None:
         """Collect scenes."""
+        super().__init__()
         self.scenes = scenes
-        self._cached: dict[Size, tuple[list[WorkspaceTable], NDArray[np.int64]]] = {}
 
     def __reduce__(self) -> tuple[type["Scenes"], tuple[Sequence[Scene]]]:
         """Copy and pickle only the scenes: the copies have other addresses."""
@@ -55,14 +54,12 @@ class Scenes(threading.local):
 
     def tables(self, size: Size) -> NDArray[np.int64]:
         """Return (N, F, 6) the tables of the workspaces for images of a size."""
-        if size not in self._cached:
-            if len(self._cached) >= MAX_CACHED:
-                self._cached.clear()
-            # The tables are addresses, so the workspaces are kept as well.
-            workspaces = [scene.workspaces.of(scene.arrays, size) for scene in self.scenes]
-            tables = np.concatenate([workspace.tables for workspace in workspaces])
-            self._cached[size] = workspaces, tables
-        return self._cached[size][1]
+        return self.get(size, lambda: self._collect(size))[1]
+
+    def _collect(self, size: Size) -> tuple[list[WorkspaceTable], NDArray[np.int64]]:
+        # The tables are addresses, so the workspaces are kept as well.
+        workspaces = [scene.workspaces.of(scene.arrays, size) for scene in self.scenes]
+        return workspaces, np.concatenate([workspace.tables for workspace in workspaces])
 
 
 def scene_of(world: World) -> Scene:
@@ -149,7 +146,7 @@ def _groups_of(
     columns = world.block_top.shape[1]
     boxes = np.zeros((len(grouped), 9))
     is_one = grouped != NO_MEMBER
-    boxes[is_one] = shapes.boxes[grouped[is_one]]
+    boxes[is_one] = shapes.obbs[grouped[is_one]]
     block = np.repeat(np.arange(len(group_start) - 1), LANES * np.diff(group_start))
     boxes[:, 0] -= world.corner[0] + BLOCK * CELL * (block % columns)
     boxes[:, 1] -= ground[block]

@@ -17,7 +17,7 @@ ROWS, COLUMNS, OVERHANGS = range(3)  # of the extent of ``Blocks``
 class Shapes(NamedTuple):
     """S convex solids with F faces in all."""
 
-    boxes: NDArray[np.float64]  # (S, 9) m: a bounding box, rotated about its vertical axis: x, y, z of its
+    obbs: NDArray[np.float64]  # (S, 9) m: a bounding box, rotated about its vertical axis: x, y, z of its
     # middle, its radius, half its height, and x and z of its two level half edges
     face_start: NDArray[np.int64]  # (S + 1,) where each solid's faces start
     faces: NDArray[np.float64]  # (F, 4) outward unit normal and its offset in m

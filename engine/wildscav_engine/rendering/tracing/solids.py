@@ -74,21 +74,21 @@ def all_shapes_of(solids: Solids) -> Shapes:
 
 
 def _as_shapes(solids: Solids, names: NDArray[np.int64], face_names: NDArray[np.int64]) -> Shapes:
-    boxes = np.empty((len(names), 9))
-    write_boxes(solids.faces, solids.face_start, solids.corners, solids.corner_start, boxes)
-    return Shapes(boxes, solids.face_start, solids.faces, names, face_names)
+    obbs = np.empty((len(names), 9))
+    write_obbs(solids.faces, solids.face_start, solids.corners, solids.corner_start, obbs)
+    return Shapes(obbs, solids.face_start, solids.faces, names, face_names)
 
 
 @kernel
-def write_boxes(
+def write_obbs(
     faces: NDArray[np.float64],
     face_start: NDArray[np.int64],
     corners: NDArray[np.float64],
     corner_start: NDArray[np.int64],
-    boxes: NDArray[np.float64],
+    obbs: NDArray[np.float64],
 ) -> None:
     """Write a bounding box of each solid, rotated like its first upright face; see ``Shapes``."""
-    for solid in range(boxes.shape[0]):
+    for solid in range(obbs.shape[0]):
         sine, cosine = 0.0, 1.0  # of the box's yaw
         for face in range(face_start[solid], face_start[solid + 1]):
             if abs(faces[face, 1]) < UPRIGHT:
@@ -103,13 +103,13 @@ def write_boxes(
             high = (max(high[0], across), max(high[1], y), max(high[2], along))
         across, along = 0.5 * (low[0] + high[0]), 0.5 * (low[2] + high[2])
         wide, tall, deep = 0.5 * (high[0] - low[0]), 0.5 * (high[1] - low[1]), 0.5 * (high[2] - low[2])
-        boxes[solid, 0] = across * cosine + along * sine
-        boxes[solid, 1] = 0.5 * (low[1] + high[1])
-        boxes[solid, 2] = along * cosine - across * sine
-        boxes[solid, 3] = np.sqrt(wide * wide + tall * tall + deep * deep)
-        boxes[solid, 4] = tall
-        boxes[solid, 5], boxes[solid, 6] = wide * cosine, -wide * sine
-        boxes[solid, 7], boxes[solid, 8] = deep * sine, deep * cosine
+        obbs[solid, 0] = across * cosine + along * sine
+        obbs[solid, 1] = 0.5 * (low[1] + high[1])
+        obbs[solid, 2] = along * cosine - across * sine
+        obbs[solid, 3] = np.sqrt(wide * wide + tall * tall + deep * deep)
+        obbs[solid, 4] = tall
+        obbs[solid, 5], obbs[solid, 6] = wide * cosine, -wide * sine
+        obbs[solid, 7], obbs[solid, 8] = deep * sine, deep * cosine
 
 
 def _picked(

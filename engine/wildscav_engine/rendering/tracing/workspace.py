@@ -1,7 +1,8 @@
 """Workspaces for tracing images, cached because allocating one takes longer than tracing a small image."""
 
 import threading
-from typing import NamedTuple
+from collections.abc import Callable, Hashable
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -10,6 +11,8 @@ from wildscav_engine.compilation.kernel import inlined_kernel
 from wildscav_engine.rendering.tracing.front_to_back import Scratch, allocate_scratch
 from wildscav_engine.rendering.tracing.hit_buffer import ImageArrays, allocate_image
 from wildscav_engine.rendering.tracing.scene_arrays import Blocks, SceneArrays, Shapes
+
+Made = TypeVar("Made")
 
 MAX_CACHED = 8  # workspaces per thread and scene
 LARGEST_CACHED = 2**16  # rays of the largest image whose workspace is cached in its scene
@@ -24,26 +27,31 @@ class Size(NamedTuple):
     most_faces: int = 0  # of any moving solid
 
 
-class Scratches(threading.local):
-    """The scratch buffers of each thread, for scenes up to the next powers of two of their sizes.
+class LatestOfThread(threading.local):
+    """What each thread made for the latest few sizes: memory that was just used is faster than fresh one."""
 
-    Scenes of about the same size share them for the same reason as the arrays for images.
-    """
+    def __init__(self, most: int = MAX_CACHED) -> None:
+        """Keep at most so many things for a thread."""
+        self.cached: dict[Hashable, Any] = {}
+        self._most = most
 
-    def __init__(self) -> None:
-        self._cached: dict[tuple[int, ...], Scratch] = {}
-
-    def of(self, *sizes: int) -> Scratch:
-        """Return buffers for a scene of at least these sizes, see ``allocate_scratch``."""
-        rounded = tuple(1 << size.bit_length() for size in sizes)
-        if rounded not in self._cached:
-            if len(self._cached) >= MAX_CACHED:
-                self._cached.clear()
-            self._cached[rounded] = allocate_scratch(*rounded)
-        return self._cached[rounded]
+    def get(self, size: Hashable, make: Callable[[], Made]) -> Made:
+        """Return what was made for a size, or make it, once there is room for it."""
+        if size not in self.cached:
+            if len(self.cached) >= self._most:
+                self.cached.clear()
+            self.cached[size] = make()
+        made: Made = self.cached[size]
+        return made
 
 
-scratches = Scratches()
+# The arrays for images of a size, and the scratch buffers for scenes up to the next powers of two of their
+# sizes. All scenes share them, so that they stay in the processor's cache when a thread traces one scene
+# after another, as vector environments do.
+images, scratches = LatestOfThread(), LatestOfThread()
+# The latest large image, whichever scene it showed: those that show one large image after another need no new
+# one, and no more than one takes memory.
+latest_large = LatestOfThread(1)
 
 
 class Workspace(NamedTuple):
@@ -55,13 +63,6 @@ class Workspace(NamedTuple):
     scratch: Scratch
 
 
-def allocate_workspace(scene: SceneArrays, size: Size, image: ImageArrays) -> Workspace:
-    """Return a workspace for images of a size."""
-    most_faces = int(np.diff(scene.solids.face_start).max(initial=0))
-    sizes = len(scene.blocks.spans), len(scene.solids.boxes), max(most_faces, size.most_faces)
-    return Workspace(*scene, image, scratches.of(*sizes))
-
-
 class WorkspaceTable:
     """A workspace, which it keeps alive, and the table of its addresses."""
 
@@ -70,6 +71,15 @@ class WorkspaceTable:
         self.arrays = workspace
         # (1, F, 6) in the form that kernels take for several images
         self.tables = np.concatenate([addresses_of(part) for part in workspace])[np.newaxis]
+
+
+def allocate_workspace(scene: SceneArrays, size: Size, image: ImageArrays) -> WorkspaceTable:
+    """Return a workspace for images of a size."""
+    most_faces = int(np.diff(scene.solids.face_start).max(initial=0))
+    sizes = len(scene.blocks.spans), len(scene.solids.obbs), max(most_faces, size.most_faces)
+    rounded = tuple(1 << size.bit_length() for size in sizes)
+    scratch = scratches.get(rounded, lambda: allocate_scratch(*rounded))
+    return WorkspaceTable(Workspace(*scene, image, scratch))
 
 
 _ROWS, _INTEGERS, _FLOATS = np.zeros((0, 1)), np.zeros(0, np.int64), np.zeros(0, np.float32)
@@ -98,34 +108,8 @@ def read_workspace(table: Addresses) -> Workspace:
     )
 
 
-class Images(threading.local):
-    """The arrays for images of the latest sizes, separate for each thread.
-
-    All scenes share them, so that they stay in the processor's cache when a thread traces one scene after
-    another, as vector environments do.
-    """
-
-    def __init__(self) -> None:
-        self._cached: dict[Size, ImageArrays] = {}
-
-    def of(self, size: Size) -> ImageArrays:
-        """Return the arrays for images of a size."""
-        size = size._replace(most_faces=0)
-        if size not in self._cached:
-            if len(self._cached) >= MAX_CACHED:
-                self._cached.clear()
-            self._cached[size] = allocate_image(*size[:3])
-        return self._cached[size]
-
-
-images = Images()
-
-
-class Workspaces(threading.local):
+class Workspaces(LatestOfThread):
     """The cached workspaces of one scene, separate for each thread."""
-
-    def __init__(self) -> None:
-        self.cached: dict[Size, WorkspaceTable] = {}
 
     def __reduce__(self) -> tuple[type["Workspaces"], tuple[()]]:
         """Copies and pickles are empty."""
@@ -137,33 +121,10 @@ class Workspaces(threading.local):
 
     def make(self, scene: SceneArrays, size: Size) -> WorkspaceTable:
         """Allocate a workspace that is not cached yet."""
+        shape = size[:3]
         if size.height * size.width > LARGEST_CACHED:
-            return latest_large.of(scene, size)
-        workspace = WorkspaceTable(allocate_workspace(scene, size, images.of(size)))
-        if len(self.cached) >= MAX_CACHED:
-            self.cached.clear()
-        self.cached[size] = workspace
-        return workspace
-
-
-class LatestLarge(threading.local):
-    """The workspace of the latest large image of each thread, whichever scene it showed.
-
-    Those that show one large image after another need no new one, and no more than one takes memory.
-    """
-
-    def __init__(self) -> None:
-        self._size: Size | None = None
-        self._workspace: WorkspaceTable | None = None
-
-    def of(self, scene: SceneArrays, size: Size) -> WorkspaceTable:
-        """Return the workspace for images of a size in a scene."""
-        workspace = self._workspace
-        if workspace is None or self._size != size or workspace.arrays.solids is not scene.solids:
-            self._workspace = None  # so that its memory is free before more is taken
-            workspace = WorkspaceTable(allocate_workspace(scene, size, allocate_image(*size[:3])))
-            self._size, self._workspace = size, workspace
-        return workspace
-
-
-latest_large = LatestLarge()
+            # The workspace keeps its solids alive, so no others have their id.
+            key = size, id(scene.solids)
+            return latest_large.get(key, lambda: allocate_workspace(scene, size, allocate_image(*shape)))
+        image = images.get(shape, lambda: allocate_image(*shape))
+        return self.get(size, lambda: allocate_workspace(scene, size, image))

@@ -209,7 +209,7 @@ def _write_objects(
             if _is_shown(bodies, seat):
                 place = bodies.position[seat]
                 spot = (place[0], place[1], place[2])
-                write_object(AGENT, body, spot, bodies.yaw[seat], seat, first, solids, arrays.boxes)
+                write_object(AGENT, body, spot, bodies.yaw[seat], seat, first, solids, arrays.obbs)
                 white = INVINCIBLE_WHITE if bodies.invincible_left[seat] > 0 else 0.0
                 _paint(body_colors[bodies.team[seat]], white, seat, first, arrays.color, arrays.instance)
                 first += BODY.shape[0]
@@ -218,7 +218,7 @@ def _write_objects(
                 at = boxes.position[slot]
                 spot = (np.float64(at[0]), np.float64(at[1]), np.float64(at[2]))
                 serial = boxes.serial[slot]
-                write_object(BOX, crate, spot, BOX_YAW_STEP * serial, NO_OWNER, first, solids, arrays.boxes)
+                write_object(BOX, crate, spot, BOX_YAW_STEP * serial, NO_OWNER, first, solids, arrays.obbs)
                 _paint(CRATE_COLORS, 0.0, serial, first, arrays.color, arrays.instance)
                 first += CRATE.shape[0]
     for part in range(first):

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from wildscav_engine.arithmetic.elementary_functions import arctangent, cosine, sine, wrap
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.geometry.linked_grid import Squares, column_of, row_of, squares_around
-from wildscav_engine.geometry.rays import NOTHING_HIT, cast_ray, intersect_solid, make_ray
+from wildscav_engine.geometry.rays import NOTHING_HIT, intersect_solid, make_ray, raycast
 from wildscav_engine.geometry.world import World
 from wildscav_engine.simulation.state import NOBODY, Agents, Matches, Supplies
 from wildscav_engine.simulation.systems.agent_grid import AgentGrid, agent_grid_of, index_agents
@@ -265,7 +265,7 @@ def _sees_point(
         ray = make_ray(world, eye_x, eye_y, eye_z, dx, dy, dz)
         if intersect_solid(world, hidden_by, ray, distance)[0] <= distance:
             return False, hidden_by
-    hit = cast_ray(world, eye_x, eye_y, eye_z, dx, dy, dz, distance)
+    hit = raycast(world, eye_x, eye_y, eye_z, dx, dy, dz, distance)
     return hit.solid == NOTHING_HIT, hit.solid
 
 

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.geometry.linked_grid import columns_along, row_of
-from wildscav_engine.geometry.rays import cast_ray
+from wildscav_engine.geometry.rays import raycast
 from wildscav_engine.geometry.world import World
 from wildscav_engine.simulation.state import NOBODY, Agents, Matches
 from wildscav_engine.simulation.systems.agent_grid import LAG, AgentGrid, agent_grid_of
@@ -103,7 +103,7 @@ def _hit_by_shot(world: World, agents: Agents, grid: AgentGrid, shooter: int, bu
     dx = sine(agents.yaw[shooter]) * level
     dy = -sine(agents.pitch[shooter])
     dz = cosine(agents.yaw[shooter]) * level
-    far = min(bullet_range, cast_ray(world, eye_x, eye_y, eye_z, dx, dy, dz, bullet_range).distance)
+    far = min(bullet_range, raycast(world, eye_x, eye_y, eye_z, dx, dy, dz, bullet_range).distance)
     distance, victim = first_body(agents, grid, shooter, (eye_x, eye_y, eye_z), (dx, dy, dz), far)
     agents.shot_end[shooter, 0] = eye_x + dx * distance
     agents.shot_end[shooter, 1] = eye_y + dy * distance

@@ -87,9 +87,7 @@ def _box_colors(boxes: Boxes, first_dropped: int, game_map: GameMap) -> NDArray[
 
 def _within(house: House, position: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Return whether (N, 3) points are within the rectangle of a house, seen from above."""
-    east, north = position[:, 0] - house.center[0], position[:, 2] - house.center[1]
-    cos, sin = np.cos(np.radians(house.yaw)), np.sin(np.radians(house.yaw))
-    across, along = east * cos - north * sin, east * sin + north * cos
+    across, along = house.pose.inside(position[:, 0], position[:, 2])  # type: ignore[arg-type]
     return np.asarray((np.abs(across) <= house.size[0] / 2) & (np.abs(along) <= house.size[1] / 2))
 
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.geometry.rays import cast_ray
+from wildscav_engine.geometry.rays import raycast
 from wildscav_engine.geometry.world import World
 from wildscav_engine.specs.body import EYE_HEIGHT
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
@@ -75,7 +75,7 @@ def _room(world: World, position: Vector, yaw: float, pitch: float) -> float:
     """Return how many m behind the head of an agent there is room for a camera."""
     x, y, z = (position + _shoulder(yaw)).tolist()
     dx, dy, dz = (-directions(np.array(yaw), np.array(pitch))).tolist()
-    hit = cast_ray(world, x, y, z, dx, dy, dz, BEHIND + CLEARANCE)
+    hit = raycast(world, x, y, z, dx, dy, dz, BEHIND + CLEARANCE)
     return max(0.2, min(BEHIND, float(hit.distance) - CLEARANCE))
 
 

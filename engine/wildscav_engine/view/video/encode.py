@@ -13,10 +13,9 @@ from typing import Any, NamedTuple
 from PIL import Image
 
 from wildscav_engine.storage.files import part_of
+from wildscav_engine.view.video import MP4, PICTURES, VIDEOS
 from wildscav_engine.view.video.film import Film, VideoError
 
-VIDEO, ANIMATIONS, PICTURES = ".mp4", (".gif", ".webp"), (".png", ".webp", ".jpg", ".jpeg")
-SUFFIXES = (VIDEO, *ANIMATIONS)
 CODEC, PIXELS = "libx264", "yuv420p"  # which every browser and every player shows
 QUALITY = {"preset": "superfast", "crf": "23"}
 COLORS = 128  # of each picture of a GIF
@@ -61,7 +60,7 @@ def check_encoder(path: Path) -> None:
     Raises:
         VideoError: PyAV is not installed, which MP4 needs.
     """
-    if path.suffix.lower() == VIDEO and find_spec("av") is None:
+    if path.suffix.lower() == MP4 and find_spec("av") is None:
         raise VideoError("MP4 videos need PyAV: pip install 'wildscav[video]'")
 
 
@@ -88,9 +87,9 @@ def write_video(
     chosen = pace or Pace()
     times = times_of(chosen, film.seconds)
     check_encoder(path)
-    write = {VIDEO: _write_mp4, ".gif": _write_gif, ".webp": _write_webp}.get(path.suffix.lower())
+    write = {MP4: _write_mp4, ".gif": _write_gif, ".webp": _write_webp}.get(path.suffix.lower())
     if write is None:
-        raise VideoError(f"{path}: the name of a video must end in {', '.join(SUFFIXES)}")
+        raise VideoError(f"{path}: the name of a video must end in {', '.join(VIDEOS)}")
     with _part_of(path) as part:
         pictures = _taken(film, times, threads or os.cpu_count() or 1)
         write(part, _reported(pictures, len(times), report), chosen.fps, film)

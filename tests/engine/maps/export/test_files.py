@@ -8,7 +8,7 @@ import pytest
 import trimesh
 from numpy.typing import NDArray
 
-from wildscav_engine.geometry.rays import cast_ray
+from wildscav_engine.geometry.rays import raycast
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.maps import GENERATOR_VERSION, GameMap, generate_map
 from wildscav_engine.maps.export.files import FILES, export_map
@@ -76,7 +76,7 @@ def test_what_a_ray_meets_from_above_is_in_the_mesh(game_map: GameMap, folder: P
     triangles = np.concatenate([part.triangles for part in parts])
     generator = np.random.default_rng(7)
     for x, z in generator.uniform(-29, 29, (100, 2)):
-        hit = cast_ray(game_map.world, x, SKY, z, 0.0, -1.0, 0.0, 2 * SKY)
+        hit = raycast(game_map.world, x, SKY, z, 0.0, -1.0, 0.0, 2 * SKY)
         assert highest_over(triangles, x, -z) == pytest.approx(SKY - hit.distance, abs=1e-3)
 
 

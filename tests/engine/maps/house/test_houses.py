@@ -5,7 +5,7 @@ import pytest
 from tests.engine.maps.house.built_house import BuiltHouse
 
 from wildscav_engine.geometry.clearance import is_clear
-from wildscav_engine.geometry.rays import cast_ray
+from wildscav_engine.geometry.rays import raycast
 from wildscav_engine.geometry.shapes import Rectangle
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import Kind
@@ -50,7 +50,7 @@ def is_open(house: BuiltHouse, wall: Wall, place: tuple[float, float], height: f
     x, z = house.site.pose.outside(place[0] + aside[0], place[1] + aside[1])
     end_x, end_z = house.site.pose.outside(place[0] - aside[0], place[1] - aside[1])
     way_x, way_z = (end_x - x) / 0.6, (end_z - z) / 0.6
-    return bool(np.isinf(cast_ray(house.world, x, height, z, way_x, 0.0, way_z, 0.6).distance))
+    return bool(np.isinf(raycast(house.world, x, height, z, way_x, 0.0, way_z, 0.6).distance))
 
 
 def test_bodies_pass_every_doorway_and_no_window(house: BuiltHouse) -> None:
@@ -81,7 +81,7 @@ def test_there_is_head_room_over_every_step_and_landing(house: BuiltHouse) -> No
     steps = [solid for solid in house.solids if solid.kind == Kind.STAIR]
     for solid in steps:
         x, _, z = (solid.low + solid.high) / 2.0
-        assert cast_ray(house.world, x, solid.high[1] + 0.01, z, 0.0, 1.0, 0.0, 50.0).distance >= HEAD_ROOM
+        assert raycast(house.world, x, solid.high[1] + 0.01, z, 0.0, 1.0, 0.0, 50.0).distance >= HEAD_ROOM
     turns = house.plan.stairs is not None and house.plan.stairs.landing is not None
     assert len(steps) == flights * (15 if turns else 14)
     assert HEAD_ROOM > BODY_HEIGHT + RISE
@@ -99,7 +99,7 @@ def test_nobody_falls_off_a_roof_or_into_stairs_by_walking(house: BuiltHouse) ->
         for east, north in ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)):
             end_x, end_z = house.site.pose.outside(across + east, along + north)
             y = house.height(wing.storeys) + 0.8
-            assert cast_ray(house.world, x, y, z, end_x - x, 0.0, end_z - z, 60.0).distance < 30.0
+            assert raycast(house.world, x, y, z, end_x - x, 0.0, end_z - z, 60.0).distance < 30.0
 
 
 def test_all_solids_are_within_the_house_and_its_eaves(house: BuiltHouse) -> None:

@@ -30,8 +30,9 @@ def footprint_of(house: House) -> np.ndarray:
 
 def check_houses(game_map: GameMap) -> None:
     world = game_map.world
+    terrain = Terrain((world.corner[0], world.corner[1]), world.heights, -np.inf)
     for number, house in enumerate(game_map.houses):
-        lowest, highest, _ = heights_under(world.corner, world.heights, footprint_of(house))
+        lowest, highest, _ = heights_under(terrain, footprint_of(house))
         level = house.ground - FLOOR_LIFT
         assert (lowest, highest) == pytest.approx((level, level), abs=1e-9), f"house {number}"
         lost = lost_rooms(game_map, house)
@@ -98,12 +99,13 @@ def test_two_houses_keep_levels_that_the_ground_between_them_can_join(gap: float
     side = np.arange(121) * 2.0 - 120.0
     for rise, expected in ((fits, True), (fits * 1.1, gap - 2 * LEVEL_MARGIN >= LONGEST_JOIN)):
         heights = np.tile(np.where(side < -40.0 + 0.5 * (gap + size[0]), 0.0, rise), (len(side), 1))
-        level = level_for((-120.0, -120.0), heights, -np.inf, other, one[None], np.zeros(1))
+        terrain = Terrain((-120.0, -120.0), heights, -np.inf)
+        level = level_for(terrain, other, one[None], np.zeros(1))
         assert (level > -np.inf) == expected
         if expected:
-            level_ground((-120.0, -120.0), np.array([one, other]), np.array([0.0, level]), heights)
+            level_ground(terrain.corner, np.array([one, other]), np.array([0.0, level]), heights)
             for house, ground in ((one, 0.0), (other, rise)):
-                assert heights_under((-120.0, -120.0), heights, house)[:2] == pytest.approx((ground, ground))
+                assert heights_under(terrain, house)[:2] == pytest.approx((ground, ground))
 
 
 def test_the_room_of_a_join_grows_with_the_distance_and_has_no_limit_far_away() -> None:

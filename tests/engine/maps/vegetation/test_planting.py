@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from wildscav_engine.geometry.rays import cast_ray
+from wildscav_engine.geometry.rays import raycast
 from wildscav_engine.geometry.shapes import allocate_ring_stacks, solids_of
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import Kind, Solid, World, build_world
@@ -273,10 +273,10 @@ def test_a_bush_stops_a_ray_and_one_above_it_passes() -> None:
     solids, row = one_of(BUSH, 3)
     world = on_level_ground(solids)
 
-    hit = cast_ray(world, -10, 0.4 * row[HEIGHT], 0, 1, 0, 0, 20)
+    hit = raycast(world, -10, 0.4 * row[HEIGHT], 0, 1, 0, 0, 20)
     assert hit.solid == 0
     assert 10 - row[RADIUS] - 0.01 <= hit.distance < 10
-    assert cast_ray(world, -10, row[HEIGHT] + 0.05, 0, 1, 0, 0, 20).distance == np.inf
+    assert raycast(world, -10, row[HEIGHT] + 0.05, 0, 1, 0, 0, 20).distance == np.inf
 
 
 @pytest.mark.parametrize("species", [BROADLEAF, CONIFER, POPLAR])
@@ -288,9 +288,9 @@ def test_a_crown_stops_a_ray_at_its_shape_and_lets_pass_what_goes_beside(species
     widest = low[1] + (0.1 if species == CONIFER else 0.3) * (high[1] - low[1])
     half_width = (high[0] - low[0]) / 2
 
-    through = cast_ray(world, -15, widest, 0.3, 1, 0, 0, 30)
+    through = raycast(world, -15, widest, 0.3, 1, 0, 0, 30)
     assert through.solid in crowns
     assert 15 - half_width <= through.distance <= 15 - 0.6 * half_width
-    assert cast_ray(world, -15, widest, high[2] + 0.05, 1, 0, 0, 30).distance == np.inf
+    assert raycast(world, -15, widest, high[2] + 0.05, 1, 0, 0, 30).distance == np.inf
     # The corner of the box around a crown is not part of it.
-    assert cast_ray(world, -15, high[1] - 0.05, 0.9 * half_width, 1, 0, 0, 30).distance == np.inf
+    assert raycast(world, -15, high[1] - 0.05, 0.9 * half_width, 1, 0, 0, 30).distance == np.inf

@@ -8,7 +8,7 @@ from tests.engine.maps.house.built_house import BuiltHouse
 from tests.engine.maps.walk.walker import Walker
 
 from wildscav_engine.geometry.clearance import is_clear
-from wildscav_engine.geometry.rays import cast_ray
+from wildscav_engine.geometry.rays import raycast
 from wildscav_engine.geometry.shapes import Rectangle
 from wildscav_engine.maps.house import FLOOR_LIFT, STOREY_HEIGHT, HousePlan, doorsteps, draw_plan
 from wildscav_engine.maps.house.build import can_be_walked_to
@@ -46,7 +46,7 @@ class House(BuiltHouse):
     def _stands(self, node: Node, floor: float) -> bool:
         """Return whether there is floor below a node (or the ground around the house), and room above it."""
         x, z = self.site.pose.outside(*self.place(node))
-        below = cast_ray(self.world, x, floor + 0.4, z, 0.0, -1.0, 0.0, 0.5).distance
+        below = raycast(self.world, x, floor + 0.4, z, 0.0, -1.0, 0.0, 0.5).distance
         return bool(0.39 < below < 0.49 and is_clear(self.world, x, floor, z))
 
     def nodes_in(self, level: int, area: Rectangle) -> list[Node]:

@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 from tests.builders import box, flat_world
 
-from wildscav_engine.geometry.rays import NOTHING_HIT, cast_ray
+from wildscav_engine.geometry.rays import NOTHING_HIT, raycast
 from wildscav_engine.geometry.world import CELL, Kind, World, build_world
 from wildscav_engine.maps import generate_map
 from wildscav_engine.rendering.shading.appearance import UP
@@ -53,7 +53,7 @@ def surfaces(world: World, count: int) -> NDArray[np.float64]:
         eye = random.uniform((low[0], low[1], low[0]), (high[0], high[1], high[0]))
         way = random.normal(size=3)
         way /= np.linalg.norm(way)
-        hit = cast_ray(world, *eye, *way, 100.0)
+        hit = raycast(world, *eye, *way, 100.0)
         if hit.solid != NOTHING_HIT and hit.distance > 2 * LIFT:
             found.append(eye + way * (hit.distance - LIFT))
     return np.array(found)
@@ -70,7 +70,7 @@ def test_the_sun_shines_on_the_same_surfaces_as_by_rays(config: MapConfig) -> No
     world = generate_map(config, 5).world
     columns, places = to_sun(world), surfaces(world, 4000)
     shines = np.array([is_sunny(columns, world, tuple(place)) for place in places])
-    free = [cast_ray(world, *place, *SUN_DIRECTION, SHADOW_REACH).solid == NOTHING_HIT for place in places]
+    free = [raycast(world, *place, *SUN_DIRECTION, SHADOW_REACH).solid == NOTHING_HIT for place in places]
     assert (shines == free).all()
     assert len(places) > 1000
     assert 0.2 < shines.mean() < 0.9

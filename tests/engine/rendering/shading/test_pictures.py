@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from tests.builders import box, flat_world, map_from
 
-from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT, cast_ray
+from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT, raycast
 from wildscav_engine.geometry.world import Kind, Solid, build_world
 from wildscav_engine.maps import generate_map, map_of
 from wildscav_engine.maps.game_map import GameMap
@@ -26,8 +26,8 @@ from wildscav_engine.rendering.shading.noise import PERIOD, endless_noise, grain
 from wildscav_engine.rendering.shading.pictures import find_pieces
 from wildscav_engine.rendering.shading.pixel_rows import (
     RayDirections,
+    View,
     cosines_of,
-    direction_of,
     point_along,
     view_of,
     write_directions,
@@ -38,9 +38,23 @@ from wildscav_engine.sensors import ColorCamera
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 
 Place = tuple[float, float, float]
+
 CONFIG = MapConfig(size=60, houses=2, water=0.1, vegetation=0.8)
 ONE = ColorCamera(width=1, height=1, far=1000.0, field_of_view=1.0)
 HITS = st.tuples(st.sampled_from([NOTHING_HIT, TERRAIN_HIT, WATER_HIT, 0, 7]), st.integers(0, 2))
+
+
+def direction_of(view: View, row: int, column: int) -> Place:
+    """Return the unit vector of a pixel's ray."""
+    up = (view.height * 0.5 - row - 0.5) * view.pixel
+    right = (column + 0.5 - view.width * 0.5) * view.pixel
+    level, rise = view.cos_pitch + view.sin_pitch * up, view.cos_pitch * up - view.sin_pitch
+    along = 1.0 / np.sqrt(1.0 + up * up + right * right)
+    return (
+        (view.sin_yaw * level + view.cos_yaw * right) * along,
+        rise * along,
+        (view.cos_yaw * level - view.sin_yaw * right) * along,
+    )
 
 
 def look(
@@ -83,7 +97,7 @@ def test_the_sun_shines_where_a_ray_to_it_meets_nothing() -> None:
     random = np.random.default_rng(0)
     places = random.uniform((-32.0, world.heights.min() - 1.0, -32.0), (32.0, 12.0, 32.0), (3000, 3))
     clear = [sun_is_clear(world, (x, y, z)) for x, y, z in places]
-    free = [cast_ray(world, x, y, z, *SUN_DIRECTION, SHADOW_REACH).solid == NOTHING_HIT for x, y, z in places]
+    free = [raycast(world, x, y, z, *SUN_DIRECTION, SHADOW_REACH).solid == NOTHING_HIT for x, y, z in places]
     assert clear == free
     assert 500 < sum(clear) < 2500
 

@@ -210,7 +210,7 @@ def test_matches_of_a_batch_have_the_things_that_each_has_alone() -> None:
         for name in ("kind", "owner", "low", "high"):
             assert getattr(sets.arrays, name)[some].tobytes() == getattr(things, name).tobytes()
         assert sets.arrays.color[some].tobytes() == things.color.tobytes()
-        assert sets.arrays.boxes[some].tobytes() == things.sets.arrays.boxes.tobytes()
+        assert sets.arrays.obbs[some].tobytes() == things.sets.arrays.obbs.tobytes()
         faces = sets.arrays.face_start[sets.start[[row, row + 1]]]
         assert sets.arrays.faces[slice(*faces)].tobytes() == things.faces.tobytes()
 

@@ -9,7 +9,7 @@ from tests.builders import act, box, flat_world, make_match, seen_now
 
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.geometry.linked_grid import squares_over
-from wildscav_engine.geometry.rays import cast_ray
+from wildscav_engine.geometry.rays import raycast
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.state import NOBODY, Agents, squares_for
 from wildscav_engine.simulation.systems.agent_grid import TOUCH, gather_near
@@ -86,7 +86,7 @@ def first_hit(agents: Agents, seat: int) -> int:
     x, y, z = agents.position[0, seat].tolist()
     yaw, pitch = float(agents.yaw[0, seat]), float(agents.pitch[0, seat])
     way = (sine(yaw) * cosine(pitch), -sine(pitch), cosine(yaw) * cosine(pitch))
-    nearest = min(200.0, cast_ray(YARD, x, y + EYE_HEIGHT, z, *way, 200.0).distance)
+    nearest = min(200.0, raycast(YARD, x, y + EYE_HEIGHT, z, *way, 200.0).distance)
     victim = NOBODY
     for other in range(SEATS):
         if other == seat or agents.health[0, other] <= 0:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel, kernel
 from wildscav_engine.geometry.world import CELL, World
-from wildscav_engine.rendering.shading.color_arithmetic import Vector
+from wildscav_engine.rendering.shading.color_arithmetic import Vector, dot
 from wildscav_engine.rendering.shading.pixel_rows import Places
 from wildscav_engine.rendering.tracing.frustum import nonnegative
 
@@ -100,25 +100,34 @@ def blocked_in(columns: ShadowColumns, world: World, row: int, number: int, plac
 
 @inlined_kernel
 def _is_met(columns: ShadowColumns, world: World, solid: int, place: Vector) -> bool:
-    """Return whether a ray along the direction meets a solid, as in ``geometry.rays.intersect_faces``.
+    """Return whether a ray along the direction meets a solid."""
+    first, last = world.solid_start[solid], world.solid_start[solid + 1]
+    upwards = (columns.grid[LEAN_X], 1.0, columns.grid[LEAN_Z])
+    enter, leave = clip_ray(world.faces, first, last, place, upwards)
+    return enter <= leave
 
-    Distances are measured upwards.
+
+@inlined_kernel
+def clip_ray(
+    faces: NDArray[np.float64], first: int, last: int, place: Vector, direction: Vector
+) -> tuple[float, float]:
+    """Return where a ray enters and leaves a solid, clipped as in ``geometry.rays.intersect_faces``.
+
+    The numbers are multiples of the direction's length. A ray that misses the solid leaves before it enters.
     """
-    faces = world.faces
     enter, leave = 0.0, np.inf
-    for face in range(world.solid_start[solid], world.solid_start[solid + 1]):
-        n_x, n_y, n_z = faces[face, 0], faces[face, 1], faces[face, 2]
-        outside = n_x * place[0] + n_y * place[1] + n_z * place[2] - faces[face, 3]
-        speed = n_x * columns.grid[LEAN_X] + n_y + n_z * columns.grid[LEAN_Z]
+    for face in range(first, last):
+        normal = (faces[face, 0], faces[face, 1], faces[face, 2])
+        outside, speed = dot(normal, place) - faces[face, 3], dot(normal, direction)
         if speed < 0.0:
             enter = max(enter, -outside / speed)
         elif outside > 0.0:
-            return False
+            return np.inf, 0.0
         elif speed > 0.0:
             leave = min(leave, -outside / speed)
         if enter > leave:
-            return False
-    return True
+            break
+    return enter, leave
 
 
 def columns_of(
@@ -200,10 +209,8 @@ def _visit_solid(
     fill: bool,
 ) -> None:
     low, high = world.solid_low[solid], world.solid_high[solid]
-    west = low[0] - max(columns.grid[LEAN_X] * low[1], columns.grid[LEAN_X] * high[1])
-    east = high[0] - min(columns.grid[LEAN_X] * low[1], columns.grid[LEAN_X] * high[1])
-    south = low[2] - max(columns.grid[LEAN_Z] * low[1], columns.grid[LEAN_Z] * high[1])
-    north = high[2] - min(columns.grid[LEAN_Z] * low[1], columns.grid[LEAN_Z] * high[1])
+    west, east = span_along(columns.grid[LEAN_X], low[0], high[0], low[1], high[1])
+    south, north = span_along(columns.grid[LEAN_Z], low[2], high[2], low[1], high[1])
     count = _outline(world, solid, columns, planes)
     half = 0.5 / columns.grid[PER_SIDE]
     for row in range(_row_of(columns, south), _row_of(columns, north) + 1):
@@ -235,10 +242,8 @@ def _visit_ground(world: World, columns: ShadowColumns, counts: NDArray[np.int32
                 continue
             bottom, top = min(h00, h01, h10, h11), max(h00, h01, h10, h11)
             x, z = world.corner[0] + CELL * column, world.corner[1] + CELL * row
-            west = x - max(columns.grid[LEAN_X] * bottom, columns.grid[LEAN_X] * top)
-            east = x + CELL - min(columns.grid[LEAN_X] * bottom, columns.grid[LEAN_X] * top)
-            south = z - max(columns.grid[LEAN_Z] * bottom, columns.grid[LEAN_Z] * top)
-            north = z + CELL - min(columns.grid[LEAN_Z] * bottom, columns.grid[LEAN_Z] * top)
+            west, east = span_along(columns.grid[LEAN_X], x, x + CELL, bottom, top)
+            south, north = span_along(columns.grid[LEAN_Z], z, z + CELL, bottom, top)
             for r in range(_row_of(columns, south), _row_of(columns, north) + 1):
                 for c in range(_column_of(columns, west), _column_of(columns, east) + 1):
                     counts[r, c] += -1 if fill else 1
@@ -246,6 +251,12 @@ def _visit_ground(world: World, columns: ShadowColumns, counts: NDArray[np.int32
                         record = columns.record[r, c]
                         columns.solids[columns.start[record] + counts[r, c]] = STEEP
                         columns.clear[record] = np.inf
+
+
+@inlined_kernel
+def span_along(lean: float, low: float, high: float, bottom: float, top: float) -> tuple[float, float]:
+    """Return the least and the greatest coordinate of the columns of a box on one axis, m."""
+    return low - max(lean * bottom, lean * top), high - min(lean * bottom, lean * top)
 
 
 @inlined_kernel

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
-from wildscav_engine.rendering.shading.color_arithmetic import Vector, dot
+from wildscav_engine.rendering.shading.color_arithmetic import Vector
+from wildscav_engine.rendering.shading.light.columns import clip_ray, span_along
 from wildscav_engine.rendering.shading.sky import SUN_DIRECTION
 from wildscav_engine.rendering.tracing.solids import Solids
 
@@ -49,10 +50,8 @@ def find_casters(moving: Solids, eye: Vector, casters: Casters) -> int:
             continue
         casters.solids[count] = solid
         span = casters.spans[count]
-        span[0] = low[0] - max(LEAN_X * low[1], LEAN_X * high[1])
-        span[1] = high[0] - min(LEAN_X * low[1], LEAN_X * high[1])
-        span[2] = low[2] - max(LEAN_Z * low[1], LEAN_Z * high[1])
-        span[3] = high[2] - min(LEAN_Z * low[1], LEAN_Z * high[1])
+        span[0], span[1] = span_along(LEAN_X, low[0], high[0], low[1], high[1])
+        span[2], span[3] = span_along(LEAN_Z, low[2], high[2], low[1], high[1])
         span[4] = high[1]
         for row in range(_square_of(span[2], casters.middle[1]), _square_of(span[3], casters.middle[1]) + 1):
             west, east = _square_of(span[0], casters.middle[0]), _square_of(span[1], casters.middle[0])
@@ -77,22 +76,10 @@ def is_shaded_by(moving: Solids, casters: Casters, count: int, place: Vector) ->
     for item in range(count):
         span = casters.spans[item]
         is_near = (span[0] <= x <= span[1]) & (span[2] <= z <= span[3]) & (place[1] <= span[4])
-        if is_near and _blocks_sun(moving, casters.solids[item], place):
-            return True
+        if is_near:
+            solid = casters.solids[item]
+            first, last = moving.face_start[solid], moving.face_start[solid + 1]
+            enter, leave = clip_ray(moving.faces, first, last, place, SUN_DIRECTION)
+            if enter < leave:
+                return True
     return False
-
-
-@inlined_kernel
-def _blocks_sun(moving: Solids, solid: int, place: Vector) -> bool:
-    """Return whether a solid blocks the ray to the sun, clipped as in ``geometry.rays.intersect_solid``."""
-    enter, leave = 0.0, np.inf
-    for face in range(moving.face_start[solid], moving.face_start[solid + 1]):
-        normal = (moving.faces[face, 0], moving.faces[face, 1], moving.faces[face, 2])
-        outside, speed = dot(normal, place) - moving.faces[face, 3], dot(normal, SUN_DIRECTION)
-        if speed < 0.0:
-            enter = max(enter, -outside / speed)
-        elif outside > 0.0:
-            return False
-        elif speed > 0.0:
-            leave = min(leave, -outside / speed)
-    return enter < leave

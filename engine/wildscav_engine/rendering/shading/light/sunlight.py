@@ -27,7 +27,7 @@ SHADOW_REACH = 80.0  # m, up to which an object casts a shadow
 def sun_is_clear(world: World, place: Vector) -> bool:
     """Return whether the static world leaves the line from a place to the sun free.
 
-    It traverses the grid as ``rays.cast_ray`` does, but ends at any hit and relies on the ray's rising.
+    It traverses the grid as ``rays.raycast`` does, but ends at any hit and relies on the ray's rising.
     """
     x, y, z = place
     ray = make_ray(world, x, y, z, SUN_DIRECTION[0], SUN_DIRECTION[1], SUN_DIRECTION[2])
