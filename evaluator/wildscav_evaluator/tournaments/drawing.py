@@ -9,7 +9,7 @@ from typing import NamedTuple
 from pydantic import ValidationError
 
 from wildscav.errors import UserError
-from wildscav_engine.arithmetic.random_numbers import Dice, Stream
+from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.specs.validation import one_line
 from wildscav_engine.tracks import TRACKS
@@ -126,7 +126,7 @@ def _matches(
     for game, players in zip(schedule.games.tolist(), schedule.players.tolist(), strict=True):
         # Robots that are not rated keep their seats whenever the game is played.
         places = shuffled(
-            Dice(games[game].seed, Stream.SUITE), (SUBMISSION,) * len(players) + settings.robots
+            RandomStream(games[game].seed, Stream.SUITE), (SUBMISSION,) * len(players) + settings.robots
         )
         waiting = iter(players)
         seated = {seat: next(waiting) for seat, place in enumerate(places) if place == SUBMISSION}

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.arithmetic.random_numbers import Dice, Stream
+from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream
 from wildscav_engine.compilation.kernel import array_kernel
 from wildscav_engine.geometry.world import CELL
 from wildscav_engine.maps.country.landforms import ward_of_points
@@ -143,7 +143,7 @@ def hide_targets(
     columns = ((ground[:, 0] - terrain.corner[0]) / CELL + 0.5).astype(np.int64)
     rows = ((ground[:, 2] - terrain.corner[1]) / CELL + 0.5).astype(np.int64)
     is_dead_end = plan.wards.ways[ward_of_points(plan.wards, terrain)[rows, columns]] == 1
-    dice = Dice(seed, Stream.HIDING)
+    dice = RandomStream(seed, Stream.HIDING)
     chosen = [
         _draw(dice, indoor[is_upstairs], UPSTAIRS),
         _draw(dice, indoor[~is_upstairs], INDOORS),
@@ -152,7 +152,7 @@ def hide_targets(
     return measure(graph, np.concatenate(chosen), ground)
 
 
-def _draw(dice: Dice, places: NDArray[np.float64], wanted: int) -> NDArray[np.float64]:
+def _draw(dice: RandomStream, places: NDArray[np.float64], wanted: int) -> NDArray[np.float64]:
     """Return at most some of the places, drawn at random."""
     left = list(range(len(places)))
     chosen = [left.pop(dice.integer(0, len(left) - 1)) for _ in range(min(wanted, len(left)))]

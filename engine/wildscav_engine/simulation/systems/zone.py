@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.arithmetic.random_numbers import Dice, Stream
+from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.simulation.state import Agents, Matches
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
@@ -39,7 +39,7 @@ def plan_zone(config: ZoneConfig, map_size: float, seed: int) -> NDArray[np.floa
     Returns:
         (Z, 9) as in ``Matches.zone``.
     """
-    dice = Dice(seed, Stream.ZONE)
+    dice = RandomStream(seed, Stream.ZONE)
     rows = np.zeros((len(config.phases), COLUMNS))
     frame, half = 0, map_size / 2
     circle = (0.0, 0.0, half * float(np.sqrt(2.0)))
@@ -53,7 +53,7 @@ def plan_zone(config: ZoneConfig, map_size: float, seed: int) -> NDArray[np.floa
 
 
 def _circle_inside(
-    dice: Dice, circle: tuple[float, float, float], radius: float, half: float
+    dice: RandomStream, circle: tuple[float, float, float], radius: float, half: float
 ) -> tuple[float, float, float]:
     """Return a circle inside another with its center on the map, uniformly distributed."""
     x, z, outer = circle
