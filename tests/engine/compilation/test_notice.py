@@ -23,7 +23,7 @@ sine(90.0)
 """
 PATIENT = USE.replace("notice.MOMENT = notice.PAUSE = 0.0", "notice.MOMENT = 1e9")
 TELLING = USE.replace(
-    "sine(90", "told = []; context = notice.telling(told.append); context.__enter__(); sine(90"
+    "sine(90", "told = []; context = notice.progress_callback(told.append); context.__enter__(); sine(90"
 )
 BEGINS = "wildscav: compiling parts of the engine that this machine has not used yet, for up to a minute"
 
