@@ -31,11 +31,11 @@ def play_batch(
     allowed: NDArray[np.bool_],
     frames_per_action: int,
     rules: NDArray[np.float64],
-    opening: bool,
+    is_reset: bool,
 ) -> None:
-    """Open the matches in some rows, or play one step of those that are not over.
+    """Begin the matches in some rows, or play one step of those that are not over.
 
-    The actions are replaced by those that were played. One kernel does both, because opening and playing
+    The actions are replaced by those that were played. One kernel does both, because beginning and playing
     share most of the code to compile.
     """
     matches = matches_at(every)
@@ -54,7 +54,7 @@ def play_batch(
                 allowed,
                 frames_per_action,
                 rules_from(rules),
-                opening,
+                is_reset,
             )
 
 
