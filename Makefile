@@ -2,7 +2,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 # The environment of make test-with, created anew each time.
-OTHER := .venv-other
+OTHER ?= .venv-other
 RELEASES ?=
 PART ?= tests/engine tests/platform
 # What Python runs the tests with: .ci/tests runs those that failed once more.
@@ -13,7 +13,7 @@ BENCHMARKS := speed.compile speed.legacy speed.maps speed.processes speed.rays s
 # Without its cache of bytecode, each process of ours would compile the sources again, for up to three seconds.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help demo test test-slow test-with check format bench docs docs-serve proto clean
+.PHONY: help demo test test-slow test-with test-oldest test-newest check format bench docs docs-serve proto clean
 
 help: ## Show this list.
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1|\2/' | column -t -s '|'
@@ -60,6 +60,16 @@ test-with: .venv/.dev ## Run PART of the tests with another Python or other rele
 	@$(OTHER)/bin/python -c 'import llvmlite, numba, numpy, sys; print("Python", sys.version.split()[0], *(f"{m.__name__} {m.__version__}" for m in (numpy, numba, llvmlite)))'
 	$(OTHER)/bin/python $(PYTEST) -n 2 --dist worksteal $(PART)
 
+# The pins of the engine, and what depends most on releases.
+test-oldest: .venv/.dev ## Run some tests with the oldest supported releases of what the engine and the SDK need.
+	@$(MAKE) test-with OTHER=.venv-oldest RELEASES="$$(.ci/oldest)" \
+		PART="tests/engine/compilation tests/engine/versions tests/platform/wildscav/sdk"
+
+test-newest: .venv/.dev ## Run some tests with the newest Python that all dependencies support.
+	@if python=$$(.ci/python 3.14); then $(MAKE) test-with OTHER=.venv-newest PYTHON="$$python" \
+		PART="tests/engine/versions tests/engine/envs tests/platform/wildscav/sdk tests/platform/server tests/platform/wildscav/system"; \
+		else echo 'Skipped: the tests with Python 3.14, which is not available.'; fi
+
 check: .venv/.dev ## Lint, formatting, types and import contracts.
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -91,4 +101,4 @@ proto: .venv/.dev ## Generate the Python code of the protocol, and copy it to th
 		platform/wildscav_legacy/*.proto
 
 clean: ## Remove the virtual environments and all output.
-	rm -rf .venv $(OTHER) out
+	rm -rf .venv .venv-* out

@@ -4,6 +4,7 @@ import os
 import signal
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from hypothesis import settings
@@ -24,6 +25,20 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 # drawn each time, so that a run tells about the code and not about luck.
 settings.register_profile("wildscav", deadline=None, derandomize=True)
 settings.load_profile("wildscav")
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Import only the files that can have tests to run: the imports of all take each worker many seconds."""
+    if not collection_path.name.startswith("test_"):
+        return None
+    text = collection_path.read_text("utf-8")
+    fixtures = collection_path.with_name("conftest.py")  # their parameters may be slow, too
+    shared = fixtures.read_text("utf-8") if fixtures.exists() else ""
+    without = {
+        "slow": "mark.slow" not in text + shared,
+        "not slow": "\npytestmark = pytest.mark.slow\n" in text,
+    }
+    return without.get(config.option.markexpr) or None
 
 
 @pytest.fixture(autouse=True)

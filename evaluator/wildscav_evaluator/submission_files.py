@@ -11,17 +11,10 @@ import stat
 import tarfile
 from pathlib import Path
 
-from wildscav.errors import UserError
+from wildscav_server.hosting.manifest import SubmissionError
 
 # Files and folders that tools leave behind, at any depth.
 LEFT_OUT = frozenset({"__pycache__", ".git", ".venv", ".mypy_cache", ".ruff_cache", ".pytest_cache"})
-
-
-class SubmissionError(UserError):
-    """A submission's folder or one of its files is not valid."""
-
-    def __init__(self, message: str) -> None:
-        super().__init__(message, exit_code=2)
 
 
 def submission_files(folder: Path) -> list[Path]:

@@ -25,8 +25,8 @@ from wildscav_leaderboard.matches.models import FINISHED, LADDER, PLAYING, VOID,
 from wildscav_leaderboard.matches.service import find_match
 from wildscav_leaderboard.seasons import state
 from wildscav_leaderboard.seasons.folder import Season
-from wildscav_leaderboard.seasons.refusals import ForbiddenError, NotFoundError
-from wildscav_leaderboard.seasons.state import OPENED, read_state
+from wildscav_leaderboard.seasons.refusals import ForbiddenError, NotFoundError, UnknownCallerError
+from wildscav_leaderboard.seasons.state import OPENED, is_finalized, read_state
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.states import CANCELLED, FAILED
 from wildscav_leaderboard.teams.models import Team
@@ -38,6 +38,11 @@ OF_SUITE = (
 )
 NEWEST = 20  # finished matches of which something is shown, and made, before anybody asks
 FROZEN = "the public boards are frozen, so it is hidden until the season is finalized"
+
+# Audiences of boards: everyone; organizers, once the public board is frozen; everyone who wants to see how
+# a board was before the season was decided.
+PUBLIC, HIDDEN, SEASON = "public", "hidden", "season"
+EDITION = "edition-"
 
 
 class Twin(NamedTuple):
@@ -122,9 +127,52 @@ def perhaps_shown(session: Session) -> list[Match]:
 def shown_until(session: Session, caller: Caller | None) -> datetime | None:
     """Return until when the history of boards may be seen by a caller; None if all of it may."""
     frozen = None if caller is not None and caller.is_organizer else read_state(session, state.FROZEN)
-    if frozen is None or read_state(session, state.FINALIZED) is not None:
+    if frozen is None or is_finalized(session):
         return None
     return datetime.fromisoformat(str(frozen["at"]))
+
+
+def audience_of(edition: int) -> str:
+    """Return the audience of the board of an edition that is no longer in force."""
+    return f"{EDITION}{edition}"
+
+
+def edition_of_audience(audience: str) -> int | None:
+    """Return the edition whose board an audience sees; None if it is that of the edition in force."""
+    return int(audience.removeprefix(EDITION)) if audience.startswith(EDITION) else None
+
+
+def audience_for(caller: Caller | None, asked: str, edition: int | None) -> str:
+    """Return the audience of the board that a caller asks for: what is not for everyone is for organizers.
+
+    Args:
+        caller: Who asks; None for a stranger.
+        asked: An audience of the edition in force.
+        edition: The edition, if it is no longer in force: its board is for everyone.
+
+    Raises:
+        RefusalError: The caller may not see it.
+    """
+    if edition is not None:
+        return audience_of(edition)
+    if asked in (PUBLIC, SEASON):
+        return asked
+    check_organizer(caller)
+    return HIDDEN
+
+
+def check_organizer(caller: Caller | None) -> Caller:
+    """Return a caller who may do privileged acts, and see what is for organizers alone.
+
+    Raises:
+        UnknownCallerError: Nobody is logged in.
+        ForbiddenError: They may not.
+    """
+    if caller is None:
+        raise UnknownCallerError("only organizers may do this: log in first")
+    if not caller.is_organizer:
+        raise ForbiddenError("only organizers may do this")
+    return caller
 
 
 def is_own(session: Session, caller: Caller | None, submission: Submission) -> bool:

@@ -58,9 +58,10 @@ class SensorError(WildscavError, ValueError):
     """A seat asks for a sensor that does not exist, or gives it options that it does not take."""
 
 
-def describe(error: OSError) -> str:
-    """Return one line that names the file, if there is one, and what went wrong with it."""
-    reason = error.strerror or str(error) or type(error).__name__
-    if error.filename is None:
+def describe(error: BaseException) -> str:
+    """Return one line that says what went wrong, and with which file, if the system names one."""
+    reason = str(error) or type(error).__name__
+    if not isinstance(error, OSError):
         return reason
-    return f"{Path(str(error.filename))}: {reason}"
+    reason = error.strerror or reason
+    return reason if error.filename is None else f"{Path(str(error.filename))}: {reason}"

@@ -127,8 +127,6 @@ def _print_saved(saved: str, view: "Viewpoint") -> None:
         f"{saved}, seen with "
         f"--position {x:.2f},{y:.2f},{z:.2f} --yaw {view.yaw:.1f} --pitch {view.pitch:.1f}",
         markup=False,
-        highlight=False,
-        soft_wrap=True,
     )
 
 

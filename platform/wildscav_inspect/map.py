@@ -82,7 +82,7 @@ def import_map(
             lines = call_limited(READER, str(file), *given)
     except LimitExceededError as error:
         raise UserError(f"{file} cannot be imported: {error}") from None
-    console.print(*map(printable, lines), sep="\n", soft_wrap=True)
+    console.print(*map(printable, lines), sep="\n")
 
 
 @app.command(cls=MapCommand)
@@ -125,7 +125,7 @@ def show(
             )
     except MapError as error:
         raise UserError(str(error), exit_code=2) from None
-    console.print(save(picture, path), soft_wrap=True)
+    console.print(save(picture, path))
 
 
 def _suffix(
@@ -160,7 +160,7 @@ def export(
     with error_console.status("exporting"):
         paths = export_map(choice.game_map, folder)
     lines = [f"{path}: {path.stat().st_size / 1e6:.2f} MB" for path in paths]
-    console.print(*lines, sep="\n", markup=False, highlight=False, soft_wrap=True)
+    console.print(*lines, sep="\n")
 
 
 @app.command(cls=MapCommand)

@@ -2,14 +2,15 @@
 
 import shlex
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.markup import escape
 
+from wildscav.cli.shared_options import takes
 from wildscav.errors import UserError
 from wildscav_inspect.records import SeasonOption, read_of_seat, resolve_record
-from wildscav_inspect.video import VIDEO_SUFFIXES, VideoOptions, make_video
+from wildscav_inspect.video import VIDEO, VIDEO_SUFFIXES, VideoOptions, make_video
 
 if TYPE_CHECKING:
     from wildscav_engine.record import Record
@@ -18,10 +19,9 @@ RERUN_MAGIC = b"RRF"  # the first bytes of every .rrd file
 SUFFIX = ".rrd"
 
 
-VIDEO = "Videos and pictures"  # the panel of the help
-
-
+@takes(VideoOptions)
 def replay(
+    wanted: VideoOptions,
     record: Annotated[
         Path,
         typer.Argument(
@@ -61,60 +61,10 @@ def replay(
         bool,
         typer.Option("--video", help="Make a video, as --out does that names one.", rich_help_panel=VIDEO),
     ] = False,
-    poster: Annotated[
-        Path | None,
-        typer.Option(
-            help="Write one picture (.png, .webp or .jpg) instead: at --start, or where most happens.",
-            metavar="FILE",
-            rich_help_panel=VIDEO,
-        ),
-    ] = None,
-    view: Annotated[
-        Literal["eyes", "behind", "above", "grid"] | None,
-        typer.Option(
-            help="Watch through the eyes of an agent, from behind it, from above, or through the eyes of all "
-            "seats (at most 16) side by side. Default: eyes.",
-            rich_help_panel=VIDEO,
-        ),
-    ] = None,
-    start: Annotated[
-        float | None,
-        typer.Option(help="Where in the match to begin, in seconds.", min=0, rich_help_panel=VIDEO),
-    ] = None,
-    end: Annotated[
-        float | None,
-        typer.Option(help="Where in the match to end, in seconds.", min=0, rich_help_panel=VIDEO),
-    ] = None,
-    speed: Annotated[
-        float | None,
-        typer.Option(
-            help="Seconds of the match in a second of the video. Default: 1.", rich_help_panel=VIDEO
-        ),
-    ] = None,
-    size: Annotated[
-        str | None,
-        typer.Option(
-            help="Size in pixels. Default: 1280x720; of .gif and .webp 640x360.",
-            metavar="WxH",
-            rich_help_panel=VIDEO,
-        ),
-    ] = None,
-    fps: Annotated[
-        float | None,
-        typer.Option(help="Pictures a second. Default: 25; of .gif and .webp 10.", rich_help_panel=VIDEO),
-    ] = None,
-    detail: Annotated[
-        float | None,
-        typer.Option(
-            help="Share of width and height that is rendered, 0.2 to 1. Default: 0.5, of one picture 1.",
-            rich_help_panel=VIDEO,
-        ),
-    ] = None,
     season: SeasonOption = None,
 ) -> None:
     """Render a record: as a replay that can be watched in 3D, as a video, or as one picture."""
-    wanted = VideoOptions(poster, view, start, end, speed, size, fps, detail)
-    if video or poster is not None or (out is not None and out.suffix.lower() in VIDEO_SUFFIXES):
+    if video or wanted.poster is not None or (out is not None and out.suffix.lower() in VIDEO_SUFFIXES):
         if web:
             raise UserError("--web is for replays: leave it out, or --video and --poster", exit_code=2)
         return make_video(record, seat, out, wanted, season)
@@ -192,7 +142,7 @@ def _write(path: Path, content: bytes) -> None:
         f"{path}: {len(content) / 1e6:.1f} MB. Open it with:",
         f"  {command('rerun')} {shlex.quote(str(path))}",
     )
-    console.print(*lines, sep="\n", markup=False, highlight=False, soft_wrap=True)
+    console.print(*lines, sep="\n")
 
 
 def _serve(content: bytes, name: str, host: str | None, port: int | None) -> None:
@@ -208,7 +158,7 @@ def _serve(content: bytes, name: str, host: str | None, port: int | None) -> Non
             raise UserError(str(error)) from None
     with server:
         lines = (f"{name} is at {server.link}", "Ctrl-C ends it.")
-        console.print(*lines, sep="\n", markup=False, highlight=False, soft_wrap=True)
+        console.print(*lines, sep="\n")
         try:
             server.serve_forever()
         except KeyboardInterrupt:

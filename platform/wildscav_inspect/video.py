@@ -4,7 +4,9 @@ from collections.abc import Callable
 from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
+
+import typer
 
 from wildscav.errors import UserError
 from wildscav_inspect.records import read_of_seat, resolve_record
@@ -21,19 +23,61 @@ VIDEO_SUFFIXES = (SUFFIX, ".gif", ".webp")
 VIEWS: dict[str, "View"] = {"eyes": "eyes", "behind": "follow", "above": "overview", "grid": "grid"}
 MP4 = (1280, 720, 25.0)  # pixels across and down, pictures a second
 ANIMATION = (640, 360, 10.0)  # the same of a GIF or WebP, which would be large
+VIDEO = "Videos and pictures"  # the panel of the help
 
 
 class VideoOptions(NamedTuple):
-    """The options of ``wildscav replay`` for videos and pictures, as they were given."""
+    """The options of ``wildscav replay`` for videos and pictures."""
 
-    poster: Path | None
-    view: Literal["eyes", "behind", "above", "grid"] | None
-    start: float | None  # s
-    end: float | None  # s
-    speed: float | None
-    size: str | None
-    fps: float | None
-    detail: float | None
+    poster: Annotated[
+        Path | None,
+        typer.Option(
+            help="Write one picture (.png, .webp or .jpg) instead: at --start, or where most happens.",
+            metavar="FILE",
+            rich_help_panel=VIDEO,
+        ),
+    ] = None
+    view: Annotated[
+        Literal["eyes", "behind", "above", "grid"] | None,
+        typer.Option(
+            help="Watch through the eyes of an agent, from behind it, from above, or through the eyes of all "
+            "seats (at most 16) side by side. Default: eyes.",
+            rich_help_panel=VIDEO,
+        ),
+    ] = None
+    start: Annotated[
+        float | None,
+        typer.Option(help="Where in the match to begin, in seconds.", min=0, rich_help_panel=VIDEO),
+    ] = None
+    end: Annotated[
+        float | None,
+        typer.Option(help="Where in the match to end, in seconds.", min=0, rich_help_panel=VIDEO),
+    ] = None
+    speed: Annotated[
+        float | None,
+        typer.Option(
+            help="Seconds of the match in a second of the video. Default: 1.", rich_help_panel=VIDEO
+        ),
+    ] = None
+    size: Annotated[
+        str | None,
+        typer.Option(
+            help="Size in pixels. Default: 1280x720; of .gif and .webp 640x360.",
+            metavar="WxH",
+            rich_help_panel=VIDEO,
+        ),
+    ] = None
+    fps: Annotated[
+        float | None,
+        typer.Option(help="Pictures a second. Default: 25; of .gif and .webp 10.", rich_help_panel=VIDEO),
+    ] = None
+    detail: Annotated[
+        float | None,
+        typer.Option(
+            help="Share of width and height that is rendered, 0.2 to 1. Default: 0.5, of one picture 1.",
+            rich_help_panel=VIDEO,
+        ),
+    ] = None
 
     def given(self) -> str | None:
         """Return the first option that was given; None if none was."""
@@ -133,24 +177,14 @@ def _size(text: str) -> tuple[int, int]:
 @contextmanager
 def _bar(title: str, unit: str) -> "Iterator[Callable[[int, int], None]]":
     """Show a progress bar while something is done, and yield what it is told with."""
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-    from wildscav.terminal.console import error_console
+    from wildscav.terminal.console import counting, error_console
     from wildscav_engine.compilation.engine_progress import preparing
 
-    columns = (
-        TextColumn("{task.description}", markup=False),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn(unit),
-        TimeRemainingColumn(),
-    )
-    with preparing(error_console), Progress(*columns, console=error_console, transient=True) as progress:
-        task = progress.add_task(title, total=None)
-        yield lambda done, total: progress.update(task, completed=done, total=total)
+    with preparing(error_console), counting(title, unit) as report:
+        yield report
 
 
 def _say(path: Path, what: str) -> None:
     from wildscav.terminal.console import console
 
-    console.print(f"{path}: {path.stat().st_size / 1e6:.1f} MB, {what}", soft_wrap=True)
+    console.print(f"{path}: {path.stat().st_size / 1e6:.1f} MB, {what}")

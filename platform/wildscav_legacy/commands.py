@@ -43,9 +43,7 @@ def install(
 
     Scripts for the original then run unchanged: Game(map_dir="DIR/maps", engine_dir="DIR/engine").
     """
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-
-    from wildscav.terminal.console import console, counted, error_console
+    from wildscav.terminal.console import console, counted, error_console, progress_bar
     from wildscav_engine.compilation.engine_progress import preparing
     from wildscav_engine.parallel.threads import cores
     from wildscav_legacy.install import install_engine, install_maps, missing_maps
@@ -56,8 +54,7 @@ def install(
     with preparing(error_console):
         precompile(())
     missing = missing_maps(ids, folder / "maps")
-    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
-    with Progress(*columns, console=error_console, disable=not missing) as progress:
+    with progress_bar() as progress:
         task = progress.add_task("making maps", total=len(missing))
         for _ in install_maps(missing, folder / "maps", cores()):
             progress.advance(task)
@@ -67,7 +64,7 @@ def install(
         f"{folder / 'maps'}: {counted(len(missing), 'map')} made, {present} there already",
         f'Game(map_dir="{(folder / "maps").absolute()}", engine_dir="{program.parent.absolute()}")',
     ]
-    console.print(*lines, sep="\n", markup=False, highlight=False, soft_wrap=True)
+    console.print(*lines, sep="\n")
 
 
 def read_ids(text: str) -> list[int]:

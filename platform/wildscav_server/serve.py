@@ -152,9 +152,9 @@ async def _serve_alone(options: ServerOptions, stopped: asyncio.Event) -> None:
     _print_listening(bound)
     with serving_metrics(server.metrics, options.metrics_port) as metrics:
         if metrics is not None:
-            console.print(f"metrics at {metrics}", highlight=False)
+            console.print(f"metrics at {metrics}")
         await stopped.wait()
-    console.print("stopping", highlight=False)
+    console.print("stopping")
     await server.stop()
 
 
@@ -177,13 +177,9 @@ async def _serve_with(workers: int, options: ServerOptions, stopped: asyncio.Eve
     _print_listening(bound)
     for worker in server.workers:
         metrics = f", metrics at {worker.metrics}" if worker.metrics else ""
-        console.print(
-            f"worker {worker.number}: seats at {', '.join(worker.seats)}{metrics}",
-            highlight=False,
-            soft_wrap=True,
-        )
+        console.print(f"worker {worker.number}: seats at {', '.join(worker.seats)}{metrics}")
     await stopped.wait()
-    console.print("stopping", highlight=False)
+    console.print("stopping")
     await server.stop()
 
 
@@ -191,4 +187,4 @@ def _print_listening(addresses: list[str]) -> None:
     from wildscav.terminal.console import console
 
     for address in addresses:
-        console.print(f"listening on {address}", highlight=False)
+        console.print(f"listening on {address}")

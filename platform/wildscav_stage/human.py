@@ -82,7 +82,7 @@ async def _serve(
     from wildscav_stage.serve import served
 
     def say(line: str) -> None:
-        console.print(line, soft_wrap=True)
+        console.print(line)
 
     async with served(plan, records, host, port, say, public_url=public_url) as (links, serving):
         say(f"play at {links.host}")

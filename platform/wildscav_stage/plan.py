@@ -8,7 +8,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from wildscav.errors import UserError
-from wildscav.sdk.submission_folder import MANIFEST, read_manifest
+from wildscav.sdk.submission_folder import MANIFEST
 from wildscav.terminal.suggestions import did_you_mean
 from wildscav_engine.maps.catalogue import map_spec
 from wildscav_engine.maps.errors import MapError
@@ -18,12 +18,11 @@ from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.specs.validation import one_line
 from wildscav_engine.tracks import TRACKS
-from wildscav_server.hosting.seat import parse_sensors
+from wildscav_server.hosting.manifest import read_manifest
 
 PERSON = "person"
 FRAMES_PER_ACTION = 1  # so that a person's inputs take effect, and pictures change, 50 times a second
 DEFAULT_MAP = MapConfig(size=120, houses=5, water=0.05)
-MAX_PEOPLE = 8
 STAND_INS = {  # the robots that play for people who are not here
     "navigation": "seeker-easy",
     "gathering": "gatherer-easy",
@@ -156,10 +155,8 @@ def _opponent(text: str, track: str) -> Opponent:
 
 def _submission(folder: Path, track: str) -> Opponent:
     manifest = read_manifest(folder / MANIFEST)
-    name, tracks, sensors = manifest.get("name"), manifest.get("tracks"), manifest.get("sensors", {})
-    if not isinstance(name, str) or not isinstance(tracks, list) or not isinstance(sensors, dict):
-        raise UserError(f"{folder / MANIFEST} is not valid; `wildscav check {folder}` says why", exit_code=2)
-    if track not in tracks:
-        raise UserError(f"{name} does not play {track}; it plays {', '.join(map(str, tracks))}", exit_code=2)
-    parse_sensors(sensors)
-    return Opponent(name, folder.absolute(), sensors)
+    if track not in manifest.tracks:
+        raise UserError(
+            f"{manifest.name} does not play {track}; it plays {', '.join(manifest.tracks)}", exit_code=2
+        )
+    return Opponent(manifest.name, folder.absolute(), manifest.sensors)

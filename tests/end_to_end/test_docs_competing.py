@@ -1,7 +1,6 @@
 """What the page of competitors says is true: its commands lead from an invitation to the board."""
 
 import json
-import os
 import re
 import shlex
 import subprocess
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.commands import run_command
 from tests.end_to_end.pages import blocks
 from tests.leaderboard.agents import write_agent
 from tests.leaderboard.competing.season_site import Competitor, Site, competitor, season_site
@@ -85,65 +85,49 @@ def test_the_documents_have_the_fields_that_the_page_of_the_command_line_tells(
     shown("team matches", number)
     of_match = json.loads(competitor.run("team", "logs", "--match", match, "--json").stdout)
     assert names(of_match) == TOLD["team logs"] - {"submission"}
-    shown("leaderboard --season")
+    shown("leaderboard --season", "latest")
     shown("team submissions cancel", number, told="team submissions ACT")
     shown("login --logout")
 
 
 @pytest.mark.slow
-def test_the_way_from_an_invitation_to_the_board(tmp_path: Path) -> None:
-    season = make_season(tmp_path / "season", current=True)
+def test_the_way_from_an_invitation_to_the_board(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    season = make_season(tmp_path / "season", "matches = 2\nwaiting = 2", current=True)
     settings = season.folder / "season.toml"
     settings.write_text(settings.read_text().replace('"open"', '"invited"'))
     port = free_ports()
     url = f"http://127.0.0.1:{port}"
-    environment = {
-        **os.environ,
-        "WILDSCAV_CONFIG_DIR": str(tmp_path / "settings"),
-        "WILDSCAV_PASSWORD": "a long password",
-    }
+    monkeypatch.setenv("WILDSCAV_CONFIG_DIR", str(tmp_path / "settings"))
+    monkeypatch.setenv("WILDSCAV_PASSWORD", "a long password")
 
     def run(*words: str) -> str:
-        done = subprocess.run(
-            [WILDSCAV, *words], cwd=tmp_path, env=environment, capture_output=True, text=True
-        )
+        done = run_command(*words, cwd=tmp_path)
         assert done.returncode == 0, (words, done.stdout, done.stderr)
         return done.stdout
 
-    def until(command: list[str], found: Callable[[Any], Any]) -> Any:
+    def until(found: Callable[[Any], Any], *command: str) -> Any:
         for _ in range(PATIENCE):
-            if seen := found(json.loads(run(*command, "--json"))):
+            done = run_command(*command, "--json", cwd=tmp_path)
+            if done.returncode == 0 and (seen := found(json.loads(done.stdout))):
                 return seen
             time.sleep(0.5)
-        raise AssertionError(command)
+        raise AssertionError((command, done.stdout, done.stderr))
 
     key = run("season", "invite", str(season.folder)).strip()
     server = subprocess.Popen([WILDSCAV, "season", "serve", str(season.folder), "--port", str(port)])
     try:
-        until_answers(url, run)
+        until(bool, "leaderboard", "--season", url)
         for words in lines(blocks(PAGE, "console")[0]):
             own = [word.replace(ADDRESS, url).replace("invite_KEY", key) for word in words[1:]]
             run(*own, *(["--name", "ada"] if own[0] == "login" else []))  # a person would be asked for it
-        until(["leaderboard", "--season"], has_team)
-        match = until(["team", "matches", "1", "--track", "battle"], seen_match)
+        until(has_team, "leaderboard", "--season", "latest")
+        match = until(seen_match, "team", "matches", "1", "--track", "battle")
         run("replay", str(match), "--no-images")
         run("verify", f"match-{match}.wsr")
     finally:
         server.terminate()
         server.wait(60)
     assert (tmp_path / f"match-{match}.rrd").is_file()
-
-
-def until_answers(url: str, run: Callable[..., str]) -> None:
-    """Wait until a season that was just started answers."""
-    for _ in range(PATIENCE):
-        try:
-            run("leaderboard", "--season", url)
-        except AssertionError:
-            time.sleep(0.5)
-        else:
-            return
-    raise AssertionError(url)
 
 
 def has_team(document: Any) -> bool:

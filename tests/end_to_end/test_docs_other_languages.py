@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from tests.end_to_end.pages import blocks
 
-from wildscav_evaluator.submissions.submission import Manifest
+from wildscav_server.hosting.manifest import Manifest
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "other-languages.md"

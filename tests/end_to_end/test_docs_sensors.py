@@ -21,7 +21,7 @@ from wildscav_engine.geometry.world import Kind
 from wildscav_engine.sensors import SENSORS, DepthCamera
 from wildscav_engine.sensors.base import Sensor
 from wildscav_engine.sensors.optics.segmentation import FIRST_AGENT, FIRST_BOX, FIRST_SOLID
-from wildscav_evaluator.submissions.submission import Manifest
+from wildscav_server.hosting.manifest import Manifest
 from wildscav_server.hosting.reports import SeatStatus
 from wildscav_server.match_server import MatchServer
 from wildscav_server.time_limits import Clock

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from wildscav_evaluator.submission_files import LEFT_OUT
-from wildscav_evaluator.submissions.submission import Manifest
+from wildscav_server.hosting.manifest import Manifest
 from wildscav_server.hosting.reports import SeatStatus
 from wildscav_server.time_limits import Clock
 

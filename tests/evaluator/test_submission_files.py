@@ -5,8 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from wildscav_evaluator.submission_files import SubmissionError, stage, submission_files
+from wildscav_evaluator.submission_files import stage, submission_files
 from wildscav_evaluator.submissions.submission import folder_digest
+from wildscav_server.hosting.manifest import SubmissionError
 
 FILES = {"agent.py": 0o644, "lib/helper.py": 0o644, "lib/run.sh": 0o755}
 

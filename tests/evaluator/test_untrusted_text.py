@@ -31,12 +31,8 @@ from wildscav_evaluator.monitoring.monitor import EvaluationProgress
 from wildscav_evaluator.monitoring.tally import Tally
 from wildscav_evaluator.output.results import KeptLimits, read_results, write_results
 from wildscav_evaluator.scores.compare import compare
-from wildscav_evaluator.submissions.submission import (
-    Manifest,
-    Submission,
-    SubmissionError,
-    load_submission,
-)
+from wildscav_evaluator.submissions.submission import Submission, load_submission
+from wildscav_server.hosting.manifest import Manifest, SubmissionError
 
 # JSON, protobuf and SQLite hold no halves of characters, so none comes out of them.
 TEXT = st.text(st.characters(exclude_categories=("Cs",)), min_size=1, max_size=20)

@@ -80,7 +80,7 @@ def test_they_import_the_sdk_and_the_standard_library_alone_or_numpy(name: str) 
 @pytest.mark.slow
 @pytest.mark.parametrize("track", TRACKS)
 def test_the_same_match_is_played_the_same_way(workers: Workers, tmp_path: Path, track: str) -> None:
-    spec = suite(track, "quick", 0)[0].model_copy(update={"time_limit": 15.0})
+    spec = suite(track, "quick", 0)[0].model_copy(update={"time_limit": 5.0})
     first, second = ([job(name, spec, tmp_path / each) for name in NAMES] for each in ("first", "second"))
 
     play(workers, first + second)
@@ -103,12 +103,7 @@ def test_finders_of_ways_play_the_same_match_the_same_way_in_time(workers: Worke
 
 @pytest.mark.slow
 def test_homing_reaches_most_targets_and_random_few(workers: Workers, tmp_path: Path) -> None:
-    wanted = [
-        job
-        for name in ("random", "homing")
-        for seed in (0, 1)
-        for job in jobs(name, "navigation", seed, tmp_path)
-    ]
+    wanted = [job for name in ("random", "homing") for job in jobs(name, "navigation", 0, tmp_path)]
 
     results = play(workers, wanted)
 

@@ -31,9 +31,9 @@ from wildscav_evaluator.output.lock import Lock
 from wildscav_evaluator.sandbox import SANDBOXES, SandboxError
 from wildscav_evaluator.sandbox.choose import Choice
 from wildscav_evaluator.sandbox.process import WARNING
-from wildscav_evaluator.submission_files import SubmissionError
 from wildscav_evaluator.submissions.images import built_name, lacks_packages
 from wildscav_evaluator.submissions.submission import Submission
+from wildscav_server.hosting.manifest import SubmissionError
 
 EVERYTHING = 1 << 30  # matches at once: as many as the nodes' cores allow
 

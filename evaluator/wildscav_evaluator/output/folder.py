@@ -5,12 +5,13 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from wildscav.errors import UserError, describe
+from wildscav.sdk.submission_folder import MANIFEST
 from wildscav.system.output_folders import check_folder
 from wildscav_engine.record import SUFFIX
 from wildscav_evaluator.output.identity import Identity, difference, read_identity, write_identity
 from wildscav_evaluator.output.layout import LEDGER_FILE, LOGS, MATCHES, RECORDS, REPLAYS, RESULTS_FILE
 from wildscav_evaluator.output.lock import Lock, locked
-from wildscav_evaluator.submissions.submission import MANIFEST, Submission
+from wildscav_evaluator.submissions.submission import Submission
 
 FOLDERS = (RECORDS, REPLAYS, LOGS, MATCHES)
 # The files that an evaluation writes for each match. The next one may remove these and no others.

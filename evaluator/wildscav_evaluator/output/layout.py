@@ -1,4 +1,4 @@
-"""The names of the files and folders in the output folder of an evaluation."""
+"""The names of the files and folders in the output of an evaluation, and of a published season."""
 
 RESULTS_FILE = "results.json"
 IDENTITY_FILE = "evaluation.json"  # the identity of the evaluation
@@ -8,6 +8,7 @@ TOURNAMENT_FILE = "tournament.json"
 STANDINGS_PICTURE = "standings.png"
 SUITE_FILE = "suite.toml"  # a copy of an organizer's own suite
 OPENED_FILE = "secret.txt"  # the opened secret
+SEASON_FILE = "season.json"  # of a season that is published
 RECORDS, REPLAYS, LOGS = "records", "replays", "logs"
 MATCHES = "matches"  # the folder of the journal
 

@@ -25,6 +25,7 @@ from wildscav_evaluator.scores.compare import check_comparison
 from wildscav_evaluator.scores.expected_matches import (
     ExpectedMatch,
     expected_matches,
+    judge_of,
     kind_of,
     known_seed,
     match_counts,
@@ -95,6 +96,7 @@ def discrepancies(folder: AuditedFolder, replayed: Sequence[Replayed], recompute
         UserError: The suite's own file, or the opened secret, is not that of the results.
     """
     expected = expected_matches(folder.out, folder.reported)
+    judge = judge_of(folder.out, folder.reported, expected)
     counts = match_counts(folder.out, folder.reported)
     yield from _of_identity(folder)
     yield from _of_suite(folder, replayed, expected)
@@ -102,7 +104,7 @@ def discrepancies(folder: AuditedFolder, replayed: Sequence[Replayed], recompute
     settings = folder.reported.tournament
     if settings is not None and expected is None:
         yield from deviations(folder.reported, settings, replayed, max(counts.values(), default=0))
-    yield from disagreements(replayed, folder.reported, recomputed.evaluations, expected)
+    yield from disagreements(replayed, folder.reported, recomputed.evaluations, judge)
     yield from _of_versions(folder.reported, replayed)
     yield from _of_seeds(folder, replayed)
     yield from _of_ledger(folder)
@@ -309,9 +311,10 @@ def deviations(
 ) -> Iterator[str]:
     """Yield one line for each deviation of a tournament from what is known of its schedule without the seed.
 
-    Which entrants meet in which match is known only once the secret is opened. But every match has as many
-    entrants and the same kinds of seats, and everyone plays equally often. This is enough to notice a match
-    that was left out, and a seat that was given to another entrant.
+    Which entrants meet in which match is known only once the secret is opened, and not of a schedule of an
+    earlier version. But every match has as many entrants and the same kinds of seats, a game is played again
+    by the same entrants, and everyone plays equally often. This is enough to notice a match that was left
+    out, and a seat that was given to another entrant.
 
     Args:
         reported: The results of the tournament.
@@ -333,9 +336,15 @@ def deviations(
                 f"{one.submission} on {one.track}: {counted(len(one.matches), 'match')} in the results, but "
                 f"every entrant of the tournament plays {share:,}"
             )
+    in_game: dict[int, set[str]] = {}
     for played in replayed:
-        if played.spec is not None and not _is_seated(played, settings):
+        if played.spec is None:
+            continue
+        if not _is_seated(played, settings):
             yield f"{played.record}: its seats are not filled as the settings of the tournament say"
+        names = {*played.entrants.values()}
+        if in_game.setdefault(played.index // settings.repeats, names) != names:
+            yield f"{played.record}: other entrants play in it than in another match of the same game"
 
 
 def _is_seated(played: Replayed, settings: TournamentSettings) -> bool:

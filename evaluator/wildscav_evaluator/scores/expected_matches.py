@@ -1,6 +1,6 @@
 """The matches that an evaluation should have played, from the suite and the seed in its output folder."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -14,7 +14,12 @@ from wildscav_evaluator.seats import entrants_in_names
 from wildscav_evaluator.suites.seeds import SuiteSeed, read_secret
 from wildscav_evaluator.suites.suite import SUITES, Suite, match_count, matches_in_rounds
 from wildscav_evaluator.suites.suite_file import read_suite
-from wildscav_evaluator.tournaments.drawing import tournament_match_count, tournament_matches
+from wildscav_evaluator.tournaments.drawing import (
+    is_of_game,
+    suite_games,
+    tournament_match_count,
+    tournament_matches,
+)
 
 
 class ExpectedMatch(NamedTuple):
@@ -39,14 +44,16 @@ def kind_of(reported: Results) -> str:
 
 
 def expected_matches(out: Path, reported: Results) -> Mapping[str, Sequence[ExpectedMatch]] | None:
-    """Return the matches that should have been played, by track; None while their seed is hidden.
+    """Return the matches that should have been played, by track; None if they are not known.
+
+    They are not known while their seed is hidden, and of a tournament with a schedule of an earlier version.
 
     Raises:
         UserError: The suite's own file, or the opened secret, is not that of the results.
     """
     suite = played_suite(out, reported)
     known = known_seed(out, reported)
-    if known is None:
+    if known is None or has_older_schedule(reported):
         return None
     seed = known.value
     played = [track for track in reported.tracks if track in suite.tracks]
@@ -67,6 +74,44 @@ def expected_matches(out: Path, reported: Results) -> Mapping[str, Sequence[Expe
     }
 
 
+Judge = Callable[[str, int, MatchSpec, tuple[str, ...]], bool]  # of a track, a number, a spec and names
+
+
+def judge_of(
+    out: Path, reported: Results, expected: Mapping[str, Sequence[ExpectedMatch]] | None
+) -> Judge | None:
+    """Return what says whether a record is of the match with its number; None while the seed is hidden.
+
+    Of a schedule of an earlier version, each match must be of the seed's next game; who plays in it is not
+    derived.
+
+    Args:
+        out: The output folder.
+        reported: Its results.
+        expected: Its matches by track, if they are known.
+    """
+    if expected is not None:
+        return lambda track, index, spec, names: (
+            index < len(matches := expected.get(track, ())) and matches[index].is_played_by(spec, names)
+        )
+    known, settings = known_seed(out, reported), reported.tournament
+    if known is None or settings is None:
+        return None
+    suite, counts = played_suite(out, reported), match_counts(out, reported)
+    games = {
+        track: suite_games(suite, track, known.value, counts[track] // settings.repeats)
+        for track in reported.tracks
+        if track in suite.tracks
+    }
+
+    def is_of_next_game(track: str, index: int, spec: MatchSpec, names: tuple[str, ...]) -> bool:
+        number, rated = index // settings.repeats, tuple(entrants_in_names(spec.seats, names))
+        of_track = games.get(track, [])
+        return number < len(of_track) and is_of_game(spec, of_track[number], rated, settings)
+
+    return is_of_next_game
+
+
 def match_counts(out: Path, reported: Results) -> Mapping[str, int]:
     """Return how many matches should have been played on each track, which does not depend on the seed.
 
@@ -80,13 +125,18 @@ def match_counts(out: Path, reported: Results) -> Mapping[str, int]:
     return {name: match_count(suite, name, reported.rounds) for name in suite.tracks}
 
 
+def has_older_schedule(reported: Results) -> bool:
+    """Return whether a tournament has a schedule of an earlier version, which is not made any more."""
+    return reported.tournament is not None and reported.tournament.schedule < SCHEDULE_VERSION
+
+
 def entrants_of(reported: Results) -> list[str]:
     """Return the names of the entrants of a tournament, sorted.
 
     Raises:
-        UserError: This version of Wildscav makes other schedules.
+        UserError: A later version of Wildscav made its schedule.
     """
-    if reported.tournament is not None and reported.tournament.schedule != SCHEDULE_VERSION:
+    if reported.tournament is not None and reported.tournament.schedule > SCHEDULE_VERSION:
         raise UserError(
             f"the tournament was played with version {reported.tournament.schedule} of its schedule, and "
             f"this is version {SCHEDULE_VERSION}: check it with the Wildscav that played it, "
@@ -150,22 +200,22 @@ def check_opened(out: Path, commitment: str) -> int:
             else f"with the commitment {reported.commitment}"
         )
         raise UserError(f"{out} was evaluated {played}, not with {commitment}")
-    expected = expected_matches(out, reported)
-    if expected is None:
+    judge = judge_of(out, reported, expected_matches(out, reported))
+    if judge is None:
         raise UserError(f"the secret of {out} is not opened: use `wildscav season secret open FILE {out}`")
     paths = record_paths(out)
     for path in paths:
-        if not _is_expected(path, expected):
+        if not _is_expected(path, judge):
             raise UserError(f"{path} is not of a match that the secret determines")
     return len(paths)
 
 
-def _is_expected(path: Path, expected: Mapping[str, Sequence[ExpectedMatch]]) -> bool:
+def _is_expected(path: Path, judge: Judge) -> bool:
     name = parse_name(path)
-    if name is None or name.match >= len(expected.get(name.track, ())):
+    if name is None:
         return False
     try:
         record = read_record(path)
     except RecordError as error:
         raise UserError(str(error)) from error
-    return expected[name.track][name.match].is_played_by(record.spec, record.names)
+    return judge(name.track, name.match, record.spec, record.names)

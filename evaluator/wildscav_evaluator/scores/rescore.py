@@ -28,7 +28,7 @@ from wildscav_evaluator.output.results import (
     mean_metrics,
     metric_infos,
 )
-from wildscav_evaluator.scores.expected_matches import ExpectedMatch, kind_of
+from wildscav_evaluator.scores.expected_matches import Judge, kind_of
 from wildscav_evaluator.scores.score import summary
 from wildscav_evaluator.seats import entrants_in_names, submission_seats
 
@@ -207,7 +207,7 @@ def disagreements(
     replayed: Sequence[Replayed],
     reported: Results,
     recomputed: Sequence[Evaluation],
-    expected: Mapping[str, Sequence[ExpectedMatch]] | None,
+    judge: Judge | None,
 ) -> Iterator[str]:
     """Yield one line for each of an evaluation's results that its records do not support.
 
@@ -215,16 +215,14 @@ def disagreements(
         replayed: The records, played again.
         reported: The evaluation's own results.
         recomputed: The evaluations that follow from the records.
-        expected: The matches of the suite by track; None if they are not known.
+        judge: Says whether a record is of the match with its number; None if that is not known.
     """
     for one in replayed:
         if one.spec is not None and (one.submission is None) != (reported.tournament is not None):
             kind = "an evaluation" if reported.tournament is None else "a tournament"
             yield f"{one.record}: is not named as the records of {kind} are"
-        if one.spec is not None and expected is not None:
-            matches = expected.get(one.track, ())
-            if one.index >= len(matches) or not matches[one.index].is_played_by(one.spec, one.names):
-                yield f"{one.record}: is not match {one.index} of the {kind_of(reported)}"
+        if one.spec is not None and judge and not judge(one.track, one.index, one.spec, one.names):
+            yield f"{one.record}: is not match {one.index} of the {kind_of(reported)}"
     found = {(one.track, one.submission): one for one in recomputed}
     for evaluation in reported.evaluations:
         yield from _differences(evaluation, found.pop((evaluation.track, evaluation.submission)))

@@ -20,6 +20,7 @@ from pathlib import Path
 
 import wildscav
 from wildscav.errors import UserError
+from wildscav.sdk.submission_folder import MANIFEST
 from wildscav_evaluator.cache import cache_folder
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.sandbox.base import SandboxError
@@ -35,9 +36,10 @@ from wildscav_evaluator.sandbox.containers.left_containers import (
     enter_container,
     removal,
 )
-from wildscav_evaluator.submission_files import SubmissionError, copy_files
-from wildscav_evaluator.submissions.submission import LARGEST_MANIFEST, MANIFEST, Submission, read_manifest
+from wildscav_evaluator.submission_files import copy_files
+from wildscav_evaluator.submissions.submission import Submission
 from wildscav_server import leftovers
+from wildscav_server.hosting.manifest import LARGEST_MANIFEST, SubmissionError, read_manifest
 
 KEPT_LINES = 20  # of what a failing build prints
 IMAGE = "image:"  # before the name of a prebuilt image, where a command takes a submission

@@ -2,7 +2,8 @@
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from hashlib import blake2b
 from typing import NamedTuple
 
@@ -17,7 +18,8 @@ from wildscav_evaluator.output.results import TournamentSettings
 from wildscav_evaluator.seats import ROBOT_ENTRANT, display_names, shuffled
 from wildscav_evaluator.suites.suite import Suite
 from wildscav_evaluator.tournaments.names import groups_of
-from wildscav_evaluator.tournaments.schedule import Schedule, make_schedule
+from wildscav_evaluator.tournaments.pairings import round_games
+from wildscav_evaluator.tournaments.schedule import Schedule, check_schedule, entrants_of_game, make_schedule
 
 
 class TournamentMatch(NamedTuple):
@@ -60,7 +62,7 @@ def tournament_matches(
         UserError: There is no such schedule, or the suite's matches cannot be played by so many seats.
     """
     schedule = _schedule(_seed(f"tournament/{suite.name}/{track}/{seed}"), rounds, settings, entrants)
-    games = _games(suite, track, seed, int(schedule.games.max()) + 1)
+    games = suite_games(suite, track, seed, int(schedule.games.max()) + 1)
     try:
         return tuple(_matches(games, schedule, settings, entrants))
     except ValidationError as error:
@@ -77,11 +79,15 @@ def tournament_match_count(rounds: int, settings: TournamentSettings, entrants: 
     Raises:
         UserError: There is no such schedule.
     """
-    return len(_schedule(0, rounds, settings, entrants).games)
+    groups = None if settings.meet_own else groups_of(entrants)
+    with _refusing(settings, entrants):
+        places = entrants_of_game(settings.seats, settings.team_size, settings.mixed)
+        check_schedule(len(entrants), places, settings.seats, rounds, settings.repeats, groups)
+    return round_games(len(entrants), places) * rounds * settings.repeats
 
 
 def _schedule(seed: int, rounds: int, settings: TournamentSettings, entrants: Sequence[str]) -> Schedule:
-    try:
+    with _refusing(settings, entrants):
         return make_schedule(
             len(entrants),
             seats=settings.seats,
@@ -92,6 +98,13 @@ def _schedule(seed: int, rounds: int, settings: TournamentSettings, entrants: Se
             repeats=settings.repeats,
             groups=None if settings.meet_own else groups_of(entrants),
         )
+
+
+@contextmanager
+def _refusing(settings: TournamentSettings, entrants: Sequence[str]) -> Iterator[None]:
+    """Pass on, for the user, why there is no such schedule."""
+    try:
+        yield
     except ValueError as error:
         raise UserError(
             f"such a tournament is not possible: {error}{_advice(settings, entrants)}", exit_code=2
@@ -110,7 +123,7 @@ def _seed(text: str) -> int:
     return int.from_bytes(blake2b(text.encode(), digest_size=8).digest(), "little")
 
 
-def _games(suite: Suite, track: str, seed: int, count: int) -> list[MatchSpec]:
+def suite_games(suite: Suite, track: str, seed: int, count: int) -> list[MatchSpec]:
     """Return the first matches of a suite, played in rounds of consecutive seeds."""
     settings = suite.tracks[track]
     passes = math.ceil(count / (settings.maps * settings.episodes))
@@ -124,10 +137,7 @@ def _matches(
     specs: dict[tuple[int, tuple[str, ...]], MatchSpec] = {}
     found = []
     for game, players in zip(schedule.games.tolist(), schedule.players.tolist(), strict=True):
-        # Robots that are not rated keep their seats whenever the game is played.
-        places = shuffled(
-            RandomStream(games[game].seed, Stream.SUITE), (SUBMISSION,) * len(players) + settings.robots
-        )
+        places = _places(games[game], settings)
         waiting = iter(players)
         seated = {seat: next(waiting) for seat, place in enumerate(places) if place == SUBMISSION}
         seats = tuple(
@@ -139,6 +149,31 @@ def _matches(
         named = {seat: entrants[player] for seat, player in seated.items()}
         found.append(TournamentMatch(game, specs[game, seats], named))
     return found
+
+
+def _places(game: MatchSpec, settings: TournamentSettings) -> tuple[str, ...]:
+    """Return what each seat is for, whenever a game is played: an entrant, or a robot that is not rated."""
+    return shuffled(RandomStream(game.seed, Stream.SUITE), (SUBMISSION,) * settings.seats + settings.robots)
+
+
+def is_of_game(spec: MatchSpec, game: MatchSpec, rated: Sequence[int], settings: TournamentSettings) -> bool:
+    """Return whether a match is of a game, whichever entrants sit in it.
+
+    Args:
+        spec: The match.
+        game: The match of the suite, which has the map and everything else but the seats.
+        rated: The seats of entrants.
+        settings: The settings of the tournament.
+    """
+    places = _places(game, settings)
+    free = tuple(seat for seat, place in enumerate(places) if place == SUBMISSION)
+    if len(spec.seats) != len(places) or tuple(rated) != free:
+        return False
+    seats = tuple(spec.seats[seat] if seat in free else place for seat, place in enumerate(places))
+    try:
+        return spec == with_seats(game, seats, rated, settings)
+    except ValidationError:
+        return False
 
 
 def with_seats(

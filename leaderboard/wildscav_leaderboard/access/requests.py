@@ -5,10 +5,10 @@ forms carries a token as well, so that no other site can send them (cross-site r
 """
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from datetime import UTC, datetime
 from secrets import compare_digest
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import Depends, Request
 from fastapi.concurrency import contextmanager_in_threadpool
@@ -29,7 +29,9 @@ from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.in_force import in_force
 from wildscav_leaderboard.seasons.refusals import ForbiddenError, UnknownCallerError
 from wildscav_leaderboard.spectating.render_cache import RenderCache
+from wildscav_leaderboard.visibility import check_organizer
 
+LOG_IN = "log in first: `wildscav login URL` gets a token"
 bearer = HTTPBearer(
     auto_error=False, description="A token from `wildscav login`, or from the account's page."
 )
@@ -103,29 +105,29 @@ def program(database: CurrentDatabase, now: Now, given: Bearer) -> Caller | None
 AnyProgram = Annotated[Caller | None, Depends(program)]
 
 
-def known_program(caller: AnyProgram) -> Caller:
-    """Return who asks.
+def _known(by: Callable[..., Any], how: str) -> Callable[[Caller | None], Caller]:
+    """Return what refuses whoever is nobody, and says how to log in."""
 
-    Raises:
-        UnknownCallerError: No token was given.
-    """
-    if caller is None:
-        raise UnknownCallerError("log in first: `wildscav login URL` gets a token")
-    return caller
+    def known(caller: Annotated[Caller | None, Depends(by)]) -> Caller:
+        if caller is None:
+            raise UnknownCallerError(how)
+        return caller
+
+    return known
 
 
+def _organizing(by: Callable[..., Any]) -> Callable[[Caller], Caller]:
+    """Return what refuses whoever is no organizer."""
+
+    def organizing(caller: Annotated[Caller, Depends(by)]) -> Caller:
+        return check_organizer(caller)
+
+    return organizing
+
+
+known_program = _known(program, LOG_IN)
 KnownProgram = Annotated[Caller, Depends(known_program)]
-
-
-def organizing_program(caller: KnownProgram) -> Caller:
-    """Return the organizer who asks.
-
-    Raises:
-        ForbiddenError: It is not an organizer.
-    """
-    return check_organizer(caller)
-
-
+organizing_program = _organizing(known_program)
 OrganizingProgram = Annotated[Caller, Depends(organizing_program)]
 
 
@@ -140,21 +142,10 @@ def browser(request: Request, database: CurrentDatabase, now: Now) -> Caller | N
     return caller
 
 
+known_browser = _known(browser, "log in first")
 AnyBrowser = Annotated[Caller | None, Depends(browser)]
-
-
-def known_browser(caller: AnyBrowser) -> Caller:
-    """Return who is logged in.
-
-    Raises:
-        UnknownCallerError: Nobody is.
-    """
-    if caller is None:
-        raise UnknownCallerError("log in first")
-    return caller
-
-
 KnownBrowser = Annotated[Caller, Depends(known_browser)]
+OrganizingBrowser = Annotated[Caller, Depends(_organizing(known_browser))]
 
 
 def reader(by_token: AnyProgram, by_cookie: AnyBrowser) -> Caller | None:
@@ -163,44 +154,7 @@ def reader(by_token: AnyProgram, by_cookie: AnyBrowser) -> Caller | None:
 
 
 AnyReader = Annotated[Caller | None, Depends(reader)]
-
-
-def known_reader(caller: AnyReader) -> Caller:
-    """Return who reads.
-
-    Raises:
-        UnknownCallerError: Nobody is logged in.
-    """
-    return known_program(caller)
-
-
-KnownReader = Annotated[Caller, Depends(known_reader)]
-
-
-def organizing_browser(caller: KnownBrowser) -> Caller:
-    """Return the organizer who is logged in.
-
-    Raises:
-        ForbiddenError: It is not an organizer.
-    """
-    return check_organizer(caller)
-
-
-OrganizingBrowser = Annotated[Caller, Depends(organizing_browser)]
-
-
-def check_organizer(caller: Caller | None) -> Caller:
-    """Return a caller who may do privileged acts, and see what is for organizers alone.
-
-    Raises:
-        UnknownCallerError: Nobody is logged in.
-        ForbiddenError: They may not.
-    """
-    if caller is None:
-        raise UnknownCallerError("only organizers may do this: log in first")
-    if not caller.is_organizer:
-        raise ForbiddenError("only organizers may do this")
-    return caller
+KnownReader = Annotated[Caller, Depends(_known(reader, LOG_IN))]
 
 
 def check_form(caller: Caller, csrf: str) -> None:

@@ -8,7 +8,7 @@ from sqlalchemy.orm import Session
 
 from wildscav_evaluator.ratings.head_to_head import PairRecord
 from wildscav_evaluator.seats import ROBOT_ENTRANT, robot_entrant
-from wildscav_leaderboard.access.requests import AnyProgram, CurrentSeason, Number, Reading, check_organizer
+from wildscav_leaderboard.access.requests import AnyProgram, CurrentSeason, Number, Reading
 from wildscav_leaderboard.api.documents import (
     EntrantView,
     HeadToHeadView,
@@ -21,11 +21,11 @@ from wildscav_leaderboard.boards import meetings
 from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard, LadderRow
 from wildscav_leaderboard.boards.history import history, team_histories
 from wildscav_leaderboard.boards.kept import kept_board, read_board
-from wildscav_leaderboard.boards.models import HIDDEN, BoardPoint, audience_of
+from wildscav_leaderboard.boards.models import BoardPoint
 from wildscav_leaderboard.seasons.editions import digest_of
 from wildscav_leaderboard.seasons.refusals import NotFoundError
 from wildscav_leaderboard.submissions.models import Submission, entrant_of
-from wildscav_leaderboard.visibility import shown_until
+from wildscav_leaderboard.visibility import audience_for, shown_until
 
 MAX_ENTRANTS = 24  # entrants of one table
 
@@ -143,11 +143,9 @@ def board(
 
     The hidden one is for organizers. That of the season is as it was before final matches decided it.
     """
-    if audience == HIDDEN:
-        check_organizer(caller)
     if edition is None:
         current.track(track)
-    found = kept_board(session, track, audience if edition is None else audience_of(edition))
+    found = kept_board(session, track, audience_for(caller, audience, edition))
     if found is None:
         raise NotFoundError(f"there are no results on {track} yet")
     tag = f"{audience}-{edition or 0}-{found.updated:%Y%m%d%H%M%S%f}"

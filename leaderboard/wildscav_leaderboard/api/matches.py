@@ -30,7 +30,7 @@ from wildscav_leaderboard.matches.models import LADDER, Match, MatchResult, Matc
 from wildscav_leaderboard.matches.service import MAX_LISTED, find_match, list_matches, results_of
 from wildscav_leaderboard.seasons.refusals import NotFoundError
 from wildscav_leaderboard.spectating.live import LiveMatches, key_of
-from wildscav_leaderboard.spectating.render_cache import Progress
+from wildscav_leaderboard.spectating.render_cache import Rendering
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.teams.service import find_team
@@ -53,7 +53,7 @@ FORMS: Mapping[str, tuple[str, dict[str, str]]] = {
 }
 
 
-def file_response(product: str, progress: Progress) -> Response:
+def file_response(product: str, progress: Rendering) -> Response:
     """Return a file, or how far it is: 202 while it is rendered, 503 if that failed, with state and detail.
 
     Args:
@@ -67,7 +67,7 @@ def file_response(product: str, progress: Progress) -> Response:
     return FileResponse(progress.path, media_type=media_type, headers={**KEPT, **tag, **headers})
 
 
-def progress_response(progress: Progress) -> Response:
+def progress_response(progress: Rendering) -> Response:
     """Return how far a file is, for a page that polls: 200 once it is ready."""
     headers = NO_STORE if progress.state in ("ready", "failed") else {**NO_STORE, "Retry-After": POLL_AFTER}
     content = {"state": progress.state, "detail": progress.detail}
@@ -258,7 +258,7 @@ def record(match: Number, caller: AnyReader, session: Reading, season: CurrentSe
 
 
 @dataclass(frozen=True)
-class Rendering:
+class RenderRequest:
     """A request for what is rendered from the record of a match."""
 
     match: Number
@@ -273,13 +273,13 @@ class Rendering:
         """Whether the match is being played, and the caller may watch it."""
         return not seen_by(self.session, [find_match(self.session, self.match)], self.caller)[self.match].live
 
-    def progress(self, product: str) -> Progress:
+    def progress(self, product: str) -> Rendering:
         """Return how far a file is, made from the record if the caller may see it."""
         path = record_path(self.session, self.season, self.match, self.caller)
         return self.renders.progress(product, str(self.match), path, self.now)
 
 
-Asked = Annotated[Rendering, Depends()]
+Asked = Annotated[RenderRequest, Depends()]
 
 
 @router.get("/matches/{match}/trails", responses=RENDERED)
@@ -292,7 +292,7 @@ def trails(asked: Asked, request: Request, after: Annotated[str, Query(max_lengt
         live: LiveMatches = request.app.state.live
         told = live.trails(key_of(asked.match), after)
         if told is None:
-            return progress_response(Progress("waiting", "The match begins or ends in a moment …"))
+            return progress_response(Rendering("waiting", "The match begins or ends in a moment …"))
         return Response(told.model_dump_json(), media_type="application/json", headers=NO_STORE)
     return file_response("trails", asked.progress("trails"))
 

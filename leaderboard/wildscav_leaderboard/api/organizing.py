@@ -22,44 +22,11 @@ from wildscav_leaderboard.accounts.models import Account
 from wildscav_leaderboard.api.documents import AuditEntryView, SubmissionView, View
 from wildscav_leaderboard.api.submissions import submission_view
 from wildscav_leaderboard.organizing.acts import ACTS, NewKey
-from wildscav_leaderboard.organizing.status import audit_entries
+from wildscav_leaderboard.organizing.status import StatusView, audit_entries
 from wildscav_leaderboard.organizing.status import status as status_of
 from wildscav_leaderboard.seasons.acts import Act, Doing
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.teams.models import Member, Team
-
-
-class AttemptView(View):
-    """An attempt at a piece of work."""
-
-    id: int
-    kind: str
-    number: int  # of this piece of work, from 1
-    submission_id: int | None
-    match_id: int | None
-    started: datetime
-    deadline: datetime
-    ended: datetime | None
-    outcome: str | None
-    detail: str
-
-
-class StatusView(View):
-    """How the season is doing."""
-
-    conductor: str | None  # who conducts; None if nobody does
-    sandbox: str | None
-    executor: str | None
-    at_once: int | None  # matches
-    paused: str | None  # why
-    failed: str | None  # why nothing can be played
-    teams: int
-    submissions: dict[str, int]  # by state
-    matches: dict[str, int]  # by state
-    missing: dict[str, int]  # entrants without whom a ladder makes no matches, by track
-    changes: list[str]  # of the rules, which are not in force yet
-    attempts: list[AttemptView]  # that have not ended
-    faults: list[AttemptView]  # of the platform, in the last day, the latest first
 
 
 class AccountRow(View):
@@ -91,7 +58,7 @@ router = APIRouter(prefix="/organizer", tags=["organizing"], dependencies=[Depen
 @router.get("/status")
 def status(season: CurrentSeason, session: Reading, now: Now) -> StatusView:
     """Return how the season is doing."""
-    return StatusView.model_validate(status_of(session, season, now))
+    return status_of(session, season, now)
 
 
 @router.get("/audit-log")

@@ -6,7 +6,6 @@ from typing import Any
 
 from wildscav_evaluator.output.results import MetricInfo, metric_infos
 from wildscav_evaluator.ratings.matches import RatedMatch
-from wildscav_evaluator.seats import robot_entrant
 from wildscav_leaderboard.auditing.report import Finding, of_row, wrong_value
 from wildscav_leaderboard.boards.documents import BoardDocument, Entry, LadderBoard, SuiteBoard
 from wildscav_leaderboard.boards.ladder_board import Enough, ladder_board
@@ -54,15 +53,11 @@ def _metrics(track: str, published: Sequence[MetricInfo]) -> tuple[MetricInfo, .
     return metric_infos(track, [metric.name for metric in published if metric.name not in own])
 
 
-def _entry(one: PublishedSubmission) -> Entry:
-    return Entry(one.entrant, one.id, one.name, one.version, one.team, one.team_title, one.created)
-
-
 def _suite_results(
     track: PublishedTrack, one: PublishedSubmission, played: Sequence[PublishedMatch]
 ) -> SuiteResults:
     return SuiteResults(
-        entry=_entry(one),
+        entry=Entry.of(one, one.team, one.team_title),
         planned=track.planned,
         faults=sum(any(seat.fault is not None for seat in match.seats) for match in played),
         metrics={match.number: match.metrics for match in played if match.metrics is not None},
@@ -87,8 +82,8 @@ def _ladder(
         rated.append(placed_match(match.number, list(zip(names, places, strict=True))))
         for seat in match.seats:
             faults[seat.entrant] = faults.get(seat.entrant, 0) + (seat.fault is not None)
-    entrants = [_entry(one) for one in entered]
-    entrants += [Entry(robot_entrant(robot), None, robot) for robot in track.robots]
+    entrants = [Entry.of(one, one.team, one.team_title) for one in entered]
+    entrants += Entry.of_robots(track.robots)
     played, enough = Played(tuple(rated), faults), Enough(track.interval or 0.0, track.planned)
     conditions, metrics = published.conditions, metric_infos(track.name)
     return ladder_board(track.name, conditions, metrics, entrants, played, enough, published.updated)

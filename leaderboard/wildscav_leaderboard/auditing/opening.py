@@ -8,6 +8,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from wildscav.errors import UserError
 from wildscav_engine.specs.validation import one_line
+from wildscav_evaluator.output.layout import SEASON_FILE
 from wildscav_leaderboard.auditing.report import Finding
 from wildscav_leaderboard.auditing.sources import (
     FolderSource,
@@ -20,7 +21,6 @@ from wildscav_leaderboard.auditing.sources import (
 )
 from wildscav_leaderboard.boards.documents import BoardDocument
 from wildscav_leaderboard.publishing.documents import (
-    SEASON_FILE,
     BoardFile,
     IncompleteError,
     Line,

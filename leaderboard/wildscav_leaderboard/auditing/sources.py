@@ -9,7 +9,7 @@ import httpx
 
 from wildscav.errors import UserError, describe
 from wildscav_engine.storage.files import read_limited
-from wildscav_leaderboard.publishing.documents import SEASON_FILE
+from wildscav_evaluator.output.layout import SEASON_FILE
 
 LARGEST = 2 << 30  # bytes of a document
 TIME = 60.0  # s for an answer

@@ -1,5 +1,6 @@
 """The documents of boards, which pages, the API and the audit share."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Annotated, Any, Literal
@@ -7,6 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from wildscav_evaluator.output.results import MetricInfo, Summary
+from wildscav_evaluator.seats import robot_entrant
 from wildscav_leaderboard.seasons.editions import Conditions, Part
 
 
@@ -21,6 +23,17 @@ class Entry:
     team: str = ""  # empty for a robot
     team_title: str = ""
     since: datetime | None = None
+
+    @classmethod
+    def of(cls, submission: Any, team: str, title: str) -> "Entry":
+        """Return a submission of a team, as it is stored or as it is published."""
+        one = submission
+        return cls(one.entrant, one.id, one.name, one.version, team, title, one.created)
+
+    @classmethod
+    def of_robots(cls, robots: Iterable[str]) -> "list[Entry]":
+        """Return the robots of a ladder."""
+        return [cls(robot_entrant(robot), None, robot) for robot in robots]
 
     @property
     def shown(self) -> dict[str, Any]:

@@ -28,22 +28,13 @@ def history(
 
 
 def histories_of(
-    session: Session, submission: int, until: datetime | None = None
+    session: Session, owner: Submission | Team, until: datetime | None = None
 ) -> dict[str, list[BoardPoint]]:
-    """Return how a submission's places changed on each track, in the order of time."""
-    wanted = select(BoardPoint).where(BoardPoint.submission_id == submission)
-    return _by_track(session.scalars(_in_order(wanted, until)))
-
-
-def histories_of_team(session: Session, team: int) -> dict[str, list[BoardPoint]]:
-    """Return how a team's places changed on each track, in the order of time."""
+    """Return how the places of a submission or a team changed on each track, in the order of time."""
     wanted = select(BoardPoint).join(Submission, Submission.id == BoardPoint.submission_id)
-    return _by_track(session.scalars(_in_order(wanted.where(Submission.team_id == team), None)))
-
-
-def _by_track(points: Iterable[BoardPoint]) -> dict[str, list[BoardPoint]]:
+    column = Submission.team_id if isinstance(owner, Team) else Submission.id
     found: dict[str, list[BoardPoint]] = {}
-    for point in points:
+    for point in session.scalars(_in_order(wanted.where(column == owner.id), until)):
         found.setdefault(point.track, []).append(point)
     return found
 

@@ -9,8 +9,9 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.boards.documents import BoardDocument
-from wildscav_leaderboard.boards.models import PUBLIC, Board, edition_of_audience
+from wildscav_leaderboard.boards.models import Board
 from wildscav_leaderboard.database.connection import KEPT, once
+from wildscav_leaderboard.visibility import PUBLIC, edition_of_audience
 
 DOCUMENT: TypeAdapter[BoardDocument] = TypeAdapter(BoardDocument)
 

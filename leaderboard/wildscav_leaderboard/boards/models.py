@@ -8,21 +8,6 @@ from sqlalchemy.orm import Mapped, mapped_column
 
 from wildscav_leaderboard.database.base import Base
 
-# Audiences: everyone; organizers, once the public board is frozen; and everyone who wants to see how a board
-# was before the season was decided.
-PUBLIC, HIDDEN, SEASON = "public", "hidden", "season"
-EDITION = "edition-"
-
-
-def audience_of(edition: int) -> str:
-    """Return the audience of the board of an edition that is no longer in force."""
-    return f"{EDITION}{edition}"
-
-
-def edition_of_audience(audience: str) -> int | None:
-    """Return the edition whose board an audience sees; None if it is that of the edition in force."""
-    return int(audience.removeprefix(EDITION)) if audience.startswith(EDITION) else None
-
 
 class Board(Base):
     """The current board of a track, as a document that pages, API and audit share (``documents.py``)."""

@@ -13,11 +13,10 @@ from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from wildscav_evaluator.output.results import MetricInfo
-from wildscav_evaluator.seats import robot_entrant
 from wildscav_leaderboard.boards import ladders
 from wildscav_leaderboard.boards.documents import Entry, LadderBoard, LadderRow, SuiteBoard, place_of
 from wildscav_leaderboard.boards.ladder_board import Enough, ladder_board
-from wildscav_leaderboard.boards.models import HIDDEN, PUBLIC, SEASON, Board, BoardPoint, audience_of
+from wildscav_leaderboard.boards.models import Board, BoardPoint
 from wildscav_leaderboard.boards.suite_board import SuiteResults, suite_board
 from wildscav_leaderboard.boards.suite_scores import SuiteScores
 from wildscav_leaderboard.matches.models import FINAL, FINISHED, SUITE, VOID, Match, MatchSeat
@@ -32,7 +31,7 @@ from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.service import DISQUALIFIED, taking_part
 from wildscav_leaderboard.teams.models import Team
-from wildscav_leaderboard.visibility import shown_until
+from wildscav_leaderboard.visibility import HIDDEN, PUBLIC, SEASON, audience_of, shown_until
 
 
 class Final(NamedTuple):
@@ -85,7 +84,7 @@ def refresh(session: Session, season: Season, now: datetime, scores: SuiteScores
         conditions = edition.conditions if final is None else final.conditions[track]
         settings = season.track(track)
         enough = [settings.interval, settings.matches] if settings.mode == "ladder" else []
-        frozen = season_state.read_state(session, season_state.FROZEN) is not None
+        frozen = season_state.is_frozen(session)
         state = {"final": final is not None, "frozen": frozen, "enough": enough, "entrants": entrants}
         mark = {**_mark(session, track, conditions), **state}
         if not _is_new(session, f"board:{track}", mark, now):
@@ -282,7 +281,7 @@ def _board(
     played = scores.read(session, rules.track, kind, digest_of(rules.conditions))
     results = [
         SuiteResults(
-            entry=_entry(one, team),
+            entry=Entry.of(one, team.name, team.title),
             planned=rules.planned,
             faults=played.faults_of(one.id),
             metrics=played.metrics.get(one.id, {}),
@@ -292,15 +291,11 @@ def _board(
     return suite_board(rules.track, rules.conditions, rules.metrics, results, now)
 
 
-def _entry(one: Submission, team: Team) -> Entry:
-    return Entry(one.entrant, one.id, one.name, one.version, team.name, team.title, one.created)
-
-
 def _ladder_board(
     session: Session, rules: _Rules, entered: Sequence[tuple[Submission, Team]], now: datetime
 ) -> LadderBoard:
-    entrants = [_entry(one, team) for one, team in entered]
-    entrants += [Entry(robot_entrant(robot), None, robot) for robot in rules.settings.robots]
+    entrants = [Entry.of(one, team.name, team.title) for one, team in entered]
+    entrants += Entry.of_robots(rules.settings.robots)
     played = ladders.played_on(session, rules.track, digest_of(rules.conditions))
     enough = Enough(rules.settings.interval, rules.settings.matches)
     return ladder_board(rules.track, rules.conditions, rules.metrics, entrants, played, enough, now)

@@ -1,13 +1,11 @@
 """What ``wildscav verify`` does and shows for a season."""
 
-import json
 from dataclasses import asdict
 
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.text import Text
 
 from wildscav.errors import UserError
-from wildscav.terminal.console import console, error_console, print_json
+from wildscav.terminal.console import console, print_json, progress_bar
 from wildscav.terminal.tables import FittingTable
 from wildscav_evaluator.cache import cache_folder
 from wildscav_evaluator.cli.sessions.playing import raise_errors
@@ -47,7 +45,7 @@ def run_audit(
     wanted = Wanted(track, download, resimulate, noted)
     report = _audited(place, wanted, executor)
     if as_json:
-        print_json(json.loads(json.dumps(_document(report), default=str)))
+        print_json(_document(report))
     else:
         _show(report)
     found = [str(one) for one in report.findings]
@@ -59,12 +57,7 @@ def run_audit(
 
 
 def _audited(place: str, wanted: Wanted, executor: Executor) -> Report:
-    columns = (
-        *(TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn()),
-        TimeRemainingColumn(),
-    )
-    hidden = not error_console.is_terminal
-    with Progress(*columns, console=error_console, transient=True, disable=hidden) as progress:
+    with progress_bar() as progress:
         task = progress.add_task("reading the season", total=None)
 
         def show(what: str, done: int, total: int) -> None:
@@ -112,5 +105,5 @@ def _show(report: Report) -> None:
             skipped.setdefault(why, []).append(f"{place} ({count:,})")
     console.print(table)
     for why, what in skipped.items():
-        console.print(Text(f"not checked, because {why}: {'; '.join(what)}", "dim"), soft_wrap=True)
+        console.print(Text(f"not checked, because {why}: {'; '.join(what)}", "dim"))
     console.print()

@@ -13,13 +13,19 @@ Where = Annotated[
     list[str] | None,
     typer.Argument(
         help="Folders of evaluations and tournaments, folders with such folders in them, or files "
-        "results.json. Default: out. With --season: its address. Default: that which you logged in to last.",
+        "results.json, or the address of a season. Default: out.",
         metavar="[FOLDER|URL]",
         show_default=False,
     ),
 ]
 OfSeason = Annotated[
-    bool, typer.Option("--season", help="Show the boards of a season, in place of the results in folders.")
+    str | None,
+    typer.Option(
+        "--season",
+        help="Show the boards of the season at this address; latest is the one that you logged in to last.",
+        metavar="URL",
+        show_default=False,
+    ),
 ]
 Track = Annotated[str | None, typer.Option(help="Only this track, or tracks whose names begin with this.")]
 SuiteName = Annotated[
@@ -29,7 +35,7 @@ SuiteName = Annotated[
 
 def leaderboard(
     where: Where = None,
-    season: OfSeason = False,
+    season: OfSeason = None,
     track: Track = None,
     suite: SuiteName = None,
     db: NoDatabase = None,  # noqa: ARG001 - its callback says what replaced it
@@ -40,14 +46,16 @@ def leaderboard(
     With --season, show the boards of a season; no account is needed for that.
     """
     named = where or []
-    if season or (len(named) == 1 and _is_address(named[0])):
+    if season is None and len(named) == 1 and _is_address(named[0]):
+        season = named.pop()
+    if season is not None:
         from wildscav_leaderboard.competing.boards import show_boards
 
-        if len(named) > 1:
-            raise UserError("--season shows the boards of one season: name one address", exit_code=2)
+        if named:
+            raise UserError("--season shows the boards of one season: leave out the folders", exit_code=2)
         if suite is not None:
             raise UserError("--suite is for folders: a season has one suite on each track", exit_code=2)
-        show_boards(named[0] if named else None, track, as_json=as_json)
+        show_boards(season, track, as_json=as_json)
     else:
         from wildscav_evaluator.cli.sessions.leaderboard import show_standings
         from wildscav_evaluator.output.numbered_folders import OUT

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 LEGEND = "Teams whose ranks overlap cannot be told apart with 95 % confidence."
 
 
-def show_boards(named: str | None, track: str | None, *, as_json: bool) -> None:
+def show_boards(named: str, track: str | None, *, as_json: bool) -> None:
     """Print the boards of a season: of one track, or of all.
 
     Raises:
@@ -34,8 +34,7 @@ def show_boards(named: str | None, track: str | None, *, as_json: bool) -> None:
         raise UserError(f"{season.title} has no track {track}{near}; it has {', '.join(names)}")
     found = [one for one in found if track is None or one.track.startswith(track)]
     if as_json:
-        boards = [one.model_dump(mode="json") for one in found]
-        print_json({"season": season.model_dump(mode="json"), "boards": boards})
+        print_json({"season": season, "boards": found})
     _print(season, found)
 
 
@@ -43,10 +42,10 @@ def _print(season: "SeasonView", found: "list[BoardDocument]") -> None:
     for board in found:
         if not board.rows:
             title = f"{board.track} · suite {board.conditions.suite}: nobody takes part yet\n"
-            console.print(Text(printable(title), "bold"), soft_wrap=True)
+            console.print(Text(printable(title), "bold"))
             continue
         console.print(_table(board))
-        console.print(f"played by {board.conditions.versions}\n", soft_wrap=True)
+        console.print(f"played by {board.conditions.versions}\n")
     if not found:
         console.print(f"There are no results in {printable(season.title)} yet.")
         return

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from wildscav_leaderboard.competing.season_client import SeasonClient
 
 SEASON_VARIABLE, TOKEN_VARIABLE = "WILDSCAV_SEASON", "WILDSCAV_ACCOUNT_TOKEN"
+LATEST = "latest"  # in place of an address: the season that is meant where none is named
 SeasonUrl = Annotated[
     str | None,
     typer.Option(
@@ -30,7 +31,7 @@ def season_client(named: str | None) -> "Iterator[SeasonClient]":
     """Give a client of a season, as the account that is logged in there.
 
     Args:
-        named: The season's address; None for the one in WILDSCAV_SEASON, or that of the latest login.
+        named: The season's address; None or latest for the one in WILDSCAV_SEASON, or of the latest login.
 
     Raises:
         UserError: No season is named, and nobody is logged in.
@@ -53,7 +54,8 @@ def chosen(named: str | None) -> tuple[str, str | None]:
     from wildscav_leaderboard.competing.logins import Logins
 
     logins = Logins.read()
-    named = named or os.environ.get(SEASON_VARIABLE)
+    if named in (None, "", LATEST):
+        named = os.environ.get(SEASON_VARIABLE)
     url = season_url(named) if named else logins.current
     if url is None:
         raise UserError("you are logged in to no season: `wildscav login URL`")

@@ -29,7 +29,7 @@ def waited(client: "SeasonClient", one: "SubmissionView") -> "SubmissionView":
                     continue
                 one = seen
                 for entry in one.history[shown:]:
-                    console.print(step(entry), soft_wrap=True)
+                    console.print(step(entry))
                 shown = max(shown, len(one.history))
                 tell(f"{one.state} {texts.waiting(one)}")
     except KeyboardInterrupt:

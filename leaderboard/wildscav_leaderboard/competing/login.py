@@ -188,8 +188,7 @@ def _label() -> str:
 
 def _show(address: str, season: "SeasonView", account: "AccountView", *, as_json: bool) -> None:
     if as_json:
-        found = {"url": address, "season": season.name, "title": season.title}
-        print_json({**found, "account": account.model_dump(mode="json")})
+        print_json({"url": address, "season": season.name, "title": season.title, "account": account})
     texts.say(f"logged in to {season.title}, {address}")
     team = account.team.name if account.team is not None else ""
     none_yet = "none yet: `wildscav team create NAME`, or `wildscav team join KEY`"
@@ -204,4 +203,4 @@ def _show(address: str, season: "SeasonView", account: "AccountView", *, as_json
 
 
 def _warn(text: str) -> None:
-    error_console.print(f"warning: {printable(text)}", style="yellow", soft_wrap=True)
+    error_console.print(f"warning: {printable(text)}", style="yellow")

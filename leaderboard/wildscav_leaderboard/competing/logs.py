@@ -45,7 +45,7 @@ def logs(
         if len(found) > 1:
             console.print(Text(f"── seat {one['seat']} ──", "dim"))
         text = printable(str(one["log"]), LAYOUT)
-        console.print(Text(text), soft_wrap=True, end="" if text.endswith("\n") else "\n")
+        console.print(Text(text), end="" if text.endswith("\n") else "\n")
 
 
 def _of_match(client: "SeasonClient", match: int, seat: int | None) -> list[dict[str, int | str]]:

@@ -40,7 +40,7 @@ def matches(
             found = client.matches(limit, submission=submission, track=track)
         url = client.url
     if as_json:
-        print_json({"matches": [one.model_dump(mode="json") for one in found]})
+        print_json({"matches": found})
     if match is not None:
         _show(found[0], url)
     elif found:
@@ -108,5 +108,5 @@ def fetched_record(match: int, season: str | None) -> Path:
         if not stored:
             with error_console.status("downloading the record"):
                 client.download_record(match, found.record, path)
-            console.print(f"{path}: the record of match {match}", soft_wrap=True)
+            console.print(f"{path}: the record of match {match}")
     return path

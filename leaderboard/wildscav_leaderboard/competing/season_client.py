@@ -39,7 +39,7 @@ T = TypeVar("T")
 N = TypeVar("N", SubmissionView, MatchView)
 PAGE = 100  # entries of a list that are asked for at once
 PIECE = 1 << 16  # bytes
-Progress = Callable[[int], object]  # is told how many bytes were sent or received
+OnSent = Callable[[int], object]  # is told how many more bytes were sent
 
 
 class SeasonClient:
@@ -109,7 +109,7 @@ class SeasonClient:
     # Submissions.
 
     def submit(
-        self, archive: Path, suffix: str, message: str, progress: Progress, replaces: int | None = None
+        self, archive: Path, suffix: str, message: str, progress: OnSent, replaces: int | None = None
     ) -> HandedIn:
         """Hand in an archive. It is sent piece by piece, so its size takes no memory."""
         query = {"message": message, "suffix": suffix} | ({"replaces": str(replaces)} if replaces else {})
@@ -190,7 +190,7 @@ class SeasonClient:
             ) from None
 
 
-def _pieces(path: Path, progress: Progress) -> Iterator[bytes]:
+def _pieces(path: Path, progress: OnSent) -> Iterator[bytes]:
     with path.open("rb") as file:
         while piece := file.read(PIECE):
             yield piece

@@ -61,7 +61,7 @@ def submissions(
             found = client.submissions(limit, team=chosen, states=state)
         url = client.url
     if as_json:
-        print_json({"submissions": [one.model_dump(mode="json") for one in found]})
+        print_json({"submissions": found})
     if wait:
         check_end(found[0])
     elif number is not None:
@@ -76,7 +76,7 @@ def _act(act: str, number: int, season: str | None, *, as_json: bool) -> None:
     with season_client(season) as client:
         found = client.act(number, act)
     if as_json:
-        print_json({"submission": found.model_dump(mode="json")})
+        print_json({"submission": found})
     where = f" on {', '.join(found.playing)}" if found.playing else ""
     console.print(f"submission {found.id} is {printable(found.state)}{where}{', kept' if found.kept else ''}")
 
@@ -117,5 +117,5 @@ def show(one: "SubmissionView", url: str) -> None:
     }
     console.print(texts.facts(rows))
     for entry in one.history:
-        console.print(step(entry), soft_wrap=True)
+        console.print(step(entry))
     console.print(failure(one))

@@ -10,7 +10,7 @@ import typer
 
 from wildscav.cli.shared_options import AsJson
 from wildscav.errors import UserError
-from wildscav.terminal.console import console, counted, error_console, print_json
+from wildscav.terminal.console import console, counted, print_json, progress_bar
 from wildscav_leaderboard.competing import texts
 from wildscav_leaderboard.competing.connected import SeasonUrl, season_client
 from wildscav_leaderboard.competing.course import check_end, waited
@@ -18,7 +18,7 @@ from wildscav_leaderboard.competing.course import check_end, waited
 if TYPE_CHECKING:
     from wildscav_evaluator.submissions.submission import Submission
     from wildscav_leaderboard.api.documents import HandedIn, QuotaView, SubmissionView
-    from wildscav_leaderboard.competing.season_client import Progress, SeasonClient
+    from wildscav_leaderboard.competing.season_client import OnSent, SeasonClient
 
 
 def submit(
@@ -62,11 +62,10 @@ def submit(
         if wait:
             last = waited(client, last)
     if as_json:
-        shown = handed_in.model_copy(update={"submission": last}).model_dump(mode="json")
-        print_json({**shown, "not_played": missing})
+        print_json({"submission": last, "quota": handed_in.quota, "not_played": missing})
     if wait:
         check_end(last)
-        console.print(f"its matches: wildscav team matches {last.id}", soft_wrap=True)
+        console.print(f"its matches: wildscav team matches {last.id}")
 
 
 def _quota(client: "SeasonClient") -> "QuotaView":
@@ -86,17 +85,14 @@ def _quota(client: "SeasonClient") -> "QuotaView":
 
 
 @contextmanager
-def _progress() -> "Iterator[Callable[[Path], Progress]]":
+def _progress() -> "Iterator[Callable[[Path], OnSent]]":
     """Show that an archive is packed, how much of it was sent, and that the season then checks it."""
-    from rich.progress import BarColumn, DownloadColumn, TextColumn, TransferSpeedColumn
-    from rich.progress import Progress as Shown
+    from rich.progress import DownloadColumn, TransferSpeedColumn
 
-    columns = (TextColumn("{task.description}"), BarColumn(), DownloadColumn(), TransferSpeedColumn())
-    unseen = not error_console.is_terminal
-    with Shown(*columns, console=error_console, transient=True, disable=unseen) as shown:
+    with progress_bar(DownloadColumn(), TransferSpeedColumn()) as shown:
         task = shown.add_task("packing", total=None)
 
-        def begun(archive: Path) -> "Progress":
+        def begun(archive: Path) -> "OnSent":
             shown.update(task, description="uploading", total=archive.stat().st_size)
             return advance
 

@@ -35,7 +35,7 @@ def create(
     with season_client(season) as client:
         made = client.make_team(name, title)
     if as_json:
-        print_json(made.model_dump(mode="json"))
+        print_json(made)
     texts.say(f"team {made.team.name}")
     texts.say(f"key  {made.key}   (for teammates: wildscav team join KEY; shown this once)")
 
@@ -50,7 +50,7 @@ def join(
     with season_client(season) as client:
         team = client.join_team(key)
     if as_json:
-        print_json({"team": team.model_dump(mode="json")})
+        print_json({"team": team})
     texts.say(f"you are a member of {team.name}: {', '.join(team.members)}")
 
 
@@ -86,8 +86,7 @@ def show(
         else:
             team = client.team(name)
     if as_json:
-        quota_document = None if quota is None else quota.model_dump(mode="json")
-        print_json({"team": team.model_dump(mode="json"), "quota": quota_document})
+        print_json({"team": team, "quota": quota})
     _show(team, quota)
 
 

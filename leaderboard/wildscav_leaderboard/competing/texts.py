@@ -26,7 +26,7 @@ NOTHING = "-"
 
 def say(text: str) -> None:
     """Print one line, however long it is."""
-    console.print(Text(printable(text)), soft_wrap=True)
+    console.print(Text(printable(text)))
 
 
 def facts(rows: Mapping[str, str | Text]) -> Table:

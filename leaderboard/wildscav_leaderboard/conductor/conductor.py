@@ -246,7 +246,7 @@ class Conductor:
                     (attempt, work.job_of(self.season, match, seats[match.id], archives, self._sandbox))
                 )
             except (WildscavError, OSError, ValueError) as error:
-                self._broke(attempt.id, describe(error) if isinstance(error, OSError) else str(error))
+                self._broke(attempt.id, describe(error))
         return jobs
 
     def _deliver(self, attempt: Attempt, result: JobResult) -> None:
@@ -257,7 +257,7 @@ class Conductor:
         try:
             row, record = work.keep_record(result)
         except (WildscavError, OSError) as error:
-            self._broke(attempt.id, describe(error) if isinstance(error, OSError) else str(error))
+            self._broke(attempt.id, describe(error))
             return
         with self.database.writing() as session:
             steps.played(session, self._holding, attempt.id, row, result.timing, record, now())

@@ -15,7 +15,7 @@ from sqlalchemy.orm import Session
 
 from wildscav.terminal.console import counted
 from wildscav_leaderboard.boards.kept import read_board
-from wildscav_leaderboard.boards.models import HIDDEN, Board, LadderStep
+from wildscav_leaderboard.boards.models import Board, LadderStep
 from wildscav_leaderboard.matches.models import FINISHED, VOID, WAITING, Match, MatchResult
 from wildscav_leaderboard.seasons.editions import Conditions, Edition, changes_between, digest_of
 from wildscav_leaderboard.seasons.folder import Season
@@ -31,6 +31,7 @@ from wildscav_leaderboard.seasons.state import NODES, is_decided, log_act, read_
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.service import taking_part
 from wildscav_leaderboard.submissions.states import ACTIVE
+from wildscav_leaderboard.visibility import HIDDEN
 
 NOT_IN_FORCE = "its edition is no longer in force"  # why a match is void
 RECENT = 100  # matches from which the time of a match is estimated

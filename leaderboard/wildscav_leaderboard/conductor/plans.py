@@ -29,7 +29,7 @@ from wildscav_leaderboard.matches.service import Entrant, add_ladder_match, add_
 from wildscav_leaderboard.seasons.editions import digest_of
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.in_force import in_force, sandbox_of
-from wildscav_leaderboard.seasons.state import FINALIZED, FINALIZING, read_state
+from wildscav_leaderboard.seasons.state import FINALIZING, is_finalized, read_state
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.service import taking_part
 
@@ -72,7 +72,7 @@ class _Round(NamedTuple):
 
 def _rounds(session: Session, season: Season) -> list[_Round]:
     """Return what is played on all ladders now; nothing once the season is decided."""
-    if read_state(session, FINALIZED) is not None:
+    if is_finalized(session):
         return []
     season = in_force(session, season)
     field = (read_state(session, FINALIZING) or {}).get("field")

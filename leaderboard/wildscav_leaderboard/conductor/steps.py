@@ -30,11 +30,6 @@ from wildscav_leaderboard.submissions.service import PLATFORM, activate, move
 CONDUCTOR = "the conductor"  # the actor of what nobody did; no account can be called so
 
 
-def is_paused(session: Session) -> bool:
-    """Return whether the organizers paused the season: nothing new is begun."""
-    return season_state.read_state(session, season_state.PAUSED) is not None
-
-
 def admit(session: Session, now: datetime) -> None:
     """Put submissions that were handed in into the queue."""
     for submission in session.scalars(select(Submission).filter_by(state=states.SUBMITTED)).all():
@@ -47,7 +42,7 @@ def freeze_when_due(session: Session, season: Season, now: datetime) -> bool:
     If that time is moved into the future afterwards, the boards go on until then.
     """
     due, frozen = season.settings.freezes, season_state.read_state(session, season_state.FROZEN)
-    if season_state.read_state(session, season_state.FINALIZED) is not None:
+    if season_state.is_finalized(session):
         return False
     if due is not None and now >= due:
         if not season_state.freeze(session, now, due):
@@ -66,7 +61,7 @@ def take_submission(session: Session, season: Season, holding: Holding, now: dat
     """Begin to build the submission whose turn it is; return None if none waits."""
     check(session, holding)
     waiting = [one for one in queue(session) if one.state == states.QUEUED]
-    if not waiting or is_paused(session):
+    if not waiting or season_state.is_paused(session):
         return None
     lasts = season.settings.deadlines.building
     attempt = attempts.begin(session, BUILD, holding, now, lasts, submission=waiting[0].id)
@@ -149,7 +144,7 @@ def take_matches(
 ) -> list[tuple[Attempt, Match]]:
     """Begin to play the next matches, at most ``count``."""
     check(session, holding)
-    if is_paused(session):
+    if season_state.is_paused(session):
         return []
     taken, season = [], in_force(session, season)
     played = {
@@ -175,7 +170,7 @@ def begun(session: Session, holding: Holding, attempt_id: int, now: datetime) ->
     match = session.get_one(Match, attempt.match_id)
     if attempt.ended is not None or match.state != PLAYING:
         return True
-    if attempt.begun is None and is_paused(session):
+    if attempt.begun is None and season_state.is_paused(session):
         attempts.end(attempt, attempts.RETURNED, now, "the season is paused")
         matches.mark_waiting(match, now)
         return False

@@ -174,7 +174,7 @@ class Validators:
             raise
         except Exception as error:  # noqa: BLE001 (whatever it is, it is not the competitor's fault)
             if not self._stopping.is_set():
-                why = describe(error) if isinstance(error, OSError) else str(error) or type(error).__name__
+                why = describe(error)
                 self._log.warning("attempt_broke", attempt=attempt.id, fault="platform", reason=why)
                 with self._database.writing() as session:
                     steps.broke(session, season, self._holding, attempt.id, now(), why)

@@ -27,7 +27,6 @@ from wildscav_evaluator.output.results import MatchRow
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.sandbox.process import DANGER, WARNING
 from wildscav_evaluator.seats import robot_entrant
-from wildscav_evaluator.submission_files import SubmissionError
 from wildscav_evaluator.submissions.images import BuildError, build_image, lacks_packages, with_images
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_leaderboard.boards.matchmaking import seated
@@ -36,6 +35,7 @@ from wildscav_leaderboard.matches.service import PlayedRecord, Seat
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.spectating.live import key_of
 from wildscav_leaderboard.submissions.archives import load_archive
+from wildscav_server.hosting.manifest import SubmissionError
 from wildscav_server.hosting.precompile import precompile_for
 from wildscav_server.monitoring.logs import Log
 

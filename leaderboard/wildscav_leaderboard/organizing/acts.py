@@ -268,7 +268,7 @@ def rejudge(
     """
     del reason  # it is for the audit log
     session, decided = doing.session, is_decided(doing.session)
-    if season_state.read_state(session, season_state.FINALIZED) is not None:
+    if season_state.is_finalized(session):
         raise RefusalError("the season is finalized: its boards are final")
     editions = edition_numbers(session)
     if track != "all" and track not in editions:

@@ -1,6 +1,6 @@
 """Checking a season: that everything is there that it needs, and as it was when it was stored."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,13 +11,11 @@ from wildscav.errors import UserError
 from wildscav_leaderboard.conductor.editions import edition_changes
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.database.schema import check_is_current
-from wildscav_leaderboard.organizing.backups.backup import upgraded
+from wildscav_leaderboard.organizing.backups.backup import OnProgress, upgraded
 from wildscav_leaderboard.organizing.stored_files import stored_files
 from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE, Season
 from wildscav_leaderboard.seasons.initial_files import COMMITMENTS_FILE, commitments_text
 from wildscav_leaderboard.seasons.own_database import opened
-
-OnProgress = Callable[[int, int], None]  # files that are checked, of how many
 
 
 @dataclass

@@ -23,7 +23,6 @@ from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.boards import service as boards
 from wildscav_leaderboard.boards.kept import read_board
-from wildscav_leaderboard.boards.models import HIDDEN
 from wildscav_leaderboard.conductor.lease import holder_of
 from wildscav_leaderboard.conductor.plans import ladders_want_matches
 from wildscav_leaderboard.database.connection import clock
@@ -49,13 +48,14 @@ from wildscav_leaderboard.seasons.state import log_act
 from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.service import find_submission
+from wildscav_leaderboard.visibility import HIDDEN
 
 SETTLING, DECIDING, DONE = "settling", "deciding", "done"  # stages
 PENDING = (states.SUBMITTED, states.QUEUED, states.BUILDING, states.VALIDATING)
 
 
 @dataclass(frozen=True)
-class Progress:
+class Ending:
     """How far a season is on the way to its end."""
 
     stage: str
@@ -98,7 +98,7 @@ def abort(session: Session, actor: str, now: datetime) -> None:
     Raises:
         RefusalError: It is not being decided, or it is decided already.
     """
-    if season_state.read_state(session, season_state.FINALIZED) is not None:
+    if season_state.is_finalized(session):
         raise RefusalError("the season is over, and its secrets are opened: that cannot be taken back")
     if season_state.read_state(session, season_state.FINALIZING) is None:
         raise RefusalError("the season is not being decided")
@@ -115,14 +115,14 @@ def finalize_again(session: Session, season: Season, actor: str, now: datetime) 
     Returns:
         Whether it is decided, so that what was published is to be replaced.
     """
-    if season_state.read_state(session, season_state.FINALIZED) is None:
+    if not season_state.is_finalized(session):
         return False
     changed = ", ".join(boards.refresh(session, season, now)) or "nothing"
     log_act(session, actor, "finalize again", "season", now, f"published anew; changed: {changed}")
     return True
 
 
-def advance(session: Session, season: Season, actor: str, now: datetime) -> Progress:
+def advance(session: Session, season: Season, actor: str, now: datetime) -> Ending:
     """Do what can be done now, and return how far the season is.
 
     Args:
@@ -134,8 +134,8 @@ def advance(session: Session, season: Season, actor: str, now: datetime) -> Prog
     Raises:
         RefusalError: It cannot go on before the organizers do something about it.
     """
-    if season_state.read_state(session, season_state.FINALIZED) is not None:
-        return Progress(DONE)
+    if season_state.is_finalized(session):
+        return Ending(DONE)
     state = season_state.read_state(session, season_state.FINALIZING)
     if state is None:
         raise RefusalError("the season is not being decided")
@@ -151,17 +151,17 @@ def advance(session: Session, season: Season, actor: str, now: datetime) -> Prog
     if deciding is not None:
         return deciding
     _decide(session, season, state["field"], actor, now)
-    return Progress(DONE)
+    return Ending(DONE)
 
 
-def _settling(session: Session, season: Season) -> Progress | None:
+def _settling(session: Session, season: Season) -> Ending | None:
     """Return how far what was handed in is played; None if it is."""
     pending = _count(session, select(func.count()).where(Submission.state.in_(PENDING)))
     left = _count(session, select(func.count()).where(Match.state.in_((WAITING, PLAYING))))
     if not pending and not left and not ladders_want_matches(session, season):
         return None
     planned = _count(session, select(func.count()).where(Match.state != VOID))
-    return Progress(SETTLING, planned - left, planned, pending, _why_it_stands(session))
+    return Ending(SETTLING, planned - left, planned, pending, _why_it_stands(session))
 
 
 def _check_playable(session: Session, season: Season) -> None:
@@ -270,7 +270,7 @@ def _decided_by(session: Session, season: Season, field: Mapping[str, list[int]]
     return {track: one for track, one in field.items() if modes[track] == "suite" or track in played}
 
 
-def _deciding(session: Session, season: Season, field: dict[str, list[int]]) -> Progress | None:
+def _deciding(session: Session, season: Season, field: dict[str, list[int]]) -> Ending | None:
     """Return how far the matches that decide the season are; None if they are played.
 
     Raises:
@@ -293,7 +293,7 @@ def _deciding(session: Session, season: Season, field: dict[str, list[int]]) -> 
     planned = _count(session, own) + _count(session, rounds)
     played = sum(_count(session, one.where(Match.state == FINISHED)) for one in (own, rounds))
     is_over = played == planned and not ladders_want_matches(session, season)
-    return None if is_over else Progress(DECIDING, played, planned, 0, _why_it_stands(session))
+    return None if is_over else Ending(DECIDING, played, planned, 0, _why_it_stands(session))
 
 
 def _active(session: Session, field: dict[str, list[int]]) -> list[int]:

@@ -1,9 +1,9 @@
 """How a season is doing: what waits, what is played, and what went wrong."""
 
-from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Any
 
+from pydantic import BaseModel, ConfigDict
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
@@ -24,26 +24,44 @@ from wildscav_leaderboard.teams.service import count_teams
 FAULTS = 50  # the latest ones that are shown
 
 
-@dataclass(frozen=True)
-class Status:
+class AttemptView(BaseModel):
+    """An attempt at a piece of work."""
+
+    model_config = ConfigDict(from_attributes=True)
+
+    id: int
+    kind: str
+    number: int  # of this piece of work, from 1
+    epoch: int  # of the conductor that began it
+    submission_id: int | None
+    match_id: int | None
+    started: datetime
+    begun: datetime | None  # a match is taken before its turn comes
+    deadline: datetime
+    ended: datetime | None
+    outcome: str | None
+    detail: str
+
+
+class StatusView(BaseModel):
     """How a season is doing."""
 
     conductor: str | None  # who conducts; None if nobody does
     sandbox: str | None
     executor: str | None
     at_once: int | None  # matches
-    paused: str | None
+    paused: str | None  # why
     failed: str | None  # why nothing can be played
     teams: int
     submissions: dict[str, int]  # by state
     matches: dict[str, int]  # by state
     missing: dict[str, int]  # entrants without whom a ladder makes no matches, by track
     changes: list[str]  # of the rules, which are not in force yet
-    attempts: list[Attempt]  # that have not ended
-    faults: list[Attempt]  # of the last day, the latest first
+    attempts: list[AttemptView]  # that have not ended
+    faults: list[AttemptView]  # of the platform, in the last day, the latest first
 
 
-def status(session: Session, season: Season, now: datetime) -> Status:
+def status(session: Session, season: Season, now: datetime) -> StatusView:
     """Return how a season is doing."""
     nodes = season_state.read_state(session, season_state.NODES) or {}
     paused = season_state.read_state(session, season_state.PAUSED)
@@ -51,7 +69,8 @@ def status(session: Session, season: Season, now: datetime) -> Status:
     broken = select(Attempt).where(
         Attempt.outcome.in_(("platform", "lost")), Attempt.started > now - timedelta(days=1)
     )
-    return Status(
+    latest = broken.order_by(Attempt.id.desc()).limit(FAULTS)
+    return StatusView(
         conductor=holder_of(session, clock(session)),
         sandbox=nodes.get("sandbox"),
         executor=nodes.get("executor"),
@@ -63,8 +82,8 @@ def status(session: Session, season: Season, now: datetime) -> Status:
         matches=count_by_state(session, Match),
         missing=missing_entrants(session, in_force(session, season)),
         changes=[one.text for one in edition_changes(session, season)],
-        attempts=running(session),
-        faults=list(session.scalars(broken.order_by(Attempt.id.desc()).limit(FAULTS))),
+        attempts=[AttemptView.model_validate(one) for one in running(session)],
+        faults=[AttemptView.model_validate(one) for one in session.scalars(latest)],
     )
 
 

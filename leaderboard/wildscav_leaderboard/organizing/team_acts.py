@@ -29,7 +29,7 @@ def cancel(doing: Doing, number: Number) -> None:
 
 def disable(doing: Doing, number: Number) -> None:
     """Let a submission no longer take part. Its results are kept, and it may be restored."""
-    if season_state.read_state(doing.session, season_state.FINALIZED) is not None:
+    if season_state.is_finalized(doing.session):
         raise RefusalError("the season is over: its boards are final")
     submission = find_submission(doing.session, number)
     move(doing.session, submission, states.DISABLED, doing.now, reason="disabled by its team")

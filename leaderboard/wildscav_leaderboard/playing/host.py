@@ -53,10 +53,8 @@ def main() -> None:
     order = Order.model_validate_json(sys.stdin.read())
     try:
         why = asyncio.run(_serve(order))
-    except OSError as error:
+    except (OSError, WildscavError) as error:
         return _tell(Told(state="failed", why=describe(error)))
-    except WildscavError as error:
-        return _tell(Told(state="failed", why=str(error)))
     return _tell(Told(state="ended", why=why))
 
 

@@ -13,11 +13,9 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from wildscav_leaderboard.boards.documents import BoardDocument
-from wildscav_leaderboard.boards.models import PUBLIC
 from wildscav_leaderboard.seasons.editions import Conditions, Part
 from wildscav_leaderboard.seasons.settings import Mode
-
-SEASON_FILE = "season.json"
+from wildscav_leaderboard.visibility import PUBLIC
 
 Digest = Annotated[str, Field(pattern="^[0-9a-f]{32}$")]
 

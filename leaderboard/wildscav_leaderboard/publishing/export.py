@@ -11,11 +11,11 @@ from pathlib import Path
 from sqlalchemy.orm import Session
 
 from wildscav.terminal.console import counted
+from wildscav_evaluator.output.layout import SEASON_FILE
 from wildscav_leaderboard.boards.documents import BoardDocument, LadderRow, Row, SuiteRow
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import MatchResult
 from wildscav_leaderboard.publishing.documents import (
-    SEASON_FILE,
     BoardFile,
     Line,
     PublishedBoard,

@@ -17,7 +17,7 @@ from wildscav_evaluator.suites.seeds import LARGEST, SuiteSeed
 from wildscav_evaluator.suites.suite import match_count
 from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard
 from wildscav_leaderboard.boards.kept import read_board
-from wildscav_leaderboard.boards.models import PUBLIC, Board
+from wildscav_leaderboard.boards.models import Board
 from wildscav_leaderboard.matches.models import (
     FINAL,
     FINAL_ROUND,
@@ -47,7 +47,7 @@ from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE, 
 from wildscav_leaderboard.seasons.models import EditionRow
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.teams.models import Team
-from wildscav_leaderboard.visibility import Visible, seen_by, shown_until
+from wildscav_leaderboard.visibility import PUBLIC, Visible, seen_by, shown_until
 
 Audience = Literal["public", "season"]
 AUDIENCES: tuple[Audience, ...] = ("public", "season")
@@ -75,7 +75,7 @@ def published_season(session: Session, season: Season, addresses: Addresses) -> 
     return PublishedSeason.about(
         settings,
         frozen=shown_until(session, None),
-        finalized=season_state.read_state(session, season_state.FINALIZED) is not None,
+        finalized=season_state.is_finalized(session),
         secret=_secret(season.folder / SECRET_FILE, season.seed, opened=opened),
         final_secret=_secret(season.folder / FINAL_SECRET_FILE, season.final_seed, opened=opened),
         tracks=tuple(_published_track(season, track, opened=opened) for track in settings.tracks),

@@ -52,10 +52,25 @@ def write_state(session: Session, name: str, value: dict[str, Any] | None, now: 
         found.value, found.updated = value, now
 
 
+def is_paused(session: Session) -> bool:
+    """Return whether the organizers paused the season: nothing new is begun."""
+    return read_state(session, PAUSED) is not None
+
+
+def is_frozen(session: Session) -> bool:
+    """Return whether the public boards stay as they are."""
+    return read_state(session, FROZEN) is not None
+
+
+def is_finalized(session: Session) -> bool:
+    """Return whether the matches are played that decide the season, and its boards are final."""
+    return read_state(session, FINALIZED) is not None
+
+
 def is_decided(session: Session) -> bool:
     """Return whether the ladders are over, and only the matches are left that decide the season."""
     ending = read_state(session, FINALIZING) or {}
-    return ending.get("field") is not None or read_state(session, FINALIZED) is not None
+    return ending.get("field") is not None or is_finalized(session)
 
 
 def freeze(session: Session, now: datetime, due: datetime | None = None) -> bool:

@@ -25,48 +25,13 @@ VIDEO = Look("follow", width=640, height=360, detail=0.75)
 POSTER = Look("follow", width=1280, height=720, detail=1.0)
 PICTURES = 20.0  # a second
 LONGEST = 180.0  # s of a video: longer matches are shown faster, so that none takes long to render
+NICENESS = 10  # pages are answered first
+TOLD_EVERY = 0.5  # s
 
 
 def pace_of(seconds: float) -> Pace:
     """Return how fast a match is shown that takes some seconds."""
     return Pace(fps=PICTURES, speed=max(1.0, seconds / LONGEST))
-
-
-def write_match_video(record: Path, target: Path, report: Callable[[int, int], None]) -> None:
-    """Write the video of a match as an MP4.
-
-    Args:
-        record: The record.
-        target: The file.
-        report: Called after each picture, with how many are written and how many there are.
-
-    Raises:
-        UserError: PyAV is missing, or the record cannot be read or be played again.
-    """
-    try:
-        check_encoder(target)
-        film = Film(read_record(record), VIDEO)
-        # Half of the processors: the season's matches are played on them, too.
-        threads = max(1, (os.cpu_count() or 1) // 2)
-        write_video(film, target, pace_of(film.seconds), threads=threads, report=report)
-    except (VideoError, RecordError) as error:
-        raise UserError(str(error)) from None
-
-
-def write_match_poster(record: Path, target: Path) -> None:
-    """Write the picture of a match that shows most of it as a JPEG.
-
-    Raises:
-        UserError: The record cannot be read or be played again.
-    """
-    try:
-        write_poster(Film(read_record(record), POSTER), target)
-    except (VideoError, RecordError) as error:
-        raise UserError(str(error)) from None
-
-
-NICENESS = 10  # pages are answered first
-TOLD_EVERY = 0.5  # s
 
 
 def render_trails(record: Path, target: Path) -> None:
@@ -85,8 +50,13 @@ def render_replay(record: Path, target: Path) -> None:
     write_replay(read_record(record), target)
 
 
+def render_poster(record: Path, target: Path) -> None:
+    """Write the picture of a match that shows most of it as a JPEG."""
+    write_poster(Film(read_record(record), POSTER), target)
+
+
 def render_video(record: Path, target: Path) -> None:
-    """Write the video of a match, and meanwhile how far it is."""
+    """Write the video of a match as an MP4, and meanwhile how far it is."""
     told = 0.0
 
     def report(done: int, count: int) -> None:
@@ -95,14 +65,18 @@ def render_video(record: Path, target: Path) -> None:
             told = time.monotonic()
             write_whole(target.with_name(PROGRESS), str(100 * done // count).encode())
 
-    write_match_video(record, target, report)
+    check_encoder(target)
+    film = Film(read_record(record), VIDEO)
+    # Half of the processors: the season's matches are played on them, too.
+    threads = max(1, (os.cpu_count() or 1) // 2)
+    write_video(film, target, pace_of(film.seconds), threads=threads, report=report)
 
 
 RENDERERS: dict[str, Callable[[Path, Path], None]] = {
     "trails": render_trails,
     "overview": render_overview,
     "replay": render_replay,
-    "poster": write_match_poster,
+    "poster": render_poster,
     "video": render_video,
 }
 
@@ -115,10 +89,8 @@ def main() -> None:
     try:
         for product, _, target in (each.partition("=") for each in wanted):
             RENDERERS[product](Path(record), Path(target))
-    except OSError as error:
+    except (OSError, UserError, RecordError, VideoError, ViewError) as error:
         raise SystemExit(describe(error)) from None
-    except (UserError, RecordError, ViewError) as error:
-        raise SystemExit(str(error)) from None
 
 
 if __name__ == "__main__":

@@ -63,7 +63,7 @@ PRODUCTS = {
 }
 
 
-class Progress(NamedTuple):
+class Rendering(NamedTuple):
     """How far a file is."""
 
     state: State
@@ -113,7 +113,7 @@ class RenderCache:
         for threads in self._threads.values():
             threads.shutdown(cancel_futures=True)
 
-    def progress(self, product: str, key: str, source: Path | MapSpec, now: datetime) -> Progress:
+    def progress(self, product: str, key: str, source: Path | MapSpec, now: datetime) -> Rendering:
         """Return how far a file is, and have it rendered if nobody has asked for it yet.
 
         Args:
@@ -130,11 +130,11 @@ class RenderCache:
         name = f"{key}.{work}"
         with self._lock:
             if _touch(path):
-                return Progress("ready", "", path)
+                return Rendering("ready", "", path)
             task = self._tasks.get(name)
             if task is None or _is_stale(task, now):
                 task = self._begin(work, key, source, now)
-            return Progress(task.state, task.detail or self._what_goes_on(task, name))
+            return Rendering(task.state, task.detail or self._what_goes_on(task, name))
 
     def is_rendering(self, product: str, key: str) -> bool:
         """Return whether a file waits to be rendered here, or is being rendered."""

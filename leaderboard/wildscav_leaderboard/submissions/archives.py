@@ -7,9 +7,10 @@ from pathlib import Path
 
 from wildscav.errors import UserError
 from wildscav_evaluator.submissions.archives import SUFFIXES, unpack
-from wildscav_evaluator.submissions.submission import Manifest, Submission, load_submission
+from wildscav_evaluator.submissions.submission import Submission, load_submission
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import InvalidError, TooLargeError
+from wildscav_server.hosting.manifest import Manifest
 
 UNPACKED = 10  # times the largest archive; the content of one may be as large
 

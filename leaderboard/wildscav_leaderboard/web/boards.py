@@ -8,16 +8,15 @@ from fastapi.responses import HTMLResponse
 from markupsafe import Markup
 from sqlalchemy.orm import Session
 
-from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Number, Reading, check_organizer
+from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Number, Reading
 from wildscav_leaderboard.api.boards import head_to_head_view, ladder_of, ranked_teams
 from wildscav_leaderboard.boards.columns import columns_of
 from wildscav_leaderboard.boards.documents import SuiteBoard
 from wildscav_leaderboard.boards.history import team_histories
 from wildscav_leaderboard.boards.kept import board_updated, earlier_editions, read_board
-from wildscav_leaderboard.boards.models import HIDDEN, PUBLIC, SEASON, audience_of
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.teams.service import team_of
-from wildscav_leaderboard.visibility import shown_until
+from wildscav_leaderboard.visibility import HIDDEN, PUBLIC, audience_for, shown_until
 from wildscav_leaderboard.web.charts import Scale, rank_chart
 from wildscav_leaderboard.web.rendering import PageParts, page, rendered
 
@@ -39,11 +38,7 @@ def board(
     editions = earlier_editions(session, track)
     if edition is None and track not in season.settings.tracks and editions:
         edition = editions[0]  # the track was removed
-    if edition is not None:
-        audience = audience_of(edition)
-    elif audience not in (PUBLIC, SEASON):
-        check_organizer(caller)
-        audience = HIDDEN
+    audience = audience_for(caller, audience, edition)
     found, updated = read_board(session, track, audience), board_updated(session, track, audience)
     team = None if caller is None else team_of(session, caller.account)
     return page(
@@ -56,8 +51,8 @@ def board(
         edition=edition,
         editions=editions,
         updated=updated,
-        frozen=season_state.read_state(session, season_state.FROZEN) is not None,
-        finalized=season_state.read_state(session, season_state.FINALIZED) is not None,
+        frozen=season_state.is_frozen(session),
+        finalized=season_state.is_finalized(session),
         part=_part(request, session, track, audience, updated, None if team is None else team.name),
     )
 

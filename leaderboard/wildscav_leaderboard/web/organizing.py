@@ -76,7 +76,7 @@ def _show(
             one=status(session, request.app.state.season, now),
             here=path,
             acts=ACTS,
-            frozen=season_state.read_state(session, season_state.FROZEN) is not None,
+            frozen=season_state.is_frozen(session),
             notice=notice,
             state=state,
             **_content(session, caller, now, path, state, before),

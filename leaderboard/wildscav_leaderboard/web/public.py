@@ -19,7 +19,7 @@ from wildscav_leaderboard.api.season import counts_view, season_view
 from wildscav_leaderboard.api.submissions import submission_view, submission_views
 from wildscav_leaderboard.api.teams import team_view
 from wildscav_leaderboard.boards.documents import BoardDocument, ProgressView, Row
-from wildscav_leaderboard.boards.history import histories_of, histories_of_team
+from wildscav_leaderboard.boards.history import histories_of
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.models import BoardPoint
 from wildscav_leaderboard.boards.progress import progress_of
@@ -109,7 +109,7 @@ def _team_places(
     session: Session, boards: Mapping[str, BoardDocument | None], team: Team
 ) -> list[tuple[Any, ...]]:
     """Return a team's row on each board on which it has one, with the chart of its ranks."""
-    points, frozen = histories_of_team(session, team.id), shown_until(session, None)
+    points, frozen = histories_of(session, team), shown_until(session, None)
     found = []
     for track, board in boards.items():
         if board is None:
@@ -191,7 +191,7 @@ def track_places(
     """Return where a submission, as it is shown, stands on each track on which there is something to say."""
     tracks = [track for track in one.tracks if track in season.settings.tracks]
     until = shown_until(session, caller)
-    points, met = histories_of(session, one.id, until), opponent_views(session, tracks, one)
+    points, met = histories_of(session, one, until), opponent_views(session, tracks, one)
     better = {track: _better(session, track, view) for track in tracks}
     new = [track for track in tracks if not points.get(track) and better[track] is None]
     progress = {each.track: each for each in (progress_of(session, season, one) if new else ())}

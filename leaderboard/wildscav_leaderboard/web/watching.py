@@ -18,7 +18,7 @@ from wildscav_leaderboard.playing.permission import open_tracks, refused_why
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import ForbiddenError
 from wildscav_leaderboard.spectating import rerun_viewer
-from wildscav_leaderboard.spectating.render_cache import Progress
+from wildscav_leaderboard.spectating.render_cache import Rendering
 from wildscav_leaderboard.submissions.service import find_submission
 from wildscav_leaderboard.teams.service import find_team, titles
 from wildscav_leaderboard.visibility import record_path, seen_by
@@ -74,7 +74,7 @@ def match(
     unwatched = seen_by(session, [found], caller)[number].live
     film = None
     if view.hidden is None and renders.is_kept("video", str(number)):
-        film = Progress("ready", path=renders.folder / renders.file_name("video", str(number)))
+        film = Rendering("ready", path=renders.folder / renders.file_name("video", str(number)))
     elif view.hidden is None and video:
         film = renders.progress("video", str(number), record_path(session, season, number, caller), now)
     return page(

@@ -95,15 +95,15 @@ def _print_next_steps(folder: Path, name: str) -> None:
         (f"wildscav check {quoted}", "everything that an evaluation requires"),
         (f"wildscav evaluate {quoted}", "its scores"),
     ):
-        console.print(f"  {command}  # {what}", soft_wrap=True, highlight=False)
+        console.print(f"  {command}  # {what}")
     console.print("To take part in a season, whose organizers give you its address and a key:")
     for command, what in (
         ("wildscav login URL --register --invitation KEY", "an account; without a key where all may join"),
         ("wildscav team create NAME", "or join one: wildscav team join KEY"),
         (f"wildscav submit {quoted} --wait", "hand it in"),
     ):
-        console.print(f"  {command}  # {what}", soft_wrap=True, highlight=False)
-    console.print(f"The agent's code is in {folder / 'agent.py'}.", soft_wrap=True, highlight=False)
+        console.print(f"  {command}  # {what}")
+    console.print(f"The agent's code is in {folder / 'agent.py'}.")
 
 
 def _from_baseline(baseline: str, name: str) -> dict[str, bytes]:

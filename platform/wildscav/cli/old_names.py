@@ -54,6 +54,8 @@ def with_new_names(words: list[str], root: Any, context: Any) -> list[str]:
         _say(f"wildscav {name}", f"wildscav {' '.join(COMMANDS[old])}")
         rest = [*COMMANDS[old], *_with_option(name, rest)]
     new = {**OPTIONS[""], **OPTIONS.get(name, {})}
+    if name == "leaderboard":
+        rest = [name, *_with_season(rest[1:])]
     # Making a command takes time, and most command lines have no old option.
     if not any(word.partition("=")[0] in new for word in rest):
         return rest
@@ -71,6 +73,21 @@ def _with_option(name: str, words: list[str]) -> list[str]:
     if not option or len(arguments) < 2:
         return words
     return [*words[: arguments[1]], option, *words[arguments[1] :]]
+
+
+def _with_season(words: list[str]) -> list[str]:
+    """Return the words after ``leaderboard``, where ``--season`` was a switch and an argument the address."""
+    if "--season" not in words:
+        return words
+    place = words.index("--season")
+    before, after = words[:place], words[place + 1 :]
+    if after and not after[0].startswith("-"):
+        return words
+    address = "latest"
+    if before and not before[0].startswith("-"):
+        address, *before = before
+    _say("leaderboard --season", f"leaderboard --season {address}")
+    return [*before, "--season", address, *after]
 
 
 def _options(words: list[str], root: Any, context: Any) -> set[str]:

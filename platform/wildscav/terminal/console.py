@@ -14,11 +14,14 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console, ConsoleOptions, RenderableType
 from rich.segment import Segment
 from rich.text import Text
+
+if TYPE_CHECKING:
+    from rich.progress import Progress, ProgressColumn
 
 TELLING = 10.0  # s between lines that tell how far something is, where there is no terminal
 LAYOUT = "\n\t"  # control characters that consoles keep, because they lay out text
@@ -54,6 +57,11 @@ class PlainConsole(Console):
     def __init__(self, **settings: Any) -> None:
         super().__init__(markup=False, emoji=False, highlight=False, **settings)
 
+    def print(self, *objects: Any, soft_wrap: bool | None = None, **options: Any) -> None:
+        """Print. Lines of text stay whole, to be searched and copied; everything else is laid out."""
+        is_text = all(isinstance(one, str | Text) for one in objects)
+        super().print(*objects, soft_wrap=is_text if soft_wrap is None else soft_wrap, **options)
+
     def render_str(self, text: str, **options: Any) -> Text:
         """Return a string, escaped before it is measured and laid out."""
         return super().render_str(printable(text, LAYOUT), **options)
@@ -78,15 +86,47 @@ def telling(first: str = "") -> Iterator[Callable[[str], None]]:
             nonlocal shown
             status.update(printable(text))
             if not error_console.is_terminal and time.monotonic() - shown > TELLING:
-                error_console.print(text, soft_wrap=True)
+                error_console.print(text)
                 shown = time.monotonic()
 
         yield tell
 
 
+def progress_bar(*columns: "ProgressColumn") -> "Progress":
+    """Return a progress bar for stderr. It is shown on a terminal alone, and leaves nothing there.
+
+    Args:
+        columns: What stands beside the bar; by default how many are done, and how long the others take.
+    """
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    return Progress(
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        *(columns or (MofNCompleteColumn(), TimeRemainingColumn())),
+        console=error_console,
+        transient=True,
+        disable=not error_console.is_terminal,
+    )
+
+
+@contextmanager
+def counting(what: str, unit: str = "") -> Iterator[Callable[[int, int], None]]:
+    """Yield what shows in a progress bar how many are done, of how many."""
+    from rich.progress import MofNCompleteColumn, TextColumn, TimeRemainingColumn
+
+    with progress_bar(MofNCompleteColumn(), TextColumn(unit), TimeRemainingColumn()) as progress:
+        task = progress.add_task(what, total=None)
+        yield lambda done, total: progress.update(task, completed=done, total=total)
+
+
 def print_json(content: object) -> None:
-    """Print a value as a JSON document on stdout, in ASCII."""
-    sys.stdout.write(f"{ascii_json(json.dumps(content, indent=2))}\n")
+    """Print a value as a JSON document on stdout, in ASCII: models as their fields, others as their text."""
+    sys.stdout.write(f"{ascii_json(json.dumps(content, indent=2, default=_as_json))}\n")
+
+
+def _as_json(value: Any) -> Any:
+    return value.model_dump(mode="json") if hasattr(value, "model_dump") else str(value)
 
 
 def ascii_json(document: str) -> str:

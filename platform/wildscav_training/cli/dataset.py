@@ -88,9 +88,8 @@ def dataset(
     console.print(
         f"{written.id}: {written.episodes:,} episodes, {written.steps:,} steps, mean return "
         f"{written.mean_return:.3f}, in {written.folder}",
-        soft_wrap=True,
     )
-    console.print(f'Next, in Python: minari.load_dataset("{written.id}")', soft_wrap=True)
+    console.print(f'Next, in Python: minari.load_dataset("{written.id}")')
     if as_json:
         print_json({**written._asdict(), "folder": str(written.folder)})
 
@@ -153,9 +152,7 @@ def _write(
     name: str, source: "PlayedEpisodes | RecordedEpisodes", options: dict[str, Any], what: str
 ) -> "Written":
     """Write the episodes of a source, and show the progress."""
-    from rich.progress import Progress
-
-    from wildscav.terminal.console import error_console
+    from wildscav.terminal.console import error_console, progress_bar
     from wildscav_engine.compilation.engine_progress import preparing
     from wildscav_training.datasets.minari_files import check_id, env_spec, write
 
@@ -169,7 +166,7 @@ def _write(
             yield from match
             advance()
 
-    with preparing(error_console), Progress(console=error_console, transient=True) as progress:
+    with preparing(error_console), progress_bar() as progress:
         task = progress.add_task("matches", total=source.count)
         found = episodes(lambda: progress.advance(task))
         return write(name, found, source.spaces, spec, f"Wildscav, {config.track}: {what}")

@@ -247,21 +247,16 @@ def _check_folders(out: Path, submission: Path | None, *, resume: bool) -> None:
 def _train_all(
     runs: "list[TrainingSettings]", out: Path, episodes: int, workers: int, *, resume: bool
 ) -> "list[Result]":
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+    from rich.progress import TextColumn, TimeRemainingColumn
 
-    from wildscav.terminal.console import error_console
+    from wildscav.terminal.console import error_console, progress_bar
     from wildscav_engine.compilation.engine_progress import preparing
     from wildscav_training.learning.run import train as train_one
 
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TimeRemainingColumn(),
-        TextColumn("{task.fields[figures]}"),
-    )
+    columns = TimeRemainingColumn(), TextColumn("{task.fields[figures]}")
     given: dict[str, Any] = {"resume": resume, "episodes": episodes}
     folders = [out / f"seed-{settings.seed}" for settings in runs]
-    with preparing(error_console), Progress(*columns, console=error_console, transient=True) as progress:
+    with preparing(error_console), progress_bar(*columns) as progress:
         reports = [
             _reporter(progress, progress.add_task(f"seed {one.seed}", total=one.steps, figures=""), one)
             for one in runs
@@ -337,4 +332,4 @@ def _write_submission(out: Path, settings: "TrainingSettings", folder: Path) -> 
     name = submission_name(folder.resolve().name)
     write_files(folder, policy_submission(out / f"seed-{settings.seed}", settings, name, Choose.SAMPLED))
     command = f"wildscav evaluate {shlex.quote(str(folder))} --track {settings.track}"
-    console.print(f"{folder} holds the policy as a submission. Next: {command}", soft_wrap=True)
+    console.print(f"{folder} holds the policy as a submission. Next: {command}")

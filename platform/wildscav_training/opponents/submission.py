@@ -3,7 +3,7 @@
 import importlib
 import sys
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType, TracebackType
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -15,11 +15,12 @@ from wildscav.agent import Agent, check_action
 from wildscav.baselines import baseline_folder, is_baseline
 from wildscav.errors import AgentError, UserError
 from wildscav.sdk.run import make_agent
-from wildscav.sdk.submission_folder import MANIFEST, entry_point_of, load_agent_class, read_manifest
+from wildscav.sdk.submission_folder import MANIFEST, load_agent_class
 from wildscav.terminal.suggestions import did_you_mean
 from wildscav.wire.actions import ACTION_FIELDS, decode_action, encode_action
 from wildscav_engine.envs import SeatController
-from wildscav_engine.sensors import Sensor, parse_sensors
+from wildscav_engine.sensors import parse_sensors
+from wildscav_server.hosting.manifest import Manifest, read_manifest
 from wildscav_server.time_limits import Clock
 from wildscav_training.opponents.seat_messages import Indices, decode_for_agent, seat_info, seat_observations
 
@@ -47,9 +48,8 @@ class SubmissionOpponent(SeatController):
         """
         self.folder = _checked_folder(folder)
         manifest = read_manifest(self.folder / MANIFEST)
-        self.name = str(manifest.get("name", self.folder.name))
-        self._tracks = manifest.get("tracks", [])
-        self._sensors = _sensors(self.folder, manifest)
+        self.name, self._tracks = manifest.name, manifest.tracks
+        self._sensors = parse_sensors(manifest.sensors)
         self._modules = OwnModules(self.folder)
         self._class = self._load(manifest)
         self._agents: dict[tuple[int, int], Agent] = {}  # by match and seat
@@ -60,8 +60,8 @@ class SubmissionOpponent(SeatController):
         """Load it anew in another process; matches that it plays stay behind."""
         return type(self), (self.folder,)
 
-    def _load(self, manifest: Mapping[str, Any]) -> Callable[[], Agent]:
-        if "command" in manifest:
+    def _load(self, manifest: Manifest) -> Callable[[], Agent]:
+        if manifest.entry_point is None:
             raise UserError(
                 f"{self.folder / MANIFEST} has a command, so the agent is a program of its own; "
                 "only agents in Python, with an entry_point, can play in an environment",
@@ -69,7 +69,7 @@ class SubmissionOpponent(SeatController):
             )
         try:
             with self._modules:
-                return load_agent_class(entry_point_of(manifest))
+                return load_agent_class(manifest.entry_point)
         except UserError:
             raise
         except Exception as error:
@@ -170,13 +170,6 @@ def _checked_folder(given: str | Path) -> Path:
     near = did_you_mean(folder.name, [other.name for other in beside if (other / MANIFEST).is_file()])
     what = "is not a folder" if folder.exists() else "does not exist"
     raise UserError(f"submission {folder} {what}{near}: give a folder with a {MANIFEST} in it", exit_code=2)
-
-
-def _sensors(folder: Path, manifest: Mapping[str, Any]) -> dict[str, Sensor]:
-    try:
-        return parse_sensors(manifest.get("sensors", {}))
-    except (AttributeError, TypeError, ValueError) as error:
-        raise UserError(f"{folder / MANIFEST}: sensors: {error}", exit_code=2) from None
 
 
 class OwnModules:

@@ -44,12 +44,12 @@ from wildscav_evaluator.output.results import (
 from wildscav_evaluator.ratings.matches import RatedMatch
 from wildscav_evaluator.ratings.standings import rate
 from wildscav_evaluator.sandbox import Promise
-from wildscav_evaluator.scores.changes import Change
-from wildscav_evaluator.scores.compare import compare
+from wildscav_evaluator.scores.compare import Change, compare
 from wildscav_evaluator.scores.leaderboard import standings
-from wildscav_evaluator.submissions.submission import Manifest, Submission
+from wildscav_evaluator.submissions.submission import Submission
 from wildscav_evaluator.tournaments.tournament_file import Tournament
 from wildscav_inspect import map as map_command
+from wildscav_server.hosting.manifest import Manifest
 from wildscav_server.hosting.reports import SeatReport, SeatStatus
 
 COMPARISON = compare(RESULTS, "my-agent", "homing").comparisons[0]

@@ -8,8 +8,8 @@ from tests.evaluator.sample_agents import WALKER, Submit
 from wildscav.errors import UserError
 from wildscav_evaluator.executors.cluster import submission_archives
 from wildscav_evaluator.executors.cluster.submission_archives import arrived, pack
-from wildscav_evaluator.submission_files import SubmissionError
 from wildscav_evaluator.submissions.submission import load_submission
+from wildscav_server.hosting.manifest import SubmissionError
 
 
 @pytest.fixture

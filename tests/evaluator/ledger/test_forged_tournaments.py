@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from tests.evaluator.ledger.forging import Forgery, Rescored, copied
 
+from wildscav.errors import UserError
 from wildscav_engine.record import read_record, write_record
 from wildscav_engine.simulation.match import Match
 from wildscav_evaluator.cli.sessions.rescore import run_rescore
@@ -16,6 +17,7 @@ from wildscav_evaluator.monitoring.monitor import MonitorOptions
 from wildscav_evaluator.output.layout import LEDGER_FILE, OPENED_FILE, RESULTS_FILE
 from wildscav_evaluator.output.results import MatchRow, TournamentSettings
 from wildscav_evaluator.plans.tournament import TournamentPlan
+from wildscav_evaluator.scores.expected_matches import check_opened
 from wildscav_evaluator.scores.score import summary
 from wildscav_evaluator.suites.seeds import new_secret, read_secret
 from wildscav_evaluator.suites.suite_file import read_suite
@@ -65,7 +67,7 @@ def forgery(played: Path, tmp_path: Path) -> Forgery:
 
 
 def seal(forgery: Forgery) -> None:
-    """Have the ratings, the journal and the ledger say what the results say."""
+    """Have the ratings and the ledger say what the results say."""
     tournament_of(forgery.results).write(forgery.out / "tournament.json")
     forgery.rewrite_ledger()
 
@@ -112,6 +114,22 @@ def claim_rounds(forgery: Forgery) -> None:
     forgery.identify(rounds=4)
 
 
+def make_older(forgery: Forgery, secret: Path) -> None:
+    """Say that an earlier version of Wildscav made the schedule, and open the secret."""
+    settings = TournamentSettings(seats=2, schedule=1)
+    forgery.tell(tournament=settings)
+    forgery.identify(tournament=settings)
+    (forgery.out / OPENED_FILE).write_bytes(secret.read_bytes())
+
+
+def exchange_games(forgery: Forgery) -> None:
+    """Exchange the records of the first two games, which are on two maps."""
+    first, second = (forgery.out / "records" / f"battle-{index:03d}.wsr" for index in (0, 2))
+    aside = first.rename(first.with_name("aside"))
+    second.rename(first)
+    aside.rename(second)
+
+
 HIDDEN = {
     "a match left out": (drop, "of the tournament has results of 0 entrants, must be 2"),
     "a seat given away": (
@@ -153,6 +171,38 @@ def test_a_seat_given_away_is_named_once_the_secret_is_opened(
     give_away(forgery)
     seal(forgery)
     assert ".wsr: is not match " in rescored(forgery)
+
+
+def test_a_schedule_that_is_not_made_any_more_is_checked_as_it_was_played(
+    forgery: Forgery,
+    rescored: Rescored,
+    secret: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.delattr("wildscav_evaluator.tournaments.drawing.make_schedule")
+    make_older(forgery, secret)
+    seal(forgery)
+    run_rescore(forgery.out, LocalExecutor(1))
+    assert "Its schedule is of an earlier version" in capsys.readouterr().out
+    commitment = forgery.results.commitment
+    assert commitment is not None
+    assert check_opened(forgery.out, commitment) == 12
+
+    exchange_games(forgery)
+    seal(forgery)
+    assert "records/battle-000.wsr: is not match 0 of the tournament" in rescored(forgery)
+    with pytest.raises(UserError, match=r"battle-000.wsr is not of a match that the secret determines"):
+        check_opened(forgery.out, commitment)
+
+
+def test_a_seat_given_away_is_named_in_an_older_schedule_too(
+    forgery: Forgery, rescored: Rescored, secret: Path
+) -> None:
+    make_older(forgery, secret)
+    give_away(forgery)
+    seal(forgery)
+    assert "other entrants play in it than in another match of the same game" in rescored(forgery)
 
 
 def test_another_team_is_named(forgery: Forgery, rescored: Rescored) -> None:

@@ -4,7 +4,8 @@ from pathlib import Path
 
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.jobs import REPLAYED, Job, sensors_read
-from wildscav_evaluator.submissions.submission import Manifest, Submission
+from wildscav_evaluator.submissions.submission import Submission
+from wildscav_server.hosting.manifest import Manifest
 
 
 def job(name: str, sensors: dict[str, dict[str, object]], *, replay: bool = False) -> Job:

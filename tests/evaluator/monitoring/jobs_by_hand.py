@@ -7,7 +7,8 @@ from tests.evaluator.results_by_hand import timing_of_a_seat
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.output.results import MatchRow, MatchTiming
-from wildscav_evaluator.submissions.submission import Manifest, Submission
+from wildscav_evaluator.submissions.submission import Submission
+from wildscav_server.hosting.manifest import Manifest
 
 
 def jobs(**counts: int) -> list[Job]:

@@ -8,7 +8,7 @@ from tests.evaluator.results_by_hand import RESULTS, evaluation, identity_of
 from wildscav_evaluator.output.identity import Identity, write_identity
 from wildscav_evaluator.output.numbered_folders import own_folder
 from wildscav_evaluator.output.results import Results, write_results
-from wildscav_evaluator.scores.changes import changes_since_last
+from wildscav_evaluator.scores.compare import changes_since_last
 
 
 def identity(*names: str, digest: str = "1") -> Identity:

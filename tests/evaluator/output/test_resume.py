@@ -17,11 +17,11 @@ SUITE = """
 name = "short"
 map = { size = 40, houses = 0 }
 [tracks.navigation]
-maps = 3
+maps = 2
 match = { time_limit = 2.0 }
 """
-MATCHES = 6  # of both
-KILLS = 6  # at random moments; WILDSCAV_TEST_KILLS asks for more
+MATCHES = 4  # of both
+KILLS = 3  # at random moments; WILDSCAV_TEST_KILLS asks for more
 
 
 @pytest.fixture

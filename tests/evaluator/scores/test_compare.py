@@ -152,14 +152,19 @@ def test_tracks_that_not_both_play_are_refused(command: Run, submit: Callable[..
 
 @pytest.mark.slow
 def test_the_better_agent_is_named_and_all_is_kept(command: Run, tmp_path: Path) -> None:
+    (tmp_path / "short.toml").write_text(
+        'name = "short"\nmap = { size = 40, houses = 0 }\n'
+        "[tracks.navigation]\nmaps = 4\nepisodes = 1\nmatch = { time_limit = 20 }\n"
+    )
     folders = (SUBMISSIONS / "homing", SUBMISSIONS / "random")
+    options = ("--suite=short.toml", "--workers=1", "--out=out")
 
-    done = command(*folders, "--track=navigation", "--out=out")
+    done = command(*folders, *options)
 
     assert done.returncode == 0, done.stderr
-    assert "navigation · 10 matches that both played" in done.stdout
+    assert "navigation · 8 matches that both played" in done.stdout
     assert "homing is better than random by its used + punish time" in done.stdout
     kept = json.loads((tmp_path / "out/comparison.json").read_text())
     assert kept["comparisons"][0]["differences"][0]["verdict"] == "first"
-    again = command(*folders, "--track=navigation", "--out=out")
-    assert "all 20 matches were played before" in again.stdout
+    again = command(*folders, *options)
+    assert "all 16 matches were played before" in again.stdout

@@ -13,7 +13,7 @@ from wildscav_evaluator.cli.sessions.rescore import recomputed, run_rescore
 from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_evaluator.output.record_names import record_paths
 from wildscav_evaluator.output.results import Evaluation, Results, read_results, write_results
-from wildscav_evaluator.scores.expected_matches import expected_matches
+from wildscav_evaluator.scores.expected_matches import expected_matches, judge_of
 from wildscav_evaluator.scores.rescore import Replayed, disagreements, recompute, replay_one
 from wildscav_evaluator.submissions.submission import load_submission
 
@@ -45,7 +45,9 @@ def with_evaluation(told: Results, evaluation: Evaluation) -> Results:
 
 def faults(replayed: Sequence[Replayed], told: Results) -> str:
     found = recompute(replayed, told)
-    return "\n".join(disagreements(replayed, told, found, expected_matches(Path(), told)))
+    return "\n".join(
+        disagreements(replayed, told, found, judge_of(Path(), told, expected_matches(Path(), told)))
+    )
 
 
 def test_every_number_of_an_evaluation_comes_out_again(replayed: list[Replayed], told: Results) -> None:

@@ -16,10 +16,10 @@ import pytest
 
 from wildscav.system.limited_process import PROCESSOR_TIME
 from wildscav_evaluator.cache import prune
-from wildscav_evaluator.submission_files import SubmissionError
 from wildscav_evaluator.submissions import archives
 from wildscav_evaluator.submissions.archives import ArchiveError, unpack
 from wildscav_evaluator.submissions.submission import load_submission
+from wildscav_server.hosting.manifest import SubmissionError
 
 MANIFEST = b'name = "walker"\nversion = "1"\nentry_point = "agent:Walker"\ntracks = ["navigation"]\n'
 GOOD = {"submission.toml": MANIFEST, "agent.py": b"class Walker: ...", "models/net.bin": bytes(1000)}

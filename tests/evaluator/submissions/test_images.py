@@ -13,7 +13,6 @@ from tests.evaluator.submissions.python_image import python_image
 from wildscav_evaluator.cli.options.selection import load_submissions
 from wildscav_evaluator.sandbox import SANDBOXES, Ending, Launch, SandboxError
 from wildscav_evaluator.sandbox.containers.container_engine import ENGINES, bare_image, call, find_engine
-from wildscav_evaluator.submission_files import SubmissionError
 from wildscav_evaluator.submissions.images import (
     IMAGE,
     _manifest_in,
@@ -23,6 +22,7 @@ from wildscav_evaluator.submissions.images import (
     with_images,
 )
 from wildscav_evaluator.submissions.submission import Submission, load_submission
+from wildscav_server.hosting.manifest import SubmissionError
 
 pytestmark = pytest.mark.slow
 Submit = Callable[..., Submission]

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from wildscav_evaluator.submission_files import SubmissionError
 from wildscav_evaluator.submissions.submission import folder_digest, load_submission
+from wildscav_server.hosting.manifest import SubmissionError
 
 GOOD = """
 name = "walker"

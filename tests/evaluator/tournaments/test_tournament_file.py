@@ -8,7 +8,7 @@ from tests.evaluator.tournaments.results_by_hand import results_of, seat
 from wildscav.errors import UserError
 from wildscav_evaluator.output.layout import TOURNAMENT_FILE
 from wildscav_evaluator.output.results import Results, TournamentSettings
-from wildscav_evaluator.scores.expected_matches import expected_matches
+from wildscav_evaluator.scores.expected_matches import match_counts
 from wildscav_evaluator.tournaments.tournament_file import check_tournament, tournament_of
 
 
@@ -32,12 +32,12 @@ def test_it_counts_matches_and_tells_who_is_ahead(results: Results) -> None:
     assert {one.name: one.score.mean for one in found.entrants if one.score} == {"ada": 3.0, "bob": 0.5}
 
 
-def test_a_schedule_of_another_version_is_checked_by_the_wildscav_that_made_it(
+def test_a_schedule_of_a_later_version_is_checked_by_the_wildscav_that_made_it(
     results: Results, tmp_path: Path
 ) -> None:
-    older = results.model_copy(update={"tournament": TournamentSettings(seats=2, schedule=1)})
-    with pytest.raises(UserError, match=r"version 1 of its schedule, .* check it with the Wildscav that"):
-        expected_matches(tmp_path, older)
+    later = results.model_copy(update={"tournament": TournamentSettings(seats=2, schedule=3)})
+    with pytest.raises(UserError, match=r"version 3 of its schedule, .* check it with the Wildscav that"):
+        match_counts(tmp_path, later)
 
 
 def test_only_ratings_that_follow_from_the_results_are_accepted(results: Results, tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ from wildscav_leaderboard.auditing.audit import Audit
 from wildscav_leaderboard.auditing.memory import Memory
 from wildscav_leaderboard.auditing.record_checks import Wanted
 from wildscav_leaderboard.auditing.report import Report
-from wildscav_leaderboard.boards.models import PUBLIC, Board
+from wildscav_leaderboard.boards.models import Board
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.matches.models import LADDER, Match, MatchResult
@@ -24,6 +24,7 @@ from wildscav_leaderboard.publishing.documents import PublishedSeason
 from wildscav_leaderboard.publishing.export import IN_FOLDER, export
 from wildscav_leaderboard.publishing.service import published_season
 from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, Season
+from wildscav_leaderboard.visibility import PUBLIC
 
 
 @pytest.fixture(scope="module")

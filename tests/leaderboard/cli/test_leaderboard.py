@@ -63,7 +63,7 @@ def test_a_suite_is_found_by_the_beginning_of_its_name(tmp_path: Path) -> None:
         (["{out}/empty"], 1, "there are no evaluations in "),
         (["{out}/letter.txt"], 1, "is not a results file"),
         (["{out}/1", "--track=battle"], 1, "there are no evaluations of track battle in "),
-        (["{out}/1", "--season", "{out}/1"], 2, "name one address"),
+        (["{out}/1", "--season", "{out}/1"], 2, "leave out the folders"),
     ],
 )
 def test_what_is_no_leaderboard_is_one_clear_line(

@@ -85,6 +85,6 @@ def test_anyone_sees_the_boards(competitor: Competitor) -> None:
     assert "There are no results in The trial season yet." in none_yet.stdout
     wrong = competitor.run("leaderboard", "--season", competitor.site.url, "--track", "batle")
     assert "has no track batle (did you mean 'battle'?)" in wrong.stderr
-    assert competitor.run("leaderboard", "--season").stderr == (
+    assert competitor.run("leaderboard", "--season", "latest").stderr == (
         "wildscav: you are logged in to no season: `wildscav login URL`\n"
     )

@@ -13,7 +13,6 @@ from sqlalchemy.orm import Session
 from tests.leaderboard.results_made import made_result
 from tests.leaderboard.seasons_made import NOON, team_with_member
 
-from wildscav_evaluator.submissions.submission import Manifest
 from wildscav_leaderboard.accounts.models import Account
 from wildscav_leaderboard.conductor import lease, steps
 from wildscav_leaderboard.conductor.editions import begin_editions
@@ -28,6 +27,7 @@ from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.service import hand_in
 from wildscav_leaderboard.teams.models import Member
 from wildscav_leaderboard.teams.service import find_team
+from wildscav_server.hosting.manifest import Manifest
 
 Value = TypeVar("Value")
 

@@ -22,7 +22,6 @@ from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import (
     FINISHED,
     LADDER,
-    PLAYING,
     SUITE,
     WAITING,
     Match,
@@ -30,7 +29,6 @@ from wildscav_leaderboard.matches.models import (
 )
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.state import PAUSED, write_state
-from wildscav_leaderboard.spectating.live import LiveMatches, key_of
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.service import history_of
 
@@ -128,34 +126,6 @@ SLOW = """
         time.sleep(0.05)
         return Action(walk_direction=90.0, walk_speed=8.0)
 """
-
-
-@pytest.mark.slow
-def test_a_match_of_a_ladder_is_seen_while_it_is_played_and_no_other(
-    sqlite: Database, season: Season, tmp_path: Path
-) -> None:
-    hand_in(sqlite, season, write_agent(tmp_path, "slow", SLOW, '["navigation", "battle"]'))
-    live, seen = LiveMatches(season.live), dict[int, set[int]]()
-
-    def until(session: Session) -> bool:
-        for match in session.scalars(select(Match).filter_by(state=PLAYING)):
-            told = live.trails(key_of(match.id))
-            if told is not None:
-                seen.setdefault(match.id, set()).update(told.samples.frames)
-        ladder = select(Match).filter_by(kind=LADDER, state=FINISHED)
-        return len(finished(session)) == SUITE_MATCHES and len(session.scalars(ladder).all()) >= 2
-
-    conduct(sqlite, season, until)
-
-    with sqlite.reading() as session:
-        assert {session.get_one(Match, number).kind for number in seen} == {LADDER}
-    assert any(seen.values())
-    assert not [path for path in season.live.iterdir() if path.stem in map(key_of, finished_ladder(sqlite))]
-
-
-def finished_ladder(database: Database) -> list[int]:
-    with database.reading() as session:
-        return list(session.scalars(select(Match.id).filter_by(kind=LADDER, state=FINISHED)))
 
 
 # Its validation takes two minutes: 25 s to get ready for each of four matches, and 50 ms for each step.

@@ -11,7 +11,6 @@ from tests.leaderboard.seasons_made import make_season
 from wildscav.errors import UserError
 from wildscav_leaderboard.boards.documents import BoardDocument
 from wildscav_leaderboard.boards.kept import read_board
-from wildscav_leaderboard.boards.models import PUBLIC, audience_of
 from wildscav_leaderboard.boards.service import refresh
 from wildscav_leaderboard.conductor.editions import (
     EditionChange,
@@ -32,6 +31,7 @@ from wildscav_leaderboard.seasons.initial_files import COMMITMENTS_FILE, commitm
 from wildscav_leaderboard.seasons.models import AuditEntry
 from wildscav_leaderboard.seasons.refusals import RefusalError
 from wildscav_leaderboard.seasons.settings import SETTINGS_FILE
+from wildscav_leaderboard.visibility import PUBLIC, audience_of
 
 
 @pytest.fixture
@@ -177,7 +177,7 @@ def test_an_edition_that_cannot_be_played_here_waits_until_it_can(season: Conduc
     assert season.take_matches(8) == []
     later = season.season.settings.closes
 
-    def finalize() -> finalizing.Progress:
+    def finalize() -> finalizing.Ending:
         with season.database.writing() as session:
             finalizing.begin(session, season.season, "anna", 1, later, early=False)
             return finalizing.advance(session, season.season, "anna", later)

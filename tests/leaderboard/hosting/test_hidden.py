@@ -5,10 +5,12 @@ write or time there. So has its log. Whoever may see a part must find its marks 
 """
 
 import json
+import pickle
 import re
-from collections.abc import Iterator
 from contextlib import ExitStack
 from datetime import UTC, datetime, timedelta
+from functools import partial
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import httpx
@@ -19,6 +21,7 @@ from sqlalchemy.orm import Session
 from tests.leaderboard.filled_season import COOKIE, FilledSeason
 from tests.leaderboard.hosting.clients import ask, copied_database, numbers_of
 from tests.leaderboard.hosting.route_table import TABLE
+from tests.leaderboard.made_once import made_once
 from tests.leaderboard.spectating.served import served
 
 from wildscav_leaderboard.access.rate_limits import Use
@@ -103,8 +106,16 @@ class Walk(NamedTuple):
 
 
 @pytest.fixture(scope="module")
-def walk(hostile_season: FilledSeason, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Walk]:
-    filled, folder = hostile_season, tmp_path_factory.mktemp("hidden")
+def walk(hostile_season: FilledSeason, shared: Path) -> Walk:
+    """The answers, which are asked for once for all processes of the tests."""
+    folder = made_once(shared / "hidden", partial(_walk, hostile_season))
+    walked: Walk = pickle.loads((folder / "walk").read_bytes())  # noqa: S301 (our own)
+    return walked
+
+
+def _walk(filled: FilledSeason, folder: Path) -> None:
+    """Ask for everything in a season that is marked, and write the answers into a folder."""
+    folder.mkdir()
     app = create_app(filled.season, filled.database)
     app.state.renders.close()  # so that nobody waits for what cannot be rendered
     routes = {
@@ -122,18 +133,18 @@ def walk(hostile_season: FilledSeason, tmp_path_factory: pytest.TempPathFactory)
             log.write_text(MARKS[kind].log)
             stack.callback(log.unlink)
         paths = paths_of(routes, filled, matches)
+        address = stack.enter_context(served(app))
+        client = stack.enter_context(httpx.Client(base_url=address, timeout=60.0))
         for state in STATES:
             with Database(f"sqlite:///{copy}").writing() as session:
                 enter(session, filled, state, matches)
                 session.execute(delete(Use))
-            address = stack.enter_context(served(app))
-            client = stack.enter_context(httpx.Client(base_url=address, timeout=60.0))
             for route, path in paths:
                 answers.extend(
                     Answer(state, asker, route, path, ask(client, filled, asker, "GET", path))
                     for asker in ASKERS
                 )
-        yield Walk(answers, matches, routes)
+    (folder / "walk").write_bytes(pickle.dumps(Walk(answers, matches, routes)))
 
 
 def marked(session: Session, filled: FilledSeason) -> dict[str, int]:

@@ -28,7 +28,7 @@ from wildscav_leaderboard.matches.models import (
     MatchResult,
 )
 from wildscav_leaderboard.seasons import state as season_state
-from wildscav_leaderboard.spectating.render_cache import Progress, RenderCache
+from wildscav_leaderboard.spectating.render_cache import RenderCache, Rendering
 
 NOW = datetime.fromisoformat("2030-01-01T00:00:00+00:00")
 
@@ -41,9 +41,9 @@ class Orders(RenderCache):
         self.busy = False
         self.ordered: list[tuple[str, int, bool]] = []  # product, match, and whether of its map alone
 
-    def progress(self, product: str, key: str, source: Path | MapSpec, now: datetime) -> Progress:
+    def progress(self, product: str, key: str, source: Path | MapSpec, now: datetime) -> Rendering:
         self.ordered.append((product, int(key), isinstance(source, MapSpec)))
-        return Progress("waiting")
+        return Rendering("waiting")
 
     def is_rendering(self, product: str, key: str) -> bool:
         return self.busy and (product, int(key)) == self.ordered[-1][:2]

@@ -14,7 +14,6 @@ from tests.leaderboard.seasons_made import NOON, make_season, submitted, team_wi
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.output.results import MatchRow, MatchTiming, SeatRow, metric_infos
 from wildscav_leaderboard.boards.kept import read_board
-from wildscav_leaderboard.boards.models import HIDDEN, PUBLIC, SEASON
 from wildscav_leaderboard.boards.service import refresh
 from wildscav_leaderboard.conductor.editions import begin_editions
 from wildscav_leaderboard.conductor.plans import plan_ladders, plan_suites
@@ -31,7 +30,7 @@ from wildscav_leaderboard.seasons.refusals import RefusalError
 from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.service import activate, move
-from wildscav_leaderboard.visibility import seen_by
+from wildscav_leaderboard.visibility import HIDDEN, PUBLIC, SEASON, seen_by
 
 TEAMS = ("foxes", "owls", "hares")
 CLOSED = NOON + timedelta(days=10)
@@ -120,7 +119,7 @@ def begin(database: Database, season: Season, best: int = 2) -> None:
         finalizing.begin(session, season, "anna", best, LATER, early=False)
 
 
-def advance(database: Database, season: Season) -> finalizing.Progress:
+def advance(database: Database, season: Season) -> finalizing.Ending:
     with database.writing() as session:
         return finalizing.advance(session, season, "anna", LATER)
 
@@ -153,7 +152,7 @@ def test_the_best_of_a_suite_play_again_on_the_seeds_of_the_second_secret(
     played: Database, season: Season
 ) -> None:
     begin(played, season, best=2)
-    assert advance(played, season) == finalizing.Progress(
+    assert advance(played, season) == finalizing.Ending(
         finalizing.DECIDING,
         played=0,
         planned=4,
@@ -234,7 +233,7 @@ def test_it_may_be_begun_and_gone_on_with_any_number_of_times(played: Database, 
     end(played, season)
     for _ in range(2):
         begin(played, season)
-        assert advance(played, season) == finalizing.Progress(finalizing.DONE)
+        assert advance(played, season) == finalizing.Ending(finalizing.DONE)
     with played.reading() as session:
         acts = [one.act for one in session.scalars(select(AuditEntry))]
         assert acts == ["finalize", "decide"]

@@ -18,7 +18,7 @@ from wildscav.errors import UserError
 from wildscav_engine.record import read_record
 from wildscav_engine.specs.map_spec import MapSpec
 from wildscav_leaderboard.spectating.overview import overview_of_file
-from wildscav_leaderboard.spectating.render_cache import PRODUCTS, Progress, RenderCache
+from wildscav_leaderboard.spectating.render_cache import PRODUCTS, RenderCache, Rendering
 from wildscav_leaderboard.spectating.trails import trails_of_file
 
 NOW = datetime(2030, 1, 1, tzinfo=UTC)
@@ -34,7 +34,7 @@ def cache(tmp_path: Path) -> Iterator[RenderCache]:
 
 def wait_for(
     cache: RenderCache, product: str, key: str, record: Path | MapSpec, now: datetime = NOW
-) -> Progress:
+) -> Rendering:
     """Ask for a file again and again, as a page does, until it is ready or has failed."""
     end = time.monotonic() + PATIENCE
     while (progress := cache.progress(product, key, record, now)).state in ("waiting", "rendering"):

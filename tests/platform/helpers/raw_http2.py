@@ -146,8 +146,12 @@ def flood(kind: str, address: str) -> None:
 
 def flood_for_ever(kind: str, address: str) -> None:
     while True:
-        with contextlib.suppress(OSError):
+        try:
             flood(kind, address)
+        except (ConnectionRefusedError, FileNotFoundError):
+            time.sleep(0.01)  # nobody listens there any more
+        except OSError:
+            pass
 
 
 def take_seat(kind: str, address: str, token: str) -> None:

@@ -3,10 +3,10 @@
 import json
 import math
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from tests.commands import run_command
 from tests.platform.legacy.helpers.commands import face_to_face, open_way
 from tests.platform.legacy.helpers.original import SCRIPTS, environment, install, logs, play
 from tests.ports import free_ports
@@ -20,7 +20,7 @@ from wildscav_legacy.install import install_engine, obj_of, paths_of
 @pytest.fixture(scope="session")
 def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("legacy")
-    install(folder, "1-2")
+    install(folder, 1, 2)
     return folder
 
 
@@ -68,8 +68,7 @@ def test_records_hold_and_have_the_names_that_the_client_gives(installed: Path) 
     record = read_record(one)
     assert record.names == ("agent_0",)
     assert verify_record(record).holds
-    replay = [sys.executable, "-m", "wildscav.cli.main", "replay", one, "--no-images"]
-    done = subprocess.run([*replay, "--out", installed / "one.rrd"], capture_output=True, text=True)
+    done = run_command("replay", one, "--no-images", "--out", installed / "one.rrd")
     assert done.returncode == 0, done.stderr
     assert (installed / "one.rrd").stat().st_size > 100_000
 

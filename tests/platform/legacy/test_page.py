@@ -46,7 +46,7 @@ def test_scripts_of_the_page_use_nothing_that_a_version_does_not_have() -> None:
 @pytest.mark.slow
 def test_the_script_of_the_page_runs(tmp_path: Path) -> None:
     script = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)[0]
-    install(tmp_path / "wilderness", "1")
+    install(tmp_path / "wilderness", 1)
     script = script.replace("50051", str(free_ports()))
     said = run(["-c", script], tmp_path).splitlines()
     assert "500 (22, 38)" in said

@@ -4,24 +4,37 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
+import pytest
 from tests.browsers import chromium
 
 PATIENCE = 300.0  # s, on a busy machine
 
 
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    """A browser for the tests of a file."""
+    with chromium() as started:
+        yield started
+
+
 @contextmanager
-def pages() -> Iterator[Callable[..., Any]]:
+def pages(browser: Any) -> Iterator[Callable[..., Any]]:
     """Yield what opens a page, none of which may report an error."""
     errors: list[str] = []
-    with chromium() as browser:
+    opened: list[Any] = []
 
-        def new_page(**options: Any) -> Any:
-            page = browser.new_page(**options)  # like another browser: it shares nothing with the others
-            page.on("pageerror", lambda error: errors.append(str(error)))
-            page.on("console", lambda line: errors.append(line.text) if line.type == "error" else None)
-            return page
+    def new_page(**options: Any) -> Any:
+        page = browser.new_page(**options)  # like another browser: it shares nothing with the others
+        page.on("pageerror", lambda error: errors.append(str(error)))
+        page.on("console", lambda line: errors.append(line.text) if line.type == "error" else None)
+        opened.append(page)
+        return page
 
+    try:
         yield new_page
+    finally:
+        for page in opened:
+            page.close()
     assert not errors, "\n".join(errors)
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from PIL import Image
-from tests.platform.stage.browsers import PATIENCE, pages, start, wait_for_match
+from tests.platform.stage.browsers import PATIENCE, browser, pages, start, wait_for_match
 from tests.platform.stage.tables import MEADOW, small_plan, table_in_thread
 
 from wildscav_engine.record import Record, read_record, verify_record
@@ -19,6 +19,8 @@ from wildscav_stage.plan import Plan
 TURNING = 110.0  # degrees per second, with the arrow keys, as in controls.js
 WIDE = {"viewport": {"width": 960, "height": 600}}
 PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
+
+__all__ = ["browser"]
 
 pytestmark = pytest.mark.slow
 
@@ -57,8 +59,8 @@ def recorded(page: Any) -> Record:
     return record
 
 
-def test_two_browsers_fight_each_other_while_a_third_watches(tmp_path: Path) -> None:
-    with table_in_thread(face_to_face(people=2), tmp_path) as links, pages() as new_page:
+def test_two_browsers_fight_each_other_while_a_third_watches(tmp_path: Path, browser: Any) -> None:
+    with table_in_thread(face_to_face(people=2), tmp_path) as links, pages(browser) as new_page:
         host, guest, spectator = (new_page(**WIDE) for _ in range(3))
         spectator.goto(links.watch)
         guest.goto(links.guests[0])
@@ -98,10 +100,10 @@ def robots_place(page: Any) -> float | None:
     return None if len(columns) < 12 else float(np.median(columns)) / pixels.shape[1] * 2 - 1
 
 
-def duel(folder: Path) -> list[Any]:
+def duel(folder: Path, browser: Any) -> list[Any]:
     """Fight the robot that stands ahead, and return the results of the person and of the robot."""
     plan = face_to_face(opponents=("fighter-easy",), seconds=6.0)
-    with table_in_thread(plan, folder) as links, pages() as new_page:
+    with table_in_thread(plan, folder) as links, pages(browser) as new_page:
         page = new_page(**WIDE)
         start(page, links.host)
         page.mouse.down()
@@ -116,9 +118,9 @@ def duel(folder: Path) -> list[Any]:
         return list(recorded(page).result.seats)
 
 
-def test_a_browser_hits_an_easy_robot_by_keys_and_mouse(tmp_path: Path) -> None:
+def test_a_browser_hits_an_easy_robot_by_keys_and_mouse(tmp_path: Path, browser: Any) -> None:
     # Whoever aims on a busy machine sees late, so the better of three matches counts.
-    duels = (duel(tmp_path / str(number)) for number in range(3))
+    duels = (duel(tmp_path / str(number), browser) for number in range(3))
     robot = next((robot for own, robot in duels if own.hits > 0), None)
     assert robot is not None, "no hit in three matches"
     assert robot.shots > 0  # it fought back
@@ -143,9 +145,9 @@ class Fingers:
         self._session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": fingers})
 
 
-def test_a_phone_moves_looks_and_shoots_by_touch(tmp_path: Path) -> None:
+def test_a_phone_moves_looks_and_shoots_by_touch(tmp_path: Path, browser: Any) -> None:
     plan = face_to_face(opponents=("walker-easy",), seconds=3.0)
-    with table_in_thread(plan, tmp_path) as links, pages() as new_page:
+    with table_in_thread(plan, tmp_path) as links, pages(browser) as new_page:
         page = new_page(**PHONE)
         start(page, links.host)
         assert page.is_visible("#stick")
@@ -166,7 +168,7 @@ def test_a_phone_moves_looks_and_shoots_by_touch(tmp_path: Path) -> None:
     assert record.actions[:, 0, 2].sum() == pytest.approx(390 / 4 * 0.3, abs=1.0)  # degrees to the right
 
 
-def test_a_browser_that_loses_its_connection_comes_back_to_its_seat(tmp_path: Path) -> None:
+def test_a_browser_that_loses_its_connection_comes_back_to_its_seat(tmp_path: Path, browser: Any) -> None:
     sockets: list[Any] = []
 
     # The server closes no page of this test: a routed one might still send, which Chromium calls an error.
@@ -174,7 +176,7 @@ def test_a_browser_that_loses_its_connection_comes_back_to_its_seat(tmp_path: Pa
         socket.connect_to_server()
         sockets.append(socket)
 
-    with table_in_thread(face_to_face(people=2, seconds=30.0), tmp_path) as links, pages() as new_page:
+    with table_in_thread(face_to_face(people=2, seconds=30.0), tmp_path) as links, pages(browser) as new_page:
         host, guest = new_page(**WIDE), new_page(**WIDE)
         guest.route_web_socket("**/socket", pass_on)
         guest.goto(links.guests[0])
@@ -188,8 +190,8 @@ def test_a_browser_that_loses_its_connection_comes_back_to_its_seat(tmp_path: Pa
         assert len(sockets) == 2
 
 
-def test_a_seat_is_played_in_the_page_that_was_opened_last(tmp_path: Path) -> None:
-    with table_in_thread(face_to_face(people=2, seconds=30.0), tmp_path) as links, pages() as new_page:
+def test_a_seat_is_played_in_the_page_that_was_opened_last(tmp_path: Path, browser: Any) -> None:
+    with table_in_thread(face_to_face(people=2, seconds=30.0), tmp_path) as links, pages(browser) as new_page:
         host, guest, other = (new_page(**WIDE) for _ in range(3))
         guest.goto(links.guests[0])
         host.goto(links.host)

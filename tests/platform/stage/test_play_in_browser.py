@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.platform.stage.browsers import PATIENCE, pages, start
+from tests.platform.stage.browsers import PATIENCE, browser, pages, start
 from tests.platform.stage.tables import small_plan, table_in_thread
 
 from wildscav_engine.record import read_record, verify_record
@@ -14,6 +14,8 @@ MIDDLE = 640  # pixels from the left edge of the window
 AHEAD = 6.0  # degrees
 DEGREES_PER_PIXEL = 0.12  # of the mouse, as in controls.js
 KEY_TURN = 110.0  # degrees per second, likewise
+
+__all__ = ["browser"]
 
 pytestmark = pytest.mark.slow
 
@@ -39,10 +41,10 @@ class Hands:
         time.sleep(0.3)
 
 
-def test_a_browser_finds_the_target_by_keys_and_mouse(tmp_path: Path) -> None:
+def test_a_browser_finds_the_target_by_keys_and_mouse(tmp_path: Path, browser: Any) -> None:
     with (
         table_in_thread(small_plan(time_limit=120.0), tmp_path) as links,
-        pages() as new_page,
+        pages(browser) as new_page,
     ):
         page = new_page(viewport={"width": 1280, "height": 800})
         start(page, links.host)

@@ -18,13 +18,13 @@ from wildscav_evaluator.cli.options.running import (
     executor_of,
 )
 from wildscav_evaluator.cli.options.signing import KeyOption
+from wildscav_evaluator.output.layout import SEASON_FILE
 from wildscav_inspect.records import SeasonOption, resolve_record
 
 if TYPE_CHECKING:
     from wildscav_evaluator.executors import Executor
 
 COUNTS = {"all": None, "none": 0}  # of records, besides numbers
-SEASON_FILE = "season.json"  # in a folder that a season was exported to
 # The options that each kind of thing takes, besides --json.
 OPTIONS = {
     "records": {"--key", "--season"},

@@ -6,11 +6,11 @@ from wildscav.baselines import NAMES, baseline_folder, is_baseline
 from wildscav.errors import UserError
 from wildscav.terminal.suggestions import did_you_mean
 from wildscav_engine.tracks import TRACKS
-from wildscav_evaluator.submission_files import SubmissionError
 from wildscav_evaluator.submissions.images import IMAGE, load_image
 from wildscav_evaluator.submissions.submission import Submission, load_submission
 from wildscav_evaluator.suites.seeds import SuiteSeed, read_secret
 from wildscav_evaluator.suites.suite import Suite
+from wildscav_server.hosting.manifest import SubmissionError
 
 
 def load_submissions(folders: list[Path]) -> tuple[Submission, ...]:

@@ -10,6 +10,8 @@ from wildscav.terminal.console import console, print_json
 from wildscav_evaluator.cli.result_tables import (
     LEGEND,
     add_columns,
+    evaluation_actions_note,
+    evaluation_waits_note,
     plain_table,
     sandbox_and_limits,
     timing_table,
@@ -21,10 +23,8 @@ from wildscav_evaluator.monitoring.monitor import MonitorOptions
 from wildscav_evaluator.output.numbered_folders import number_of
 from wildscav_evaluator.output.results import Evaluation, Results
 from wildscav_evaluator.plans.evaluation import EvaluationPlan
-from wildscav_evaluator.scores.changes import Change, changes_since_last
-from wildscav_evaluator.scores.compare import FEWEST_PAIRS, Comparison
+from wildscav_evaluator.scores.compare import FEWEST_PAIRS, Change, Comparison, changes_since_last
 from wildscav_evaluator.scores.leaderboard import ranked
-from wildscav_evaluator.scores.notes import evaluation_actions_note, evaluation_waits_note
 from wildscav_evaluator.scores.number_format import number, signed
 
 DASHBOARD_ONLY = MonitorOptions()

@@ -24,7 +24,13 @@ from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_engine.specs.validation import one_line
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.cli.options.tournament import MAX_SEATS, robots_asked
-from wildscav_evaluator.cli.result_tables import add_columns, heading, plain_table
+from wildscav_evaluator.cli.result_tables import (
+    add_columns,
+    heading,
+    invalid_actions_note,
+    plain_table,
+    waits_note,
+)
 from wildscav_evaluator.cli.sessions.playing import INTERRUPTED, raise_errors
 from wildscav_evaluator.matches.play import (
     MatchAssignment,
@@ -36,7 +42,6 @@ from wildscav_evaluator.matches.play import (
 from wildscav_evaluator.output.results import FINISHED, metric_infos
 from wildscav_evaluator.sandbox import SANDBOXES, Sandbox
 from wildscav_evaluator.sandbox.agents.capped_log import is_cut
-from wildscav_evaluator.scores.notes import invalid_actions_note, waits_note
 from wildscav_evaluator.scores.number_format import number
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_server import leftovers

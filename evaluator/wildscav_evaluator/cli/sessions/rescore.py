@@ -17,7 +17,7 @@ from wildscav_evaluator.output.layout import LEDGER_FILE, OPENED_FILE, RESULTS_F
 from wildscav_evaluator.output.record_names import record_paths
 from wildscav_evaluator.output.results import CURRENT_VERSIONS, Results, Timings, read_results
 from wildscav_evaluator.scores.audit import AuditedFolder, discrepancies, read_folder
-from wildscav_evaluator.scores.expected_matches import check_opened
+from wildscav_evaluator.scores.expected_matches import check_opened, has_older_schedule
 from wildscav_evaluator.scores.rescore import Replayed, recompute, replay_all
 from wildscav_evaluator.tournaments.tournament_file import tournament_of
 
@@ -102,6 +102,11 @@ def _print_conclusion(folder: AuditedFolder) -> None:
         _say(f"{counted(again, 'match')} {were} interrupted and restarted: see {LEDGER_FILE}")
     if folder.reported.commitment is not None and not (folder.out / OPENED_FILE).exists():
         _say("Whether these are the suite's matches can be checked once its secret is opened.")
+    if has_older_schedule(folder.reported):
+        _say(
+            "Its schedule is of an earlier version: the Wildscav that played it, "
+            f"{folder.reported.versions.engine}, can also check that the seed decided who met whom."
+        )
 
 
 def _say(text: str) -> None:

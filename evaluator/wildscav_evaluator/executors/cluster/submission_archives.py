@@ -12,10 +12,11 @@ from pathlib import Path
 
 from wildscav.errors import UserError
 from wildscav_evaluator.cache import cache_folder, is_kept, prune
-from wildscav_evaluator.submission_files import SubmissionError, add_files, submission_files
+from wildscav_evaluator.submission_files import add_files, submission_files
 from wildscav_evaluator.submissions.archives import LARGEST_CONTENT
 from wildscav_evaluator.submissions.submission import folder_digest
 from wildscav_server import leftovers
+from wildscav_server.hosting.manifest import SubmissionError
 
 KEPT = "shipped-submissions"  # the folder in a node's cache
 

@@ -95,4 +95,4 @@ def _do(folder: Path, act: Act, given: dict[str, Any]) -> None:
         *_, (name, secret) = result.model_dump().items()
         lines += [f"{name} {secret}   (shown this once)" if lines else secret] if secret else []
     for line in lines:
-        console.print(line, soft_wrap=True)
+        console.print(line)

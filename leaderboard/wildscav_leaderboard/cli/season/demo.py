@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from wildscav.errors import UserError
-from wildscav.terminal.console import command, console, error_console
+from wildscav.terminal.console import command, console, error_console, progress_bar
 
 if TYPE_CHECKING:
     from wildscav_leaderboard.hosting.demo.make import Login
@@ -84,18 +84,16 @@ class _Watch:
     """Shows how far a season is until it is worth a look, and then where it is. Called again and again."""
 
     def __init__(self, season: "Season", logins: "tuple[Login, ...]", matches: int, *, opens: bool) -> None:
-        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+        from rich.progress import MofNCompleteColumn, TimeElapsedColumn
 
         self._season, self._logins, self._matches, self._opens = season, logins, matches, opens
         self._database = season.database()
-        columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-        self._progress = Progress(*columns, console=error_console, transient=True)
+        self._progress = progress_bar(MofNCompleteColumn(), TimeElapsedColumn())
         self._checks = self._progress.add_task("submissions are checked", total=None)
         self._played = self._progress.add_task("matches are played", total=matches, start=False)
         self._is_shown, self._looked = False, 0.0
-        if error_console.is_terminal:
-            self._progress.start()
-        else:
+        self._progress.start()
+        if not error_console.is_terminal:
             error_console.print("the baselines are checked, and play their first matches")
 
     def __call__(self) -> None:
@@ -132,7 +130,7 @@ class _Watch:
         if self._season.settings.execution.sandbox == "process":
             lines.append(WARNING)
         for line in lines:
-            console.print(line, soft_wrap=True)
+            console.print(line)
         if self._opens:
             with contextlib.suppress(webbrowser.Error):
                 webbrowser.open(address)

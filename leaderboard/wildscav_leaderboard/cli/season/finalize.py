@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.progress import MofNCompleteColumn, TimeElapsedColumn
 
-from wildscav.terminal.console import command, console, counted, error_console
+from wildscav.terminal.console import command, console, counted, error_console, progress_bar
 from wildscav_leaderboard.cli.season.folders import SeasonFolder, opened
 
 if TYPE_CHECKING:
@@ -71,10 +71,10 @@ def finalize(
                 if leave_out:
                     finalizing.leave_out(session, actor, leave_out, reason, at)
         if abort:
-            console.print("the end of the season is taken back", soft_wrap=True)
+            console.print("the end of the season is taken back")
             return
         _wait(season, database)
-        console.print("the season is over: its boards are final, and its secrets are opened", soft_wrap=True)
+        console.print("the season is over: its boards are final, and its secrets are opened")
         _publish(season, database, out or season.folder / PUBLISHED, again=again)
 
 
@@ -92,8 +92,8 @@ def _publish(season: "Season", database: "Database", out: Path, *, again: bool) 
         shutil.rmtree(old)
     elif not out.exists():
         export(season, database, out)
-    console.print(f"published in {out}; anyone can check it:", soft_wrap=True)
-    console.print(f"  {command('wildscav', 'verify', out)}", soft_wrap=True)
+    console.print(f"published in {out}; anyone can check it:")
+    console.print(f"  {command('wildscav', 'verify', out)}")
 
 
 def _wait(season: "Season", database: "Database") -> None:
@@ -116,13 +116,11 @@ class _Shown:
     """The progress as it is shown: a bar on a terminal, a line for each change elsewhere."""
 
     def __init__(self) -> None:
-        columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-        is_live = error_console.is_terminal
-        self.progress = Progress(*columns, console=error_console, transient=True, disable=not is_live)
+        self.progress = progress_bar(MofNCompleteColumn(), TimeElapsedColumn())
         self._task = self.progress.add_task("", total=None)
         self._said = ""
 
-    def update(self, state: "finalizing.Progress") -> None:
+    def update(self, state: "finalizing.Ending") -> None:
         """Show how far the season is."""
         what = STAGES[state.stage]
         if state.pending:
@@ -130,5 +128,5 @@ class _Shown:
         self.progress.update(self._task, description=what, completed=state.played, total=state.planned)
         said = state.note or ("" if error_console.is_terminal else what)
         if said and said != self._said:
-            error_console.print(said, soft_wrap=True)
+            error_console.print(said)
         self._said = said

@@ -1,6 +1,6 @@
 """The argument that names a season's folder, its opening, and the commands that make, copy and check one."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
 from datetime import UTC, datetime
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from wildscav.cli.shared_options import AsJson
-from wildscav.terminal.console import command, console, counted, error_console, print_json
+from wildscav.terminal.console import command, console, counted, counting, error_console, print_json
 
 if TYPE_CHECKING:
     from wildscav_leaderboard.database.connection import Database
@@ -46,12 +46,12 @@ def init(
     from wildscav_leaderboard.seasons.initial_files import make_season_folder
 
     commitment, final = make_season_folder(folder, name, title, days)
-    _say(f"season     {folder}")
-    _say(f"settings   {folder / 'season.toml'}: read and change them before it opens")
-    _say(f"commitment {commitment}")
-    _say(f"final      {final}")
-    _say("           the commitments are to be published, and the secrets kept")
-    _say(f"start it   {command('wildscav', 'season', 'serve', folder)}")
+    console.print(f"season     {folder}")
+    console.print(f"settings   {folder / 'season.toml'}: read and change them before it opens")
+    console.print(f"commitment {commitment}")
+    console.print(f"final      {final}")
+    console.print("           the commitments are to be published, and the secrets kept")
+    console.print(f"start it   {command('wildscav', 'season', 'serve', folder)}")
 
 
 def export(
@@ -68,9 +68,9 @@ def export(
         made = run(season, database, out)
     hidden = f"; {made.hidden:,} more are still hidden" if made.hidden else ""
     found = ((made.boards, "board"), (made.matches, "match"), (made.records, "record"))
-    _say(f"{', '.join(counted(*one) for one in found)}{hidden}")
-    _say(f"exported to {made.folder}")
-    _say(f"check it    {command('wildscav', 'verify', out)}")
+    console.print(f"{', '.join(counted(*one) for one in found)}{hidden}")
+    console.print(f"exported to {made.folder}")
+    console.print(f"check it    {command('wildscav', 'verify', out)}")
 
 
 def backup(folder: SeasonFolder, out: Backup) -> None:
@@ -79,17 +79,16 @@ def backup(folder: SeasonFolder, out: Backup) -> None:
 
     with (
         opened(folder, any_version=True) as (season, database),
-        _progress("files are backed up") as on_progress,
+        counting("files are backed up") as on_progress,
     ):
         done = back_up(season, database, out, datetime.now(UTC), on_progress)
     size = f"{done.size / (1 << 20):,.1f} MiB"
     held = f"{counted(done.rows, 'row')} and {counted(done.files, 'file')}, {size}"
-    _say(f"{out}: {held}; it holds the secrets, so keep it safe")
+    console.print(f"{out}: {held}; it holds the secrets, so keep it safe")
     if done.missing:
         error_console.print(
             f"missing: {counted(len(done.missing), 'file')}, the first one {done.missing[0]}; "
             "`wildscav season check` tells more",
-            soft_wrap=True,
         )
 
 
@@ -98,9 +97,9 @@ def restore(backup: Backup, folder: SeasonFolder) -> None:
     from wildscav_leaderboard.organizing.backups.restore import restore as restored
 
     done = restored(backup, folder)
-    _say(f"season   {done.season}, as it was at {done.at:%Y-%m-%d %H:%M:%S} UTC")
-    _say(f"database {done.database}: {counted(done.rows, 'row')}")
-    _say(f"start it {command('wildscav', 'season', 'serve', folder)}")
+    console.print(f"season   {done.season}, as it was at {done.at:%Y-%m-%d %H:%M:%S} UTC")
+    console.print(f"database {done.database}: {counted(done.rows, 'row')}")
+    console.print(f"start it {command('wildscav', 'season', 'serve', folder)}")
 
 
 def check(folder: SeasonFolder, as_json: AsJson = False) -> None:
@@ -108,34 +107,18 @@ def check(folder: SeasonFolder, as_json: AsJson = False) -> None:
     from wildscav_evaluator.monitoring.dashboard import duration
     from wildscav_leaderboard.organizing.checking import check_season
 
-    with _progress("files are checked") as on_progress:
+    with counting("files are checked") as on_progress:
         found = check_season(folder, on_progress)
     if as_json:
         print_json({"passed": found.passed, **asdict(found)})
     for problem in found.problems:
-        error_console.print(problem, soft_wrap=True)
+        error_console.print(problem)
     if not found.passed:
         raise typer.Exit(1)
     if found.changes and not as_json:
         apply = command("wildscav", "season", "apply", folder)
-        _say("\n".join([*found.changes, f"{apply} brings this into force"]))
+        console.print("\n".join([*found.changes, f"{apply} brings this into force"]))
     if not as_json:
         for track, seconds in found.longest.items():
-            _say(f"{track}: a match lasts at most {duration(seconds)} by its agents' time limits")
-        _say(f"nothing is wrong: settings, secrets, database and {counted(found.files, 'file')}")
-
-
-@contextmanager
-def _progress(what: str) -> Iterator[Callable[[int, int], None]]:
-    """Yield what shows how many files are done; on a terminal alone."""
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
-
-    columns = (TextColumn(what), BarColumn(), MofNCompleteColumn())
-    is_live = error_console.is_terminal
-    with Progress(*columns, console=error_console, transient=True, disable=not is_live) as progress:
-        task = progress.add_task(what, total=None)
-        yield lambda done, total: progress.update(task, completed=done, total=total)
-
-
-def _say(text: str) -> None:
-    console.print(text, soft_wrap=True)
+            console.print(f"{track}: a match lasts at most {duration(seconds)} by its agents' time limits")
+        console.print(f"nothing is wrong: settings, secrets, database and {counted(found.files, 'file')}")

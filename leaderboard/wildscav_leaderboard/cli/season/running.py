@@ -1,6 +1,5 @@
 """The commands for a season that runs: ``serve``, ``status`` and ``apply``."""
 
-from dataclasses import asdict
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,8 +13,7 @@ from wildscav_leaderboard.cli.season.folders import SeasonFolder, opened
 from wildscav_leaderboard.competing.texts import waits_for
 
 if TYPE_CHECKING:
-    from wildscav_leaderboard.conductor.models import Attempt
-    from wildscav_leaderboard.organizing.status import Status
+    from wildscav_leaderboard.organizing.status import AttemptView, StatusView
 
 
 def serve(
@@ -57,9 +55,9 @@ def serve(
         changed = changed.model_copy(update={"port": check_port(changed.host, changed.port)})
     season = Season(season.folder, season.settings.model_copy(update={"web": changed}))
     for line in check_rules(season):
-        console.print(line, soft_wrap=True)
+        console.print(line)
     if WEB in parts:
-        console.print(f"{season.settings.title}: {changed.address} (Ctrl-C ends it)", soft_wrap=True)
+        console.print(f"{season.settings.title}: {changed.address} (Ctrl-C ends it)")
     run(season, parts, "json" if log_format == "json" else "text")
 
 
@@ -73,28 +71,13 @@ def status(folder: SeasonFolder, as_json: AsJson = False) -> None:
     with opened(folder) as (season, database), database.reading() as session:
         one = found(session, season, datetime.now(UTC))
     if as_json:
-        print_json(_document(one))
+        print_json(one.model_dump())
     console.print(_table(season.settings.title, one))
     if one.faults:
         console.print(_faults(one.faults[:SHOWN_FAULTS]))
 
 
-def _document(one: "Status") -> dict[str, object]:
-    simple = {name: value for name, value in vars(one).items() if name not in ("attempts", "faults")}
-    return {
-        **simple,
-        "attempts": [_attempt(attempt) for attempt in one.attempts],
-        "faults": [_attempt(attempt) for attempt in one.faults],
-    }
-
-
-def _attempt(attempt: "Attempt") -> dict[str, object]:
-    return {
-        name: str(value) if isinstance(value, datetime) else value for name, value in asdict(attempt).items()
-    }
-
-
-def _table(title: str, one: "Status") -> Table:
+def _table(title: str, one: "StatusView") -> Table:
     table = Table("", "", title=Text(title), box=None, show_header=False)
     conducted = one.conductor or "nobody conducts: `wildscav season serve` starts what does"
     where = f"{one.executor}, {one.at_once} at once, sandbox {one.sandbox}" if one.executor else ""
@@ -125,7 +108,7 @@ def _counted(counts: dict[str, int]) -> str:
     return ", ".join(f"{count:,} {state}" for state, count in counts.items()) or "none"
 
 
-def _faults(faults: "list[Attempt]") -> Table:
+def _faults(faults: "list[AttemptView]") -> Table:
     table = Table(
         "started", "work", "outcome", "what happened", title="the platform's latest faults", box=None
     )
@@ -150,9 +133,9 @@ def apply(
         with database.reading() as session:
             changes = edition_changes(session, season)
         for change in changes:
-            console.print(change.text, soft_wrap=True)
+            console.print(change.text)
         if changes and not yes:
             typer.confirm("Bring this into force?", abort=True)
         with database.writing() as session:
             apply_editions(session, season, command_line(), datetime.now(UTC))
-    console.print("the new rules are in force", soft_wrap=True)
+    console.print("the new rules are in force")

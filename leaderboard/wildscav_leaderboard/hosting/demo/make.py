@@ -11,10 +11,10 @@ from pathlib import Path
 import tomli_w
 
 from wildscav.baselines import ALL_ROUND, baseline_folder
+from wildscav.sdk.submission_folder import MANIFEST
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.sandbox.choose import choose
 from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS
-from wildscav_evaluator.submissions.submission import MANIFEST
 from wildscav_leaderboard.access.uploads import take_upload
 from wildscav_leaderboard.accounts.models import COMPETITOR
 from wildscav_leaderboard.accounts.passwords import hashed

@@ -33,7 +33,7 @@ FORMAT = 1
 BACKUPS = "backups"  # folder of a season, for those before upgrades
 ABOUT = "backup.json"  # the first entry of a backup
 SETTINGS, TABLES, FILES = "season", "database", "files"  # folders in a backup
-OnProgress = Callable[[int, int], None]  # files that are written, of how many
+OnProgress = Callable[[int, int], None]  # files that are done, of how many
 
 
 @dataclass(frozen=True)
@@ -103,8 +103,7 @@ def back_up(
         size = fresh.stat().st_size
         fresh.rename(out)
     except (OSError, tarfile.TarError) as error:
-        why = describe(error) if isinstance(error, OSError) else str(error)
-        raise UserError(f"the backup cannot be written: {why}") from error
+        raise UserError(f"the backup cannot be written: {describe(error)}") from error
     finally:
         fresh.unlink(missing_ok=True)
     return BackedUp(rows, files, size, missing)

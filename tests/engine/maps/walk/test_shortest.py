@@ -84,12 +84,12 @@ def test_the_way_over_the_fine_grid_can_be_walked(seed: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(3))
 def test_no_way_on_a_map_is_two_percent_shorter(seed: int) -> None:
     config = random_map_config(seed, steepest=1.4).model_copy(update={"size": 60, "houses": 1 + seed % 3})
     game_map = generate_map(config, seed)
     dice, places = RandomStream(seed, Stream.TARGET), np.concatenate([game_map.outdoor, game_map.indoor])
-    for _ in range(4):
+    for _ in range(3):
         start, target = (places[dice.integer(0, len(places) - 1)] for _ in range(2))
         length = shortest_length(game_map.graph, start, target, 1.0)
         exact = reference_length(game_map.world, start, target, 1.0, 1.05 * length + 1.0)

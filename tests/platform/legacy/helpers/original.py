@@ -5,7 +5,6 @@ import json
 import os
 import shutil
 import subprocess
-import sys
 import venv
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,6 +14,7 @@ import pytest
 from tests.ports import free_ports
 
 from wildscav_engine.compilation.cache_folders import cache_root
+from wildscav_legacy.install import install_engine, write_map
 
 PACKAGES = (
     "inspirai-fps==0.0.3",
@@ -74,8 +74,8 @@ def logs(folder: Path) -> str:
     return "\n".join(path.read_text() for path in sorted((folder / "logs").glob("*.log")))
 
 
-def install(folder: Path, maps: str) -> None:
-    """Make a folder that the client can be pointed at."""
-    command = [Path(sys.executable).parent / "wildscav-legacy", "install", folder, "--maps", maps]
-    done = subprocess.run(command, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
+def install(folder: Path, *maps: int) -> None:
+    """Make a folder that the client can be pointed at, as ``wildscav-legacy install`` does."""
+    install_engine(folder / "engine")
+    for map_id in maps:
+        write_map(map_id, folder / "maps")

@@ -6,8 +6,8 @@ import os
 import socket
 import subprocess
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import pytest
@@ -26,7 +26,20 @@ PATIENT = Clock(step_budget=5.0, join_timeout=60.0)
 OWN = EndpointSettings(connections=16, max_total_connections=64)  # as an evaluation has it
 GROWTH = 50e6  # bytes
 SEQUENCES = int(os.environ.get("WILDSCAV_SEQUENCES", "300"))
-EVERY_DAY = {"connect", "ping", "large-continuation"}
+EVERY_DAY = ("connect", "ping", "large-continuation")
+OTHER_KINDS = [kind for kind in raw_http2.KINDS if kind not in EVERY_DAY]
+# Each kind from a seat and a process of its own, some at the same time.
+GROUPS = [
+    *((kind,) for kind in EVERY_DAY),
+    *(pytest.param(OTHER_KINDS[first::3], marks=pytest.mark.slow) for first in range(3)),
+]
+GROUPS_OF_UNKNOWN = [
+    ("connect",),
+    *(
+        pytest.param(kinds, marks=pytest.mark.slow)
+        for kinds in (("hold", "silent"), ("ping", "large-continuation"), ("reset", "headers"))
+    ),
+]
 
 
 @contextmanager
@@ -40,31 +53,34 @@ def flooding(*arguments: str) -> Iterator[None]:
         flooder.wait()
 
 
-@pytest.mark.parametrize(
-    "kind",
-    [kind if kind in EVERY_DAY else pytest.param(kind, marks=pytest.mark.slow) for kind in raw_http2.KINDS],
-)
-def test_a_seat_that_floods_its_socket_is_put_out_and_costs_the_other_no_step(
-    tmp_path: Path, kind: str, caplog: pytest.LogCaptureFixture
+@pytest.mark.parametrize("kinds", GROUPS, ids=", ".join)
+def test_a_seat_that_floods_its_socket_is_put_out_and_costs_another_no_step(
+    tmp_path: Path, kinds: Sequence[str], caplog: pytest.LogCaptureFixture
 ) -> None:
+    honest = len(kinds)  # the last seat
+
     async def play(_: MatchServer, __: str) -> None:
         server = MatchServer(endpoint_settings=OWN)
-        own, others = await server.start([f"unix:{tmp_path / name}" for name in ("own", "others")])
+        *own, others = await server.start([f"unix:{tmp_path / name}" for name in (*kinds, "others")])
         before = memory()
-        addresses = {0: own, 1: others}
-        hosted = await host(
-            server, small_spec(seats=2, seconds=5.0), addresses=addresses, clock=PATIENT, starting=True
-        )
-        with flooding(kind, own, hosted.tokens[0]):
-            agent = await start_agent("Walker", others, hosted.tokens[1])
-            hosted.launched(0)
-            hosted.launched(1)
-            seats = (await hosted.finished()).seats
+        spec = small_spec(seats=honest + 1, seconds=5.0)
+        addresses = dict(enumerate((*own, others)))
+        hosted = await host(server, spec, addresses=addresses, clock=PATIENT, starting=True)
+        with ExitStack() as floods:
+            for seat, kind in enumerate(kinds):
+                floods.enter_context(flooding(kind, own[seat], hosted.tokens[seat]))
+            agent = await start_agent("Walker", others, hosted.tokens[honest])
+            for seat in addresses:
+                hosted.launched(seat)
+            reports = (await hosted.finished()).seats
         assert await ended(agent) == (0, "")
-        assert (seats[0].status, seats[0].status.fault) == (SeatStatus.PROTOCOL_ERROR, "agent")
-        assert seats[0].detail.startswith(("flooded its ", "sent ", "did not begin "))
-        assert (seats[1].status, seats[1].late_steps, seats[1].steps_played) == ("finished", 0, 50)
-        assert seats[1].time_bank == hosted.clock.time_bank
+        for seat, kind in enumerate(kinds):
+            assert reports[seat].status == SeatStatus.PROTOCOL_ERROR, kind
+            assert reports[seat].status.fault == "agent"
+            assert reports[seat].detail.startswith(("flooded its ", "sent ", "did not begin ")), kind
+        assert (reports[honest].status, reports[honest].late_steps) == ("finished", 0)
+        assert reports[honest].steps_played == 50
+        assert reports[honest].time_bank == hosted.clock.time_bank
         assert memory() - before < GROWTH
         await server.stop()
 
@@ -72,20 +88,16 @@ def test_a_seat_that_floods_its_socket_is_put_out_and_costs_the_other_no_step(
     assert not [record for record in caplog.records if record.name == "asyncio"]
 
 
-@pytest.mark.parametrize(
-    "kind",
-    [
-        kind if kind == "connect" else pytest.param(kind, marks=pytest.mark.slow)
-        for kind in ("connect", "hold", "silent", "ping", "large-continuation", "reset", "headers")
-    ],
-)
+@pytest.mark.parametrize("kinds", GROUPS_OF_UNKNOWN, ids=", ".join)
 def test_unknown_clients_that_flood_an_address_keep_nobody_from_joining_there(
-    tmp_path: Path, kind: str
+    tmp_path: Path, kinds: Sequence[str]
 ) -> None:
     async def play(server: MatchServer, _: str) -> None:
         (address,) = await server.start(["127.0.0.1:0"])
         before = memory()
-        with flooding(kind, address):
+        with ExitStack() as floods:
+            for kind in kinds:
+                floods.enter_context(flooding(kind, address))
             hosted = await host(server, small_spec(seconds=5.0), clock=PATIENT)
             agent = await start_agent("Walker", address, hosted.tokens[0])
             seat = (await hosted.finished()).seats[0]

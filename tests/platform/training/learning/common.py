@@ -5,8 +5,7 @@ from typing import Any
 
 from tests.engine.envs.common import OPEN
 
-from wildscav_training.learning.hyperparameters import Hyperparameters
-from wildscav_training.learning.settings import TrainingSettings
+from wildscav_training.learning.settings import Hyperparameters, TrainingSettings
 
 SMALL = Hyperparameters(matches=4, rollout=16, minibatch=16, epochs=2, layers=(8,))
 FIELDS = ("curriculum", "seed", "opposition")

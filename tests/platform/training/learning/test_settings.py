@@ -8,8 +8,13 @@ import pytest
 from wildscav.errors import UserError
 from wildscav_engine.envs.batched import multi_agent_config
 from wildscav_engine.tracks import TRACKS
-from wildscav_training.learning.hyperparameters import PAPER, Hyperparameters
-from wildscav_training.learning.settings import TrainingSettings, changed, preset_settings
+from wildscav_training.learning.settings import (
+    PAPER,
+    Hyperparameters,
+    TrainingSettings,
+    changed,
+    preset_settings,
+)
 
 
 def test_the_preset_paper_has_the_numbers_of_the_papers_table() -> None:

@@ -214,8 +214,9 @@ def test_what_is_not_a_submission_is_refused(folder: str, message: str) -> None:
 @pytest.mark.parametrize(
     ("manifest", "code", "message"),
     [
-        ('name = "own"\ncommand = ["node", "agent.js"]\ntracks = ["battle"]\n', "", "has a command"),
-        ('name = "own"\ntracks = ["battle"]\n', "", "neither an entry_point nor a command"),
+        (MANIFEST.replace("entry_point", "command").replace('"agent:Own"', '["node"]'), "", "has a command"),
+        (MANIFEST.replace('entry_point = "agent:Own"', ""), "", "entry_point: is missing"),
+        (MANIFEST.replace('version = "1.0.0"', ""), "", "version: is missing"),
         (MANIFEST, "import nothing_of_this_name", "cannot be imported: ModuleNotFoundError"),
         (MANIFEST, "", "has no class Own"),
         (MANIFEST + "[sensors.sonar]\n", "class Own: ...", "sensors: "),

@@ -25,6 +25,10 @@ from wildscav.cli.old_names import COMMANDS, with_new_names
         ("train --at-once 2", "train --workers 2"),
         ("season demo --no-open", "season demo --no-browser"),
         ("evaluate homing --jobs 1", "evaluate homing --workers 1"),
+        ("leaderboard --season --json", "leaderboard --season latest --json"),
+        ("leaderboard URL --season --track battle", "leaderboard --season URL --track battle"),
+        ("leaderboard --track battle --season", "leaderboard --track battle --season latest"),
+        ("leaderboard --season URL --json", "leaderboard --season URL --json"),
         ("human --map 3", "human --map 3"),  # the number of a map, as before
         ("team create --title --output", "team create --title --output"),  # no option of this command
         ("nonsense --jobs 1", "nonsense --jobs 1"),

@@ -2,6 +2,8 @@
 
 import io
 import json
+from datetime import UTC, datetime
+from pathlib import Path
 
 import pytest
 from hypothesis import example, given
@@ -10,7 +12,7 @@ from rich.table import Table
 from rich.text import Text
 from tests.platform.helpers.plain_text import ANYTHING, HOSTILE, is_plain
 
-from wildscav.terminal.console import PlainConsole, ascii_json, printable
+from wildscav.terminal.console import PlainConsole, ascii_json, print_json, printable
 from wildscav_server.monitoring.logs import LogFormat, open_log
 
 
@@ -77,3 +79,19 @@ def test_log_lines_are_plain(form: LogFormat, text: str) -> None:
         open_log(form, who=text).warning("match_ends", detail=text, seats=[{"detail": text}])
     assert is_plain(lines.getvalue())
     assert lines.getvalue().count("\n") == 1
+
+
+def test_text_stays_on_one_line_however_narrow_the_terminal_is() -> None:
+    console = PlainConsole(file=io.StringIO(), width=10)
+    line = "the address is https://season.example.org"
+
+    console.print(line)
+    console.print(Text(line, "dim"))
+
+    assert isinstance(console.file, io.StringIO)
+    assert console.file.getvalue() == f"{line}\n{line}\n"
+
+
+def test_a_json_document_has_times_and_paths_as_text(capsys: pytest.CaptureFixture[str]) -> None:
+    print_json({"at": datetime(2030, 6, 1, tzinfo=UTC), "folder": Path("out")})
+    assert json.loads(capsys.readouterr().out) == {"at": "2030-06-01 00:00:00+00:00", "folder": "out"}

@@ -3,7 +3,7 @@
 import pytest
 from tests.evaluator.results_by_hand import results_of, timing_of_a_seat
 
-from wildscav_evaluator.scores.notes import evaluation_waits_note, invalid_actions_note
+from wildscav_evaluator.cli.result_tables import evaluation_waits_note, invalid_actions_note
 
 
 @pytest.mark.parametrize(
