@@ -60,7 +60,7 @@ def play_step(
         _begin(world, agents, supplies, matches, match)
         return
     _update_seen_of_robots(world, agents, supplies, matches, match, rules, seen)
-    _clear_step_facts(agents)
+    _clear_events(agents)
     for seat in range(actions.shape[0]):
         action = actions[seat]
         _resolve_action(
@@ -138,7 +138,7 @@ def _update_seen_of_robots(
 
 
 @inlined_kernel
-def _clear_step_facts(agents: Agents) -> None:
+def _clear_events(agents: Agents) -> None:
     for seat in range(agents.fired.shape[0]):
         agents.fired[seat] = False
         agents.hit_seat[seat] = NOBODY

@@ -89,7 +89,7 @@ class Search(NamedTuple):
     """A search, with what it looks at and what it has found."""
 
     world: World
-    no_bodies: Bodies
+    nobody: Bodies
     leaps: Leaps
     grid: Grid
     found: Found
@@ -109,11 +109,11 @@ def fine_route(
     """
     grid = _grid_around(graph, start, goal)
     leaps = Leaps(graph.lattice, graph.nodes, graph.leap_start, graph.leap_end)
-    no_bodies = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
+    nobody = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
     capacity = 16 * 1024
     while True:
         found = _no_places(grid, capacity)
-        last = search_on(Search(graph.world, no_bodies, leaps, grid, found, goal), start)
+        last = search_on(Search(graph.world, nobody, leaps, grid, found, goal), start)
         if last != FULL:
             break
         capacity *= 4
@@ -194,7 +194,7 @@ def _leave_start(search: Search) -> None:
 @kernel
 def _go(search: Search, place: int, row: int, column: int) -> None:
     """Walk from a place to a grid point, unless no shorter route can come of it."""
-    world, no_bodies, leaps, grid, found, goal = search
+    world, nobody, leaps, grid, found, goal = search
     if not (0 <= row < grid.rows and 0 <= column < grid.columns):
         return
     x = world.corner[0] + STEP * (grid.column + column)
@@ -210,14 +210,14 @@ def _go(search: Search, place: int, row: int, column: int) -> None:
         if _is_open(leaps.lattice, grid, from_row, from_column):
             height = _height_on_open_ground(world, here, x, z)
     if height == -np.inf:
-        height = _height_after_walk(world, no_bodies, here, x, z, place != 0)
+        height = _height_after_walk(world, nobody, here, x, z, place != 0)
     if abs(height) < np.inf:
         _relax(found, goal, place, point, Point(x, height, z), length, False)
 
 
 @kernel
 def _height_after_walk(
-    world: World, no_bodies: Bodies, here: Point, x: float, z: float, with_clearance: bool
+    world: World, nobody: Bodies, here: Point, x: float, z: float, with_clearance: bool
 ) -> float:
     """Return the height in m at which a body arrives, -inf or NaN if it does not.
 
@@ -225,12 +225,10 @@ def _height_after_walk(
     from the place, and then leave the wall on its other side. A start may be so close to a wall that there is
     no clearance beside it.
     """
-    height = walk_within(world, no_bodies, here, x, z, STRIDE, EXACT)
+    height = walk_within(world, nobody, here, x, z, STRIDE, EXACT)
     if not with_clearance or not abs(height) < np.inf:
         return height
-    return (
-        height if leaves_clearance(world, no_bodies, here, x, z, height, SIDE_CLEARANCE, STRIDE) else -np.inf
-    )
+    return height if leaves_clearance(world, nobody, here, x, z, height, SIDE_CLEARANCE, STRIDE) else -np.inf
 
 
 @kernel

@@ -167,14 +167,14 @@ def _no_leaps(capacity: int) -> Leaps:
 
 def _explore_all(world: World, lattice: Lattice, nodes: Nodes, leaps: Leaps) -> tuple[Nodes, Leaps]:
     """Find straight edges, diagonal edges and leaps from every node, until no new node is found."""
-    no_bodies = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
+    nobody = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
     body = Bodies(np.zeros((1, 3)), np.zeros(0, np.int32), 0)
     walked = joined = leapt = 0
     while leapt < nodes.found[0]:
         capacity = len(nodes.point)
-        walked = explore(world, no_bodies, lattice, nodes, walked, capacity)
+        walked = explore(world, nobody, lattice, nodes, walked, capacity)
         if walked == nodes.found[0]:
-            joined = join_diagonals(world, no_bodies, lattice, nodes, joined, capacity)
+            joined = join_diagonals(world, nobody, lattice, nodes, joined, capacity)
         if joined == nodes.found[0]:
             leapt = find_leaps(world, body, lattice, nodes, leaps, leapt, (capacity, len(leaps.start)))
         if nodes.found[0] + 2 * DIRECTIONS >= capacity:

@@ -26,7 +26,7 @@ Place = Sequence[float] | NDArray[np.float64]  # x, y, z in m, soles
 
 
 @array_kernel
-def pull_tight(world: World, no_bodies: Bodies, turns: NDArray[np.float64]) -> NDArray[np.float64]:
+def pull_tight(world: World, nobody: Bodies, turns: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the points of a walk, (P, 3) m, with each turn moved towards the line between its neighbours.
 
     Args:
@@ -37,14 +37,14 @@ def pull_tight(world: World, no_bodies: Bodies, turns: NDArray[np.float64]) -> N
     for _ in range(ROUNDS):
         gained = 0.0
         for turn in range(1, tight.shape[0] - 1):
-            gained += _move_in(world, no_bodies, tight, turn)
+            gained += _move_in(world, nobody, tight, turn)
         if gained < LEAST_GAIN:
             break
     return tight
 
 
 @kernel
-def _move_in(world: World, no_bodies: Bodies, turns: NDArray[np.float64], turn: int) -> float:
+def _move_in(world: World, nobody: Bodies, turns: NDArray[np.float64], turn: int) -> float:
     """Move a turn as far as possible in one step; return how many m shorter the path becomes."""
     before, here, after = _point(turns, turn - 1), _point(turns, turn), _point(turns, turn + 1)
     old = _level_distance(before, here) + _level_distance(here, after)
@@ -54,10 +54,10 @@ def _move_in(world: World, no_bodies: Bodies, turns: NDArray[np.float64], turn: 
         moved = share * whole - CORNER_CLEARANCE
         if moved <= 0.0:
             break
-        furthest = _turn_at(world, no_bodies, before, here, after, foot_x, foot_z, share)
+        furthest = _turn_at(world, nobody, before, here, after, foot_x, foot_z, share)
         if not furthest.y < np.inf:
             continue
-        there = _turn_at(world, no_bodies, before, here, after, foot_x, foot_z, moved / whole)
+        there = _turn_at(world, nobody, before, here, after, foot_x, foot_z, moved / whole)
         gain = old - _level_distance(before, there) - _level_distance(there, after)
         if there.y < np.inf and gain > 0.0:
             turns[turn, 0], turns[turn, 1], turns[turn, 2] = there.x, there.y, there.z
@@ -68,7 +68,7 @@ def _move_in(world: World, no_bodies: Bodies, turns: NDArray[np.float64], turn: 
 @kernel
 def _turn_at(
     world: World,
-    no_bodies: Bodies,
+    nobody: Bodies,
     before: Point,
     here: Point,
     after: Point,
@@ -80,11 +80,11 @@ def _turn_at(
     x, z = here.x + share * (foot_x - here.x), here.z + share * (foot_z - here.z)
     if max(abs(x - before.x), abs(z - before.z)) < LEG_STRIDE:
         return Point(x, np.inf, z)
-    height = walk_straight(world, no_bodies, before, x, z, SPACING)
+    height = walk_straight(world, nobody, before, x, z, SPACING)
     if not abs(height) < np.inf:
         return Point(x, np.inf, z)
     there = Point(x, height, z)
-    if is_straight(world, no_bodies, before, there) and is_straight(world, no_bodies, there, after):
+    if is_straight(world, nobody, before, there) and is_straight(world, nobody, there, after):
         return there
     return Point(x, np.inf, z)
 
@@ -233,8 +233,8 @@ def _nodes_around(graph: NavGraph, x: float, z: float) -> NDArray[np.int64]:
 
 
 def _leads_to(graph: NavGraph, start: Point, end: Point) -> bool:
-    no_bodies = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
-    height = walk_straight(graph.world, no_bodies, start, end.x, end.z, SPACING)
+    nobody = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
+    height = walk_straight(graph.world, nobody, start, end.x, end.z, SPACING)
     return bool(abs(height - end.y) <= SAME_SURFACE)
 
 
@@ -263,14 +263,14 @@ def _legs(
 
 def pulled(graph: NavGraph, places: NDArray[np.float64], route: NDArray[np.int32]) -> NDArray[np.float64]:
     """Return (P, 3) m the turns of a walk after it is pulled straight and tight."""
-    no_bodies = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
+    nobody = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
     while True:
-        kept = pull_straight(graph.world, no_bodies, places, route)
+        kept = pull_straight(graph.world, nobody, places, route)
         if len(kept) == len(route):
             break
         route = kept
-    turns = pull_tight(graph.world, no_bodies, places[route])
-    kept = pull_straight(graph.world, no_bodies, turns, np.arange(len(turns), dtype=np.int32))
+    turns = pull_tight(graph.world, nobody, places[route])
+    kept = pull_straight(graph.world, nobody, turns, np.arange(len(turns), dtype=np.int32))
     return np.asarray(turns[kept])
 
 

@@ -106,19 +106,17 @@ def length_to_target(world: World, turns: NDArray[np.float64], leaps: NDArray[np
         turns: (P, 3) m, soles, with the start.
         leaps: (P,) whether a leap leads to each.
     """
-    no_bodies = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
+    nobody = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
     before, best = 0.0, np.inf
     for number, turn in enumerate(turns):
         best = min(
-            best, before + walk_until_reached(world, no_bodies, turn, goal.target, goal.target, goal.reach)
+            best, before + walk_until_reached(world, nobody, turn, goal.target, goal.target, goal.reach)
         )
         if number + 1 == len(turns):
             break
         after = turns[number + 1]
         if not leaps[number + 1]:
-            best = min(
-                best, before + walk_until_reached(world, no_bodies, turn, after, goal.target, goal.reach)
-            )
+            best = min(best, before + walk_until_reached(world, nobody, turn, after, goal.target, goal.reach))
         before += _level_distance(turn, after)
     return best
 
@@ -132,7 +130,7 @@ def _level_distance(one: NDArray[np.float64], other: NDArray[np.float64]) -> flo
 @kernel
 def walk_until_reached(
     world: World,
-    no_bodies: Bodies,
+    nobody: Bodies,
     start: NDArray[np.float64],
     end: NDArray[np.float64],
     target: NDArray[np.float64],
@@ -154,7 +152,7 @@ def walk_until_reached(
     far = np.sqrt(east * east + north * north)
     moves, gone = int(np.ceil(far / STRIDE)), 0.0
     for done in range(moves):
-        at, short, stands = move_on(world, no_bodies, at, end[0], end[2], moves - done)
+        at, short, stands = move_on(world, nobody, at, end[0], end[2], moves - done)
         if short > ARRIVAL or not stands:
             return np.inf
         stride, nearer = far / moves, _distance(at, target)
