@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.arithmetic.random_numbers import Dice, Stream
+from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream
 from wildscav_engine.geometry.world import CELL, Kind, Solid, World, build_world, convex_solid
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.simulation.match import Match
@@ -57,7 +57,7 @@ def map_from(world: World, indoor: Sequence[Sequence[float]] = ()) -> GameMap:
 
 def random_map_config(seed: int, *, steepest: float) -> MapConfig:
     """Return a kind of map drawn by a seed, with at most so much relief."""
-    dice = Dice(seed, Stream.HOUSES)
+    dice = RandomStream(seed, Stream.HOUSES)
     return MapConfig(
         size=2 * dice.integer(30, 60),
         houses=dice.integer(0, 4),

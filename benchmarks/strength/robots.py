@@ -14,7 +14,7 @@ import numpy as np
 import typer
 from benchmarks.strength.baselines import wilson
 
-from wildscav_engine.arithmetic.random_numbers import Dice, Stream
+from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream
 from wildscav_engine.maps import MapError, generate_map
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.maps.pools import LEVELS
@@ -33,7 +33,7 @@ class Row(NamedTuple):
     """One row of the table: matches in which sides meet."""
 
     question: str
-    draw: Callable[[Dice], MatchSpec]  # all but the map, the seats and the seed
+    draw: Callable[[RandomStream], MatchSpec]  # all but the map, the seats and the seed
     country: str  # a name in COUNTRIES
     sides: tuple[tuple[str, ...], ...]  # the robots of each; the row is about the first
     teams: bool = True  # whether each side is a team; otherwise everybody is alone
@@ -55,17 +55,17 @@ class Played(NamedTuple):
     note: str
 
 
-def search(track: str, time_limit: float) -> Callable[[Dice], MatchSpec]:
+def search(track: str, time_limit: float) -> Callable[[RandomStream], MatchSpec]:
     """Return a function that draws races to a target."""
     return lambda _: MatchSpec(track=track, time_limit=time_limit)
 
 
-def level_country(level: str) -> Callable[[Dice], MapConfig]:
+def level_country(level: str) -> Callable[[RandomStream], MapConfig]:
     """Return a function that gives the config of a level."""
     return lambda _: LEVELS[level]  # type: ignore[index]
 
 
-COUNTRIES: dict[str, Callable[[Dice], MapConfig]] = {
+COUNTRIES: dict[str, Callable[[RandomStream], MapConfig]] = {
     "wild": meeting_ground,
     "normal": level_country("normal"),
     "hard": level_country("hard"),
@@ -106,7 +106,7 @@ def rows() -> Iterator[Row]:
 @functools.cache
 def maps(country: str) -> tuple[GameMap, ...]:
     """Return the maps of a kind of country."""
-    dice, found = Dice(0, Stream.SUITE), list[GameMap]()
+    dice, found = RandomStream(0, Stream.SUITE), list[GameMap]()
     while len(found) < MAPS:
         try:
             found.append(generate_map(COUNTRIES[country](dice), dice.word() >> 1))
@@ -119,7 +119,7 @@ def specs_of(row: Row, matches: int) -> list[MatchSpec]:
     """Return the matches of a row, with the seats dealt anew for each."""
     specs = []
     for number in range(matches):
-        dice = Dice(number, Stream.SUITE)
+        dice = RandomStream(number, Stream.SUITE)
         of_seats = [(side, name) for side, names in enumerate(row.sides) for name in names]
         order = shuffled(dice, [str(index) for index in range(row.seats)])
         dealt = [of_seats[int(index)] for index in order]

@@ -2,14 +2,14 @@
 
 from collections.abc import Collection, Sequence
 
-from wildscav_engine.arithmetic.random_numbers import Dice
+from wildscav_engine.arithmetic.random_numbers import RandomStream
 from wildscav_engine.specs.match_spec import SUBMISSION
 
 BATTLE_ROBOTS = ("fighter", "gatherer")
 ROBOT_ENTRANT = "robot:"  # before the name of a robot that is an entrant of a tournament
 
 
-def battle_seats(dice: Dice, robots: int) -> tuple[str, ...]:
+def battle_seats(dice: RandomStream, robots: int) -> tuple[str, ...]:
     """Return the seats of a battle of one submission against robots, mixed and placed at random.
 
     Every kind of robot occurs as often as the others, give or take one. The submission's seat is random too,
@@ -19,7 +19,7 @@ def battle_seats(dice: Dice, robots: int) -> tuple[str, ...]:
     return shuffled(dice, (*seats, SUBMISSION))
 
 
-def shuffled(dice: Dice, seats: Sequence[str]) -> tuple[str, ...]:
+def shuffled(dice: RandomStream, seats: Sequence[str]) -> tuple[str, ...]:
     """Return seats in random order, with all orders equally likely."""
     order = list(seats)
     for last in range(len(order) - 1, 0, -1):

@@ -2,12 +2,12 @@
 
 import pytest
 
-from wildscav_engine.arithmetic.random_numbers import Dice, Stream
+from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream
 from wildscav_evaluator.seats import battle_seats, display_names, submission_seats
 
 
 def test_every_kind_of_robot_comes_up_as_often_give_or_take_one() -> None:
-    seats = battle_seats(Dice(1, Stream.SUITE), robots=9)
+    seats = battle_seats(RandomStream(1, Stream.SUITE), robots=9)
 
     assert sorted(seats) == ["fighter"] * 5 + ["gatherer"] * 4 + ["submission"]
 

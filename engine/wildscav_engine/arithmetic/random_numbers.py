@@ -6,7 +6,9 @@ nor on the order of agents, threads or batches.
 """
 
 import math
+import warnings
 from enum import IntEnum
+from typing import Any
 
 import numpy as np
 
@@ -101,7 +103,7 @@ def normal(seed: Word, stream: int, frame: int, agent: int, draw: int) -> float:
     return math.sqrt(-2.0 * logarithm(radius_draw)) * cosine(angle)
 
 
-class Dice:
+class RandomStream:
     """A sequence of draws from one stream, for code that runs once (maps, set-up), not every frame."""
 
     def __init__(self, seed: int, stream: Stream, agent: int = 0) -> None:
@@ -122,3 +124,11 @@ class Dice:
         """Return 64 random bits as an integer, to seed something else."""
         self._draws += 1
         return int(philox(self._seed, self._stream, 0, self._agent, self._draws)[0])
+
+
+def __getattr__(name: str) -> Any:
+    """Return a name by its old spelling, for one release."""
+    if name != "Dice":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    warnings.warn("Dice is called RandomStream now", DeprecationWarning, stacklevel=2)
+    return RandomStream

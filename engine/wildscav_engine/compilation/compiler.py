@@ -19,51 +19,60 @@ from numba.core.compiler_lock import global_compiler_lock
 from wildscav_engine.compilation.cache_folders import cache_folder
 from wildscav_engine.compilation.kernel_cache import KernelCache
 from wildscav_engine.compilation.linking import (
-    DisjointPartCompiler,
-    PartCache,
-    PartCompiler,
-    WholeCompiler,
+    BitcodeCache,
+    BitcodeCompiler,
+    DisjointBitcodeCompiler,
+    LinkedCompiler,
     for_all_numbers,
 )
 from wildscav_engine.compilation.locks import locked
 from wildscav_engine.compilation.notice import notice
 
-__all__ = ["compile_part", "compile_whole", "global_compiler_lock", "typeof"]
+__all__ = ["compile_inner", "compile_outer", "global_compiler_lock", "typeof"]
 
 # Annotated as Any, because Numba has options that its type stubs do not contain.
 njit: Any = numba.njit
 typeof: Any = numba.typeof
 
+Function = Callable[..., Any]
+
 GC_THRESHOLDS = (100_000, 50, 1000)  # as in ``gc.set_threshold``
 EXACT_OPTIONS = {"fastmath": False, "nogil": True, "error_model": "numpy"}
 
 
-def compile_whole(function: Callable[..., Any], *, disjoint: bool = False, **options: Any) -> Any:  # noqa: ARG001
+def compile_outer(
+    function: Function,
+    home: Function,
+    *,
+    disjoint: bool = False,  # noqa: ARG001
+    **options: Any,
+) -> Any:
     """Return a function that compiles itself when it is first called from Python.
 
-    ``disjoint`` does not matter then: it helps where other kernels inline the function.
+    Its code is kept with that of the file of ``home``. ``disjoint`` does not matter: it helps where other
+    kernels inline the function.
     """
     options = {"no_cfunc_wrapper": True, **options}
-    folder = _folder_of(function, "-".join(sorted(options)))
+    folder = _folder_of(home, "-".join(sorted(options)))
     # Without reference counting, no second pass is needed to find references that can be removed.
-    whole = {} if options.get("_nrt", True) else {"pipeline_class": WholeCompiler}
-    return _with_cache(njit(**EXACT_OPTIONS, **options, **whole)(function), KernelCache(function, folder))
+    linked = {} if options.get("_nrt", True) else {"pipeline_class": LinkedCompiler}
+    return _with_cache(njit(**EXACT_OPTIONS, **options, **linked)(function), KernelCache(function, folder))
 
 
-def compile_part(function: Callable[..., Any], *, disjoint: bool = False, **options: bool) -> Any:
-    """Return a function that compiles itself when it is first called from a kernel."""
-    folder = _folder_of(function, "-".join(["part", *sorted(options), *["disjoint"] * disjoint]))
+def compile_inner(function: Function, home: Function, *, disjoint: bool = False, **options: bool) -> Any:
+    """Return a function that compiles itself when it is first called from a kernel; see ``compile_outer``."""
+    folder = _folder_of(home, "-".join(["part", *sorted(options), *["disjoint"] * disjoint]))
     part = njit(
-        pipeline_class=DisjointPartCompiler if disjoint else PartCompiler,
+        pipeline_class=DisjointBitcodeCompiler if disjoint else BitcodeCompiler,
         no_cpython_wrapper=True,
         no_cfunc_wrapper=True,
         **EXACT_OPTIONS,
         **options,
     )(function)
-    return _with_cache(for_all_numbers(part), PartCache(function, folder))
+    return _with_cache(for_all_numbers(part), BitcodeCache(function, folder))
 
 
-def _folder_of(function: Callable[..., Any], options: str) -> Path:
+def _folder_of(function: Function, options: str) -> Path:
     # Numba does not distinguish code compiled with different options, so each set has a folder of its own.
     return cache_folder(Path(function.__code__.co_filename)) / options
 

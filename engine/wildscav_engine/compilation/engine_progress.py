@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager
 from typing import Any, Protocol
 
-from wildscav_engine.compilation.notice import QUIET, Progress, telling
+from wildscav_engine.compilation.notice import QUIET, Progress, progress_callback
 
 PREPARING = "preparing the engine (the first time this compiles it, which takes up to a minute)"
 COMPILING = "compiling the engine for this machine, once"
@@ -52,7 +52,7 @@ def _status(console: Console) -> Iterator[None]:
             done = f"{progress.kernels} functions, {progress.seconds:.0f} s"
             status.update(f"{COMPILING}: {done}")
 
-        with telling(show):
+        with progress_callback(show):
             yield
 
 

@@ -35,9 +35,11 @@ class Kernel:
     Python calls the kernel.
     """
 
-    def __init__(self, function: Callable[..., Any], **options: bool) -> None:
+    def __init__(
+        self, function: Callable[..., Any], home: Callable[..., Any] | None = None, **options: bool
+    ) -> None:
         functools.update_wrapper(self, function)
-        self._function, self._options = function, options
+        self._function, self._home, self._options = function, home or function, options
 
     @functools.cached_property
     def inner(self) -> Any:
@@ -65,10 +67,10 @@ class Kernel:
     def _compiled(self, name: str) -> Any:
         from wildscav_engine.compilation import compiler
 
-        compile_function = {"inner": compiler.compile_part, "outer": compiler.compile_whole}[name]
+        compile_function = {"inner": compiler.compile_inner, "outer": compiler.compile_outer}[name]
         with compiler.global_compiler_lock:  # one function for all threads
             if name not in vars(self):
-                vars(self)[name] = compile_function(self._function, **self._options)
+                vars(self)[name] = compile_function(self._function, self._home, **self._options)
             return vars(self)[name]
 
 
@@ -113,7 +115,20 @@ def array_kernel(function: Callable[Params, Returned]) -> Callable[Params, Retur
     return cast(Callable[Params, Returned], Kernel(function))
 
 
-def only_for(function: Callable[..., Returned], *examples: Any) -> Callable[..., Returned]:
+def kernel_beside(
+    other: Callable[..., Any], function: Callable[Params, Returned]
+) -> Callable[Params, Returned]:
+    """Compile a function like ``kernel`` that is made for another kernel, which it calls.
+
+    It counts as part of that kernel's file, so that both are always compiled again together.
+    """
+    if PLAIN:
+        return function
+    home: Any = other
+    return cast(Callable[Params, Returned], Kernel(function, home.__wrapped__, _nrt=False))
+
+
+def specialize(function: Callable[..., Returned], *examples: Any) -> Callable[..., Returned]:
     """Return a kernel with the least overhead for calls from Python: it accepts only one signature.
 
     This saves half a microsecond per call, and the caller need not check its arguments: any other type raises
@@ -124,7 +139,7 @@ def only_for(function: Callable[..., Returned], *examples: Any) -> Callable[...,
         examples: An example of each argument, with the type that the kernel accepts.
     """
     if PLAIN:
-        return _only_for(function, [_argument_type(example) for example in examples])
+        return _specialize(function, [_argument_type(example) for example in examples])
     from wildscav_engine.compilation.compiler import typeof
 
     compiled = cast(Kernel, function).outer
@@ -133,15 +148,15 @@ def only_for(function: Callable[..., Returned], *examples: Any) -> Callable[...,
     return cast(Callable[..., Returned], compiled)
 
 
-def refusal() -> type[Exception]:
-    """Return the class of the errors with which kernels refuse arguments of other types: NumbaError."""
+def argument_error() -> type[Exception]:
+    """Return the class of errors that kernels raise for arguments of other types: NumbaError."""
     from numba.core.errors import NumbaError
 
     return NumbaError
 
 
-def _only_for(function: Callable[..., Returned], types: list[Any]) -> Callable[..., Returned]:
-    """Do the same as ``only_for`` where kernels are plain Python."""
+def _specialize(function: Callable[..., Returned], types: list[Any]) -> Callable[..., Returned]:
+    """Do the same as ``specialize`` where kernels are plain Python."""
 
     def call(*arguments: Any) -> Returned:
         if [_argument_type(argument) for argument in arguments] != types:

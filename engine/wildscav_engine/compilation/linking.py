@@ -26,7 +26,7 @@ new_passes: Any = llvm.create_new_function_pass_manager
 unliteral: Any = types.unliteral
 
 
-class Part(Library):  # type: ignore[misc]
+class BitcodeLibrary(Library):  # type: ignore[misc]
     """The code of one kernel, to be linked into other kernels."""
 
     _shared_module: Any
@@ -67,7 +67,11 @@ class Part(Library):  # type: ignore[misc]
         if self._shared_module is None:
             module = self._final_module.clone()
             for library in _callees(self):
-                code = library._final_module if type(library) is Part else library._get_module_for_linking()
+                code = (
+                    library._final_module
+                    if type(library) is BitcodeLibrary
+                    else library._get_module_for_linking()
+                )
                 module.link_in(code, preserve=True)
             for function in module.functions:
                 if not function.is_declaration and function.linkage == llvm.Linkage.external:
@@ -76,7 +80,7 @@ class Part(Library):  # type: ignore[misc]
         return self._shared_module
 
     @classmethod
-    def restore(cls, codegen: Any, name: str, bitcode: bytes) -> "Part":
+    def restore(cls, codegen: Any, name: str, bitcode: bytes) -> "BitcodeLibrary":
         """Return a part from its cached bitcode, which includes everything that it calls."""
         part = cls(codegen, name)
         part._final_module = part._shared_module = parse_bitcode(bitcode)
@@ -97,7 +101,7 @@ class UnloadedCodegen:
         """Do nothing: an environment holds Python objects, and kernels use none."""
 
 
-def _callees(part: Part) -> list[Any]:
+def _callees(part: BitcodeLibrary) -> list[Any]:
     """Return the libraries that a part calls, directly or indirectly, each after all of its callers.
 
     In another order some would be lost: the linker drops a function to which nothing refers yet.
@@ -114,7 +118,7 @@ def _callees(part: Part) -> list[Any]:
     return list(found)[-2::-1]
 
 
-class Whole(Library):  # type: ignore[misc]
+class LinkedLibrary(Library):  # type: ignore[misc]
     """The code of a kernel that Python calls, linked with all parts that it calls."""
 
     def __init__(self, *arguments: Any) -> None:
@@ -142,25 +146,25 @@ class CreateLibrary(Pass):  # type: ignore[misc]
 
 
 @register_pass(mutates_CFG=False, analysis_only=True)
-class CreatePart(CreateLibrary):
-    """A compiler pass that creates a part for a function."""
+class CreateBitcodeLibrary(CreateLibrary):
+    """A compiler pass that creates the library of a kernel that kernels call."""
 
-    _name = "make_part"
-    library = Part
+    _name = "create_bitcode_library"
+    library = BitcodeLibrary
 
 
 @register_pass(mutates_CFG=False, analysis_only=True)
-class CreateWhole(CreateLibrary):
-    """A compiler pass that creates a whole for a function."""
+class CreateLinkedLibrary(CreateLibrary):
+    """A compiler pass that creates the library of a kernel that Python calls."""
 
-    _name = "make_whole"
-    library = Whole
+    _name = "create_linked_library"
+    library = LinkedLibrary
 
 
-class PartCompiler(Compiler):  # type: ignore[misc]
-    """Numba's compiler with parts as its output."""
+class BitcodeCompiler(Compiler):  # type: ignore[misc]
+    """Numba's compiler with a ``BitcodeLibrary`` as its output."""
 
-    first: type[CreateLibrary] = CreatePart
+    first: type[CreateLibrary] = CreateBitcodeLibrary
 
     def define_pipelines(self) -> list[Any]:
         """Return the passes to run."""
@@ -171,7 +175,7 @@ class PartCompiler(Compiler):  # type: ignore[misc]
         return [passes]
 
 
-class DisjointPartCompiler(PartCompiler):
+class DisjointBitcodeCompiler(BitcodeCompiler):
     """The same for functions whose array arguments never share memory."""
 
     def define_pipelines(self) -> list[Any]:
@@ -180,10 +184,10 @@ class DisjointPartCompiler(PartCompiler):
         return super().define_pipelines()
 
 
-class WholeCompiler(PartCompiler):
-    """Numba's compiler with wholes as its output."""
+class LinkedCompiler(BitcodeCompiler):
+    """Numba's compiler with a ``LinkedLibrary`` as its output."""
 
-    first = CreateWhole
+    first = CreateLinkedLibrary
 
 
 def for_all_numbers(dispatcher: Any) -> Any:
@@ -204,7 +208,7 @@ def for_all_numbers(dispatcher: Any) -> Any:
     return dispatcher
 
 
-class PartEntries(Entries):
+class BitcodeEntries(Entries):
     """The cache entries of a compiled part."""
 
     def reduce(self, result: Any) -> tuple[Any, ...]:
@@ -219,7 +223,7 @@ class PartEntries(Entries):
         name, bitcode, function, environment, signature, reload_init = cached
         for load in reload_init:
             load()
-        library = Part.restore(target_context.codegen(), name, bitcode)
+        library = BitcodeLibrary.restore(target_context.codegen(), name, bitcode)
         return compile_result(
             typing_context=target_context.typing_context,
             target_context=target_context,
@@ -239,7 +243,7 @@ class PartEntries(Entries):
         )
 
 
-class PartCache(KernelCache):
+class BitcodeCache(KernelCache):
     """The cache of one kernel's parts."""
 
-    entries = PartEntries
+    entries = BitcodeEntries

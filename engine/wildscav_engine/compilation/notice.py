@@ -4,7 +4,7 @@ With nothing compiled, the first step takes the better part of a minute. A line 
 ``MOMENT`` seconds, and another line says when it is done; in a terminal, lines in between report progress.
 Of several processes that compile at once, such as the workers of one command, only one prints.
 ``WILDSCAV_QUIET=1`` silences all of them. A program with its own display, such as a progress bar, can receive
-the progress instead (see ``telling``).
+the progress instead (see ``progress_callback``).
 """
 
 import atexit
@@ -153,9 +153,9 @@ if hasattr(os, "register_at_fork"):
 
 
 @contextmanager
-def telling(tell: Callable[[Progress], None]) -> Iterator[None]:
+def progress_callback(callback: Callable[[Progress], None]) -> Iterator[None]:
     """Pass the progress of compilation to a callback several times a second, instead of printing lines."""
-    before, notice.callback = notice.callback, tell
+    before, notice.callback = notice.callback, callback
     try:
         yield
     finally:

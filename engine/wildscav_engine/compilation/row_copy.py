@@ -62,7 +62,6 @@ def copy_row(
 
     Args:
         table: (F, 6).
-        row: The row.
         sizes: (F,) how many bytes of each array are copied.
         content: (N,) the buffer, with the bytes of the arrays one after another.
         writes: Whether to write the row from the buffer; otherwise the buffer is written.

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple, Unpack
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.envs.opponents.cast import Cast
+from wildscav_engine.envs.opponents.manager import OpponentManager
 from wildscav_engine.envs.settings.config import EnvConfig, change_config
 from wildscav_engine.envs.settings.episodes import Episodes, Plan
 from wildscav_engine.envs.settings.options import EpisodeOptions
@@ -34,7 +34,7 @@ class ArenaOutput(NamedTuple):
 
 
 class Arena:
-    """B matches with L learners each; the cast fills the other seats."""
+    """B matches with L learners each; its opponents fill the other seats."""
 
     def __init__(self, config: EnvConfig, matches: int = 1) -> None:
         """Create an arena without matches; ``start`` adds them.
@@ -53,7 +53,7 @@ class Arena:
         slow = self.track.slow_metrics if config.all_metrics else ()
         self.metrics = tuple(metric.name for metric in self.track.metrics + slow)
         self.terms = tuple(config.reward_weights)
-        self.cast = Cast(config, matches)
+        self.opponents = OpponentManager(config, matches)
         self.batch: Batch | None = None
         self._views: dict[int, MatchInBatch] = {}
         self._state: State | None = None
@@ -104,7 +104,7 @@ class Arena:
         """
         plan, rows = self._plan.once(options), list(sequences)
         episodes = [each.next(plan) for each in sequences.values()]
-        specs = self.cast.choose(rows, [episode.spec for episode in episodes])
+        specs = self.opponents.choose(rows, [episode.spec for episode in episodes])
         maps = [episode.game_map for episode in episodes]
         if self.batch is None:
             self.batch = Batch(specs, maps)
@@ -122,7 +122,7 @@ class Arena:
         for row in rows:
             self._views.pop(row, None)
         self._reader.begin(batch, rows)
-        self.cast.begin(batch, rows)
+        self.opponents.begin(batch, rows)
 
     @property
     def _batch(self) -> Batch:
@@ -140,7 +140,7 @@ class Arena:
         Args:
             match: The index of the match.
             data: The result of ``get_state``.
-            players: The names of the players in the match, as ``Cast.names`` returned them.
+            players: The names of the players in the match, as ``OpponentManager.names`` returned them.
 
         Raises:
             StateError: The bytes are not a state of a match, or have another version; or a player that was in
@@ -149,9 +149,9 @@ class Arena:
         """
         if self.batch is None:
             self.start({row: Episodes(row) for row in range(self.matches)})
-        found = self.cast.find(players)
+        found = self.opponents.find(players)
         self._batch.set_state(match, data)
-        self.cast.take(match, found)
+        self.opponents.take(match, found)
         self._update_after_restart([match])
 
     def set_actions(self, actions: Any, axes: Axes) -> None:
@@ -177,8 +177,8 @@ class Arena:
     def play(self, skip: Sequence[int] = ()) -> None:
         """Play one step with the actions that were set, in all matches except those to be restarted."""
         batch = self._batch
-        if self.cast.acts:
-            self.cast.act(batch, self.view, self.actions, skip)
+        if self.opponents.acts:
+            self.opponents.act(batch, self.view, self.actions, skip)
         if skip:
             batch.state.matches.over[list(skip)] = True
         batch.step(self.actions, threads=self.config.threads)
@@ -192,8 +192,8 @@ class Arena:
     def begin_reading(self) -> ArenaOutput:
         """Do the same, but images may be incomplete until ``finish_reading``; see ``SeatReader``."""
         observation, rows = self._reader.begin_reading(self._batch, self.view)
-        if self.cast.reports:
-            self.cast.report(self.done, self.view)
+        if self.opponents.reports:
+            self.opponents.report(self.done, self.view)
         return ArenaOutput(observation, rows)
 
     def finish_reading(self) -> None:

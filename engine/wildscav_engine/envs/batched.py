@@ -34,7 +34,7 @@ class Outcome(NamedTuple):
     final: ArenaOutput | None  # the output before matches were reset in the same step
 
 
-class Resetter:
+class Autoreset:
     """The autoreset of environments with many matches: it restarts matches that have ended."""
 
     def __init__(self, arena: Arena, mode: AutoresetMode, axes: Axes) -> None:
@@ -146,7 +146,7 @@ class Resetter:
 class ManyMatches(Changeable):
     """An environment of many matches, whose states can be saved one by one."""
 
-    _resetter: Resetter
+    _autoreset: Autoreset
 
     def get_state(self, row: int) -> bytes:
         """Return one match and its sequence of episodes as bytes, which a single environment can restore.
@@ -154,7 +154,7 @@ class ManyMatches(Changeable):
         Raises:
             RuntimeError: No episode has started.
         """
-        return self._resetter.get_state(row)
+        return self._autoreset.get_state(row)
 
     def set_state(self, row: int, data: bytes) -> Observation:
         """Restore a row from the state of an environment with the same options; return the observations.
@@ -163,7 +163,7 @@ class ManyMatches(Changeable):
             StateError: The bytes are not a state of an environment, are damaged, or have another version.
             MatchSetupError: The match has another track, other rules or other seats.
         """
-        return self._shaped(self._resetter.set_state(row, data).observation)
+        return self._shaped(self._autoreset.set_state(row, data).observation)
 
     def _shaped(self, observation: Observation) -> Observation:
         """Return the observations of the arena with the axes of the environment's."""
@@ -204,7 +204,7 @@ class BatchedArena(ManyMatches):
         self.single_observation_space = observation_space(self.config)
         self.single_action_space = self.arena.mode.space
         self.action_space = batch_space(batch_space(self.arena.mode.space, self.num_agents), matches)
-        self._resetter = Resetter(self.arena, self.autoreset_mode, (matches, self.num_agents))
+        self._autoreset = Autoreset(self.arena, self.autoreset_mode, (matches, self.num_agents))
 
     def reset(
         self,
@@ -230,7 +230,7 @@ class BatchedArena(ManyMatches):
         seeds = read_seeds(seed, self.num_matches)
         chosen = None if mask is None else read_mask(mask, self.num_matches, "mask")
         first_seed = gymnasium.utils.seeding.np_random(None)[1]
-        return self._resetter.reset(seeds, first_seed, chosen, options).observation
+        return self._autoreset.reset(seeds, first_seed, chosen, options).observation
 
     def step(self, actions: Any) -> Outcome:
         """Play one step in every match.
@@ -241,7 +241,7 @@ class BatchedArena(ManyMatches):
         Raises:
             ActionError: The actions are not in the action space.
         """
-        outcome = self._resetter.step(actions)
+        outcome = self._autoreset.step(actions)
         self.arena.finish_reading()
         return outcome
 

@@ -1,5 +1,6 @@
 """The infos of environments. Their structure is the same in every step."""
 
+from collections.abc import Iterable
 from typing import Any, NotRequired, TypedDict
 
 import numpy as np
@@ -19,25 +20,23 @@ class Info(TypedDict):
     action_mask: NotRequired[Any]  # for several agents: the mask for ``Space.sample``
 
 
-def info_of(arena: Arena, match: int, learner: int, row: NDArray[np.float32], *, ended: bool) -> Info:
+def info_of(arena: Arena, row: NDArray[np.float32], measured: Iterable[float] = ()) -> Info:
     """Return the infos of one learner.
 
     Args:
         arena: The arena.
-        match: The index of the match.
-        learner: The index of the learner in the match.
         row: (width,) the learner's row of the output.
-        ended: Whether its episode ended with this step.
+        measured: Its metrics, if its episode ended with this step.
     """
+    values = [*measured] or [0.0] * len(arena.metrics)
     if arena.config.flat:
-        measured = list(arena.measure(match, learner).values()) if ended else [0.0] * len(arena.metrics)
         return {
             "events": arena.events(row).astype(np.int64),
             "reward_terms": arena.reward_terms(row),
-            "metrics": np.array(measured),
+            "metrics": np.array(values),
         }
     return {
         "events": dict(zip(EVENTS, map(int, arena.events(row).tolist()), strict=True)),
         "reward_terms": dict(zip(arena.terms, arena.reward_terms(row).tolist(), strict=True)),
-        "metrics": dict(arena.measure(match, learner)) if ended else dict.fromkeys(arena.metrics, 0.0),
+        "metrics": dict(zip(arena.metrics, values, strict=True)),
     }

@@ -149,7 +149,8 @@ class ParallelArena(OneMatch, ParallelEnv[str, Observation, Any]):
     def _info(self, output: ArenaOutput, agent: str, *, ended: bool) -> dict[str, Any]:
         seat = self._seats[agent]
         row = output.rows[0, seat]
-        info: dict[str, Any] = {**info_of(self.arena, 0, seat, row, ended=ended)}
+        measured = self.arena.measure(0, seat).values() if ended else ()
+        info: dict[str, Any] = {**info_of(self.arena, row, measured)}
         mask = self.arena.mode.mask(bool(row[self._alive]))
         if self.config.flat:
             mask = flat_mask(mask)

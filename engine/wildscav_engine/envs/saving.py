@@ -22,7 +22,7 @@ def save(arena: Arena, match: int, episodes: Episodes) -> bytes:
         StateError: A player in the match has a memory, which would not be part of the state.
     """
     header: dict[str, Any] = {"seed": episodes.seed, "number": episodes.number}
-    names = arena.cast.names(match)
+    names = arena.opponents.names(match)
     if names is not None:
         header["players"] = names
     return pack(LAYOUT, header, arena.get_state(match))

@@ -142,7 +142,8 @@ class SingleEnv(OneMatch, gymnasium.Env[Observation, Any]):
         output = arena.step()
         row: NDArray[np.float32] = output.rows[0, 0]
         terminated, truncated, reward = arena.outcome(row)
-        info: dict[str, Any] = {**info_of(arena, 0, 0, row, ended=terminated or truncated)}
+        measured = arena.measure(0, 0).values() if terminated or truncated else ()
+        info: dict[str, Any] = {**info_of(arena, row, measured)}
         self._renderer.show(arena)
         return _of_first(output), reward, terminated, truncated, info
 
@@ -154,7 +155,7 @@ class SingleEnv(OneMatch, gymnasium.Env[Observation, Any]):
         return self._renderer.render(self.arena)
 
     def _begun(self, output: ArenaOutput) -> tuple[Observation, dict[str, Any]]:
-        return _of_first(output), {**info_of(self.arena, 0, 0, output.rows[0, 0], ended=False)}
+        return _of_first(output), {**info_of(self.arena, output.rows[0, 0])}
 
 
 def pictures_of(config: EnvConfig) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from wildscav_engine.envs.arena import Arena, ArenaOutput
-from wildscav_engine.envs.batched import ManyMatches, Outcome, Resetter
+from wildscav_engine.envs.batched import Autoreset, ManyMatches, Outcome
 from wildscav_engine.envs.infos import info_of
 from wildscav_engine.envs.rendering.render import Renderer
 from wildscav_engine.envs.settings.episodes import read_mask, read_seeds
@@ -57,7 +57,7 @@ class VectorArena(ManyMatches, VectorEnv[Observation, Any, NDArray[Any]]):
         self.single_action_space = self.arena.mode.space
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
-        self._resetter = Resetter(self.arena, self.autoreset_mode, (num_envs,))
+        self._autoreset = Autoreset(self.arena, self.autoreset_mode, (num_envs,))
         self._renderer = Renderer(self.config)
         self._all_rows = np.ones(num_envs, np.bool_)
         self._all_rows.flags.writeable = False
@@ -85,7 +85,7 @@ class VectorArena(ManyMatches, VectorEnv[Observation, Any, NDArray[Any]]):
             given.pop("reset_mask", None)
         chosen = self._all_rows if mask is None else read_mask(mask, self.num_envs, "reset_mask")
         first_seed = (self.np_random_seed or 0) if seeds[0] is None else seeds[0]
-        output = self._resetter.reset(seeds, first_seed, chosen, given)
+        output = self._autoreset.reset(seeds, first_seed, chosen, given)
         super().reset(seed=seeds[0])
         self._show()
         return _squeezed(output.observation), self._infos(output.rows, (), np.zeros((0, 1, 0)), chosen)
@@ -99,7 +99,7 @@ class VectorArena(ManyMatches, VectorEnv[Observation, Any, NDArray[Any]]):
             ActionError: The actions are not in the action space.
             RuntimeError: There is no match yet, or one has ended and nothing resets it.
         """
-        outcome = self._resetter.step(actions)
+        outcome = self._autoreset.step(actions)
         infos = self._infos(outcome.rows, outcome.ended, outcome.metrics, self._all_rows)
         if outcome.final is not None:
             infos = self._with_final(infos, outcome, outcome.final)
@@ -159,13 +159,8 @@ class VectorArena(ManyMatches, VectorEnv[Observation, Any, NDArray[Any]]):
             observations[row] = part_of(final.observation, (row, 0))
         ended: Infos = {}
         for place, row in enumerate(outcome.ended):
-            info: Infos = dict(info_of(self.arena, row, 0, outcome.rows[row, 0], ended=False))
-            measured = outcome.metrics[place, 0]
-            if self.config.flat:
-                info["metrics"] = measured
-            else:
-                info["metrics"] = dict(zip(self.arena.metrics, measured.tolist(), strict=True))
-            ended = self._add_info(ended, info, row)
+            info = info_of(self.arena, outcome.rows[row, 0], outcome.metrics[place, 0].tolist())
+            ended = self._add_info(ended, {**info}, row)
         for name in ("events", "reward_terms", "metrics"):
             if self.config.flat:
                 infos[name] = np.where(mask[:, np.newaxis], infos[name].dtype.type(0), infos[name])

@@ -8,7 +8,7 @@ For any other id, the hundreds select the size, odd ids have scattered houses an
 together, the seed is the id (except for those in ``SEEDS``), and the rest is drawn from the id.
 """
 
-from wildscav_engine.arithmetic.random_numbers import Dice, Stream
+from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream
 from wildscav_engine.maps.cache import map_of
 from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.game_map import GameMap
@@ -66,7 +66,7 @@ def load_map(map_id: int) -> GameMap:
 
 def _config_of(map_id: int) -> MapConfig:
     """Return the config of an id that is not in the benchmark."""
-    dice = Dice(map_id, Stream.CATALOGUE)
+    dice = RandomStream(map_id, Stream.CATALOGUE)
     size = SIZES[map_id // 100]
     return MapConfig(
         size=size,

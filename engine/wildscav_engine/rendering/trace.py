@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.kernel import inlined_kernel, kernel, only_for
+from wildscav_engine.compilation.kernel import inlined_kernel, kernel, specialize
 from wildscav_engine.parallel.turns import ALONE, Turns
 from wildscav_engine.rendering.cameras import TAKEN_ALREADY, Cameras, are_finite, item_at
 from wildscav_engine.rendering.dynamic_objects import ObjectArrays, ObjectSets, read_objects, shapes_between
@@ -97,7 +97,7 @@ def depths_tracer() -> Callable[..., bool]:
     """
     numbers, depths = np.zeros(1), np.zeros((1, 1, 1), np.float32)
     tables = np.zeros((1, 1, 1), np.int64)
-    return only_for(_trace_static_depths, numbers[None], numbers, numbers, 1.0, 1.0, tables, *ALONE, depths)
+    return specialize(_trace_static_depths, numbers[None], numbers, numbers, 1.0, 1.0, tables, *ALONE, depths)
 
 
 @inlined_kernel

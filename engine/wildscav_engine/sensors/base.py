@@ -161,7 +161,7 @@ def check_sensor(name: str, kind: Any) -> type[Sensor]:
     """Return a kind of sensor as an entry point names it.
 
     Raises:
-        ValueError: It is none.
+        ValueError: It is not a class of sensors.
     """
     if not isinstance(kind, type) or not issubclass(kind, Sensor):
         raise ValueError("it is no class that derives from Sensor")

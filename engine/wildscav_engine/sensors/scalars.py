@@ -8,14 +8,13 @@ and the tables of the documentation. In environments, one call reads it for all 
 import functools
 from abc import abstractmethod
 from collections.abc import Callable
-from types import FunctionType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.array_tables import Addresses
-from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.compilation.kernel import kernel_beside
 from wildscav_engine.sensors.base import StateSensor
 from wildscav_engine.simulation.state import Agents, Matches, agents_at, matches_at
 
@@ -48,29 +47,18 @@ class ScalarSensor(StateSensor):
         return readings
 
 
-def _write(agents: Agents, matches: Matches, match: int, seat: int, row: NDArray[np.float32]) -> None:
-    """A placeholder for the kernel of a sensor."""
-
-
-def _read(
-    agents: Addresses, matches: Addresses, seats: NDArray[np.int64], readings: NDArray[np.float32]
-) -> None:
-    every_agent, every_match = agents_at(agents), matches_at(matches)
-    for match in range(readings.shape[0]):
-        for index in range(readings.shape[1]):
-            _write(every_agent, every_match, match, seats[index], readings[match, index])
-
-
 @functools.cache
 def reader_of(write: Write) -> Callable[[Addresses, Addresses, NDArray[np.int64], NDArray[np.float32]], None]:
-    """Return the kernel that reads some seats of all matches with one sensor's kernel.
+    """Return the kernel that reads some seats of all matches with one sensor's kernel."""
 
-    It counts as part of that kernel's file, so that both are always recompiled together.
-    """
-    plain: Any = getattr(write, "__wrapped__", write)
-    source, name = plain.__code__, f"read_by_{plain.__qualname__}"
-    code = _read.__code__.replace(
-        co_filename=source.co_filename, co_firstlineno=source.co_firstlineno, co_name=name, co_qualname=name
-    )
-    reader: Any = FunctionType(code, {**globals(), "__name__": plain.__module__, "_write": write}, name)
-    return kernel(reader)
+    def read(
+        agents: Addresses, matches: Addresses, seats: NDArray[np.int64], readings: NDArray[np.float32]
+    ) -> None:
+        every_agent, every_match = agents_at(agents), matches_at(matches)
+        for match in range(readings.shape[0]):
+            for index in range(readings.shape[1]):
+                write(every_agent, every_match, match, seats[index], readings[match, index])
+
+    # Compiled code is kept by these names.
+    read.__module__, read.__qualname__ = write.__module__, f"read_by_{write.__qualname__}"
+    return kernel_beside(write, read)

@@ -210,13 +210,13 @@ class Batch:
             place_match(self.state, row, self.setups[row])
         self._number_maps(rows)
         self._is_seen = False
-        self._play(rows, self._no_actions, opening=True)
+        self._play(rows, self._no_actions, is_reset=True)
 
     def _number_maps(self, rows: NDArray[np.int64]) -> None:
         for row in rows.tolist():
             self.state.matches.map_index[row] = self._bank.index_of(self.maps[row])
 
-    def _play(self, rows: NDArray[np.int64], actions: NDArray[np.float32], *, opening: bool = False) -> bool:
+    def _play(self, rows: NDArray[np.int64], actions: NDArray[np.float32], *, is_reset: bool = False) -> bool:
         """Open the matches in some rows, or play one step of them; return True, as ``share`` expects."""
         play_batch(
             self._bank.addresses,
@@ -226,7 +226,7 @@ class Batch:
             self.allowed,
             self.frames_per_action,
             self._rule_numbers,
-            opening,
+            is_reset,
         )
         return True
 

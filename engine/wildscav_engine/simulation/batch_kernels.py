@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.array_tables import Addresses, number_reader, row_reader
-from wildscav_engine.compilation.kernel import kernel, only_for
+from wildscav_engine.compilation.kernel import kernel, specialize
 from wildscav_engine.maps.bank import world_at
 from wildscav_engine.simulation.state import allocate_state, matches_at
 from wildscav_engine.simulation.step import play_step
@@ -31,11 +31,11 @@ def play_batch(
     allowed: NDArray[np.bool_],
     frames_per_action: int,
     rules: NDArray[np.float64],
-    opening: bool,
+    is_reset: bool,
 ) -> None:
-    """Open the matches in some rows, or play one step of those that are not over.
+    """Begin the matches in some rows, or play one step of those that are not over.
 
-    The actions are replaced by those that were played. One kernel does both, because opening and playing
+    The actions are replaced by those that were played. One kernel does both, because beginning and playing
     share most of the code to compile.
     """
     matches = matches_at(every)
@@ -54,7 +54,7 @@ def play_batch(
                 allowed,
                 frames_per_action,
                 rules_from(rules),
-                opening,
+                is_reset,
             )
 
 
@@ -86,4 +86,4 @@ def compile_matches() -> None:
     """Compile the kernel that plays matches, or load it from the cache."""
     table, rows, actions = np.zeros((1, 1), np.int64), np.zeros(1, np.int64), np.zeros((1, 1, 1), np.float32)
     allowed, rules = np.zeros(1, np.bool_), np.zeros(1)
-    only_for(play_batch, table[None], *[table] * 4, rows, actions, allowed, 1, rules, False)
+    specialize(play_batch, table[None], *[table] * 4, rows, actions, allowed, 1, rules, False)

@@ -44,28 +44,23 @@ def play_step(
     allowed: NDArray[np.bool_],
     frames_per_action: int,
     rules: Rules,
-    opening: bool,
+    is_reset: bool,
 ) -> None:
     """Play one step of one match in place: one action of every agent, held for several frames.
 
     Args:
-        world: The static world.
-        agents: The agents of the match.
-        supplies: The supply boxes of the match.
         matches: All matches.
-        match: The index of the match.
         seen: What the agents see. Only the rows of robots are updated, before they decide.
         actions: (A, FIELDS). Replaced by the actions played: robots decide, and invalid rows do nothing.
         allowed: (FIELDS,) the action set of the track.
         frames_per_action: The number of frames for which the actions are held.
-        rules: The rules.
-        opening: Whether to open the match instead of playing: equip the agents and index the boxes.
+        is_reset: Whether to begin the match instead of playing: equip the agents and index the boxes.
     """
-    if opening:
-        _open(world, agents, supplies, matches, match)
+    if is_reset:
+        _begin(world, agents, supplies, matches, match)
         return
     _update_seen_of_robots(world, agents, supplies, matches, match, rules, seen)
-    _clear_step_facts(agents)
+    _clear_events(agents)
     for seat in range(actions.shape[0]):
         action = actions[seat]
         _resolve_action(
@@ -114,7 +109,7 @@ def play_frame(
 
 
 @kernel
-def _open(world: World, agents: Agents, supplies: Supplies, matches: Matches, match: int) -> None:
+def _begin(world: World, agents: Agents, supplies: Supplies, matches: Matches, match: int) -> None:
     for seat in range(agents.health.shape[0]):
         if agents.present[seat]:
             equip(agents, seat)
@@ -143,7 +138,7 @@ def _update_seen_of_robots(
 
 
 @inlined_kernel
-def _clear_step_facts(agents: Agents) -> None:
+def _clear_events(agents: Agents) -> None:
     for seat in range(agents.fired.shape[0]):
         agents.fired[seat] = False
         agents.hit_seat[seat] = NOBODY

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import TypeVar
 
-from wildscav_engine.arithmetic.random_numbers import Dice
+from wildscav_engine.arithmetic.random_numbers import RandomStream
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.specs.supply_config import SupplyConfig, SupplyWave
 from wildscav_engine.tracks import TRACKS
@@ -12,19 +12,19 @@ from wildscav_evaluator.seats import battle_seats, shuffled
 Choice = TypeVar("Choice")
 
 
-def choose(dice: Dice, choices: tuple[Choice, ...]) -> Choice:
+def choose(dice: RandomStream, choices: tuple[Choice, ...]) -> Choice:
     """Return one of the choices, with equal probability."""
     return choices[dice.integer(0, len(choices) - 1)]
 
 
-def navigation(time_limit: float) -> Callable[[Dice], MatchSpec]:
+def navigation(time_limit: float) -> Callable[[RandomStream], MatchSpec]:
     """Return a function that draws matches of navigation; they differ only in map and seed."""
     return lambda _: MatchSpec(track="navigation", time_limit=time_limit)
 
 
 def gathering(
     time_limit: float, offset: float, radii: tuple[float, ...], spacings: tuple[float, ...]
-) -> Callable[[Dice], MatchSpec]:
+) -> Callable[[RandomStream], MatchSpec]:
     """Return a function that draws matches with one wave of supplies near the middle of the map.
 
     Args:
@@ -34,7 +34,7 @@ def gathering(
         spacings: Metres, of the outdoor grid.
     """
 
-    def draw(dice: Dice) -> MatchSpec:
+    def draw(dice: RandomStream) -> MatchSpec:
         offsets = (-offset, 0.0, offset)
         wave = SupplyWave(
             center=(choose(dice, offsets), choose(dice, offsets)),
@@ -50,7 +50,7 @@ def gathering(
 
 def battle(
     time_limit: float, robots: int, radius: float, refresh_time: float, refresh_radii: tuple[float, ...]
-) -> Callable[[Dice], MatchSpec]:
+) -> Callable[[RandomStream], MatchSpec]:
     """Return a function that draws matches of one submission against robots, with one refresh of supplies.
 
     Args:
@@ -61,7 +61,7 @@ def battle(
         refresh_radii: Metres; standard deviations of the second heat map.
     """
 
-    def draw(dice: Dice) -> MatchSpec:
+    def draw(dice: RandomStream) -> MatchSpec:
         outdoor, indoor = choose(dice, (10.0, 20.0, 30.0)), choose(dice, (70.0, 80.0, 90.0))
         first = SupplyWave(center=(0.0, 0.0), radius=radius, outdoor_richness=outdoor, indoor_richness=indoor)
         refresh = SupplyWave(
@@ -78,7 +78,7 @@ def battle(
     return draw
 
 
-def capture(time_limit: float, robots: int) -> Callable[[Dice], MatchSpec]:
+def capture(time_limit: float, robots: int) -> Callable[[RandomStream], MatchSpec]:
     """Return a function that draws matches in which one submission and seekers look for a hidden target.
 
     Args:
@@ -89,7 +89,7 @@ def capture(time_limit: float, robots: int) -> Callable[[Dice], MatchSpec]:
     return lambda _: MatchSpec(track="capture", time_limit=time_limit, seats=seats)
 
 
-def royale(time_limit: float, robots: int) -> Callable[[Dice], MatchSpec]:
+def royale(time_limit: float, robots: int) -> Callable[[RandomStream], MatchSpec]:
     """Return a function that draws matches of one submission against robots, each on its own.
 
     Args:
@@ -99,7 +99,7 @@ def royale(time_limit: float, robots: int) -> Callable[[Dice], MatchSpec]:
     return lambda dice: MatchSpec(track="royale", time_limit=time_limit, seats=battle_seats(dice, robots))
 
 
-def track_defaults(track: str, time_limit: float, robots: int) -> Callable[[Dice], MatchSpec]:
+def track_defaults(track: str, time_limit: float, robots: int) -> Callable[[RandomStream], MatchSpec]:
     """Return a function that draws matches of one submission against a track's robots, in random seats.
 
     Args:
@@ -108,7 +108,7 @@ def track_defaults(track: str, time_limit: float, robots: int) -> Callable[[Dice
         robots: Number of opponents at most; fewer if the track's default is fewer.
     """
 
-    def draw(dice: Dice) -> MatchSpec:
+    def draw(dice: RandomStream) -> MatchSpec:
         kind = TRACKS[track]
         seats = (SUBMISSION, *(kind.robot,) * min(robots, kind.opponents))
         return MatchSpec(

@@ -1,12 +1,12 @@
 """The suite of the original competition: its counts, time limits and supplies, on large maps."""
 
-from wildscav_engine.arithmetic.random_numbers import Dice
+from wildscav_engine.arithmetic.random_numbers import RandomStream
 from wildscav_engine.specs.map_spec import MapConfig
 from wildscav_evaluator.suites.match_drawing import battle, capture, choose, gathering, navigation, royale
 from wildscav_evaluator.suites.suite import Suite, TrackSettings
 
 
-def large_map(dice: Dice) -> MapConfig:
+def large_map(dice: RandomStream) -> MapConfig:
     """Return the config of a map like the original's large ones: 500 m, 12 to 15 houses of 2 or 3 storeys.
 
     The terrain ranges from smooth hills to rugged mountains.

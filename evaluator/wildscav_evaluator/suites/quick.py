@@ -1,6 +1,6 @@
 """The suite for a first impression of an agent: a few short matches on small maps."""
 
-from wildscav_engine.arithmetic.random_numbers import Dice
+from wildscav_engine.arithmetic.random_numbers import RandomStream
 from wildscav_engine.specs.map_spec import MapConfig
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.suites.match_drawing import (
@@ -15,7 +15,7 @@ from wildscav_evaluator.suites.match_drawing import (
 from wildscav_evaluator.suites.suite import Suite, TrackSettings
 
 
-def small_map(dice: Dice) -> MapConfig:
+def small_map(dice: RandomStream) -> MapConfig:
     """Return the config of a map that is generated quickly: 60 to 100 m with up to three houses."""
     size = choose(dice, (60, 80, 100))
     return MapConfig(

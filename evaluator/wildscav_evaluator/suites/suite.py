@@ -16,7 +16,7 @@ from hashlib import blake2b
 from typing import Any, NamedTuple
 
 from wildscav.errors import UserError
-from wildscav_engine.arithmetic.random_numbers import Dice, Stream
+from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream
 from wildscav_engine.extensions import Registry
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
@@ -31,9 +31,11 @@ class TrackSettings(NamedTuple):
 
     maps: int
     episodes: int  # on each map
-    draw: Callable[[Dice], MatchSpec]  # draws everything of a match except its map and seed
+    draw: Callable[[RandomStream], MatchSpec]  # draws everything of a match except its map and seed
     known_maps: tuple[MapSpec, ...] = ()  # as many as ``maps``; played instead of drawn maps
-    map_config: Callable[[Dice], MapConfig] | None = None  # draws the config of a map; None: the suite's
+    map_config: Callable[[RandomStream], MapConfig] | None = (
+        None  # draws the config of a map; None: the suite's
+    )
 
 
 @dataclass(frozen=True)
@@ -42,7 +44,7 @@ class Suite:
 
     name: str
     title: str
-    map_config: Callable[[Dice], MapConfig]
+    map_config: Callable[[RandomStream], MapConfig]
     tracks: Mapping[str, TrackSettings]
     source: bytes | None = None  # the file of an organizer's own suite
     limits: Mapping[str, Limits] = field(
@@ -129,10 +131,10 @@ def suite(track: str, name: str, seed: int) -> tuple[MatchSpec, ...]:
     return chosen.matches(track, seed)
 
 
-def _dice(track: str, name: str, seed: int) -> Dice:
+def _dice(track: str, name: str, seed: int) -> RandomStream:
     """Return dice that no other track, suite or seed shares."""
     digest = blake2b(f"{name}/{track}/{seed}".encode(), digest_size=8).digest()
-    return Dice(int.from_bytes(digest, "little"), Stream.SUITE)
+    return RandomStream(int.from_bytes(digest, "little"), Stream.SUITE)
 
 
 def matches_in_rounds(suite: Suite, track: str, seed: int, rounds: int) -> tuple[MatchSpec, ...]:

@@ -25,7 +25,7 @@ from pydantic import (
 
 from wildscav.errors import UserError, describe
 from wildscav.terminal.suggestions import did_you_mean
-from wildscav_engine.arithmetic.random_numbers import Dice
+from wildscav_engine.arithmetic.random_numbers import RandomStream
 from wildscav_engine.maps import MapError
 from wildscav_engine.maps.catalogue import map_spec
 from wildscav_engine.record import RecordError, check_recordable
@@ -224,7 +224,7 @@ def _track_settings(track: str, part: TrackSection) -> TrackSettings:
     draw_fields = _drawer(MatchSpec, fields, part.choose, where)
     _check_longest(fields, part, where)
 
-    def draw(dice: Dice) -> MatchSpec:
+    def draw(dice: RandomStream) -> MatchSpec:
         spec = draw_fields(dice)
         return spec.model_copy(update={"seats": shuffled(dice, spec.seats)}) if part.shuffle else spec
 
@@ -251,7 +251,7 @@ def _check_longest(fields: Fields, part: TrackSection, where: str) -> None:
 
 def _drawer(
     kind: type[AnySpec], fields: Fields, choices: Mapping[str, list[Any]], where: str
-) -> Callable[[Dice], AnySpec]:
+) -> Callable[[RandomStream], AnySpec]:
     """Return a function that draws specs of some kind, after checking every value that it may draw.
 
     Raises:
@@ -262,7 +262,7 @@ def _drawer(
         for value in values:
             _made(kind, fields, {**first, path: value} if path else first, where)
 
-    def draw(dice: Dice) -> AnySpec:
+    def draw(dice: RandomStream) -> AnySpec:
         return _made(
             kind, fields, {path: choose(dice, tuple(values)) for path, values in choices.items()}, where
         )

@@ -1,6 +1,6 @@
 """The suite of hard country: what rules of thumb cannot solve, and fights that cannot be avoided."""
 
-from wildscav_engine.arithmetic.random_numbers import Dice
+from wildscav_engine.arithmetic.random_numbers import RandomStream
 from wildscav_engine.maps.pools import LEVELS
 from wildscav_engine.specs.map_spec import MapConfig
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
@@ -18,12 +18,12 @@ RULES = Rules(spare_ammo=300, respawn_time=45.0, invincible_time=2.0, supply_los
 FEW_BOXES = SupplyWave(center=(0.0, 0.0), radius=60.0, outdoor_richness=4.0, indoor_richness=5.0)
 
 
-def expert_map(_: Dice) -> MapConfig:
+def expert_map(_: RandomStream) -> MapConfig:
     """Return the config of maps at level expert: few ways lead through them, and targets are hidden."""
     return LEVELS["expert"]
 
 
-def meeting_ground(dice: Dice) -> MapConfig:
+def meeting_ground(dice: RandomStream) -> MapConfig:
     """Return the config of a map on which ten agents meet: 120 to 160 m, with a few houses and woods."""
     size = choose(dice, (120, 140, 160))
     return MapConfig(
@@ -38,7 +38,7 @@ def meeting_ground(dice: Dice) -> MapConfig:
     )
 
 
-def moving_supplies(dice: Dice) -> SupplyConfig:
+def moving_supplies(dice: RandomStream) -> SupplyConfig:
     """Return few boxes all over the map, and a hot spot that moves to the end of a match."""
     interval = choose(dice, (20.0, 25.0, 30.0))
     hot_spot = HotSpot(
@@ -51,23 +51,23 @@ def moving_supplies(dice: Dice) -> SupplyConfig:
     return SupplyConfig(waves=(FEW_BOXES,), spacing=5.0, outdoor_quantity=(1, 3), hot_spot=hot_spot)
 
 
-def gathering(dice: Dice) -> MatchSpec:
+def gathering(dice: RandomStream) -> MatchSpec:
     """Draw a match of one submission against gatherers around the hot spot."""
     seats = shuffled(dice, (SUBMISSION, *("gatherer",) * 5))
     return MatchSpec(track="gathering", time_limit=FIGHT_TIME, seats=seats, supplies=moving_supplies(dice))
 
 
-def battle(dice: Dice) -> MatchSpec:
+def battle(dice: RandomStream) -> MatchSpec:
     """Draw a battle of one submission against fighters and gatherers, each on its own."""
     return _fight("battle", dice)
 
 
-def royale(dice: Dice) -> MatchSpec:
+def royale(dice: RandomStream) -> MatchSpec:
     """Draw a royale of one submission against fighters and gatherers, each on its own."""
     return _fight("royale", dice)
 
 
-def _fight(track: str, dice: Dice) -> MatchSpec:
+def _fight(track: str, dice: RandomStream) -> MatchSpec:
     supplies = moving_supplies(dice)
     seats = battle_seats(dice, ROBOTS)
     return MatchSpec(track=track, time_limit=FIGHT_TIME, seats=seats, supplies=supplies, rules=RULES)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from pydantic import ValidationError
 
 from wildscav.errors import UserError
-from wildscav_engine.arithmetic.random_numbers import Dice, Stream
+from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.specs.validation import one_line
 from wildscav_engine.tracks import TRACKS
@@ -153,7 +153,7 @@ def _matches(
 
 def _places(game: MatchSpec, settings: TournamentSettings) -> tuple[str, ...]:
     """Return what each seat is for, whenever a game is played: an entrant, or a robot that is not rated."""
-    return shuffled(Dice(game.seed, Stream.SUITE), (SUBMISSION,) * settings.seats + settings.robots)
+    return shuffled(RandomStream(game.seed, Stream.SUITE), (SUBMISSION,) * settings.seats + settings.robots)
 
 
 def is_of_game(spec: MatchSpec, game: MatchSpec, rated: Sequence[int], settings: TournamentSettings) -> bool:

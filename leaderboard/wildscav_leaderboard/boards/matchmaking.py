@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from hashlib import blake2b
 
-from wildscav_engine.arithmetic.random_numbers import Dice, Stream
+from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_evaluator.output.results import TournamentSettings
 from wildscav_evaluator.seats import ROBOT_ENTRANT, shuffled
@@ -121,7 +121,7 @@ def seated(spec: MatchSpec, turn: int, entrants: Sequence[str]) -> tuple[MatchSp
         turn: Which of its matches, from 0.
         entrants: Who meets, sorted by name.
     """
-    order = shuffled(Dice(spec.seed, Stream.SUITE), entrants)
+    order = shuffled(RandomStream(spec.seed, Stream.SUITE), entrants)
     half = len(order) * turn // REPEATS
     taken = (*order[half:], *order[:half])
     seats = tuple(

@@ -334,7 +334,7 @@ class PPO:
             return self._begin_stage(self.rollouts * self.env.num_matches % ROOM)
         for row, match in enumerate(state["matches"]):
             self.env.set_state(row, match.numpy().tobytes())
-        self.env.arena.cast.count_all()
+        self.env.arena.opponents.count_all()
         # A reading after set_state has no events, so the observation itself is in the state, too.
         self._seen, self._returns = state["seen"], state["returns"].numpy().copy()
         return None

@@ -3,7 +3,15 @@
 import numpy as np
 import pytest
 
-from wildscav_engine.arithmetic.random_numbers import Dice, Stream, integer_in, normal, philox, uniform
+from wildscav_engine.arithmetic import random_numbers
+from wildscav_engine.arithmetic.random_numbers import (
+    RandomStream,
+    Stream,
+    integer_in,
+    normal,
+    philox,
+    uniform,
+)
 
 
 @pytest.mark.parametrize(
@@ -52,6 +60,11 @@ def test_streams_and_agents_draw_apart() -> None:
 
 
 def test_dice_repeat_from_the_same_seed() -> None:
-    first, second = Dice(5, Stream.HOUSES), Dice(5, Stream.HOUSES)
+    first, second = RandomStream(5, Stream.HOUSES), RandomStream(5, Stream.HOUSES)
     assert [first.integer(0, 99) for _ in range(20)] == [second.integer(0, 99) for _ in range(20)]
-    assert Dice(6, Stream.HOUSES).word() != Dice(5, Stream.HOUSES).word()
+    assert RandomStream(6, Stream.HOUSES).word() != RandomStream(5, Stream.HOUSES).word()
+
+
+def test_the_random_stream_keeps_its_old_name_for_a_release() -> None:
+    with pytest.warns(DeprecationWarning, match="RandomStream"):
+        assert random_numbers.Dice is RandomStream

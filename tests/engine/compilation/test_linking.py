@@ -9,7 +9,7 @@ from numba import types
 
 from wildscav_engine.compilation import compiler
 from wildscav_engine.compilation.kernel import PLAIN, array_kernel, disjoint_kernel, kernel
-from wildscav_engine.compilation.linking import Part
+from wildscav_engine.compilation.linking import BitcodeLibrary
 
 pytestmark = pytest.mark.skipif(PLAIN, reason="nothing is compiled")
 
@@ -60,7 +60,7 @@ def test_parts_are_not_made_machine_code() -> None:
     kernel(sum_of_quarters)(np.array([4.0, 8.0]))
     for part in (_half, _quarter):
         (result,) = part.inner.overloads.values()
-        assert isinstance(result.library, Part)
+        assert isinstance(result.library, BitcodeLibrary)
         assert result.library.get_pointer_to_function(result.fndesc.llvm_func_name) == 0
 
 

@@ -71,7 +71,7 @@ def test_a_program_can_take_the_figures_instead(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     told: list[notice.Progress] = []
-    with notice.telling(told.append):
+    with notice.progress_callback(told.append):
         compile_five(monkeypatch)
     assert (told[-1].kernels, told[-1].is_done) == (5, True)
     assert capsys.readouterr().err == ""

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from wildscav_engine.arithmetic.random_numbers import Dice, Stream
+from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream
 from wildscav_engine.geometry.terrain import ground_at, water_at
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.maps import GameMap, House, generate_map
@@ -21,7 +21,7 @@ PLANTS = (Kind.TRUNK, Kind.CROWN, Kind.BUSH, Kind.ROCK)
 
 def small_config(seed: int) -> MapConfig:
     """Return the config of a map of 60 to 120 m of any kind, with as many houses as certainly fit."""
-    dice = Dice(seed, Stream.SUITE, agent=1)
+    dice = RandomStream(seed, Stream.SUITE, agent=1)
     size = 2 * dice.integer(30, 60)
     return MapConfig(
         size=size,
@@ -37,7 +37,7 @@ def small_config(seed: int) -> MapConfig:
 
 def great_config(seed: int) -> MapConfig:
     """Return the config of a map of 500 m, as in competitions."""
-    dice = Dice(seed, Stream.SUITE, agent=2)
+    dice = RandomStream(seed, Stream.SUITE, agent=2)
     return MapConfig(
         size=500,
         houses=dice.integer(8, 20),

@@ -5,7 +5,7 @@ import pytest
 from tests.builders import box, map_from, random_map_config
 from tests.engine.motion.random_walks import WORST, Worst, play
 
-from wildscav_engine.arithmetic.random_numbers import Dice, Stream
+from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream
 from wildscav_engine.geometry.shapes import box as solid_box
 from wildscav_engine.geometry.shapes import pose
 from wildscav_engine.geometry.sweep import SKIN
@@ -22,7 +22,7 @@ HELD_UP = 0.5 * (0.5 * GRAVITY * FRAME) ** 2 + 1e-9
 
 def play_on(game_map: GameMap, agents: int, frames: int, seed: int) -> Worst:
     """Simulate agents from random places of a map, half of them indoors, and return the worst violations."""
-    world, dice = game_map.world, Dice(seed, Stream.TARGET)
+    world, dice = game_map.world, RandomStream(seed, Stream.TARGET)
     closed = world._replace(ceiling=np.full_like(world.ceiling, -np.inf))
     worst, stuck = WORST.copy(), np.zeros(3)
     for part in range(max(1, frames // 2000)):

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from tests.engine.simulation.plain_match import report
 
-from wildscav_engine.compilation.kernel import _argument_type, _only_for
+from wildscav_engine.compilation.kernel import _argument_type, _specialize
 
 
 @pytest.mark.slow
@@ -29,7 +29,9 @@ def test_matches_maps_and_environments_are_the_same_with_kernels_as_plain_python
 
 
 def test_without_a_compiler_short_calls_take_the_same_arguments() -> None:
-    add = _only_for(lambda numbers, more: numbers + more, [_argument_type(np.zeros(1)), _argument_type(1.0)])
+    add = _specialize(
+        lambda numbers, more: numbers + more, [_argument_type(np.zeros(1)), _argument_type(1.0)]
+    )
     assert add(np.ones(2), 2.0).tolist() == [3.0, 3.0]
     for arguments in ((np.zeros(1, np.int32), 1.0), (np.zeros((1, 1)), 1.0), ([0.0], 1.0), (np.zeros(1), 1)):
         with pytest.raises(TypeError, match="takes"):

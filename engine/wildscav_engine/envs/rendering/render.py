@@ -14,7 +14,7 @@ from wildscav_engine.simulation.state import Agents
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_engine.view.display import check_display
 from wildscav_engine.view.video.cameras import behind
-from wildscav_engine.view.video.moments import Moment
+from wildscav_engine.view.video.moments import InterpolatedState
 
 if TYPE_CHECKING:
     from wildscav_engine.envs.arena import Arena
@@ -87,7 +87,7 @@ class Renderer:
     def _from_behind(self, view: "MatchInBatch", seat: int) -> NDArray[np.uint8]:
         """Return an image of a seat and of what lies before it."""
         agents = view.state.agents
-        moment = Moment(
+        moment = InterpolatedState(
             view.frame, 0, agents.position[0], agents.yaw[0], agents.pitch[0], agents.health[0] > 0
         )
         camera = behind(view.game_map.world, moment, seat)

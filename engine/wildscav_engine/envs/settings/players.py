@@ -184,7 +184,7 @@ def read_entry(entry: object) -> Player | Sampler:
     """Return a validated entry of ``teammates`` or ``opponents``.
 
     Raises:
-        ValueError: It is none, or there is no such robot.
+        ValueError: It cannot play, or there is no such robot.
     """
     if isinstance(entry, Sampler):
         return entry
@@ -195,7 +195,7 @@ def read_player(entry: object) -> Player:
     """Return a validated player.
 
     Raises:
-        ValueError: It is none, or there is no such robot.
+        ValueError: It cannot play, or there is no such robot.
     """
     if isinstance(entry, str):
         return _checked_robot(entry)

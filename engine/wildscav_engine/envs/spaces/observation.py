@@ -39,7 +39,6 @@ class Layout(NamedTuple):
 
     start: NDArray[np.int64]  # (PARTS,) the first column of each part, or -1 if absent
     groups: tuple[tuple[str, int, int], ...]  # of the observation: name, first column, end column
-    told: int  # the number of columns of the observation, which come first
     width: int
 
     def first(self, part: Part) -> int:
@@ -57,7 +56,6 @@ def layout_of(config: EnvConfig) -> Layout:
         width = len(columns)
         groups.append((name, column, column + width))
         column += width
-    told = column
     for part, width in (
         (Part.OUTCOME, len(OUTCOME)),
         (Part.EVENTS, len(EVENTS)),
@@ -65,7 +63,7 @@ def layout_of(config: EnvConfig) -> Layout:
     ):
         start[part] = column
         column += width
-    return Layout(start, tuple(groups), told, column)
+    return Layout(start, tuple(groups), column)
 
 
 def observation_space(config: EnvConfig) -> Dict | Box:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.compilation.array_tables import ArrayTable
 from wildscav_engine.envs.settings.config import EnvConfig
-from wildscav_engine.envs.spaces.facts import allocate_row_workspace, write_rows
+from wildscav_engine.envs.spaces.features import allocate_row_workspace, write_rows
 from wildscav_engine.envs.spaces.flattening import Flattener
 from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
 from wildscav_engine.envs.spaces.observation import (
@@ -46,8 +46,7 @@ class SeatReader:
         self._flattener = Flattener(readings_space(config), config.version) if config.flat else None
         terms = RewardSum(config.reward_weights).term_arrays
         self._weights = terms.weight  # of matches that start from now on
-        workspace = allocate_row_workspace(matches, len(config.seats), len(seats), self.layout.start, terms)
-        workspace = workspace._replace(learners=np.array(seats, np.int64))
+        workspace = allocate_row_workspace(matches, len(config.seats), seats, self.layout.start, terms)
         self.done, self._is_new = workspace.done, workspace.is_new
         self._weights_of_matches = workspace.weight
         # The facts after one step are those before the next, so the two arrays swap roles.

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.arithmetic.random_numbers import Dice, Stream
+from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream
 from wildscav_engine.compilation.kernel import array_kernel
 from wildscav_engine.maps.country.landforms import wards_at
 from wildscav_engine.maps.country.plan import CountryPlan
@@ -140,7 +140,7 @@ def hide_targets(
         within = (np.abs(across) < house.size[0] / 2.0) & (np.abs(along) < house.size[1] / 2.0)
         is_upstairs |= within & (indoor[:, 1] > house.ground + house.storey_height / 2.0)
     is_dead_end = plan.wards.ways[wards_at(plan.wards, terrain, ground[:, 0], ground[:, 2])] == 1
-    dice = Dice(seed, Stream.HIDING)
+    dice = RandomStream(seed, Stream.HIDING)
     chosen = [
         _draw(dice, indoor[is_upstairs], UPSTAIRS),
         _draw(dice, indoor[~is_upstairs], INDOORS),
@@ -149,7 +149,7 @@ def hide_targets(
     return measure(graph, np.concatenate(chosen), ground)
 
 
-def _draw(dice: Dice, places: NDArray[np.float64], wanted: int) -> NDArray[np.float64]:
+def _draw(dice: RandomStream, places: NDArray[np.float64], wanted: int) -> NDArray[np.float64]:
     """Return at most some of the places, drawn at random."""
     left = list(range(len(places)))
     chosen = [left.pop(dice.integer(0, len(left) - 1)) for _ in range(min(wanted, len(left)))]

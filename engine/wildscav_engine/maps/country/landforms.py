@@ -7,7 +7,7 @@ steps between them too steep to climb, and few ramps.
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.arithmetic.random_numbers import Dice, Stream
+from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream
 from wildscav_engine.geometry.world import CELL
 from wildscav_engine.maps.country.wards import Barrier, Border, Wards
 from wildscav_engine.maps.ground.terrain import Terrain
@@ -26,7 +26,7 @@ def raise_ridges(wards: Wards, seed: int, terrain: Terrain) -> None:
     for number, border in enumerate(wards.borders):
         if border.barrier is not Barrier.RIDGE:
             continue
-        dice = Dice(seed, Stream.COUNTRY, agent=10_000 + number)
+        dice = RandomStream(seed, Stream.COUNTRY, agent=10_000 + number)
         height = RISE + dice.uniform(0.0, MORE)
         lower = dice.uniform(0.0, 0.25)
         east, north = border.direction

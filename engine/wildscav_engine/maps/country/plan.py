@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.arithmetic.random_numbers import Dice, Stream
+from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream
 from wildscav_engine.geometry.shapes import Pose, box, polygon, stack
 from wildscav_engine.geometry.world import Kind, Solid
 from wildscav_engine.maps.country.landforms import raise_ridges, raise_terraces, wards_at
@@ -173,7 +173,7 @@ def grow_thickets(borders: Sequence[Border], seed: int, terrain: Terrain) -> lis
     for number, border in enumerate(borders):
         if border.barrier is not Barrier.THICKET:
             continue
-        dice = Dice(seed, Stream.COUNTRY, agent=20_000 + number)
+        dice = RandomStream(seed, Stream.COUNTRY, agent=20_000 + number)
         for start, end in border.spans(GAP + 2.0 * RADIUS[0]):
             steps = max(1, int((end - start) / STEP + 0.999))
             for step in range(steps + 1):
@@ -185,7 +185,7 @@ def grow_thickets(borders: Sequence[Border], seed: int, terrain: Terrain) -> lis
     return solids
 
 
-def _bush(dice: Dice, x: float, z: float, terrain: Terrain, *, narrow: bool) -> list[Solid]:
+def _bush(dice: RandomStream, x: float, z: float, terrain: Terrain, *, narrow: bool) -> list[Solid]:
     """Return a bush, perhaps with a conifer that rises from it."""
     radius = RADIUS[0] if narrow else dice.uniform(*RADIUS)
     grounds = [

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.arithmetic.random_numbers import Dice, Stream
+from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream
 from wildscav_engine.geometry.shapes import Rectangle, box, pose
 from wildscav_engine.geometry.world import CELL, Kind, Solid
 from wildscav_engine.maps.country.wards import Block, grid_of
@@ -55,7 +55,7 @@ def choose_blocks(size: int, country: Country, seed: int, terrain: Terrain) -> l
     """
     count, side = grid_of(size, country)
     cells = int(LEAST_SIDE / side + 0.999)
-    dice = Dice(seed, Stream.COUNTRY, agent=1)
+    dice = RandomStream(seed, Stream.COUNTRY, agent=1)
     found = []
     for row in range(count - cells + 1):
         for column in range(count - cells + 1):
@@ -102,7 +102,7 @@ def draw_town(
     area = _area(block, config.size, grid_of(config.size, country)[1])
     ground = _heights_in(area, terrain)
     level = float(ground.sum() / ground.size)
-    dice = Dice(seed, Stream.COUNTRY, agent=100 + number)
+    dice = RandomStream(seed, Stream.COUNTRY, agent=100 + number)
     count = max(2, int((area.right - area.left - STREET) / PLOT))
     plot = (area.right - area.left - STREET) / count
     plans, sites = [], []
@@ -139,7 +139,7 @@ class _Streets:
 
     def __init__(
         self,
-        dice: Dice,
+        dice: RandomStream,
         area: Rectangle,
         count: int,
         plans: Sequence[HousePlan],

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.arithmetic.random_numbers import Dice, Stream
+from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream
 from wildscav_engine.specs.map_spec import Country
 
 JITTER = 0.2  # of a ward's side, by which its corners are moved; up to 0.25 all wards stay convex
@@ -100,7 +100,7 @@ def draw_wards(size: int, country: Country, seed: int, blocks: Sequence[Block]) 
         size: m, of the map.
     """
     count, side = grid_of(size, country)
-    dice = Dice(seed, Stream.COUNTRY)
+    dice = RandomStream(seed, Stream.COUNTRY)
     numbers = np.arange(count * count).reshape(count, count)
     for block in blocks:
         part = _cells(block)
@@ -129,7 +129,7 @@ def _point(corner: NDArray[np.float64]) -> tuple[float, float]:
 
 
 def _draw_corners(
-    dice: Dice, size: int, count: int, side: float, blocks: Sequence[Block]
+    dice: RandomStream, size: int, count: int, side: float, blocks: Sequence[Block]
 ) -> NDArray[np.float64]:
     """Move the corners of a grid at random, but not those of towns, nor off the edge of the map."""
     corners = np.empty((count + 1, count + 1, 2))
@@ -147,7 +147,7 @@ def _draw_corners(
     return corners
 
 
-def _draw_kinds(dice: Dice, country: Country, numbers: NDArray[np.int64]) -> tuple[Barrier, ...]:
+def _draw_kinds(dice: RandomStream, country: Country, numbers: NDArray[np.int64]) -> tuple[Barrier, ...]:
     """Draw regions of wards of one kind: each ward is of the kind of the nearest of some random points."""
     weights = (country.walls, country.thickets, country.canyons, country.terraces)
     count = len(numbers)
@@ -171,7 +171,7 @@ def _draw_kinds(dice: Dice, country: Country, numbers: NDArray[np.int64]) -> tup
 
 
 def _draw_levels(
-    dice: Dice, kinds: tuple[Barrier, ...], count: int, blocks: Sequence[Block]
+    dice: RandomStream, kinds: tuple[Barrier, ...], count: int, blocks: Sequence[Block]
 ) -> NDArray[np.float64]:
     """Draw the levels of terraces in m; two that adjoin each other differ. All else is at level 0."""
     near_town = np.zeros((count, count), np.bool_)
@@ -213,7 +213,7 @@ def _sides_between(
     return sides
 
 
-def _draw_ways(dice: Dice, pairs: Sequence[tuple[int, int]], loops: float) -> list[bool]:
+def _draw_ways(dice: RandomStream, pairs: Sequence[tuple[int, int]], loops: float) -> list[bool]:
     """Return for each border whether it has a way through: a random tree over all wards, and some loops."""
     is_open = [False] * len(pairs)
     beside: dict[int, list[tuple[int, int]]] = {}  # by ward: borders, and the wards behind them

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
-from wildscav_engine.arithmetic.random_numbers import Dice, Stream, uniform
+from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream, uniform
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.world import CELL
 from wildscav_engine.specs.map_spec import MapConfig
@@ -46,7 +46,7 @@ class Landform(NamedTuple):
 
 def draw_landform(config: MapConfig, relief: float, seed: int) -> Landform:
     """Draw the parameters of a map's relief."""
-    dice = Dice(seed, Stream.TERRAIN, agent=1)
+    dice = RandomStream(seed, Stream.TERRAIN, agent=1)
     wave = min(max(SHORTEST_LANDFORM, 0.75 * config.size), LONGEST_LANDFORM) * dice.uniform(0.8, 1.2)
     height = relief * (STEEPNESS * wave + STEEPNESS_OF_SMALL) * dice.uniform(0.85, 1.15)
     yaw = dice.uniform(-180.0, 180.0)
@@ -82,7 +82,7 @@ def _draw_gradients(seed: np.uint64, gradients: NDArray[np.float64]) -> None:
 
 def draw_origins(seed: int) -> NDArray[np.float64]:
     """Return (LAYERS, 2) the origin of each layer of noise in the lattice."""
-    dice = Dice(seed, Stream.TERRAIN, agent=2)
+    dice = RandomStream(seed, Stream.TERRAIN, agent=2)
     return np.array([[dice.uniform(0.0, LATTICE) for _ in range(2)] for _ in range(LAYERS)])
 
 

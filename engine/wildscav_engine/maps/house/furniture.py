@@ -7,7 +7,7 @@ and so is the passage to it from every doorway, so furniture never cuts a room i
 from collections.abc import Callable
 from typing import NamedTuple
 
-from wildscav_engine.arithmetic.random_numbers import Dice
+from wildscav_engine.arithmetic.random_numbers import RandomStream
 from wildscav_engine.geometry.shapes import Rectangle
 from wildscav_engine.maps.house.plan import (
     PASSAGE_WIDTH,
@@ -166,7 +166,7 @@ class _Arrangement:
 
 
 def furnish(
-    dice: Dice, area: Rectangle, purpose: str, gaps: list[Gap], sides: tuple[Side, ...]
+    dice: RandomStream, area: Rectangle, purpose: str, gaps: list[Gap], sides: tuple[Side, ...]
 ) -> list[Furniture]:
     """Furnish a room.
 
@@ -192,7 +192,7 @@ def furnish(
 
 
 def _place_piece(
-    dice: Dice, arrangement: _Arrangement, name: str, sides: tuple[Side, ...]
+    dice: RandomStream, arrangement: _Arrangement, name: str, sides: tuple[Side, ...]
 ) -> Furniture | None:
     """Place a piece in a room and return it, or None if it does not fit."""
     piece = PIECES[name]
@@ -213,7 +213,7 @@ def _place_piece(
     return None
 
 
-def _draw_place(dice: Dice, spans: list[Span], width: float) -> Span | None:
+def _draw_place(dice: RandomStream, spans: list[Span], width: float) -> Span | None:
     """Draw the place of a piece along a wall, preferably in a corner."""
     wide = [span for span in spans if span[1] - span[0] >= width]
     if not wide:
@@ -224,7 +224,7 @@ def _draw_place(dice: Dice, spans: list[Span], width: float) -> Span | None:
     return first, first + width
 
 
-def _in_middle(dice: Dice, core: Rectangle, piece: Piece, width: float) -> tuple[Rectangle, Side]:
+def _in_middle(dice: RandomStream, core: Rectangle, piece: Piece, width: float) -> tuple[Rectangle, Side]:
     """Return the outline of a piece in the middle of a room, aligned with the room, and its back side."""
     across, along = (core.left + core.right) / 2.0, (core.back + core.front) / 2.0
     lies_across = core.right - core.left >= core.front - core.back

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from wildscav_engine.arithmetic.random_numbers import Dice
+from wildscav_engine.arithmetic.random_numbers import RandomStream
 from wildscav_engine.geometry.shapes import Rectangle
 from wildscav_engine.maps.house.plan import (
     DOOR_WIDTH,
@@ -110,7 +110,7 @@ def edges_of(faces: list[Face], rooms: list[Rectangle], stairs: Stairs | None) -
 
 
 def choose_outer_doors(
-    dice: Dice, faces: list[Face], edges: list[Edge], wings: tuple[Wing, ...], hall: int
+    dice: RandomStream, faces: list[Face], edges: list[Edge], wings: tuple[Wing, ...], hall: int
 ) -> list[Edge]:
     """Choose the front door, preferably into the hall, and for a large house a second one on another side."""
     wide = [edge for edge in edges if edge.span[1] - edge.span[0] >= DOOR_WIDTH + 2.0 * PILLAR]
@@ -127,7 +127,7 @@ def choose_outer_doors(
 
 
 def choose_terrace_door(
-    dice: Dice, faces: list[Face], edges: list[Edge], wings: tuple[Wing, ...], level: int
+    dice: RandomStream, faces: list[Face], edges: list[Edge], wings: tuple[Wing, ...], level: int
 ) -> tuple[int, Edge] | None:
     """Choose a door to the flat roof of a lower wing.
 
@@ -149,11 +149,11 @@ def choose_terrace_door(
     return None
 
 
-def _draw(dice: Dice, edges: list[Edge]) -> Edge:
+def _draw(dice: RandomStream, edges: list[Edge]) -> Edge:
     return edges[dice.integer(0, len(edges) - 1)]
 
 
-def _place(dice: Dice, edge: Edge) -> Edge:
+def _place(dice: RandomStream, edge: Edge) -> Edge:
     start, end = edge.span
     return edge._replace(span=draw_span(dice, (start + PILLAR, end - PILLAR), DOOR_WIDTH))
 

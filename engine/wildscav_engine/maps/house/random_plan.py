@@ -1,6 +1,6 @@
 """Drawing a random house plan from a seed."""
 
-from wildscav_engine.arithmetic.random_numbers import Dice, Stream
+from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream
 from wildscav_engine.geometry.shapes import Rectangle
 from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.house.plan import (
@@ -48,7 +48,7 @@ def draw_plan(
     """
     if area and not all(SMALLEST <= side <= LARGEST for side in area):
         raise MapError(f"area is {area[0]} × {area[1]} m: a house takes {SMALLEST} to {LARGEST} m a side")
-    dice = Dice(seed, Stream.HOUSES, agent=1000 + number)
+    dice = RandomStream(seed, Stream.HOUSES, agent=1000 + number)
     size = area or _draw_size(dice, small)
     count = dice.integer(*storeys)
     style = STYLES[dice.integer(0, len(STYLES) - 1)]
@@ -67,7 +67,7 @@ def draw_plan(
     return HousePlan(size, style, wings, tuple(drawn), stairs, roof_exit, tuple(terraces), tuple(doors))
 
 
-def _draw_size(dice: Dice, small: bool) -> tuple[float, float]:
+def _draw_size(dice: RandomStream, small: bool) -> tuple[float, float]:
     """Draw the size in m across and along; large houses are rare."""
     if small:
         return dice.uniform(8.0, 9.5), dice.uniform(7.5, 8.5)
@@ -75,7 +75,7 @@ def _draw_size(dice: Dice, small: bool) -> tuple[float, float]:
     return 8.0 + 10.0 * across * across, 8.0 + 10.0 * along * along
 
 
-def _place_stairs(dice: Dice, wings: tuple[Wing, ...]) -> HallPlace:
+def _place_stairs(dice: RandomStream, wings: tuple[Wing, ...]) -> HallPlace:
     """Draw a hall with stairs that leaves all parts of the house connected."""
     for _ in range(TRIES):
         place = draw_stairs(dice, wings[0].inside)
@@ -84,7 +84,7 @@ def _place_stairs(dice: Dice, wings: tuple[Wing, ...]) -> HallPlace:
     raise RuntimeError("a house has no place for stairs")
 
 
-def draw_wings(dice: Dice, size: tuple[float, float], storeys: int) -> tuple[Wing, ...]:
+def draw_wings(dice: RandomStream, size: tuple[float, float], storeys: int) -> tuple[Wing, ...]:
     """Draw the blocks of a house that fill a rectangle of a size in m, the main block first.
 
     Args:
@@ -115,7 +115,7 @@ def _has_room(size: tuple[float, float], side: Side) -> bool:
     return away >= MAIN_LEAST + WING_LEAST - OUTER_WALL and beside >= max(WING_LEAST + YARD_LEAST, MAIN_LEAST)
 
 
-def _part(dice: Dice, whole: Rectangle, side: Side, is_annex: bool) -> tuple[Rectangle, Rectangle]:
+def _part(dice: RandomStream, whole: Rectangle, side: Side, is_annex: bool) -> tuple[Rectangle, Rectangle]:
     """Return the outlines of the main block and of the wing on one side of it."""
     (start, end), (near, far) = span_of(whole, side), span_of(whole, side.aside)
     most = min(far - near - MAIN_LEAST, 5.0 if is_annex else 0.55 * (far - near))
@@ -132,17 +132,17 @@ def _part(dice: Dice, whole: Rectangle, side: Side, is_annex: bool) -> tuple[Rec
     return with_line(whole, side, cut), wing
 
 
-def _draw_main_roof(dice: Dice) -> Roof:
+def _draw_main_roof(dice: RandomStream) -> Roof:
     chance = dice.uniform()
     return Roof.FLAT if chance < 0.4 else Roof.GABLE if chance < 0.75 else Roof.HIP
 
 
-def _draw_low_roof(dice: Dice) -> Roof:
+def _draw_low_roof(dice: RandomStream) -> Roof:
     chance = dice.uniform()
     return Roof.FLAT if chance < 0.55 else Roof.GABLE if chance < 0.8 else Roof.HIP
 
 
-def _draw_annex_roof(dice: Dice) -> Roof:
+def _draw_annex_roof(dice: RandomStream) -> Roof:
     chance = dice.uniform()
     return Roof.FLAT if chance < 0.4 else Roof.LEAN_TO if chance < 0.85 else Roof.GABLE
 

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from wildscav_engine.arithmetic.random_numbers import Dice
+from wildscav_engine.arithmetic.random_numbers import RandomStream
 from wildscav_engine.geometry.shapes import Rectangle
 from wildscav_engine.maps.house.plan import (
     DOOR_HEIGHT,
@@ -43,7 +43,7 @@ class Door(NamedTuple):
     span: Span  # m, where it may be
 
 
-def divide(dice: Dice, area: Rectangle, layout: Layout) -> None:
+def divide(dice: RandomStream, area: Rectangle, layout: Layout) -> None:
     """Divide a rectangle recursively into rooms by walls, and add them to a layout."""
     width, depth = area.right - area.left, area.front - area.back
     longer = max(width, depth)
@@ -79,7 +79,7 @@ def _cut(area: Rectangle, cuts_width: bool, place: float, layout: Layout) -> tup
     return area._replace(front=place), area._replace(back=beyond)
 
 
-def _cut_corridor(dice: Dice, area: Rectangle, cuts_width: bool, layout: Layout) -> None:
+def _cut_corridor(dice: RandomStream, area: Rectangle, cuts_width: bool, layout: Layout) -> None:
     """Divide a rectangle by a corridor from end to end."""
     start, end = (area.left, area.right) if cuts_width else (area.back, area.front)
     room = (end - start - CORRIDOR - 2.0 * INNER_WALL) - 2.0 * NARROWEST_ROOM
@@ -151,7 +151,7 @@ def _rooms_at(rooms: list[Rectangle], wall: Rectangle, side: Side) -> list[int]:
     return found
 
 
-def choose_doors(dice: Dice, layout: Layout, stairs: Stairs | None) -> list[Door] | None:
+def choose_doors(dice: RandomStream, layout: Layout, stairs: Stairs | None) -> list[Door] | None:
     """Choose doorways that connect all rooms: a random spanning tree, and some more.
 
     This is Kruskal's algorithm with random weights that favour doorways to the hall.
@@ -177,7 +177,7 @@ def choose_doors(dice: Dice, layout: Layout, stairs: Stairs | None) -> list[Door
     return chosen if len(set(part)) == 1 else None
 
 
-def draw_span(dice: Dice, room: Span, width: float) -> Span:
+def draw_span(dice: RandomStream, room: Span, width: float) -> Span:
     """Draw a span of a width in m inside another: at an end, or anywhere."""
     slack = room[1] - room[0] - width
     place = dice.uniform()

@@ -6,7 +6,7 @@ back to the next flight. In a *turning* hall two flights meet on a landing halfw
 
 from typing import NamedTuple
 
-from wildscav_engine.arithmetic.random_numbers import Dice
+from wildscav_engine.arithmetic.random_numbers import RandomStream
 from wildscav_engine.geometry.shapes import Rectangle
 from wildscav_engine.maps.house.plan import (
     INNER_WALL,
@@ -63,7 +63,7 @@ class HallPlace(NamedTuple):
     walls: tuple[tuple[Rectangle, bool], ...]  # the walls between them: outline, and whether it runs across
 
 
-def draw_stairs(dice: Dice, inside: Rectangle) -> HallPlace:
+def draw_stairs(dice: RandomStream, inside: Rectangle) -> HallPlace:
     """Cut a hall with stairs out of a block, all the way across or along it.
 
     Args:
@@ -103,7 +103,7 @@ def _oriented(runs_along: bool, u_0: float, v_0: float, u_1: float, v_1: float) 
     return Rectangle(u_0, v_0, u_1, v_1) if runs_along else Rectangle(v_0, u_0, v_1, u_1)
 
 
-def _draw_strip(dice: Dice, low: float, high: float) -> tuple[float, float]:
+def _draw_strip(dice: RandomStream, low: float, high: float) -> tuple[float, float]:
     """Draw the position of the hall between two walls: at one of them, or with rooms on both sides."""
     needed = NARROWEST_ROOM + INNER_WALL
     slack = high - low - HALL_WIDTH

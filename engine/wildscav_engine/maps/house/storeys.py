@@ -1,6 +1,6 @@
 """Drawing the storeys of a house: rooms, walls with openings, furniture."""
 
-from wildscav_engine.arithmetic.random_numbers import Dice
+from wildscav_engine.arithmetic.random_numbers import RandomStream
 from wildscav_engine.geometry.shapes import Rectangle
 from wildscav_engine.maps.house.furniture import Gap, furnish
 from wildscav_engine.maps.house.openings import (
@@ -80,7 +80,7 @@ class _Draft:
 
 
 def draw_storey(
-    dice: Dice, wings: tuple[Wing, ...], level: int, top: int, place: HallPlace | None, style: str
+    dice: RandomStream, wings: tuple[Wing, ...], level: int, top: int, place: HallPlace | None, style: str
 ) -> tuple[Storey, list[int], list[OuterDoor]]:
     """Draw one storey.
 
@@ -119,7 +119,7 @@ def draw_storey(
     return storey, terraces, doorways
 
 
-def can_be_joined(dice: Dice, wings: tuple[Wing, ...], place: HallPlace) -> bool:
+def can_be_joined(dice: RandomStream, wings: tuple[Wing, ...], place: HallPlace) -> bool:
     """Return whether doorways can connect all parts of every storey around a hall with stairs."""
     for level in range(wings[0].storeys):
         layout, _ = _lay_out(dice, wings, level, place, draw_faces(wings, level), divided=False)
@@ -129,7 +129,7 @@ def can_be_joined(dice: Dice, wings: tuple[Wing, ...], place: HallPlace) -> bool
 
 
 def _lay_out(
-    dice: Dice,
+    dice: RandomStream,
     wings: tuple[Wing, ...],
     level: int,
     place: HallPlace | None,
@@ -155,7 +155,7 @@ def _lay_out(
 
 
 def _draw_layout(
-    dice: Dice, wings: tuple[Wing, ...], level: int, place: HallPlace | None, faces: list[Face]
+    dice: RandomStream, wings: tuple[Wing, ...], level: int, place: HallPlace | None, faces: list[Face]
 ) -> tuple[Layout, int, list[Door]]:
     """Divide a storey until doorways connect all rooms; the last attempt has as few rooms as possible."""
     for attempt in range(TRIES):
@@ -167,7 +167,7 @@ def _draw_layout(
 
 
 def _open_outwards(
-    dice: Dice, draft: _Draft, wings: tuple[Wing, ...], level: int, top: int, stairs: Stairs | None
+    dice: RandomStream, draft: _Draft, wings: tuple[Wing, ...], level: int, top: int, stairs: Stairs | None
 ) -> tuple[list[int], list[OuterDoor]]:
     """Add outer doors and windows; return the wings to whose roofs a doorway leads, and the outer doors."""
     edges = edges_of(draft.faces, draft.layout.rooms, stairs)
@@ -195,7 +195,7 @@ def _outer_door(face: Face, door: Edge) -> OuterDoor:
 
 
 def _draw_furniture(
-    dice: Dice, rooms: tuple[Room, ...], gaps: list[list[Gap]], stairs: Stairs | None
+    dice: RandomStream, rooms: tuple[Room, ...], gaps: list[list[Gap]], stairs: Stairs | None
 ) -> list[Furniture]:
     pieces = []
     for room, seen in zip(rooms, gaps, strict=True):
@@ -206,7 +206,7 @@ def _draw_furniture(
     return pieces
 
 
-def _furnish_hall(dice: Dice, stairs: Stairs, gaps: list[Gap]) -> list[Furniture]:
+def _furnish_hall(dice: RandomStream, stairs: Stairs, gaps: list[Gap]) -> list[Furniture]:
     """Furnish the end of a hall in front of its stairs, leaving a passage to them."""
     side, hall = stairs.entry, stairs.hall
     ahead = PASSAGE_WIDTH if side.is_ahead else -PASSAGE_WIDTH
@@ -228,7 +228,7 @@ def _is_before(area: Rectangle, gap: Gap) -> bool:
 
 
 def assign_purposes(
-    dice: Dice, rooms: list[Rectangle], hall: Rectangle | None, style: str, level: int
+    dice: RandomStream, rooms: list[Rectangle], hall: Rectangle | None, style: str, level: int
 ) -> list[str]:
     """Return the purpose of each room of a storey."""
     wanted = (UPPER if level else GROUND)[style]

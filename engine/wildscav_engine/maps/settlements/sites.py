@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
-from wildscav_engine.arithmetic.random_numbers import Dice, Stream
+from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.maps.ground.terrain import Terrain
 from wildscav_engine.maps.settlements.footprints import (
@@ -77,7 +77,7 @@ def settle(
     """
     best = Settlement([], np.zeros((0, 4)))
     for attempt in range(ATTEMPTS):
-        dice = Dice(seed, Stream.HOUSES, agent=attempt)
+        dice = RandomStream(seed, Stream.HOUSES, agent=attempt)
         plots = Plots(config, terrain, fixed, len(sizes), avoided)
         plots.keep_off(kept_off)
         if config.density == "high":
@@ -117,7 +117,7 @@ def _segments(lanes: list[NDArray[np.float64]]) -> NDArray[np.float64]:
     return np.concatenate(parts) if parts else np.zeros((0, 4))
 
 
-def _build_towns(dice: Dice, plots: Plots, sizes: Sequence[Size]) -> list[NDArray[np.float64]]:
+def _build_towns(dice: RandomStream, plots: Plots, sizes: Sequence[Size]) -> list[NDArray[np.float64]]:
     """Build one town after another until all houses are placed; return their lanes."""
     most = max(1, int(-2.0 * plots.terrain.corner[0] / TOWN_APART)) ** 2
     towns = 1
@@ -155,7 +155,7 @@ def _road_between(
 
 
 def _build_town(
-    dice: Dice, plots: Plots, sizes: Sequence[Size], houses: int, center: Place
+    dice: RandomStream, plots: Plots, sizes: Sequence[Size], houses: int, center: Place
 ) -> list[NDArray[np.float64]]:
     """Build ``houses`` houses along the streets of one town; return its lanes, none if no house fits."""
     streets = draw_streets(dice, plots, houses, center)
@@ -188,7 +188,7 @@ class _Slot(NamedTuple):
     skew: float  # degrees that the front is turned away from the street
 
 
-def _slots(dice: Dice, streets: list[Street], center: Place) -> list[_Slot]:
+def _slots(dice: RandomStream, streets: list[Street], center: Place) -> list[_Slot]:
     """Return the slots along streets, nearest to the middle of the town first."""
     slots = []
     for number, street in enumerate(streets):
@@ -240,7 +240,7 @@ def _sides_of_square(street: Street) -> list[NDArray[np.float64]]:
     return sides
 
 
-def _scatter(dice: Dice, plots: Plots, sizes: Sequence[Size]) -> None:
+def _scatter(dice: RandomStream, plots: Plots, sizes: Sequence[Size]) -> None:
     """Build farmsteads as far apart as the map allows."""
     span = -2.0 * plots.terrain.corner[0]
     gap = min(WIDEST_SCATTER, 0.5 * span / float(np.sqrt(max(1, len(sizes)))))
@@ -253,7 +253,7 @@ def _scatter(dice: Dice, plots: Plots, sizes: Sequence[Size]) -> None:
             gap *= 0.8
 
 
-def _random_places(dice: Dice, plots: Plots, count: int) -> list[Place]:
+def _random_places(dice: RandomStream, plots: Plots, count: int) -> list[Place]:
     half = -plots.terrain.corner[0] - EDGE_MARGIN - 4.0
     return [
         (dice.uniform(-half, half), dice.uniform(-half, half), dice.uniform(-180.0, 180.0))
@@ -261,7 +261,7 @@ def _random_places(dice: Dice, plots: Plots, count: int) -> list[Place]:
     ]
 
 
-def _squeeze_in(dice: Dice, plots: Plots, sizes: Sequence[Size]) -> None:
+def _squeeze_in(dice: RandomStream, plots: Plots, sizes: Sequence[Size]) -> None:
     """Place the remaining houses wherever they fit; stop at the first that does not."""
     if len(plots.sites) == len(sizes):
         return

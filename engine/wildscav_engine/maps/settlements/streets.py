@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.elementary_functions import arctangent, cosine, sine
-from wildscav_engine.arithmetic.random_numbers import Dice
+from wildscav_engine.arithmetic.random_numbers import RandomStream
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.world import CELL
 from wildscav_engine.maps.ground.terrain import Terrain
@@ -34,7 +34,7 @@ class Street(NamedTuple):
     square: tuple[int, int]  # index of its first and last point on the square; (0, -1) without one
 
 
-def draw_streets(dice: Dice, plots: Plots, houses: int, center: Place) -> list[Street]:
+def draw_streets(dice: RandomStream, plots: Plots, houses: int, center: Place) -> list[Street]:
     """Return the streets of a town for so many houses, the main street first.
 
     Args:
@@ -65,7 +65,9 @@ def _street(places: list[Place], square: tuple[int, int]) -> Street:
     return Street(rows[:, :2].copy(), rows[:, 2].copy(), square)
 
 
-def _side_streets(dice: Dice, plots: Plots, main: list[Place], middle: int, wanted: float) -> list[Street]:
+def _side_streets(
+    dice: RandomStream, plots: Plots, main: list[Place], middle: int, wanted: float
+) -> list[Street]:
     """Branch streets off the main street, on both sides in turn, nearest to the middle first."""
     streets: list[Street] = []
     taken = [main]
@@ -90,7 +92,9 @@ def _side_streets(dice: Dice, plots: Plots, main: list[Place], middle: int, want
     return streets
 
 
-def _walk(dice: Dice, plots: Plots, start: Place, length: float, streets: list[list[Place]]) -> list[Place]:
+def _walk(
+    dice: RandomStream, plots: Plots, start: Place, length: float, streets: list[list[Place]]
+) -> list[Place]:
     """Trace a winding street until it is long enough or something blocks it.
 
     Args:
@@ -183,7 +187,9 @@ def height_at(terrain: Terrain, x: float, z: float) -> float:
     return float(lower * (1.0 - north) + upper * north)
 
 
-def town_center(dice: Dice, terrain: Terrain, radius: float, others: list[Place], choices: int) -> Place:
+def town_center(
+    dice: RandomStream, terrain: Terrain, radius: float, others: list[Place], choices: int
+) -> Place:
     """Return the middle of a new town and the yaw of its main street: the best of some random places.
 
     Args:

@@ -73,7 +73,9 @@ def _is_open_around(world: World, x: float, height: float, z: float) -> bool:
 
 
 @kernel
-def explore(world: World, nobody: Bodies, lattice: Lattice, nodes: Nodes, start: int, capacity: int) -> int:
+def explore(
+    world: World, no_bodies: Bodies, lattice: Lattice, nodes: Nodes, start: int, capacity: int
+) -> int:
     """Find the edges of the nodes from ``start`` on, and of all nodes found in the process.
 
     Returns:
@@ -82,14 +84,14 @@ def explore(world: World, nobody: Bodies, lattice: Lattice, nodes: Nodes, start:
     node = start
     while node < nodes.found[0] and nodes.found[0] + DIRECTIONS < capacity:
         for direction in range(0, DIRECTIONS, 2):
-            nodes.edges[node, direction] = _edge(world, nobody, lattice, nodes, node, direction)
+            nodes.edges[node, direction] = _edge(world, no_bodies, lattice, nodes, node, direction)
         node += 1
     return node
 
 
 @kernel
 def join_diagonals(
-    world: World, nobody: Bodies, lattice: Lattice, nodes: Nodes, start: int, capacity: int
+    world: World, no_bodies: Bodies, lattice: Lattice, nodes: Nodes, start: int, capacity: int
 ) -> int:
     """Find the diagonal edges of nodes that have their straight ones; see ``explore``."""
     last = int(nodes.found[0])
@@ -99,7 +101,7 @@ def join_diagonals(
         for direction in range(1, DIRECTIONS, 2):
             across = _across_square(lattice, nodes, node, direction)
             if across < 0:
-                across = _edge(world, nobody, lattice, nodes, node, direction)
+                across = _edge(world, no_bodies, lattice, nodes, node, direction)
             nodes.edges[node, direction] = across
     return last
 
@@ -128,7 +130,7 @@ def _is_open(lattice: Lattice, nodes: Nodes, node: int) -> bool:
 
 
 @kernel
-def _edge(world: World, nobody: Bodies, lattice: Lattice, nodes: Nodes, node: int, direction: int) -> int:
+def _edge(world: World, no_bodies: Bodies, lattice: Lattice, nodes: Nodes, node: int, direction: int) -> int:
     """Return the node that a walk from a node in a direction leads to, NO_EDGE or FALLS."""
     point = int(nodes.point[node])
     target = neighbour(lattice, point, direction)
@@ -143,15 +145,15 @@ def _edge(world: World, nobody: Bodies, lattice: Lattice, nodes: Nodes, node: in
     to_x, to_z = place_of(world, lattice, target)
     start = Point(x, nodes.height[node], z)
     if lattice.marks[point] == FINE or lattice.marks[target] == FINE:
-        return _edge_among_obstacles(world, nobody, lattice, nodes, node, start, target, direction)
+        return _edge_among_obstacles(world, no_bodies, lattice, nodes, node, start, target, direction)
     other = int(nodes.first[target])
     if other >= 0 and _is_clear_between(world, start, to_x, to_z, nodes.height[other]):
         return other
-    reached = walk_straight(world, nobody, start, to_x, to_z, SPACING)
+    reached = walk_straight(world, no_bodies, start, to_x, to_z, SPACING)
     if np.isnan(reached):
         return FALLS
     arrives = abs(reached) < np.inf and leaves_clearance(
-        world, nobody, start, to_x, to_z, reached, SIDE_CLEARANCE, SPACING
+        world, no_bodies, start, to_x, to_z, reached, SIDE_CLEARANCE, SPACING
     )
     return other if arrives else NO_EDGE
 
@@ -159,7 +161,7 @@ def _edge(world: World, nobody: Bodies, lattice: Lattice, nodes: Nodes, node: in
 @kernel
 def _edge_among_obstacles(
     world: World,
-    nobody: Bodies,
+    no_bodies: Bodies,
     lattice: Lattice,
     nodes: Nodes,
     node: int,
@@ -174,7 +176,7 @@ def _edge_among_obstacles(
         if not is_free(world, x, start.y + RISE, start.y + WAIST, z, 0.0):
             return NO_EDGE  # at any possible height there, a body would overlap a solid
         back = _node_leading_here(nodes, node, target, direction)
-        reached = _walk_up_or_down(world, nobody, start, x, z, back >= 0)
+        reached = _walk_up_or_down(world, no_bodies, start, x, z, back >= 0)
     if np.isnan(reached):
         return FALLS
     if reached == -np.inf:
@@ -220,21 +222,21 @@ def _is_floored(world: World, x: float, height: float, z: float) -> bool:
 
 
 @kernel
-def _walk_up_or_down(world: World, nobody: Bodies, start: Point, x: float, z: float, back: bool) -> float:
+def _walk_up_or_down(world: World, no_bodies: Bodies, start: Point, x: float, z: float, back: bool) -> float:
     """Do the same as ``walk_straight`` on steps and slopes of solids, with clearance on both sides.
 
     On such paths, small strides may get less far than large ones, so both have to arrive. If the edge
     ``back`` is already known to be walkable, one walk is enough.
     """
-    reached = walk_straight(world, nobody, start, x, z, SPACING)
+    reached = walk_straight(world, no_bodies, start, x, z, SPACING)
     if back or not abs(reached) < np.inf:
         return reached
     # The next step of a flight may begin right behind the end.
     if not is_free(world, x, reached + STEP_RISE, reached + BODY_HEIGHT, z, SIDE_CLEARANCE):
         return -np.inf
-    reached = walk_straight(world, nobody, start, x, z, SMALL_STRIDE)
+    reached = walk_straight(world, no_bodies, start, x, z, SMALL_STRIDE)
     if abs(reached) < np.inf and not leaves_clearance(
-        world, nobody, start, x, z, reached, SIDE_CLEARANCE, SPACING
+        world, no_bodies, start, x, z, reached, SIDE_CLEARANCE, SPACING
     ):
         return -np.inf
     return reached
@@ -293,7 +295,7 @@ def _edge_over_open_ground(world: World, lattice: Lattice, nodes: Nodes, node: i
 
 
 @kernel
-def walk_straight(world: World, nobody: Bodies, start: Point, x: float, z: float, stride: float) -> float:
+def walk_straight(world: World, no_bodies: Bodies, start: Point, x: float, z: float, stride: float) -> float:
     """Walk straight to a place with the engine's motion.
 
     Args:
@@ -303,19 +305,19 @@ def walk_straight(world: World, nobody: Bodies, start: Point, x: float, z: float
     Returns:
         m, the height at which it arrives; -inf if it does not arrive, NaN if it walks off an edge or slides.
     """
-    return walk_within(world, nobody, start, x, z, stride, ARRIVAL)
+    return walk_within(world, no_bodies, start, x, z, stride, ARRIVAL)
 
 
 @kernel
 def walk_within(
-    world: World, nobody: Bodies, start: Point, x: float, z: float, stride: float, arrival: float
+    world: World, no_bodies: Bodies, start: Point, x: float, z: float, stride: float, arrival: float
 ) -> float:
     """Do the same as ``walk_straight``, if no move ends farther than ``arrival`` m from where it should."""
     at = start
     far = np.sqrt((x - start.x) * (x - start.x) + (z - start.z) * (z - start.z))
     moves = int(np.ceil(far / stride))
     for done in range(moves):
-        at, short, stands = move_on(world, nobody, at, x, z, moves - done)
+        at, short, stands = move_on(world, no_bodies, at, x, z, moves - done)
         if short > arrival:
             return -np.inf
         if not stands:
@@ -325,7 +327,7 @@ def walk_within(
 
 @inlined_kernel
 def move_on(
-    world: World, nobody: Bodies, at: Point, x: float, z: float, left: int
+    world: World, no_bodies: Bodies, at: Point, x: float, z: float, left: int
 ) -> tuple[Point, float, bool]:
     """Make the first of the ``left`` equal moves that lead straight to a place.
 
@@ -334,7 +336,7 @@ def move_on(
     """
     share = 1.0 / left
     delta_x, delta_z = (x - at.x) * share, (z - at.z) * share
-    moved = walk(world, nobody, at, delta_x, delta_z)
+    moved = walk(world, no_bodies, at, delta_x, delta_z)
     short = abs(moved.x - at.x - delta_x) + abs(moved.z - at.z - delta_z)
     here = Point(moved.x, moved.y, moved.z)
     return here, short, moved.on_ground and not on_steep_ground(world, here)
@@ -343,7 +345,7 @@ def move_on(
 @kernel
 def leaves_clearance(
     world: World,
-    nobody: Bodies,
+    no_bodies: Bodies,
     start: Point,
     x: float,
     z: float,
@@ -356,7 +358,7 @@ def leaves_clearance(
     share = margin / np.sqrt(east * east + north * north)
     for side in (-share, share):
         beside = Point(start.x - side * north, start.y, start.z + side * east)
-        reached = walk_straight(world, nobody, beside, x - side * north, z + side * east, stride)
+        reached = walk_straight(world, no_bodies, beside, x - side * north, z + side * east, stride)
         if not abs(reached - height) <= STEP_RISE:
             return False
     return True

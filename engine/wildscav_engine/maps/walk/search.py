@@ -226,13 +226,13 @@ def pop(heap: NDArray[np.int32], priority: NDArray[np.float64], size: int) -> in
 
 @array_kernel
 def pull_straight(
-    world: World, nobody: Bodies, places: NDArray[np.float64], route: NDArray[np.int32]
+    world: World, no_bodies: Bodies, places: NDArray[np.float64], route: NDArray[np.int32]
 ) -> NDArray[np.int32]:
     """Return the nodes of a walked route that remain when straight walks replace many short ones."""
     kept = np.empty_like(route)
     kept[0], count, at, last = route[0], 1, 0, len(route) - 1
     while at < last:
-        at = _farthest_straight(world, nobody, places, route, at, last)
+        at = _farthest_straight(world, no_bodies, places, route, at, last)
         kept[count] = route[at]
         count += 1
     return kept[:count].copy()
@@ -240,25 +240,30 @@ def pull_straight(
 
 @kernel
 def _farthest_straight(
-    world: World, nobody: Bodies, places: NDArray[np.float64], route: NDArray[np.int32], first: int, last: int
+    world: World,
+    no_bodies: Bodies,
+    places: NDArray[np.float64],
+    route: NDArray[np.int32],
+    first: int,
+    last: int,
 ) -> int:
     """Return the index of the farthest node of a route that a straight walk from ``first`` is found to reach.
 
     It is a galloping search: strides double while straight walks arrive, then the gap is halved. So it may
     miss a farther node.
     """
-    if first + 1 == last or _is_straight(world, nobody, places, route[first], route[last]):
+    if first + 1 == last or _is_straight(world, no_bodies, places, route[first], route[last]):
         return last
     good, stride = first + 1, 2
     while good < last:
         ahead = min(last, first + stride)
-        if not _is_straight(world, nobody, places, route[first], route[ahead]):
+        if not _is_straight(world, no_bodies, places, route[first], route[ahead]):
             break
         good, stride = ahead, 2 * stride
     bad = min(last, first + stride)
     while bad - good > 1:
         middle = (good + bad) // 2
-        if _is_straight(world, nobody, places, route[first], route[middle]):
+        if _is_straight(world, no_bodies, places, route[first], route[middle]):
             good = middle
         else:
             bad = middle
@@ -266,22 +271,24 @@ def _farthest_straight(
 
 
 @kernel
-def _is_straight(world: World, nobody: Bodies, places: NDArray[np.float64], start: int, end: int) -> bool:
+def _is_straight(world: World, no_bodies: Bodies, places: NDArray[np.float64], start: int, end: int) -> bool:
     """Return whether a straight walk leads from one node to another; see ``is_straight``."""
     here, there = places[start], places[end]
-    return is_straight(world, nobody, Point(here[0], here[1], here[2]), Point(there[0], there[1], there[2]))
+    return is_straight(
+        world, no_bodies, Point(here[0], here[1], here[2]), Point(there[0], there[1], there[2])
+    )
 
 
 @kernel
-def is_straight(world: World, nobody: Bodies, at: Point, end: Point) -> bool:
+def is_straight(world: World, no_bodies: Bodies, at: Point, end: Point) -> bool:
     """Return whether a straight walk leads from one place to another, with clearance on both sides."""
     x, height, z = end.x, end.y, end.z
     if x == at.x and z == at.z:
         return bool(abs(height - at.y) <= SAME_SURFACE)
     for stride in (SPACING, LEG_STRIDE):  # large strides fail quickly where the path is blocked
-        if not abs(walk_straight(world, nobody, at, x, z, stride) - height) <= SAME_SURFACE:
+        if not abs(walk_straight(world, no_bodies, at, x, z, stride) - height) <= SAME_SURFACE:
             return False
-    return leaves_clearance(world, nobody, at, x, z, height, LEG_CLEARANCE, LEG_STRIDE)
+    return leaves_clearance(world, no_bodies, at, x, z, height, LEG_CLEARANCE, LEG_STRIDE)
 
 
 @kernel

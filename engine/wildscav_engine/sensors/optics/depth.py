@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wildscav_engine.compilation.kernel import refusal
+from wildscav_engine.compilation.kernel import argument_error
 from wildscav_engine.parallel.turns import ALONE, Turns
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.dynamic_objects import ObjectSets
@@ -44,7 +44,7 @@ class DepthCamera(TracedCamera):
     moving: bool = False  # whether agents and supply boxes are visible
 
     def read(self, match: "MatchView", seats: Sequence[int]) -> NDArray[np.float32]:
-        """Return the depth maps of some agents, (len(seats), height, width) m; see ``OpticalSensor.read``."""
+        """Return the depth maps of some agents, (len(seats), height, width) m; see ``ImageSensor.read``."""
         if self.moving:
             return super().read(match, seats)
         cameras = self.cameras_of(match, seats)
@@ -65,7 +65,7 @@ class DepthCamera(TracedCamera):
         viewers: ArrayLike | None = None,
         threads: int = 1,
     ) -> NDArray[np.float32]:
-        """Return the depth maps from N positions, (N, height, width) m; see ``OpticalSensor.render``."""
+        """Return the depth maps from N positions, (N, height, width) m; see ``ImageSensor.render``."""
         if threads == 1 and moving is viewers is None:
             # The shortest path through the code: a small image is traced in the time of a few Python calls.
             scene, size, lens = game_map.scene, self._size, self.lens
@@ -76,7 +76,7 @@ class DepthCamera(TracedCamera):
                 depths = np.empty((len(yaws), size[0], size[1]), DEPTH)  # type: ignore[arg-type]
                 if trace(positions, yaws, pitches, lens[0], lens[1], workspace.tables, *ALONE, depths):
                     return depths
-            except (TypeError, ValueError, refusal()):
+            except (TypeError, ValueError, argument_error()):
                 if are_ready(positions, yaws, pitches):
                     raise  # the arguments are valid, so the error is ours
         return super().render(

@@ -119,7 +119,6 @@ def write_object(
 
     Args:
         kind: The ``Kind`` of the object.
-        parts: Its parts.
         place: m, where it stands.
         yaw: Degrees, its direction.
         owner: The seat whose body it is, or NO_OWNER.

@@ -32,8 +32,8 @@ MOTION_COLUMNS = (
 
 
 @kernel
-def _write_motion(agents: Agents, match: int, seat: int, other: int, row: NDArray[np.float32]) -> None:
-    """Write (8,) ``MOTION_COLUMNS`` of another seat as one reads them."""
+def _write_other(agents: Agents, match: int, seat: int, other: int, row: NDArray[np.float32]) -> None:
+    """Write (10,) ``MOTION_COLUMNS`` of another seat, its health, and whether it is invincible."""
     own, there = agents.position[match, seat], agents.position[match, other]
     x, y, z = there[0] - own[0], there[1] - own[1], there[2] - own[2]
     row[0], row[1], row[2] = x, y, z
@@ -41,6 +41,8 @@ def _write_motion(agents: Agents, match: int, seat: int, other: int, row: NDArra
     for axis in range(3):
         row[4 + axis] = agents.velocity[match, other, axis]
     row[7] = agents.yaw[match, other]
+    row[8] = agents.health[match, other]
+    row[9] = agents.invincible_left[match, other] > 0
 
 
 @sensor
@@ -95,9 +97,7 @@ def _write_agents(
             for place in range(min(readings.shape[2], count[match, seat])):
                 other, row = others[match, seat, place], readings[match, reader, place]
                 row[0], row[1], row[2] = 1.0, other, agents.team[match, other]
-                _write_motion(agents, match, seat, other, row[3:11])
-                row[11] = agents.health[match, other]
-                row[12] = agents.invincible_left[match, other] > 0
+                _write_other(agents, match, seat, other, row[3:13])
 
 
 @sensor
@@ -162,9 +162,7 @@ def _write_teammates(
             for place in range(count):
                 mate, row = nearest[place], readings[match, reader, place]
                 row[0], row[1] = 1.0, mate
-                _write_motion(agents, match, seat, mate, row[2:10])
-                row[10] = agents.health[match, mate]
-                row[11] = agents.invincible_left[match, mate] > 0
+                _write_other(agents, match, seat, mate, row[2:12])
                 row[12] = agents.supplies[match, mate]
 
 

@@ -18,7 +18,7 @@ INF = np.inf
 
 @kernel
 def write_direction(east: float, north: float, yaw: float, row: NDArray[np.float32]) -> float:
-    """Write (2,) a level way's parts to the right of a yaw and along it, of 1, and return its length in m."""
+    """Write (2,) the direction of a level way relative to a yaw, right and ahead; return its length in m."""
     distance = np.sqrt(east * east + north * north)
     if distance > 0.0:
         row[0] = max(-1.0, min(1.0, (east * cosine(yaw) - north * sine(yaw)) / distance))
@@ -68,29 +68,21 @@ def _write_places(
     agents: Agents,
     match: int,
     seat: int,
-    frame: int,
     places: NDArray[np.float64],
-    count: int,
+    frame: int,
     is_turned: bool,
     row: NDArray[np.float32],
 ) -> None:
-    """Write (9,) the latest of some places, the next one, and the s until that comes.
+    """Write (9,) the latest of some places, the next one, and the s until that comes, into zeros.
 
-    Args:
-        agents: The agents.
-        match: Of the agent.
-        seat: Of the agent.
-        frame: The frames played.
-        places: (N, 3) the frame in which each comes, in ascending order, and its x and z in m.
-        count: How many of them there are.
-        is_turned: Whether networks read it, as ``_write_place`` explains.
-        row: Zeros, written; what is not known stays 0.
+    ``places`` are (N, 3) the frame in which each comes, in ascending order, and its x and z in m; and
+    ``is_turned`` says whether networks read the row, as ``_write_place`` explains.
     """
-    latest = latest_of(places, count, frame)
+    latest = latest_of(places, frame)
     if latest >= 0:
         _write_place(agents, match, seat, places[latest], is_turned, row[:4])
     following = latest + 1
-    if following < count:
+    if following < places.shape[0]:
         _write_place(agents, match, seat, places[following], is_turned, row[4:8])
         row[8] = (places[following, 0] - frame) * FRAME
 
@@ -121,8 +113,8 @@ def _write_place(
 def _write_hot_spot(
     agents: Agents, matches: Matches, match: int, seat: int, row: NDArray[np.float32]
 ) -> None:
-    places, count = matches.hot_spots[match], matches.places[match]
-    _write_places(agents, match, seat, matches.frame[match], places, count, False, row)
+    places = matches.hot_spots[match, : matches.places[match]]
+    _write_places(agents, match, seat, places, matches.frame[match], False, row)
 
 
 @sensor
@@ -162,17 +154,17 @@ class HotSpotSensor(ScalarSensor):
 def _write_to_hot_spot(
     agents: Agents, matches: Matches, match: int, seat: int, row: NDArray[np.float32]
 ) -> None:
-    places, count = matches.hot_spots[match], matches.places[match]
-    _write_places(agents, match, seat, matches.frame[match], places, count, True, row)
+    places = matches.hot_spots[match, : matches.places[match]]
+    _write_places(agents, match, seat, places, matches.frame[match], True, row)
 
 
 @sensor
 class ToHotSpot(ScalarSensor):
     """The ways to the hot spot and to its next place, relative to the agent's yaw.
 
-    Nine numbers: 1 if the hot spot is at a place; the way there to the right of the yaw and along it, of 1;
-    the logarithm of its horizontal distance; the same four numbers of the next place; and the time until the
-    hot spot comes there (s). What is not known is 0, as in the sensor ``hot_spot``.
+    Nine numbers: 1 if the hot spot is at a place; the direction there, a unit vector to the right of the yaw
+    and along it; the logarithm of its horizontal distance; the same four numbers of the next place; and the
+    time until the hot spot comes there (s). What is not known is 0, as in the sensor ``hot_spot``.
     """
 
     name: ClassVar[str] = "to_hot_spot"
@@ -202,18 +194,18 @@ class ToHotSpot(ScalarSensor):
 def _write_to_waves(
     agents: Agents, matches: Matches, match: int, seat: int, row: NDArray[np.float32]
 ) -> None:
-    places, count = matches.wave_centers[match], matches.waves[match]
-    _write_places(agents, match, seat, matches.frame[match], places, count, True, row)
+    places = matches.wave_centers[match, : matches.waves[match]]
+    _write_places(agents, match, seat, places, matches.frame[match], True, row)
 
 
 @sensor
 class ToWaves(ScalarSensor):
     """The ways to the centres of the latest wave of supplies and of the next one, relative to the yaw.
 
-    Nine numbers: 1 if a wave has appeared; the way to the centre of the latest one to the right of the yaw
-    and along it, of 1; the logarithm of its horizontal distance; the same four numbers of the next wave; and
-    the time until it appears (s). What is not known is 0. The places of the hot spot are among the waves, as
-    in what all agents are told before the match.
+    Nine numbers: 1 if a wave has appeared; the direction of the latest one's centre, a unit vector to the
+    right of the yaw and along it; the logarithm of its horizontal distance; the same four numbers of the next
+    wave; and the time until it appears (s). What is not known is 0. The places of the hot spot are among the
+    waves, as in what all agents are told before the match.
     """
 
     name: ClassVar[str] = "to_waves"

@@ -92,8 +92,8 @@ def _write_boxes(
 class ToSupplies(StateSensor):
     """The ways to the supply boxes that are most worth a walk, relative to the agent's yaw.
 
-    Each row describes one box: 1; the way there to the right of the yaw and along it, of 1; how far it is
-    above the agent's soles (m); the logarithm of its distance; and the logarithm of the supplies in it.
+    Each row describes one box: 1; the direction there, a unit vector to the right of the yaw and along it;
+    how far it is above the agent's soles (m); the logarithm of its distance; and that of the supplies in it.
     Unused rows are 0. Obstacles do not hide boxes.
 
     The first row has the box with the least effort relative to its worth, (s + d + 4 |h|) / q^w, where s is

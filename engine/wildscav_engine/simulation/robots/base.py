@@ -107,7 +107,7 @@ def check_robots(name: str, levels: Any) -> tuple[Robot, ...]:
     """Return the levels of a kind of robot as an entry point names them.
 
     Raises:
-        ValueError: They are none.
+        ValueError: They are not the levels of a kind.
     """
     if not isinstance(levels, tuple) or not levels or not all(isinstance(one, Robot) for one in levels):
         raise ValueError("it is not what levels_of returns, a tuple of robots")

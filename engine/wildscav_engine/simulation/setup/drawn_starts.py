@@ -36,7 +36,6 @@ def draw_starts(
 
     Args:
         spawns: (N, 3) m, the map's places.
-        seed: The seed of the match.
         is_placed: (A,) which starts are given; becomes all True.
         starts: (A, 3) m; the others are written.
 
@@ -128,12 +127,9 @@ def draw_starts_near(
     ``reach`` that is apart from the other starts.
 
     Args:
-        world: The static world.
-        no_bodies: An empty set of bodies.
         target: (3,) m.
         reach: m, distance at which the target counts as reached.
         spread: m, standard deviation.
-        seed: The seed of the match.
         is_placed: (A,) which starts are given; becomes all True.
         starts: (A, 3) m; the others are written.
 

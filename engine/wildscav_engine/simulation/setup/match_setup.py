@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.arithmetic.random_numbers import Dice, Stream, Word, philox
+from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream, Word, philox
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.maps.locations import OUTDOOR_SPACING
@@ -149,7 +149,7 @@ def _center_of(spec: MatchSpec, game_map: GameMap, wave: SupplyWave, number: int
     if wave.center is not None:
         return wave.center
     places = game_map.indoor if len(game_map.indoor) else game_map.outdoor
-    place = places[Dice(spec.seed, Stream.WAVE_CENTER, agent=number).integer(0, len(places) - 1)]
+    place = places[RandomStream(spec.seed, Stream.WAVE_CENTER, agent=number).integer(0, len(places) - 1)]
     return float(place[0]), float(place[2])
 
 

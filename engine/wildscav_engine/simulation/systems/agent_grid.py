@@ -42,68 +42,38 @@ def agent_grid_of(world: World, agents: Agents, matches: Matches, match: int) ->
 
 
 @kernel
-def fill_grid(
-    squares: Squares,
-    position: NDArray[np.float64],
-    health: NDArray[np.int32],
-    heads: NDArray[np.int32],
-    links: NDArray[np.int32],
-) -> None:
-    """Add all living agents to the lists of their squares, in ascending order of seats.
-
-    Args:
-        squares: The grid.
-        position: (A, 3) m.
-        health: (A,) hp.
-        heads: (N,) written.
-        links: (A,) written.
-    """
+def _fill_grid(grid: AgentGrid, position: NDArray[np.float64], health: NDArray[np.int32]) -> None:
+    """Write the lists of all squares, with the living agents in ascending order of seats."""
+    squares = grid.squares
     for square in range(squares.side * squares.side):
-        heads[square] = 0
+        grid.heads[square] = 0
     for seat in range(health.shape[0] - 1, -1, -1):
         if health[seat] > 0:
-            link(heads, links, square_of(squares, position[seat, 0], position[seat, 2]), seat)
+            link(grid.heads, grid.links, square_of(squares, position[seat, 0], position[seat, 2]), seat)
 
 
 @inlined_kernel
 def index_agents(world: World, agents: Agents, matches: Matches, match: int) -> None:
     """Rebuild the grid of a match; a single agent needs none."""
     if agents.health.shape[0] > 1:
-        squares, heads, links = agent_grid_of(world, agents, matches, match)
-        fill_grid(squares, agents.position, agents.health, heads, links)
+        _fill_grid(agent_grid_of(world, agents, matches, match), agents.position, agents.health)
 
 
 @kernel
-def gather_near(
-    squares: Squares,
-    position: NDArray[np.float64],
-    heads: NDArray[np.int32],
-    links: NDArray[np.int32],
-    seat: int,
-    near: NDArray[np.int32],
-) -> int:
-    """Write the seats of agents that one agent may touch in a frame, and return their number.
-
-    Args:
-        squares: The squares of the grid.
-        position: (A, 3) m.
-        heads: (N,) the heads of the grid's lists.
-        links: (A,) the links of the grid's lists.
-        seat: The agent whose neighbours are found.
-        near: (A,) their seats, written.
-    """
-    x, z = position[seat, 0], position[seat, 2]
+def gather_near(grid: AgentGrid, position: NDArray[np.float64], seat: int, near: NDArray[np.int32]) -> int:
+    """Write (A,) the seats of agents that one agent may touch in a frame, and return their number."""
+    squares, x, z = grid.squares, position[seat, 0], position[seat, 2]
     around = squares_around(squares, x, z, TOUCH + LAG)
     count = 0
     for row in range(around.south, around.north + 1):
         for column in range(around.west, around.east + 1):
-            other = heads[row * squares.side + column] - 1
+            other = grid.heads[row * squares.side + column] - 1
             while other >= 0:
                 is_near = abs(position[other, 0] - x) <= TOUCH and abs(position[other, 2] - z) <= TOUCH
                 if is_near and other != seat:
                     near[count] = other
                     count += 1
-                other = links[other] - 1
+                other = grid.links[other] - 1
     return count
 
 
@@ -112,5 +82,4 @@ def others_near(world: World, agents: Agents, matches: Matches, match: int, seat
     """Write the seats near an agent into ``agents.near``, and return their number."""
     if agents.health.shape[0] == 1:
         return 0
-    squares, heads, links = agent_grid_of(world, agents, matches, match)
-    return gather_near(squares, agents.position, heads, links, seat, agents.near)
+    return gather_near(agent_grid_of(world, agents, matches, match), agents.position, seat, agents.near)

@@ -1,14 +1,11 @@
 """Damage, death and respawn."""
 
-import numpy as np
-from numpy.typing import NDArray
-
 from wildscav_engine.arithmetic.random_numbers import Stream, Word, integer_in
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
-from wildscav_engine.geometry.linked_grid import Squares, link, square_of, squares_around
+from wildscav_engine.geometry.linked_grid import link, square_of, squares_around
 from wildscav_engine.geometry.world import World
 from wildscav_engine.simulation.state import NOBODY, Agents, Matches, Supplies
-from wildscav_engine.simulation.systems.agent_grid import agent_grid_of
+from wildscav_engine.simulation.systems.agent_grid import AgentGrid, agent_grid_of
 from wildscav_engine.simulation.systems.elimination import eliminate
 from wildscav_engine.simulation.systems.supplies import drop_supplies
 from wildscav_engine.specs.body import BODY_RADIUS
@@ -28,12 +25,7 @@ def apply_damage(
     frame do so in its order, because there may not be a free slot for the supplies of each.
 
     Args:
-        world: The static world.
-        agents: The agents of the match.
-        supplies: The supply boxes of the match.
         matches: All matches.
-        match: The index of the match.
-        rules: The rules.
     """
     for turn in range(agents.turns.shape[0]):
         seat = agents.turns[turn]
@@ -87,18 +79,16 @@ def respawn_agents(world: World, agents: Agents, matches: Matches, match: int, r
 
 @kernel
 def _respawn(world: World, agents: Agents, matches: Matches, match: int, seat: int, rules: Rules) -> None:
-    squares, heads, links = agent_grid_of(world, agents, matches, match)
-    start = agents.start[seat]
-    at_start = matches.respawns_at_start[match] and _is_away_from_agents(
-        agents, squares, heads, start[0], start[2]
-    )
-    place = free_spawn(world, agents, squares, heads, seat, matches.seed[match], matches.frame[match])
+    grid, start = agent_grid_of(world, agents, matches, match), agents.start[seat]
+    at_start = matches.respawns_at_start[match] and _is_away_from_agents(agents, grid, start[0], start[2])
+    place = free_spawn(world, agents, grid, seat, matches.seed[match], matches.frame[match])
     equip(agents, seat)
     for axis in range(3):
         agents.position[seat, axis] = agents.start[seat, axis] if at_start else world.spawns[place, axis]
     agents.invincible_left[seat] = int(rules.invincible_time * FRAMES_PER_SECOND + 0.5)
     if agents.health.shape[0] > 1:  # a single agent is not indexed
-        link(heads, links, square_of(squares, agents.position[seat, 0], agents.position[seat, 2]), seat)
+        square = square_of(grid.squares, agents.position[seat, 0], agents.position[seat, 2])
+        link(grid.heads, grid.links, square, seat)
 
 
 @kernel
@@ -116,36 +106,27 @@ def equip(agents: Agents, seat: int) -> None:
 
 
 @kernel
-def free_spawn(
-    world: World,
-    agents: Agents,
-    squares: Squares,
-    heads: NDArray[np.int32],
-    seat: int,
-    seed: Word,
-    frame: int,
-) -> int:
+def free_spawn(world: World, agents: Agents, grid: AgentGrid, seat: int, seed: Word, frame: int) -> int:
     """Return the index of a random spawn, away from living agents if one is found in some tries."""
     place = 0
     for attempt in range(RESPAWN_TRIES):
         place = integer_in(0, world.spawns.shape[0] - 1, seed, Stream.RESPAWN, frame, seat, attempt)
-        if _is_away_from_agents(agents, squares, heads, world.spawns[place, 0], world.spawns[place, 2]):
+        if _is_away_from_agents(agents, grid, world.spawns[place, 0], world.spawns[place, 2]):
             break
     return place
 
 
 @kernel
-def _is_away_from_agents(
-    agents: Agents, squares: Squares, heads: NDArray[np.int32], x: float, z: float
-) -> bool:
+def _is_away_from_agents(agents: Agents, grid: AgentGrid, x: float, z: float) -> bool:
     """Return whether no living agent is near a place."""
+    squares = grid.squares
     around = squares_around(squares, x, z, RESPAWN_DISTANCE)
     for row in range(around.south, around.north + 1):
         for column in range(around.west, around.east + 1):
-            seat = heads[row * squares.side + column] - 1
+            seat = grid.heads[row * squares.side + column] - 1
             while seat >= 0:
                 dx, dz = agents.position[seat, 0] - x, agents.position[seat, 2] - z
                 if dx * dx + dz * dz <= RESPAWN_DISTANCE * RESPAWN_DISTANCE:
                     return False
-                seat = agents.next_in_square[seat] - 1
+                seat = grid.links[seat] - 1
     return True

@@ -36,8 +36,6 @@ def current_placement(placement: int, teams_left: int, over: bool) -> int:
 
     Args:
         placement: The placement with which the team was eliminated, 0 if it is left.
-        teams_left: The number of teams left.
-        over: Whether the match is over.
     """
     if placement != 0:
         return placement

@@ -92,9 +92,6 @@ def choose_around(
         x: m, of the place.
         z: m.
         radius: m, standard deviation of the heat map.
-        boxes: The number of boxes.
-        seed: The seed of the match.
-        number: The number of the place.
 
     Returns:
         (N,) indices of different locations; fewer than ``boxes`` where there is too little open ground.
@@ -119,16 +116,10 @@ def choose_around(
 
 
 @kernel
-def latest_of(places: NDArray[np.float64], count: int, frame: int) -> int:
-    """Return which of the first ``count`` places is the latest in a frame; -1 before the first.
-
-    Args:
-        places: (N, 3) as in ``Matches.hot_spots``: the frame in which each comes, ascending, and x and z.
-        count: The number of places; the rest is padding.
-        frame: The frame.
-    """
+def latest_of(places: NDArray[np.float64], frame: int) -> int:
+    """Return the latest of some places in a frame, as in ``Matches.hot_spots``; -1 before the first."""
     number = -1
-    while number + 1 < count and places[number + 1, 0] <= frame:
+    while number + 1 < places.shape[0] and places[number + 1, 0] <= frame:
         number += 1
     return number
 
@@ -136,7 +127,7 @@ def latest_of(places: NDArray[np.float64], count: int, frame: int) -> int:
 @kernel
 def hot_spot_at(matches: Matches, match: int, frame: int) -> Place:
     """Return the place where the hot spot is in a frame."""
-    number = latest_of(matches.hot_spots[match], matches.places[match], frame)
+    number = latest_of(matches.hot_spots[match, : matches.places[match]], frame)
     if number < 0:
         return Place(-1, 0.0, 0.0)
     row = matches.hot_spots[match, number]

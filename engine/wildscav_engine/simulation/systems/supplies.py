@@ -50,8 +50,6 @@ def choose_outdoor(
         center_z: m.
         radius: m, standard deviation of the heat map.
         richness: Percent at the center.
-        seed: The seed of the match.
-        wave: The number of the wave.
 
     Returns:
         (N,) indices of locations, ascending.
@@ -104,10 +102,7 @@ def fill_boxes(
 
     Args:
         places: (N, 3) m.
-        low: The least quantity.
-        high: The greatest quantity.
         appears: The frame from which on they are present.
-        seed: The seed of the match.
         first: The slot of the first box.
         position: (S, 3) m, written.
         quantity: (S,) written.
@@ -269,7 +264,6 @@ def team_supplies(teams: NDArray[np.int32], supplies: NDArray[np.int32], team: i
     Args:
         teams: (A,) the team of each seat of a match.
         supplies: (A,) the supplies that each seat carries.
-        team: The team.
     """
     total = 0
     for seat in range(teams.shape[0]):

@@ -18,8 +18,6 @@ def draw_turns(seed: Word, frame: int, order: NDArray[np.int32]) -> None:
     probabilities of the orders of A seats differ by a relative amount of at most A² / 2³².
 
     Args:
-        seed: The seed of the match.
-        frame: The number of the frame.
         order: (A,) written.
     """
     seats = order.shape[0]

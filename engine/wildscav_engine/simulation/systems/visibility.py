@@ -64,13 +64,8 @@ def find_seen(
     """Update what one agent of a match sees.
 
     Args:
-        world: The static world.
         agents: The agents of the match, whose grid is up to date.
-        supplies: The supply boxes of the match.
         matches: All matches.
-        match: The index of the match.
-        seat: The agent that sees.
-        rules: The rules.
         seen: The slices of the match; the rows of the seat are written.
     """
     seen.agent_count[seat] = 0
@@ -235,10 +230,6 @@ def _sees_point(
     """Test whether a point of another body is visible.
 
     Args:
-        world: The static world.
-        agents: The agents of the match.
-        seat: The agent that sees.
-        other: The other agent.
         offset: m, of the point from the other agent's soles.
         view_angle: Degrees, the horizontal view angle.
         hidden_by: A solid that may be in the way and is tested first, or NOTHING_HIT.
@@ -321,8 +312,6 @@ def insert_nearest(
 
     Args:
         key: The key of the item; of equal keys, the lesser item comes first.
-        item: The item.
-        count: The number of items in the list.
         keys: (N,) the keys of the items.
         items: (N,) the items.
 

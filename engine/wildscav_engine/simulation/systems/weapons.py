@@ -57,12 +57,8 @@ def shoot(
     the same one, the last in the order of the frame counts as the one that hit it.
 
     Args:
-        world: The static world.
-        agents: The agents of the match.
         matches: All matches.
-        match: The index of the match.
         actions: (A, FIELDS).
-        rules: The rules.
     """
     for turn in range(agents.turns.shape[0]):
         seat = agents.turns[turn]
@@ -125,7 +121,6 @@ def first_body(
     Of bodies at the same distance, that of the first seat counts.
 
     Args:
-        agents: The agents of the match.
         grid: The grid of the agents.
         shooter: The seat whose own body is ignored.
         eye: m, the start of the ray.

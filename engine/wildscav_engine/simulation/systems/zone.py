@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.arithmetic.random_numbers import Dice, Stream
+from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.simulation.state import Agents, Matches
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
@@ -39,7 +39,7 @@ def plan_zone(config: ZoneConfig, map_size: float, seed: int) -> NDArray[np.floa
     Returns:
         (Z, 9) as in ``Matches.zone``.
     """
-    dice = Dice(seed, Stream.ZONE)
+    dice = RandomStream(seed, Stream.ZONE)
     rows = np.zeros((len(config.phases), COLUMNS))
     frame, half = 0, map_size / 2
     circle = (0.0, 0.0, half * float(np.sqrt(2.0)))
@@ -53,7 +53,7 @@ def plan_zone(config: ZoneConfig, map_size: float, seed: int) -> NDArray[np.floa
 
 
 def _circle_inside(
-    dice: Dice, circle: tuple[float, float, float], radius: float, half: float
+    dice: RandomStream, circle: tuple[float, float, float], radius: float, half: float
 ) -> tuple[float, float, float]:
     """Return a circle inside another with its center on the map, uniformly distributed."""
     x, z, outer = circle
@@ -68,9 +68,14 @@ def _circle_inside(
 @kernel
 def phase_at(matches: Matches, match: int, frame: int) -> int:
     """Return the phase of a frame; after the last phase, the last one; -1 if there are no phases."""
-    last = matches.phases[match] - 1
+    return _phase_of(matches.zone[match, : matches.phases[match]], frame)
+
+
+@kernel
+def _phase_of(rows: NDArray[np.float64], frame: int) -> int:
+    last = rows.shape[0] - 1
     for phase in range(last):
-        if frame < matches.zone[match, phase, 1]:
+        if frame < rows[phase, 1]:
             return phase
     return int(last)
 
@@ -78,27 +83,16 @@ def phase_at(matches: Matches, match: int, frame: int) -> int:
 @kernel
 def zone_at(matches: Matches, match: int, frame: int) -> Zone:
     """Return the safe zone in a frame; without phases, it is the whole plane."""
-    phase = phase_at(matches, match, frame)
-    if phase < 0:
-        return Zone(0.0, 0.0, np.inf, 0.0)
-    return zone_of_phase(matches.zone[match, phase], frame)
+    return zone_planned(matches.zone[match, : matches.phases[match]], frame)
 
 
 @kernel
 def zone_planned(rows: NDArray[np.float64], frame: int) -> Zone:
     """Return the safe zone in a frame, given (Z, 9) its phases as ``plan_zone`` returns them."""
-    last = rows.shape[0] - 1
-    if last < 0:
+    phase = _phase_of(rows, frame)
+    if phase < 0:
         return Zone(0.0, 0.0, np.inf, 0.0)
-    for phase in range(last):
-        if frame < rows[phase, 1]:
-            return zone_of_phase(rows[phase], frame)
-    return zone_of_phase(rows[last], frame)
-
-
-@kernel
-def zone_of_phase(row: NDArray[np.float64], frame: int) -> Zone:
-    """Return the safe zone in a frame of a phase, given (9,) the phase's row of ``Matches.zone``."""
+    row = rows[phase]
     part = min(1.0, max(0.0, (frame - row[0]) / (row[1] - row[0])))
     return Zone(
         row[2] + (row[5] - row[2]) * part,

@@ -12,7 +12,7 @@ from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_engine.view.overview import Overview, fitted
 from wildscav_engine.view.recording.coordinates import directions
 from wildscav_engine.view.recording.history import History
-from wildscav_engine.view.video.moments import Moment
+from wildscav_engine.view.video.moments import InterpolatedState
 
 Vector = NDArray[np.float64]
 
@@ -58,13 +58,13 @@ class Camera(NamedTuple):
         )
 
 
-def at_the_eyes(moment: Moment, seat: int) -> Camera:
+def at_the_eyes(moment: InterpolatedState, seat: int) -> Camera:
     """Return the camera at an agent's eyes."""
     eye = moment.position[seat] + np.array([0.0, EYE_HEIGHT, 0.0])
     return Camera(eye, float(moment.yaw[seat]), float(moment.pitch[seat]), seat)
 
 
-def behind(world: World, moment: Moment, seat: int) -> Camera:
+def behind(world: World, moment: InterpolatedState, seat: int) -> Camera:
     """Return the camera behind an agent as it stands, without knowing how it will move."""
     yaw, pitch = float(moment.yaw[seat]), TILT + 0.4 * float(moment.pitch[seat])
     distance = _room(world, moment.position[seat], yaw, pitch)
@@ -102,7 +102,7 @@ class Follower:
         poses = zip(positions, self._yaw.tolist(), self._pitch.tolist(), strict=True)
         return np.array([_room(world, position, yaw, pitch) for position, yaw, pitch in poses])
 
-    def at(self, moment: Moment) -> Camera:
+    def at(self, moment: InterpolatedState) -> Camera:
         """Return the camera at a moment."""
         yaw, pitch, distance = (
             float(np.interp(moment.frame, self._frames, values))
@@ -134,7 +134,7 @@ class Above:
         self._targets = np.array([view.target for view in views])
         self._eyes = over_map(world, np.array([view.eye for view in views]), self._targets)
 
-    def at(self, moment: Moment) -> Camera:
+    def at(self, moment: InterpolatedState) -> Camera:
         """Return the camera at a moment."""
         frames = self._frames[self._rows]
         eye, target = (

@@ -20,7 +20,7 @@ from wildscav_engine.specs.match_spec import SUBMISSION
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_engine.view.recording.history import History, collect_history
 from wildscav_engine.view.video.cameras import ANGLE, Above, Camera, Follower, at_the_eyes
-from wildscav_engine.view.video.moments import Moment, moment_at, objects_at
+from wildscav_engine.view.video.moments import InterpolatedState, moment_at, objects_at
 from wildscav_engine.view.video.overlay.drawing import put
 from wildscav_engine.view.video.overlay.hud import Hud
 from wildscav_engine.view.video.props import with_props
@@ -121,14 +121,14 @@ class Film:
         self.hud.draw(picture, camera, moment, followed)
         return picture
 
-    def _camera(self, moment: Moment, seat: int) -> Camera:
+    def _camera(self, moment: InterpolatedState, seat: int) -> Camera:
         if self.look.view == "overview":
             return self._above.at(moment)
         if self.look.view == "follow":
             return self._followers[seat].at(moment)
         return at_the_eyes(moment, seat)
 
-    def _render(self, camera: Camera, moment: Moment, width: int, height: int) -> Image.Image:
+    def _render(self, camera: Camera, moment: InterpolatedState, width: int, height: int) -> Image.Image:
         """Return what a camera sees, without the overlay."""
         detail = self.look.detail
         lens = ColorCamera(
@@ -152,7 +152,7 @@ class Film:
         picture = Image.fromarray(pixels)
         return picture if detail == 1.0 else picture.resize((width, height), Image.Resampling.BILINEAR)
 
-    def _grid(self, moment: Moment) -> Image.Image:
+    def _grid(self, moment: InterpolatedState) -> Image.Image:
         """Return what all seats see, side by side, with map and standings where there is room."""
         picture = Image.new("RGB", (self.look.width, self.look.height), GROUND)
         seats = list(range(min(MAX_TILES, len(self._record.names))))
@@ -171,7 +171,12 @@ class Film:
         return picture
 
     def _fill(
-        self, picture: Image.Image, moment: Moment, free: list[tuple[float, int]], wide: int, high: int
+        self,
+        picture: Image.Image,
+        moment: InterpolatedState,
+        free: list[tuple[float, int]],
+        wide: int,
+        high: int,
     ) -> None:
         """Draw clock and map into the last place without a seat, and the standings into the one before."""
         clock, gap = self.hud.clock(moment), 4
@@ -188,7 +193,7 @@ class Film:
             table = _fitting(self.hud.standings.draw(moment.row, None), wide - 2 * gap, high - 2 * gap)
             put(picture, table, middle, top + high / 2, anchor="mm")
 
-    def _tile(self, moment: Moment, seat: int, width: int, height: int) -> Image.Image:
+    def _tile(self, moment: InterpolatedState, seat: int, width: int, height: int) -> Image.Image:
         picture = self._render(at_the_eyes(moment, seat), moment, width, height)
         self.hud.draw_label(picture, moment, seat)
         return picture

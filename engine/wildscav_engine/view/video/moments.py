@@ -14,7 +14,7 @@ from wildscav_engine.view.recording.history import Boxes, History
 FASTEST = 30.0  # m/s; who is farther away after a step was moved, for example by a respawn
 
 
-class Moment(NamedTuple):
+class InterpolatedState(NamedTuple):
     """A match at one time, which may lie between two steps."""
 
     frame: float
@@ -25,7 +25,7 @@ class Moment(NamedTuple):
     alive: NDArray[np.bool_]  # (A,)
 
 
-def moment_at(history: History, frame: float) -> Moment:
+def moment_at(history: History, frame: float) -> InterpolatedState:
     """Return the match at a time; what moves does so evenly between two steps."""
     last = len(history.frame) - 1
     row = int(np.clip(np.searchsorted(history.frame, frame, side="right") - 1, 0, last))
@@ -37,7 +37,7 @@ def moment_at(history: History, frame: float) -> Moment:
     moves = alive & (agents.health[after] > 0) & (_length(way) <= FASTEST * frames / FRAMES_PER_SECOND)
     part = np.where(moves, share, 0.0)
     turn = (agents.yaw[after] - agents.yaw[row] + 180.0) % 360.0 - 180.0
-    return Moment(
+    return InterpolatedState(
         frame,
         row,
         agents.position[row] + part[:, None] * way,
@@ -53,7 +53,7 @@ def boxes_at(history: History, row: int) -> Boxes:
     return history.boxes[int(np.searchsorted(rows, row, side="right")) - 1]
 
 
-def objects_at(history: History, moment: Moment) -> DynamicObjects:
+def objects_at(history: History, moment: InterpolatedState) -> DynamicObjects:
     """Return the agents and supply boxes of a moment, as images show them."""
     boxes, seats = boxes_at(history, moment.row), len(moment.yaw)
     state = allocate_state(1, seats, len(boxes.serial))

@@ -14,7 +14,7 @@ from wildscav_engine.view.recording.camera_poses import lay_on_ground
 from wildscav_engine.view.recording.colors import DEAD, NEXT_ZONE, SHOT, TARGET, ZONE
 from wildscav_engine.view.recording.coordinates import directions
 from wildscav_engine.view.recording.history import History
-from wildscav_engine.view.video.moments import Moment
+from wildscav_engine.view.video.moments import InterpolatedState
 
 Vector = NDArray[np.float64]
 
@@ -40,7 +40,12 @@ class Block(NamedTuple):
 
 
 def with_props(
-    objects: DynamicObjects, world: World, history: History, moment: Moment, eye: Vector, pixel: float
+    objects: DynamicObjects,
+    world: World,
+    history: History,
+    moment: InterpolatedState,
+    eye: Vector,
+    pixel: float,
 ) -> DynamicObjects:
     """Return dynamic objects together with everything else that is there at a moment.
 
@@ -68,7 +73,7 @@ def muzzle_of(position: Vector, yaw: float) -> Vector:
     return np.asarray(position + across * np.cross(UP, ahead) + up * UP + along * ahead)
 
 
-def _tracers(history: History, moment: Moment, eye: Vector, pixel: float) -> Iterator[Block]:
+def _tracers(history: History, moment: InterpolatedState, eye: Vector, pixel: float) -> Iterator[Block]:
     """Yield the ways of the latest shots, in parts of which each is about as thick in the picture."""
     agents, row = history.agents, moment.row
     while row > 0 and moment.frame - history.frame[row] < TRACER_FRAMES:
@@ -92,7 +97,7 @@ def _parts(start: Vector, way: Vector, length: float, eye: Vector, pixel: float)
         first = last
 
 
-def _fallen(history: History, moment: Moment) -> Iterator[Block]:
+def _fallen(history: History, moment: InterpolatedState) -> Iterator[Block]:
     there = history.agents.present[moment.row] & ~moment.alive
     for seat in np.nonzero(there)[0].tolist():
         axes = _axes_along(directions(moment.yaw[seat], np.array(0.0)))
@@ -109,7 +114,7 @@ def _beacon(history: History) -> Iterator[Block]:
         yield Block(history.target + high * UP, np.eye(3), (thin, high, thin), TARGET)
 
 
-def _posts(world: World, history: History, moment: Moment) -> Iterator[Block]:
+def _posts(world: World, history: History, moment: InterpolatedState) -> Iterator[Block]:
     """Yield the posts around the safe zone, and white ones around the circle that it shrinks to."""
     if history.zone is None:
         return

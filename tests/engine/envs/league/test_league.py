@@ -173,7 +173,7 @@ def test_each_policy_is_called_once_per_step_for_all_its_seats() -> None:
     for _ in range(15):
         assert vector.arena.batch is not None
         asked = [spec.seats[1:].count("submission") for spec in vector.arena.batch.specs]
-        ended = vector._resetter.ended.copy()
+        ended = vector._autoreset.ended.copy()
         calls.clear()
         vector.step(np.tile(IDLE, (16, 1)))
         assert len({name for name, _ in calls}) == len(calls) <= 3
@@ -234,10 +234,10 @@ def test_a_state_continues_against_the_same_members_and_does_not_count() -> None
     env.reset(seed=1)
     state = env.get_state()
     assert env.arena.batch is not None
-    names, seats = env.arena.cast.names(0), env.arena.batch.specs[0].seats
+    names, seats = env.arena.opponents.names(0), env.arena.batch.specs[0].seats
     env.reset()
     env.set_state(state)
-    assert (env.arena.cast.names(0), env.arena.batch.specs[0].seats) == (names, seats)
+    assert (env.arena.opponents.names(0), env.arena.batch.specs[0].seats) == (names, seats)
     for _ in range(4):
         env.step(IDLE)
     assert sum(results.games for results in league.results.values()) == 0

@@ -27,7 +27,7 @@ Node = tuple[int, int, int]  # column and row from the start, and height in unit
 
 def reference_length(world: World, start: Any, target: Any, reach: float, bound: float) -> float:
     """Return the length in m of the shortest way found; inf if there is none within the bound."""
-    nobody = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
+    no_bodies = Bodies(np.zeros((0, 3)), np.zeros(0, np.int32), -1)
     first: Node = (0, 0, round(start[1] / 0.3))
     place: dict[Node, NDArray[np.float64]] = {first: np.array(start, np.float64)}
     length, before, done = {first: 0.0}, dict[Node, Node](), set[Node]()
@@ -39,11 +39,11 @@ def reference_length(world: World, start: Any, target: Any, reach: float, bound:
         done.add(node)
         here = place[node]
         if math.dist(here, target) <= reach:
-            return _pulled(world, nobody, _route(node, place, before))
+            return _pulled(world, no_bodies, _route(node, place, before))
         moves = [move for move in MOVES if _may_help(start, target, reach, bound, node, move, length)]
         heights = np.empty(len(moves))
         spots = np.array([_spot(start, node, move) for move in moves]).reshape(-1, 2)
-        _walk_all(world, nobody, here, spots, node != first, heights)
+        _walk_all(world, no_bodies, here, spots, node != first, heights)
         for move, (x, z), height in zip(moves, spots.tolist(), heights.tolist(), strict=True):
             other = (
                 node[0] + move[0],
@@ -86,43 +86,43 @@ def _route(
 @kernel
 def _walk_all(
     world: World,
-    nobody: Bodies,
+    no_bodies: Bodies,
     here: NDArray[np.float64],
     spots: NDArray[np.float64],
     needs_clearance: bool,
     heights: NDArray[np.float64],
 ) -> None:
     for spot in range(spots.shape[0]):
-        heights[spot] = _height_at(world, nobody, here, spots[spot, 0], spots[spot, 1], needs_clearance)
+        heights[spot] = _height_at(world, no_bodies, here, spots[spot, 0], spots[spot, 1], needs_clearance)
 
 
 @kernel
 def _height_at(
-    world: World, nobody: Bodies, here: NDArray[np.float64], x: float, z: float, needs_clearance: bool
+    world: World, no_bodies: Bodies, here: NDArray[np.float64], x: float, z: float, needs_clearance: bool
 ) -> float:
     """Return the height at which a body arrives that walks to x and z, -inf or NaN if it does not arrive."""
     start = Point(here[0], here[1], here[2])
-    height = walk_within(world, nobody, start, x, z, STRIDE, EXACT)
+    height = walk_within(world, no_bodies, start, x, z, STRIDE, EXACT)
     if not needs_clearance or not abs(height) < np.inf:
         return height
-    return height if leaves_clearance(world, nobody, start, x, z, height, CLEARANCE, STRIDE) else -np.inf
+    return height if leaves_clearance(world, no_bodies, start, x, z, height, CLEARANCE, STRIDE) else -np.inf
 
 
-def _pulled(world: World, nobody: Bodies, route: NDArray[np.float64]) -> float:
+def _pulled(world: World, no_bodies: Bodies, route: NDArray[np.float64]) -> float:
     """Return the length of the shortest chain of straight walks among the points of a route."""
     length = np.full(len(route), np.inf)
-    _pull(world, nobody, route, length)
+    _pull(world, no_bodies, route, length)
     return float(length[-1])
 
 
 @kernel
-def _pull(world: World, nobody: Bodies, route: NDArray[np.float64], length: NDArray[np.float64]) -> None:
+def _pull(world: World, no_bodies: Bodies, route: NDArray[np.float64], length: NDArray[np.float64]) -> None:
     length[0] = 0.0
     for end in range(1, route.shape[0]):
         for start in range(end - 1, -1, -1):
             east, north = route[end, 0] - route[start, 0], route[end, 2] - route[start, 2]
             far = length[start] + np.sqrt(east * east + north * north)
             if far < length[end] - 1e-9:
-                height = _height_at(world, nobody, route[start], route[end, 0], route[end, 2], start > 0)
+                height = _height_at(world, no_bodies, route[start], route[end, 0], route[end, 2], start > 0)
                 if start == end - 1 or abs(height - route[end, 1]) <= 0.15:
                     length[end] = far

@@ -11,7 +11,7 @@ from tests.builders import box, flat_world, random_map_config
 from tests.engine.maps.walk.corner_paths import free_places, rectangles, shortest_by_corners, walls
 from tests.engine.maps.walk.walker import Walker
 
-from wildscav_engine.arithmetic.random_numbers import Dice, Stream
+from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream
 from wildscav_engine.maps import GameMap, MapError, generate_map
 from wildscav_engine.maps.walk import build_graph, find_path
 from wildscav_engine.specs.body import BODY_RADIUS
@@ -41,7 +41,7 @@ def try_map(config: MapConfig, seed: int) -> GameMap | None:
 
 def walk_between_places(game_map: GameMap, seed: int, paths: int) -> None:
     """Walk between random places, indoors and outdoors, at all speeds."""
-    dice = Dice(seed, Stream.TARGET)
+    dice = RandomStream(seed, Stream.TARGET)
     places = np.concatenate([game_map.outdoor, game_map.indoor])
     for number in range(paths):
         start, end = (places[dice.integer(0, len(places) - 1)] for _ in range(2))

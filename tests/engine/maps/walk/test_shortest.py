@@ -10,7 +10,7 @@ from tests.engine.maps.walk.corner_paths import free_places, rectangles, shortes
 from tests.engine.maps.walk.fine_reference import reference_length
 from tests.engine.maps.walk.walker import Walker
 
-from wildscav_engine.arithmetic.random_numbers import Dice, Stream
+from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream
 from wildscav_engine.geometry.world import Solid
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.walk import build_graph, find_path, shortest_length
@@ -88,7 +88,7 @@ def test_the_way_over_the_fine_grid_can_be_walked(seed: int) -> None:
 def test_no_way_on_a_map_is_two_percent_shorter(seed: int) -> None:
     config = random_map_config(seed, steepest=1.4).model_copy(update={"size": 60, "houses": 1 + seed % 3})
     game_map = generate_map(config, seed)
-    dice, places = Dice(seed, Stream.TARGET), np.concatenate([game_map.outdoor, game_map.indoor])
+    dice, places = RandomStream(seed, Stream.TARGET), np.concatenate([game_map.outdoor, game_map.indoor])
     for _ in range(3):
         start, target = (places[dice.integer(0, len(places) - 1)] for _ in range(2))
         length = shortest_length(game_map.graph, start, target, 1.0)

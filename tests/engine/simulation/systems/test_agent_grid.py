@@ -12,7 +12,7 @@ from wildscav_engine.geometry.linked_grid import squares_over
 from wildscav_engine.geometry.rays import raycast
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.state import NOBODY, Agents, squares_for
-from wildscav_engine.simulation.systems.agent_grid import TOUCH, gather_near
+from wildscav_engine.simulation.systems.agent_grid import TOUCH, AgentGrid, gather_near
 from wildscav_engine.simulation.systems.visibility import AGENT_LIMIT, sees_body
 from wildscav_engine.simulation.systems.weapons import meet_body
 from wildscav_engine.specs.body import EYE_HEIGHT
@@ -106,10 +106,11 @@ def test_who_can_be_touched_is_what_a_look_at_all_pairs_finds(match: Match, seed
     seen_now(match)  # which indexes them
     random = np.random.default_rng(seed)
     places[:, ::2] += random.uniform(-0.2, 0.2, (SEATS, 2))  # as far as they may have moved since
-    grid = (agents.position[0], match.state.matches.agent_squares[0], agents.next_in_square[0])
+    squares = squares_over(YARD, squares_for(SEATS))
+    grid = AgentGrid(squares, match.state.matches.agent_squares[0], agents.next_in_square[0])
     for seat in range(SEATS):
         near = np.zeros(SEATS, np.int32)
-        count = gather_near(squares_over(YARD, squares_for(SEATS)), *grid, seat, near)
+        count = gather_near(grid, agents.position[0], seat, near)
         away = np.abs(places - places[seat])
         touched = (agents.health[0] > 0) & (away[:, 0] <= TOUCH) & (away[:, 2] <= TOUCH)
         touched[seat] = False

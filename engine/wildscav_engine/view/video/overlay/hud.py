@@ -22,7 +22,7 @@ from wildscav_engine.view.outcome import describe_outcome, format_time
 from wildscav_engine.view.recording.colors import NEXT_ZONE, OUTDOOR_BOX, TARGET, ZONE
 from wildscav_engine.view.recording.history import History
 from wildscav_engine.view.video.cameras import Camera
-from wildscav_engine.view.video.moments import Moment, boxes_at
+from wildscav_engine.view.video.moments import InterpolatedState, boxes_at
 from wildscav_engine.view.video.overlay.drawing import (
     DARK,
     DYING,
@@ -69,7 +69,9 @@ class Hud:
         self.inset = Inset(game_map, history, round(max(96, 0.27 * height)))
         self._has_health = Field.SHOOT in self.track.fields
 
-    def draw(self, picture: Image.Image, camera: Camera, moment: Moment, followed: int | None) -> None:
+    def draw(
+        self, picture: Image.Image, camera: Camera, moment: InterpolatedState, followed: int | None
+    ) -> None:
         """Write everything over a picture of a camera."""
         gap = self.text // 2
         self.draw_tags(picture, camera, moment, followed, reach=TAG_REACH if followed is not None else 1e4)
@@ -82,13 +84,19 @@ class Hud:
             self.draw_state(picture, moment, followed)
         self.draw_end(picture, moment)
 
-    def clock(self, moment: Moment) -> Image.Image:
+    def clock(self, moment: InterpolatedState) -> Image.Image:
         """Return the time of the match, and what is played."""
         limit = round(self._record.spec.time_limit * FRAMES_PER_SECOND)
         return _clock(f"{format_time(int(moment.frame))} / {format_time(limit)}", self.track.title, self.text)
 
     def draw_tags(
-        self, picture: Image.Image, camera: Camera, moment: Moment, followed: int | None, *, reach: float
+        self,
+        picture: Image.Image,
+        camera: Camera,
+        moment: InterpolatedState,
+        followed: int | None,
+        *,
+        reach: float,
     ) -> None:
         """Write the names of the agents in view over their heads, with their health."""
         heads = moment.position + np.array([0.0, TAG_HEIGHT, 0.0])
@@ -107,7 +115,14 @@ class Hud:
         return bool(sight_is_clear(self._map.world, *camera.eye.tolist(), *point.tolist()))
 
     def _draw_tag(
-        self, picture: Image.Image, moment: Moment, seat: int, x: float, y: float, *, is_marked: bool
+        self,
+        picture: Image.Image,
+        moment: InterpolatedState,
+        seat: int,
+        x: float,
+        y: float,
+        *,
+        is_marked: bool,
     ) -> None:
         size = round(0.75 * self.text)
         if is_marked:
@@ -124,11 +139,11 @@ class Hud:
             y -= size // 3
         put(picture, text(self.names[seat], size, self.colors[seat], 10 * size), x, y, anchor="mb")
 
-    def _health(self, moment: Moment, seat: int) -> float:
+    def _health(self, moment: InterpolatedState, seat: int) -> float:
         agents = self._history.agents
         return float(agents.health[moment.row, seat] / max(1, agents.full_health[moment.row, seat]))
 
-    def draw_state(self, picture: Image.Image, moment: Moment, seat: int) -> None:
+    def draw_state(self, picture: Image.Image, moment: InterpolatedState, seat: int) -> None:
         """Write how the followed agent is: its name, health, ammunition and supplies."""
         size, gap, agents, row = self.text, self.text // 2, self._history.agents, moment.row
         facts = self._facts(moment, seat)
@@ -159,7 +174,7 @@ class Hud:
         if not moment.alive[seat]:
             self._draw_notice(picture, self._death(moment, seat), DYING)
 
-    def _facts(self, moment: Moment, seat: int) -> list[tuple[str, str]]:
+    def _facts(self, moment: InterpolatedState, seat: int) -> list[tuple[str, str]]:
         agents, row = self._history.agents, moment.row
         facts = []
         if self._has_health:
@@ -172,14 +187,14 @@ class Hud:
             facts.append(("to the target", f"{self._history.distance_to_target[row, seat]:.0f} m"))
         return facts
 
-    def _death(self, moment: Moment, seat: int) -> str:
+    def _death(self, moment: InterpolatedState, seat: int) -> str:
         agents, row = self._history.agents, moment.row
         if agents.eliminated[row, seat] != NOT_ELIMINATED:
             return f"{self.names[seat]} is out"
         left = int(agents.respawn_left[row, seat])
         return f"{self.names[seat]} is dead, back in {-(-left // FRAMES_PER_SECOND)} s"
 
-    def draw_aim(self, picture: Image.Image, moment: Moment, seat: int) -> None:
+    def draw_aim(self, picture: Image.Image, moment: InterpolatedState, seat: int) -> None:
         """Draw the crosshair, a cross where a shot hit, and a red edge after a hit by others."""
         if not self._has_health:
             return
@@ -199,7 +214,7 @@ class Hud:
         if row and agents.health[row, seat] < agents.health[row - 1, seat]:
             _redden(picture)
 
-    def draw_end(self, picture: Image.Image, moment: Moment) -> None:
+    def draw_end(self, picture: Image.Image, moment: InterpolatedState) -> None:
         """Write who won, once the match is over."""
         if moment.row == len(self._history.frame) - 1:
             outcome = describe_outcome(self._record.result, self.names)
@@ -214,7 +229,7 @@ class Hud:
         put(picture, stripe, x, y + high / 2, anchor="mt")
         put(picture, patch, x, y, anchor="mm")
 
-    def draw_label(self, picture: Image.Image, moment: Moment, seat: int) -> None:
+    def draw_label(self, picture: Image.Image, moment: InterpolatedState, seat: int) -> None:
         """Write a seat's name and health at the top of a small picture."""
         size, gap = round(0.8 * self.text), self.text // 4
         name = text(self.names[seat], size, self.colors[seat], picture.width - 2 * size)
@@ -273,7 +288,7 @@ class Inset:
         window = Window(self._west, self._north, self._step, self.size, self.size)
         return Image.fromarray((raster(self._map, window, None) * DIM).astype(np.uint8))
 
-    def draw(self, moment: Moment, followed: int | None) -> Image.Image:
+    def draw(self, moment: InterpolatedState, followed: int | None) -> Image.Image:
         """Return the map at a moment."""
         picture = self._ground.copy()
         self._draw_zone(picture, moment)
@@ -287,7 +302,9 @@ class Inset:
             self._mark_agent(picture, moment, seat, is_followed=seat == followed)
         return _framed(picture)
 
-    def _mark_agent(self, picture: Image.Image, moment: Moment, seat: int, *, is_followed: bool) -> None:
+    def _mark_agent(
+        self, picture: Image.Image, moment: InterpolatedState, seat: int, *, is_followed: bool
+    ) -> None:
         x, _, z = moment.position[seat].tolist()
         turn = round(float(moment.yaw[seat]) / TURNS) * TURNS % 360
         if is_followed:
@@ -295,7 +312,7 @@ class Inset:
         color = of_seat(self._history.team_of(seat))
         put(picture, arrowhead(self._mark, turn, color), *self._at(x, z), anchor="mm")
 
-    def _draw_zone(self, picture: Image.Image, moment: Moment) -> None:
+    def _draw_zone(self, picture: Image.Image, moment: InterpolatedState) -> None:
         if self._history.zone is None:
             return
         draw, zone = ImageDraw.Draw(picture), self._history.zone[moment.row].tolist()

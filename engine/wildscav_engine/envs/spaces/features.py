@@ -1,5 +1,6 @@
 """The kernel that writes the rows defined in ``columns.py`` for all learners of a batch."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -53,12 +54,12 @@ class RowWorkspace(NamedTuple):
 
 
 def allocate_row_workspace(
-    matches: int, seats: int, learners: int, start: NDArray[np.int64], terms: TermArrays
+    matches: int, seats: int, learners: Sequence[int], start: NDArray[np.int64], terms: TermArrays
 ) -> RowWorkspace:
-    """Return the workspace of a batch of new matches, whose first seats belong to the learners."""
+    """Return the workspace of a batch of new matches."""
     facts = np.zeros((2, matches, seats, FACTS), np.float32)
     return RowWorkspace(
-        learners=np.arange(learners),
+        learners=np.array(learners, np.int64),
         start=start,
         fact=terms.fact,
         change=terms.change,
@@ -66,11 +67,11 @@ def allocate_row_workspace(
         before=facts[0],
         after=facts[1],
         is_new=np.ones(matches, np.bool_),
-        done=np.zeros((matches, learners), np.bool_),
+        done=np.zeros((matches, len(learners)), np.bool_),
     )
 
 
-_EXAMPLE = allocate_row_workspace(1, 1, 1, np.zeros(1, np.int64), RewardSum({}).term_arrays)
+_EXAMPLE = allocate_row_workspace(1, 1, [0], np.zeros(1, np.int64), RewardSum({}).term_arrays)
 # Kernels that read the arrays from their tables.
 seen_at = reader(allocate_seen(1, 1))
 workspace_at = reader(_EXAMPLE)
@@ -78,42 +79,20 @@ workspace_at = reader(_EXAMPLE)
 
 @kernel
 def write_rows(
-    agents: Addresses,
-    supplies: Addresses,
-    matches: Addresses,
-    seen: Addresses,
-    workspace: Addresses,
+    agents_table: Addresses,
+    supplies_table: Addresses,
+    matches_table: Addresses,
+    seen_table: Addresses,
+    workspace_table: Addresses,
     rows: NDArray[np.float32],
 ) -> None:
-    """Write the rows of all learners.
-
-    Args:
-        agents: The table of the batch's agents.
-        supplies: The table of its boxes.
-        matches: The table of its matches.
-        seen: The table of what is seen.
-        workspace: The table of the ``RowWorkspace``.
-        rows: (B, L, width), written.
-    """
-    _write_rows(
-        agents_at(agents),
-        supplies_at(supplies),
-        matches_at(matches),
-        seen_at(seen),
-        workspace_at(workspace),
-        rows,
+    """Write (B, L, width) the rows of all learners; all but the last table are those of the batch."""
+    agents, supplies, matches = (
+        agents_at(agents_table),
+        supplies_at(supplies_table),
+        matches_at(matches_table),
     )
-
-
-@kernel
-def _write_rows(
-    agents: Agents,
-    supplies: Supplies,
-    matches: Matches,
-    seen: Seen,
-    workspace: RowWorkspace,
-    rows: NDArray[np.float32],
-) -> None:
+    seen, workspace = seen_at(seen_table), workspace_at(workspace_table)
     write_facts(agents, matches, workspace.after)
     for match in range(rows.shape[0]):
         for learner in range(rows.shape[1]):

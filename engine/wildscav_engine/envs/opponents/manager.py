@@ -1,4 +1,4 @@
-"""The cast: who plays in each seat behind the learners', match by match, and what they do in a step."""
+"""The opponents: who plays in each seat behind the learners', match by match, and what they do in a step."""
 
 from collections.abc import Iterator, Sequence
 from random import Random
@@ -65,7 +65,7 @@ def _compare(own: float, other: float) -> float:
     return WIN if own > other else LOSS
 
 
-class Cast:
+class OpponentManager:
     """Who fills the P seats behind the learners' in each of B matches.
 
     Each policy is called once per step for all seats that it fills. Which seats these are is computed only
@@ -77,7 +77,7 @@ class Cast:
     """
 
     def __init__(self, config: EnvConfig, matches: int) -> None:
-        """Create the cast of an environment.
+        """Create the players of an environment.
 
         Raises:
             ValueError: The settings of a policy are invalid.
@@ -192,7 +192,7 @@ class Cast:
             batch: The matches.
             view: Returns the view of a match by its index.
             actions: (B, A, FIELDS), written.
-            skip: The matches that do not play this step; nobody is asked about them.
+            skip: The matches that do not play this step, in which no policy is called.
 
         Raises:
             ActionError: A policy returned something else than actions of its action space.
