@@ -6,7 +6,7 @@ looks along +z and grows clockwise seen from above; positive pitch looks down.
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, NamedTuple, Self, TypeAlias
 
 import numpy as np
@@ -72,18 +72,14 @@ class Action:
     reload: bool = False  # the weapon; battle and royale
 
     def __post_init__(self) -> None:
-        for name in _NUMBERS:
+        for name, kind in ACTION_FIELDS.items():
             value = getattr(self, name)
-            if type(value) is not float:
-                object.__setattr__(self, name, _number(name, value))
-        for name in _FLAGS:
-            value = getattr(self, name)
-            if type(value) is not bool:
-                object.__setattr__(self, name, _flag(name, value))
+            if type(value) is not kind:
+                object.__setattr__(self, name, (_number if kind is float else _flag)(name, value))
 
 
-_NUMBERS = ("walk_direction", "walk_speed", "turn", "look")
-_FLAGS = ("jump", "pick_up", "shoot", "reload")
+# The types of the fields by name, in the order of the engine's rows; the protocol has the same names.
+ACTION_FIELDS: dict[str, type] = {field.name: type(field.default) for field in fields(Action)}
 
 
 def _number(name: str, value: object) -> float:

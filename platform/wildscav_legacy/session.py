@@ -204,7 +204,7 @@ def read_actions(
     Returns:
         The rows, and the ids that belong to no agent.
     """
-    from wildscav_engine.specs.actions import MAX_WALK_SPEED, no_actions
+    from wildscav_engine.specs.actions import MAX_WALK_SPEED, Field, no_actions
 
     rows, unknown = no_actions(len(seats)), []
     for command in commands:
@@ -213,7 +213,8 @@ def read_actions(
             unknown.append(command.id)
             continue
         speed = command.walk_speed
-        rows[seat] = (
+        # The fields up to the last one that the original had.
+        rows[seat, : Field.RELOAD + 1] = (
             command.walk_dir,
             speed if math.isnan(speed) else min(MAX_WALK_SPEED, max(0.0, speed)),
             command.turn_left_right_delta,

@@ -1,11 +1,11 @@
 """What a person's page sends, and how it becomes actions."""
 
 import math
-from typing import Annotated, Literal, TypeVar
+from typing import TYPE_CHECKING, Annotated, Literal, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError, create_model
 
-from wildscav.agent import Action
+from wildscav.agent import ACTION_FIELDS, Action
 from wildscav.errors import WildscavError
 
 FASTEST = 10.0  # m/s, of a person who walks
@@ -24,8 +24,11 @@ class _Message(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
 
 
-class Input(_Message):
-    """What a person does now: what is held, and how far the view was turned since the last message."""
+FLAGS = tuple(name for name, kind in ACTION_FIELDS.items() if kind is bool)
+
+
+class Held(_Message):
+    """What a person holds of ``FLAGS``, and how far the view was turned since the last message."""
 
     kind: Literal["input"]
     number: Count  # of the message, from 1 up
@@ -33,10 +36,12 @@ class Input(_Message):
     right: Share = 0.0
     turn: Turn = 0.0  # degrees; positive turns right
     look: Turn = 0.0  # degrees; positive looks down
-    jump: bool = False
-    shoot: bool = False
-    reload: bool = False
-    pick_up: bool = False
+
+
+if TYPE_CHECKING:
+    Input = Held
+else:
+    Input = create_model("Input", __base__=Held, **dict.fromkeys(FLAGS, (bool, False)))
 
 
 class Seen(_Message):
@@ -129,17 +134,15 @@ class Controls:
         """Let go of everything."""
         self._held = Input(kind="input", number=0)
         self._turn = self._look = 0.0
-        self._jump = self._shoot = self._reload = self._pick_up = False
+        self._flags = dict.fromkeys(FLAGS, False)
 
     def receive(self, message: Input) -> None:
         """Note an input. What was pressed since the last step counts even if it is released by now."""
         self._held = message
         self._turn += message.turn
         self._look += message.look
-        self._jump |= message.jump
-        self._shoot |= message.shoot
-        self._reload |= message.reload
-        self._pick_up |= message.pick_up
+        for name in FLAGS:
+            self._flags[name] |= getattr(message, name)
 
     def take(self, yaw: float, frames: int) -> Action:
         """Return the action of the next step.
@@ -155,13 +158,9 @@ class Controls:
             walk_speed=FASTEST * min(1.0, length),
             turn=self._turn / frames,
             look=self._look / frames,
-            jump=self._jump,
-            shoot=self._shoot,
-            reload=self._reload,
-            pick_up=self._pick_up,
+            **self._flags,
         )
         self.taken = max(self.taken, held.number)
         self._turn = self._look = 0.0
-        self._jump, self._shoot = held.jump, held.shoot
-        self._reload, self._pick_up = held.reload, held.pick_up
+        self._flags = {name: getattr(held, name) for name in FLAGS}
         return action

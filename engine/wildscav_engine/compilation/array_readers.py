@@ -1,10 +1,12 @@
 """The code in kernels that unpacks arrays from tables of addresses; see ``array_tables.py``."""
 
+import math
 from typing import Any
 
 import numba
 import numba.np.arrayobj
-from numba.core import types
+from llvmlite import ir
+from numba.core import cgutils, types
 from numba.core.typing.templates import make_intrinsic_template
 
 from wildscav_engine.compilation.table_columns import COLUMNS
@@ -14,6 +16,7 @@ typeof: Any = numba.typeof
 make_array: Any = numba.np.arrayobj.make_array
 populate_array: Any = numba.np.arrayobj.populate_array
 named_tuple: Any = types.NamedTuple
+alloca_once: Any = cgutils.alloca_once
 make_template: Any = make_intrinsic_template
 function_type: Any = types.Function
 
@@ -90,6 +93,45 @@ def number_reader(like: Any) -> Definition:
     return read
 
 
+def values_reader(like: Arrays, names: tuple[str | tuple[str, ...], ...]) -> Definition:
+    """Return the definition of a kernel that gathers the values of some fields in a row."""
+    fields = {name: (index, array.shape[2:]) for index, (name, array) in enumerate(like._asdict().items())}
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        arrays, row = arguments
+
+        def load(name: str, place: int, kind: Any) -> Any:
+            """Return code for one value of a field as a number of some kind."""
+            index, inner = fields[name]
+            array = signature.args[0][index]
+            data = make_array(array)(context, builder, builder.extract_value(arrays, index)).data
+            first = builder.mul(row, context.get_constant(types.intp, math.prod(inner)))
+            item = builder.gep(data, [builder.add(first, context.get_constant(types.intp, place))])
+            value = context.unpack_value(builder, array.dtype, item)
+            return context.cast(builder, value, array.dtype, kind)
+
+        found = []
+        for name in names:
+            if isinstance(name, tuple):
+                bits = context.get_constant(types.int64, 0)
+                for bit, flag in enumerate(name):
+                    shift = context.get_constant(types.int64, bit)
+                    bits = builder.or_(bits, builder.shl(load(flag, 0, types.int64), shift))
+                found.append(context.cast(builder, bits, types.int64, types.float64))
+            else:
+                found += [load(name, place, types.float64) for place in range(math.prod(fields[name][1]))]
+        values = alloca_once(builder, context.get_value_type(types.float64), len(found))
+        for place, value in enumerate(found):
+            builder.store(value, builder.gep(values, [context.get_constant(types.intp, place)]))
+        length = context.get_constant(types.intp, len(found))
+        return _pack(context, builder, signature.return_type, values, [length])
+
+    def read(typing_context: Any, arrays: Any, row: Any) -> Any:  # noqa: ARG001
+        return types.Array(types.float64, 1, "C")(arrays, types.int64), generate
+
+    return read
+
+
 def byte_reader() -> Definition:
     """Return the definition of a kernel that views memory as bytes."""
     return _read_bytes
@@ -117,12 +159,13 @@ class _Table:
 
 
 def _pack(context: Any, builder: Any, kind: Any, address: Any, shape: list[Any]) -> Any:
-    """Return code for an array with a given address and shape, without reference counting."""
+    """Return code for an array with a given address or pointer, and shape, without reference counting."""
     array = make_array(kind)(context, builder)
     itemsize = context.get_constant(types.intp, context.get_abi_sizeof(context.get_data_type(kind.dtype)))
     strides = [itemsize]
     for extent in reversed(shape[1:]):
         strides.insert(0, builder.mul(strides[0], extent))
-    data = builder.inttoptr(address, array.data.type)
+    is_address = isinstance(address.type, ir.IntType)
+    data = builder.inttoptr(address, array.data.type) if is_address else address
     populate_array(array, data=data, shape=shape, strides=strides, itemsize=itemsize, meminfo=None)
     return array._getvalue()

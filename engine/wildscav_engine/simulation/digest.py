@@ -11,13 +11,26 @@ from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.random_numbers import Word
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
-from wildscav_engine.simulation.state import Agents, Supplies
+from wildscav_engine.simulation.state import (
+    DIGESTED_COUNTS,
+    DIGESTED_NUMBERS,
+    Agents,
+    Supplies,
+    allocate_state,
+    digested,
+)
+from wildscav_engine.specs.actions import FIELDS
 
 FIRST_FACTOR, SECOND_FACTOR = np.uint64(0xFF51AFD7ED558CCD), np.uint64(0xC4CEB9FE1A85EC53)
 SHIFT = np.uint64(33)
 ROUND_FACTOR, WORD_FACTOR = np.uint64(0x9E3779B185EBCA87), np.uint64(0xC2B2AE3D27D4EB4F)
 LEFT_31, RIGHT_33 = np.uint64(31), np.uint64(33)
 LOW_32, SHIFT_32 = np.uint64(0xFFFFFFFF), np.uint64(32)
+
+# The words of a seat: two fields of its action in each, then the numbers, and two counts in each.
+NUMBERS = sum(getattr(allocate_state(1, 1, 1).agents, name)[0, 0].size for name in DIGESTED_NUMBERS)
+FACTS = NUMBERS + len(DIGESTED_COUNTS)
+WORDS = -(-((FIELDS + 1) // 2 + NUMBERS + (len(DIGESTED_COUNTS) + 1) // 2 + 1) // 4) * 4
 
 Lanes = tuple[Word, Word, Word, Word]
 
@@ -49,13 +62,20 @@ def _pair(low: int, high: int) -> Word:
 
 
 @inlined_kernel
-def _flags(agents: Agents, seat: int) -> int:
-    flags = 1 if agents.on_ground[seat] else 0
-    flags |= 2 if agents.in_water[seat] else 0
-    flags |= 4 if agents.reached[seat] else 0
-    flags |= 8 if agents.knows_target[seat] else 0
-    flags |= 16 if agents.fired[seat] else 0
-    return flags
+def _word(played: NDArray[np.uint32], facts: NDArray[np.float64], seat: int, place: int) -> Word:
+    """Return one of the words of a seat: its action, then numbers, pairs of counts, and last its number."""
+    first = 2 * place
+    if first < FIELDS:
+        return np.uint64(played[first]) | (
+            np.uint64(played[first + 1] if first + 1 < FIELDS else 0) << SHIFT_32
+        )
+    place -= (FIELDS + 1) // 2
+    if place < NUMBERS:
+        return np.float64(facts[place]).view(np.uint64)
+    first = NUMBERS + 2 * (place - NUMBERS)
+    if first < FACTS:
+        return _pair(int(facts[first]), int(facts[first + 1]) if first + 1 < FACTS else 0)
+    return np.uint64(seat)
 
 
 @inlined_kernel
@@ -73,42 +93,18 @@ def digest_step(digest: Word, agents: Agents, actions: NDArray[np.float32], fram
     """
     start = mix(digest, np.uint64(frame))
     lanes: Lanes = (start, start ^ FIRST_FACTOR, start ^ SECOND_FACTOR, start ^ WORD_FACTOR)
-    played, position, velocity = (
-        actions.view(np.uint64),
-        agents.position.view(np.uint64),
-        agents.velocity.view(np.uint64),
-    )
-    yaw, pitch, walked = (
-        agents.yaw.view(np.uint64),
-        agents.pitch.view(np.uint64),
-        agents.walked.view(np.uint64),
-    )
+    played = actions.view(np.uint32)
     memory, shot_end = agents.memory.view(np.uint64), agents.shot_end.view(np.uint64)
     for seat in range(agents.health.shape[0]):
-        lanes = _rounds(lanes, played[seat, 0], played[seat, 1], played[seat, 2], played[seat, 3])
-        lanes = _rounds(lanes, position[seat, 0], position[seat, 1], position[seat, 2], walked[seat])
-        lanes = _rounds(lanes, velocity[seat, 0], velocity[seat, 1], velocity[seat, 2], yaw[seat])
-        lanes = _rounds(
-            lanes,
-            pitch[seat],
-            _pair(agents.health[seat], agents.respawn_left[seat]),
-            _pair(agents.invincible_left[seat], agents.clip[seat]),
-            _pair(agents.spare_ammo[seat], agents.reload_left[seat]),
-        )
-        lanes = _rounds(
-            lanes,
-            _pair(agents.fire_left[seat], agents.supplies[seat]),
-            _pair(agents.picked_up[seat], agents.kills[seat]),
-            _pair(agents.deaths[seat], agents.shots[seat]),
-            _pair(agents.hits[seat], agents.gained[seat]),
-        )
-        lanes = _rounds(
-            lanes,
-            _pair(agents.hit_seat[seat], agents.hit_by_seat[seat]),
-            _pair(agents.placement[seat], agents.eliminated[seat]),
-            _pair(_flags(agents, seat), agents.damage[seat]),
-            np.uint64(seat),
-        )
+        row, facts = played[seat], digested(agents, seat)
+        for place in range(0, WORDS, 4):
+            lanes = _rounds(
+                lanes,
+                _word(row, facts, seat, place),
+                _word(row, facts, seat, place + 1),
+                _word(row, facts, seat, place + 2),
+                _word(row, facts, seat, place + 3),
+            )
         # Without a shot or without a robot, these have not changed.
         if agents.fired[seat]:
             lanes = _rounds(lanes, shot_end[seat, 0], shot_end[seat, 1], shot_end[seat, 2], np.uint64(1))

@@ -7,7 +7,6 @@ damage but not forgery: do not load states from untrusted sources.
 """
 
 from collections.abc import Sequence
-from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +17,7 @@ from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.row_copy import copy_row
 from wildscav_engine.compilation.table_columns import ITEM, LENGTH
 from wildscav_engine.maps import GENERATOR_VERSION, GameMap, MapError, map_of
-from wildscav_engine.simulation.state import Agents, Matches, Supplies
+from wildscav_engine.simulation.state import Agents, Extent, Matches, Supplies, axes_of
 from wildscav_engine.simulation.systems.visibility import Seen
 from wildscav_engine.specs.actions import FIELDS
 from wildscav_engine.specs.match_spec import MatchSpec
@@ -55,31 +54,12 @@ class Snapshot(NamedTuple):
     history: History | None
 
 
-class Extent(IntEnum):
-    """The part of an array's second axis that belongs to a match."""
-
-    SEATS = 0
-    SLOTS = 1
-    PHASES = 2
-    PLACES = 3
-    WAVES = 4
-    WHOLE = 5
-    NOTHING = 6  # derived data, which is computed anew
-
-
-# The arrays of ``Matches`` that are not used as a whole.
-_OF_MATCHES = {
-    "members_left": Extent.SEATS,
-    "zone": Extent.PHASES,
-    "hot_spots": Extent.PLACES,
-    "wave_centers": Extent.WAVES,
-    "agent_squares": Extent.NOTHING,
-}
 # (F,) the Extent of each array, for each part of a batch. What agents see is computed anew.
 EXTENTS = (
-    np.full(len(Agents._fields), Extent.SEATS),
-    np.full(len(Supplies._fields), Extent.SLOTS),
-    np.array([_OF_MATCHES.get(name, Extent.WHOLE) for name in Matches._fields]),
+    *(
+        np.array([axes.extent for _, axes in axes_of(kind).values()], np.int64)
+        for kind in (Agents, Supplies, Matches)
+    ),
     np.full(len(Seen._fields), Extent.NOTHING),
 )
 

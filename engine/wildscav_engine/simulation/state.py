@@ -1,18 +1,21 @@
 """The state of a batch of matches: structures of arrays with a leading match axis.
 
 There are B matches, with at most A seats and at most S slots for supply boxes each. Kernels work on slices of
-one match, which have the same names and no B axis.
+one match, which have the same names and no B axis. The classes here are the one table of what a match
+remembers: the type of a field says its dtype, axes and first value, and from that follow the arrays of a
+batch, how they grow, and what a snapshot keeps of them.
 """
 
+import functools
 import math
+from collections.abc import Mapping, Sequence
 from enum import IntEnum
-from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple, TypeAlias, TypeVar, get_args, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.array_tables import ArrayTable, reader
+from wildscav_engine.compilation.array_tables import ArrayTable, reader, values_reader
 
 NOBODY = -1  # in place of a seat
 NOT_ELIMINATED = -1  # in place of the frame of an elimination
@@ -30,100 +33,166 @@ class Ending(IntEnum):
     LAST_STANDING = 3  # at most one team is left
 
 
+class Extent(IntEnum):
+    """The part of an array's second axis that belongs to a match."""
+
+    SEATS = 0
+    SLOTS = 1
+    PHASES = 2
+    PLACES = 3
+    WAVES = 4
+    WHOLE = 5
+    NOTHING = 6  # derived data, which is computed anew
+
+
+class Axes(NamedTuple):
+    """The axes of an array after that of the matches, and its first value."""
+
+    extent: Extent = Extent.WHOLE  # the second axis; WHOLE if there is none, or if its length is in ``inner``
+    inner: tuple[int, ...] = ()  # lengths of the axes after it
+    fill: int = 0  # the value of every item in a new batch
+
+
+Floats: TypeAlias = NDArray[np.float64]
+Integers: TypeAlias = NDArray[np.int32]
+# Of each seat:
+Flag: TypeAlias = Annotated[NDArray[np.bool_], Axes(Extent.SEATS)]  # (B, A)
+Count: TypeAlias = Annotated[Integers, Axes(Extent.SEATS)]  # (B, A)
+Seat: TypeAlias = Annotated[Integers, Axes(Extent.SEATS, (), NOBODY)]  # (B, A)
+Number: TypeAlias = Annotated[Floats, Axes(Extent.SEATS)]  # (B, A)
+Vector: TypeAlias = Annotated[Floats, Axes(Extent.SEATS, (3,))]  # (B, A, 3) east, up, north
+# Of each slot for a box, and of each match:
+SlotCount: TypeAlias = Annotated[Integers, Axes(Extent.SLOTS)]  # (B, S)
+MatchCount: TypeAlias = Annotated[NDArray[np.int64], Axes()]  # (B,)
+MatchFlag: TypeAlias = Annotated[NDArray[np.bool_], Axes()]  # (B,)
+MatchWord: TypeAlias = Annotated[NDArray[np.uint64], Axes()]  # (B,)
+
+
 class Agents(NamedTuple):
     """The state of the agents."""
 
-    present: NDArray[np.bool_]  # (B, A) whether the match has this seat
-    team: NDArray[np.int32]  # (B, A)
-    robot: NDArray[np.int32]  # (B, A) the number of the robot that fills the seat, 0 for none
-    memory: NDArray[np.float64]  # (B, A, 12) numbers that a robot remembers
-    start: NDArray[np.float64]  # (B, A, 3) m, where it started
+    present: Flag  # whether the match has this seat
+    team: Count
+    robot: Count  # the number of the robot that fills the seat, 0 for none
+    memory: Annotated[Floats, Axes(Extent.SEATS, (MEMORY,))]  # numbers that a robot remembers
+    start: Vector  # m, where it started
     # Equipment at the start and after each respawn.
-    full_health: NDArray[np.int32]  # (B, A) hp
-    clip_size: NDArray[np.int32]  # (B, A) rounds
-    full_spare_ammo: NDArray[np.int32]  # (B, A) rounds
-    shot_damage: NDArray[np.int32]  # (B, A) hp per hit
-    position: NDArray[np.float64]  # (B, A, 3) m, soles of the feet, y up
-    velocity: NDArray[np.float64]  # (B, A, 3) m/s, actual velocity in the last frame
-    yaw: NDArray[np.float64]  # (B, A) degrees in (-180, 180], 0 faces +z, grows clockwise from above
-    pitch: NDArray[np.float64]  # (B, A) degrees in [-90, 90], positive looks down
-    on_ground: NDArray[np.bool_]  # (B, A)
-    in_water: NDArray[np.bool_]  # (B, A)
-    walked: NDArray[np.float64]  # (B, A) m, horizontal distance walked so far
-    walk_velocity: NDArray[np.float64]  # (B, A, 2) m/s east and north, wanted in this step
-    reached: NDArray[np.bool_]  # (B, A) whether it is at the target
-    knows_target: NDArray[np.bool_]  # (B, A) whether the target is not hidden or its team has found it
-    health: NDArray[np.int32]  # (B, A) hp, 0 = dead
-    respawn_left: NDArray[np.int32]  # (B, A) frames until a dead agent respawns, 0 if it never does
-    eliminated: NDArray[np.int32]  # (B, A) the frame of its elimination, or NOT_ELIMINATED
-    placement: NDArray[np.int32]  # (B, A) of its team, 1 = best, 0 while the team is in the match
-    invincible_left: NDArray[np.int32]  # (B, A) frames
-    clip: NDArray[np.int32]  # (B, A) rounds in the weapon
-    spare_ammo: NDArray[np.int32]  # (B, A) rounds outside the weapon
-    reload_left: NDArray[np.int32]  # (B, A) frames until a reload is done, 0 = not reloading
-    fire_left: NDArray[np.int32]  # (B, A) frames until the weapon can fire again
-    supplies: NDArray[np.int32]  # (B, A) carried
-    picked_up: NDArray[np.int32]  # (B, A) supplies picked up since the start
-    kills: NDArray[np.int32]  # (B, A)
-    deaths: NDArray[np.int32]  # (B, A)
-    shots: NDArray[np.int32]  # (B, A)
-    hits: NDArray[np.int32]  # (B, A)
+    full_health: Count  # hp
+    clip_size: Count  # rounds
+    full_spare_ammo: Count  # rounds
+    shot_damage: Count  # hp per hit
+    position: Vector  # m, soles of the feet, y up
+    velocity: Vector  # m/s, actual velocity in the last frame
+    yaw: Number  # degrees in (-180, 180], 0 faces +z, grows clockwise from above
+    pitch: Number  # degrees in [-90, 90], positive looks down
+    on_ground: Flag
+    in_water: Flag
+    walked: Number  # m, horizontal distance walked so far
+    walk_velocity: Annotated[Floats, Axes(Extent.SEATS, (2,))]  # m/s east and north, wanted in this step
+    reached: Flag  # whether it is at the target
+    knows_target: Flag  # whether the target is not hidden or its team has found it
+    health: Count  # hp, 0 = dead
+    respawn_left: Count  # frames until a dead agent respawns, 0 if it never does
+    eliminated: Annotated[Integers, Axes(Extent.SEATS, (), NOT_ELIMINATED)]  # the frame, or NOT_ELIMINATED
+    placement: Count  # of its team, 1 = best, 0 while the team is in the match
+    invincible_left: Count  # frames
+    clip: Count  # rounds in the weapon
+    spare_ammo: Count  # rounds outside the weapon
+    reload_left: Count  # frames until a reload is done, 0 = not reloading
+    fire_left: Count  # frames until the weapon can fire again
+    supplies: Count  # carried
+    picked_up: Count  # supplies picked up since the start
+    kills: Count
+    deaths: Count
+    shots: Count
+    hits: Count
     # What happened in the current step; cleared when the next one begins.
-    fired: NDArray[np.bool_]  # (B, A)
-    shot_end: NDArray[np.float64]  # (B, A, 3) m, where the last shot ended
-    hit_seat: NDArray[np.int32]  # (B, A) the seat that it hit, or NOBODY
-    hit_by_seat: NDArray[np.int32]  # (B, A) the seat that hit it, or NOBODY
-    damage: NDArray[np.int32]  # (B, A) hp to be lost at the end of the frame
-    gained: NDArray[np.int32]  # (B, A) supplies picked up in this step
+    fired: Flag
+    shot_end: Vector  # m, where the last shot ended
+    hit_seat: Seat  # the seat that it hit, or NOBODY
+    hit_by_seat: Seat  # the seat that hit it, or NOBODY
+    damage: Count  # hp to be lost at the end of the frame
+    gained: Count  # supplies picked up in this step
     # Derived data: the seats in the order of the frame (``systems/turn_order.py``), and the grid of agents
     # (``systems/agent_grid.py``).
-    turns: NDArray[np.int32]  # (B, A)
-    next_in_square: NDArray[np.int32]  # (B, A) seat + 1 of the next agent in the same square, 0 = none
-    near: NDArray[np.int32]  # (B, A) seats near the agent that is moving
+    turns: Count
+    next_in_square: Count  # seat + 1 of the next agent in the same square, 0 = none
+    near: Count  # seats near the agent that is moving
+
+
+# What each agent is equipped with, by the rule that says it for all.
+EQUIPMENT = {
+    "full_health": "start_health",
+    "clip_size": "clip_size",
+    "full_spare_ammo": "spare_ammo",
+    "shot_damage": "shot_damage",
+}
+# The facts about an agent in the digest of a match, in this order; further ones come last. The digest also
+# contains the memory of robots and where shots ended.
+DIGESTED_NUMBERS = ("position", "walked", "velocity", "yaw", "pitch")
+DIGESTED_FLAGS = ("on_ground", "in_water", "reached", "knows_target", "fired")  # bits of one number
+DIGESTED_COUNTS = (
+    *(
+        "health",
+        "respawn_left",
+        "invincible_left",
+        "clip",
+        "spare_ammo",
+        "reload_left",
+        "fire_left",
+        "supplies",
+    ),
+    *("picked_up", "kills", "deaths", "shots", "hits", "gained", "hit_seat", "hit_by_seat", "placement"),
+    *("eliminated", DIGESTED_FLAGS, "damage"),
+)
 
 
 class Supplies(NamedTuple):
     """The supply boxes, including those of later waves and those dropped by agents."""
 
-    position: NDArray[np.float32]  # (B, S, 3) m, on the ground or floor
-    quantity: NDArray[np.int32]  # (B, S) supplies in the box, 0 = taken or a free slot
-    appears: NDArray[np.int32]  # (B, S) the frame from which on it is present
-    serial: NDArray[np.int32]  # (B, S) number of the box, unique in its match
-    next_in_square: NDArray[np.int32]  # (B, S) slot + 1 of the next box in the same square, 0 = none
+    position: Annotated[NDArray[np.float32], Axes(Extent.SLOTS, (3,))]  # m, on the ground or floor
+    quantity: SlotCount  # supplies in the box, 0 = taken or a free slot
+    appears: SlotCount  # the frame from which on it is present
+    serial: SlotCount  # number of the box, unique in its match
+    next_in_square: SlotCount  # slot + 1 of the next box in the same square, 0 = none
 
 
 class Matches(NamedTuple):
     """The state of whole matches."""
 
-    map_index: NDArray[np.int64]  # (B,) in the map bank
-    seats: NDArray[np.int64]  # (B,) number of seats; the rest of the A are padding
-    slots: NDArray[np.int64]  # (B,) number of slots for boxes; the rest of the S are padding
-    seed: NDArray[np.uint64]  # (B,)
-    frame: NDArray[np.int64]  # (B,) frames played
-    frame_limit: NDArray[np.int64]  # (B,)
-    step: NDArray[np.int64]  # (B,) steps played
-    over: NDArray[np.bool_]  # (B,)
-    ending: NDArray[np.int64]  # (B,) why it is over, an Ending
-    respawns: NDArray[np.bool_]  # (B,) whether agents respawn
-    respawns_at_start: NDArray[np.bool_]  # (B,) whether they respawn where they started
-    teams: NDArray[np.int64]  # (B,) number of teams
-    teams_left: NDArray[np.int64]  # (B,) number of teams that are not eliminated
-    members_left: NDArray[np.int32]  # (B, A) number of seats of each team that are not eliminated
-    supply_goal: NDArray[np.int64]  # (B,) supplies that a team must carry to end the match, 0 = no goal
-    target: NDArray[np.float64]  # (B, 3) m
-    has_target: NDArray[np.bool_]  # (B,) whether reaching the target ends the match
-    reached_by: NDArray[np.int64]  # (B,) the first seat that reached it, or NOBODY
-    next_serial: NDArray[np.int64]  # (B,) for the next box dropped
-    zone: NDArray[np.float64]  # (B, Z, 9) phases of the safe zone: the frames in which shrinking starts and
-    # ends, x, z and radius in m before it, x, z and radius after it, and hp per second outside
-    phases: NDArray[np.int64]  # (B,) number of phases; the rest of the Z are padding
-    hot_spots: NDArray[np.float64]  # (B, H, 3) the frame in which the hot spot comes to a place, x, z in m
-    places: NDArray[np.int64]  # (B,) number of places of the hot spot; the rest of the H are padding
-    wave_centers: NDArray[np.float64]  # (B, W, 3) the frame in which a wave of supplies appears, x, z in m
-    waves: NDArray[np.int64]  # (B,) number of waves, the hot spot's included; the rest of the W are padding
-    digest: NDArray[np.uint64]  # (B,) of all states and actions so far
-    agent_squares: NDArray[np.int32]  # (B, N) seat + 1 of the first agent in each square, 0 = nobody
-    box_squares: NDArray[np.int32]  # (B, 256) slot + 1 of the first box in each square, 0 = none
+    map_index: MatchCount  # in the map bank
+    seats: MatchCount  # number of seats; the rest is padding
+    slots: MatchCount  # number of slots for boxes; the rest is padding
+    seed: MatchWord
+    frame: MatchCount  # frames played
+    frame_limit: MatchCount
+    step: MatchCount  # steps played
+    over: MatchFlag
+    ending: MatchCount  # why it is over, an Ending
+    respawns: Annotated[NDArray[np.bool_], Axes(fill=1)]  # whether agents respawn
+    respawns_at_start: MatchFlag  # whether they respawn where they started
+    teams: MatchCount  # number of teams
+    teams_left: MatchCount  # number of teams that are not eliminated
+    members_left: Count  # number of seats of each team that are not eliminated
+    supply_goal: MatchCount  # supplies that a team must carry to end the match, 0 = no goal
+    target: Annotated[Floats, Axes(inner=(3,))]  # m
+    has_target: MatchFlag  # whether reaching the target ends the match
+    reached_by: Annotated[NDArray[np.int64], Axes(fill=NOBODY)]  # the first seat that reached it, or NOBODY
+    next_serial: MatchCount  # for the next box dropped
+    # Phases of the safe zone: the frames in which shrinking starts and ends, x, z and radius in m before it,
+    # x, z and radius after it, and hp per second outside.
+    zone: Annotated[Floats, Axes(Extent.PHASES, (9,))]
+    phases: MatchCount  # number of phases; the rest is padding
+    # The frame in which the hot spot comes to a place, x, z in m.
+    hot_spots: Annotated[Floats, Axes(Extent.PLACES, (3,))]
+    places: MatchCount  # number of places of the hot spot; the rest is padding
+    # The frame in which a wave of supplies appears, x, z in m.
+    wave_centers: Annotated[Floats, Axes(Extent.WAVES, (3,))]
+    waves: MatchCount  # number of waves, the hot spot's included; the rest is padding
+    digest: MatchWord  # of all states and actions so far
+    # Seat + 1 of the first agent in each square, 0 = nobody; slot + 1 of the first box, 0 = none.
+    agent_squares: Annotated[Integers, Axes(Extent.NOTHING)]
+    box_squares: Annotated[Integers, Axes(inner=(BOX_SQUARES**2,))]
 
 
 class _Parts(NamedTuple):
@@ -139,7 +208,7 @@ class State(_Parts):
         """Copy and pickle only the arrays: the copies have other addresses."""
         return State, tuple(self)
 
-    @cached_property
+    @functools.cached_property
     def tables(self) -> tuple[ArrayTable, ArrayTable, ArrayTable]:
         """The array tables of the three, for kernels."""
         return ArrayTable(self.agents), ArrayTable(self.supplies), ArrayTable(self.matches)
@@ -150,87 +219,47 @@ def squares_for(seats: int) -> int:
     return min(MAX_SQUARES, max(1, int(math.sqrt(seats * 0.5))))
 
 
+Arrays = TypeVar("Arrays", bound=tuple[Any, ...])
+
+
+@functools.cache
+def axes_of(kind: type[tuple[Any, ...]]) -> Mapping[str, tuple[type[np.generic], Axes]]:
+    """Return the dtype and the axes of every field of a class of arrays, by its name."""
+    found = {}
+    for name, hint in get_type_hints(kind, include_extras=True).items():
+        array, axes = get_args(hint)
+        dtype = get_args(array)[1]  # NDArray[T] is ndarray[shape, dtype[T]]
+        found[name] = get_args(dtype)[0], axes
+    return found
+
+
+def allocate(kind: type[Arrays], matches: int, lengths: Sequence[int]) -> Arrays:
+    """Return new arrays for all fields of a class.
+
+    Args:
+        kind: A NamedTuple whose fields are annotated with ``Axes``.
+        matches: The number of matches.
+        lengths: The length of the second axis for each ``Extent``.
+    """
+    arrays = []
+    for dtype, (extent, inner, fill) in axes_of(kind).values():
+        second = () if extent == Extent.WHOLE else (lengths[extent],)
+        array = np.zeros((matches, *second, *inner), dtype)
+        if fill:
+            array[...] = fill
+        arrays.append(array)
+    return kind(*arrays)
+
+
 def allocate_state(
     matches: int, seats: int, slots: int, phases: int = 0, places: int = 0, waves: int = 0
 ) -> State:
     """Return a state of zeros, without agents and boxes."""
-    b, a, s = matches, seats, slots
-    agents = Agents(
-        present=np.zeros((b, a), np.bool_),
-        team=np.zeros((b, a), np.int32),
-        robot=np.zeros((b, a), np.int32),
-        memory=np.zeros((b, a, MEMORY)),
-        start=np.zeros((b, a, 3)),
-        position=np.zeros((b, a, 3)),
-        velocity=np.zeros((b, a, 3)),
-        yaw=np.zeros((b, a)),
-        pitch=np.zeros((b, a)),
-        on_ground=np.zeros((b, a), np.bool_),
-        in_water=np.zeros((b, a), np.bool_),
-        walked=np.zeros((b, a)),
-        walk_velocity=np.zeros((b, a, 2)),
-        reached=np.zeros((b, a), np.bool_),
-        knows_target=np.zeros((b, a), np.bool_),
-        eliminated=np.full((b, a), NOT_ELIMINATED, np.int32),
-        placement=np.zeros((b, a), np.int32),
-        **{name: np.zeros((b, a), np.int32) for name in _COUNTS},
-        fired=np.zeros((b, a), np.bool_),
-        shot_end=np.zeros((b, a, 3)),
-        hit_seat=np.full((b, a), NOBODY, np.int32),
-        hit_by_seat=np.full((b, a), NOBODY, np.int32),
-        damage=np.zeros((b, a), np.int32),
-        gained=np.zeros((b, a), np.int32),
-        turns=np.zeros((b, a), np.int32),
-        next_in_square=np.zeros((b, a), np.int32),
-        near=np.zeros((b, a), np.int32),
-    )
-    supplies = Supplies(
-        position=np.zeros((b, s, 3), np.float32),
-        quantity=np.zeros((b, s), np.int32),
-        appears=np.zeros((b, s), np.int32),
-        serial=np.zeros((b, s), np.int32),
-        next_in_square=np.zeros((b, s), np.int32),
-    )
-    return State(agents, supplies, _allocate_matches(b, a, phases, places, waves))
-
-
-_COUNTS = (
-    *("full_health", "clip_size", "full_spare_ammo", "shot_damage"),
-    *("health", "respawn_left", "invincible_left", "clip", "spare_ammo", "reload_left", "fire_left"),
-    *("supplies", "picked_up", "kills", "deaths", "shots", "hits"),
-)
-
-
-def _allocate_matches(b: int, a: int, phases: int, places: int, waves: int) -> Matches:
-    return Matches(
-        map_index=np.zeros(b, np.int64),
-        seats=np.zeros(b, np.int64),
-        slots=np.zeros(b, np.int64),
-        seed=np.zeros(b, np.uint64),
-        frame=np.zeros(b, np.int64),
-        frame_limit=np.zeros(b, np.int64),
-        step=np.zeros(b, np.int64),
-        over=np.zeros(b, np.bool_),
-        ending=np.zeros(b, np.int64),
-        respawns=np.ones(b, np.bool_),
-        respawns_at_start=np.zeros(b, np.bool_),
-        teams=np.zeros(b, np.int64),
-        teams_left=np.zeros(b, np.int64),
-        members_left=np.zeros((b, a), np.int32),
-        supply_goal=np.zeros(b, np.int64),
-        target=np.zeros((b, 3)),
-        has_target=np.zeros(b, np.bool_),
-        reached_by=np.full(b, NOBODY, np.int64),
-        next_serial=np.zeros(b, np.int64),
-        zone=np.zeros((b, phases, 9)),
-        phases=np.zeros(b, np.int64),
-        hot_spots=np.zeros((b, places, 3)),
-        places=np.zeros(b, np.int64),
-        wave_centers=np.zeros((b, waves, 3)),
-        waves=np.zeros(b, np.int64),
-        digest=np.zeros(b, np.uint64),
-        agent_squares=np.zeros((b, squares_for(a) ** 2), np.int32),
-        box_squares=np.zeros((b, BOX_SQUARES * BOX_SQUARES), np.int32),
+    lengths = seats, slots, phases, places, waves, 0, squares_for(seats) ** 2
+    return State(
+        allocate(Agents, matches, lengths),
+        allocate(Supplies, matches, lengths),
+        allocate(Matches, matches, lengths),
     )
 
 
@@ -252,18 +281,25 @@ def with_room(state: State, slots: int, phases: int, places: int, waves: int) ->
         places: The number of places of the hot spot in each match.
         waves: The number of waves of supplies in each match.
     """
-    supplies, matches = state.supplies, state.matches
-    if slots > supplies.quantity.shape[1]:
-        supplies = Supplies(*(_widened(array, slots + slots // 4) for array in supplies))
-    if phases > matches.zone.shape[1]:
-        matches = matches._replace(zone=_widened(matches.zone, phases))
-    if places > matches.hot_spots.shape[1]:
-        matches = matches._replace(hot_spots=_widened(matches.hot_spots, places))
-    if waves > matches.wave_centers.shape[1]:
-        matches = matches._replace(wave_centers=_widened(matches.wave_centers, waves))
+    if slots > state.supplies.quantity.shape[1]:
+        slots += slots // 4
+    room = {Extent.SLOTS: slots, Extent.PHASES: phases, Extent.PLACES: places, Extent.WAVES: waves}
+    supplies, matches = _with_room(state.supplies, room), _with_room(state.matches, room)
     if supplies is state.supplies and matches is state.matches:
         return state
     return State(state.agents, supplies, matches)
+
+
+def _with_room(arrays: Arrays, room: Mapping[Extent, int]) -> Arrays:
+    """Return the same arrays, those replaced whose second axis is too short."""
+    short = {
+        name: _widened(array, room[axes.extent])
+        for array, (name, (_, axes)) in zip(arrays, axes_of(type(arrays)).items(), strict=True)
+        if axes.extent in room and array.shape[1] < room[axes.extent]
+    }
+    named: Any = arrays
+    wide: Arrays = named._replace(**short) if short else arrays
+    return wide
 
 
 def _widened(array: NDArray[Any], room: int) -> NDArray[Any]:
@@ -278,3 +314,5 @@ _EXAMPLE = allocate_state(1, 1, 1, 1, 1, 1)
 agents_at = reader(_EXAMPLE.agents)
 supplies_at = reader(_EXAMPLE.supplies)
 matches_at = reader(_EXAMPLE.matches)
+# A kernel that gathers what the digest contains of a seat.
+digested = values_reader(_EXAMPLE.agents, (*DIGESTED_NUMBERS, *DIGESTED_COUNTS))

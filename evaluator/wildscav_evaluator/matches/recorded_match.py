@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wildscav.wire.actions import ACTION_FIELDS
+from wildscav.agent import ACTION_FIELDS
 from wildscav_engine.record import Record
 from wildscav_engine.simulation.match import Match
 

@@ -7,11 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wildscav.agent import Action
+from wildscav.agent import ACTION_FIELDS, Action
 from wildscav.policy.elementary_functions import arctangent
 from wildscav.policy.errors import PolicyError
-
-FIELDS = ("walk_direction", "walk_speed", "turn", "look", "jump", "pick_up", "shoot", "reload")
 
 
 class ActionMode(ABC):
@@ -80,7 +78,9 @@ class TableMode(ActionMode):
     def action(self, choice: Any, yaw: float) -> Action:  # noqa: ARG002
         """Return the action in a row of the table. See ``ActionMode.action``."""
         (row,) = _whole_numbers(choice, self.sizes)
-        return Action(**dict(zip(FIELDS, self._table[row], strict=True)))
+        values = self._table[row]
+        known = [*ACTION_FIELDS][: len(values)]  # a table from before there were further fields has fewer
+        return Action(**dict(zip(known, values, strict=True)))
 
 
 class ChoicesMode(ActionMode):

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -50,8 +51,20 @@ class Group(NamedTuple):
     read: Callable[[Moment], Values]
 
 
-def _body(now: Moment) -> Values:
-    return now.seen.alive, now.seen.on_ground, now.seen.in_water
+# The groups whose numbers are events, or fields of an ``Observation`` with the same names or with these.
+FACT_GROUPS = ("body", "vitals", "weapon")
+FACT_NAMES = {"respawn_left": "respawn_in", "invincible_left": "invincible_in", "reload_left": "reload_in"}
+_OBSERVED = frozenset(field.name for field in fields(Observation))
+
+
+def _is_fact(column: str) -> bool:
+    return column in Events._fields or FACT_NAMES.get(column, column) in _OBSERVED
+
+
+def _fact(now: Moment, column: str) -> float:
+    if column in Events._fields:
+        return float(getattr(now.events, column))
+    return float(getattr(now.seen, FACT_NAMES.get(column, column)))
 
 
 def _view(now: Moment) -> Values:
@@ -79,15 +92,6 @@ def _supplies(now: Moment) -> Values:
     return seen.supplies, now.events.gained, seen.team_supplies, seen.can_pick_up
 
 
-def _vitals(now: Moment) -> Values:
-    return now.seen.health, now.seen.respawn_in, now.seen.invincible_in
-
-
-def _weapon(now: Moment) -> Values:
-    seen, events = now.seen, now.events
-    return seen.clip, seen.spare_ammo, seen.reload_in, events.fired, events.hit, events.was_hit
-
-
 def _to_target(now: Moment) -> Values:
     return direction(now.seen, now.seen.target)
 
@@ -108,17 +112,14 @@ GROUPS: dict[str, Group] = {
     "view": Group(
         ("yaw", "pitch", "sine of yaw", "cosine of yaw", "sine of pitch", "cosine of pitch"), _view
     ),
-    "body": Group(("alive", "on_ground", "in_water"), _body),
     "time": Group(("left", "passed"), _time),
     "target": Group(
         ("known", "x", "y", "z", "x from here", "y from here", "z from here", "distance"), _target
     ),
     "supplies": Group(("carried", "picked up in the step", "carried by the team", "can_pick_up"), _supplies),
-    "vitals": Group(("health", "respawn_left", "invincible_left"), _vitals),
     "to_target": Group(COLUMNS, _to_target),
     "to_box": Group(COLUMNS, _to_box),
     "to_enemy": Group(COLUMNS, _to_enemy),
-    "weapon": Group(("clip", "spare_ammo", "reload_left", "fired", "hit", "was_hit"), _weapon),
 }
 
 
@@ -134,7 +135,7 @@ class Observer:
     """
 
     def __init__(self, parts: Sequence[Mapping[str, Any]], *, flat: bool) -> None:
-        self._parts = [(str(part["name"]), _column_indices(part)) for part in parts]
+        self._parts = [(str(part["name"]), _columns_of(part)) for part in parts]
         self._flat = flat
         self.shapes = {str(part["name"]): tuple(part["shape"]) for part in parts}
         self.dtypes = {str(part["name"]): np.dtype(part["dtype"]) for part in parts}
@@ -174,27 +175,33 @@ class Observer:
         return reading
 
 
-def _values(name: str, columns: Sequence[int], now: Moment) -> NDArray[np.float32]:
-    values = GROUPS[name].read(now)
-    return np.array([values[column] for column in columns], np.float64).astype(np.float32)
+def _values(name: str, columns: Sequence[str], now: Moment) -> NDArray[np.float32]:
+    if name in FACT_GROUPS:
+        values = [_fact(now, column) for column in columns]
+    else:
+        group = GROUPS[name]
+        by_name = dict(zip(group.columns, group.read(now), strict=True))
+        values = [by_name[column] for column in columns]
+    return np.array(values, np.float64).astype(np.float32)
 
 
-def _column_indices(part: Mapping[str, Any]) -> tuple[int, ...] | None:
-    """Return the indices of a part's columns in its group; None for a sensor.
+def _columns_of(part: Mapping[str, Any]) -> tuple[str, ...] | None:
+    """Return a part's columns; None for a sensor.
 
     Raises:
         PolicyError: A column is unknown.
     """
     if "columns" not in part:
         return None
-    name, columns = part["name"], part["columns"]
+    name, columns = part["name"], tuple(part["columns"])
     known = GROUPS[name].columns if name in GROUPS else ()
-    if unknown := [column for column in columns if column not in known]:
-        raise PolicyError(
-            f"policy.json needs {unknown[0]!r} of {name!r}, which this version of the SDK does not know: "
-            "export the policy again with the version of wildscav that will play it"
-        )
-    return tuple(known.index(column) for column in columns)
+    for column in columns:
+        if not (_is_fact(column) if name in FACT_GROUPS else column in known):
+            raise PolicyError(
+                f"policy.json needs {column!r} of {name!r}, which this version of the SDK does not know: "
+                "export the policy again with the version of wildscav that will play it"
+            )
+    return columns
 
 
 def direction(seen: Observation, place: Vector | None) -> tuple[float, ...]:

@@ -2,16 +2,17 @@
 
 import math
 from collections.abc import Sequence
+from operator import attrgetter
 from typing import NamedTuple
 
-from wildscav.agent import Action
+from wildscav.agent import ACTION_FIELDS, Action
 from wildscav.proto.match_pb2 import Action as ActionMessage
 from wildscav.proto.match_pb2 import ClientMessage
 
-# The order of the columns in the engine's action rows; also the names in the protocol and the SDK.
-ACTION_FIELDS = ("walk_direction", "walk_speed", "turn", "look", "jump", "pick_up", "shoot", "reload")
 MAX_WALK_SPEED = 10.0  # m/s
 FULL_TURN = 360.0  # degrees
+
+_values_of = attrgetter(*ACTION_FIELDS)
 
 
 def encode_action(step: int, action: Action) -> ClientMessage:
@@ -19,14 +20,8 @@ def encode_action(step: int, action: Action) -> ClientMessage:
     message = ClientMessage()
     fields = message.action
     fields.step = step
-    fields.walk_direction = action.walk_direction
-    fields.walk_speed = action.walk_speed
-    fields.turn = action.turn
-    fields.look = action.look
-    fields.jump = action.jump
-    fields.pick_up = action.pick_up
-    fields.shoot = action.shoot
-    fields.reload = action.reload
+    for name in ACTION_FIELDS:
+        setattr(fields, name, getattr(action, name))
     return message
 
 
@@ -47,16 +42,7 @@ def decode_action(message: ActionMessage, outside: Sequence[int]) -> DecodedActi
         message: The agent's message.
         outside: The columns that are not in the track's action set; they are set to zero.
     """
-    row = [
-        message.walk_direction,
-        message.walk_speed,
-        message.turn,
-        message.look,
-        float(message.jump),
-        float(message.pick_up),
-        float(message.shoot),
-        float(message.reload),
-    ]
+    row = [*map(float, _values_of(message))]
     # Written so that NaN fails too. Protobuf has turned numbers too large for 32 bits into infinity.
     if not (0.0 <= row[1] <= MAX_WALK_SPEED and math.isfinite(row[0] + row[2] + row[3])):
         return INVALID

@@ -18,8 +18,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav.agent import ACTION_FIELDS
 from wildscav.proto.match_pb2 import Action
-from wildscav.wire.actions import ACTION_FIELDS, decode_action
+from wildscav.wire.actions import decode_action
 from wildscav.wire.observations import encode_observation
 from wildscav_server.hosting.observations import SeatObservations
 from wildscav_server.hosting.seat import Seat

@@ -3,23 +3,27 @@
 For ten seats those classes take 300 µs per step, several times as long as the step itself; this takes 9 µs.
 
 Source of the format: "Encoding", Protocol Buffers documentation. A field is a key, made of the field's
-number and the type of its value, followed by the value; fields that are zero are omitted. The numbers are
-those of ``match.proto``.
+number and the type of its value, followed by the value; fields that are zero are omitted. The fields, their
+numbers and their types are those of ``match.proto``. A field with the name of one of ``Agents`` is that fact.
 
 Each kernel here writes at a cursor, so its output arguments come first: ``out`` is the buffer of one
 observation, and ``at`` is the position of the next byte. Each kernel returns the new position.
 """
 
 from enum import IntEnum
+from typing import Any
 
 import numpy as np
+from google.protobuf.descriptor import FieldDescriptor as Field
+from google.protobuf.message import Message
 from numpy.typing import NDArray
 
+from wildscav.proto.match_pb2 import Observation, SupplyBox, Vector, VisibleAgent
 from wildscav_engine.arithmetic.random_numbers import Word
-from wildscav_engine.compilation.array_tables import Addresses
+from wildscav_engine.compilation.array_tables import Addresses, values_reader
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.simulation.batch_kernels import agents_of, seen_of, supplies_of
-from wildscav_engine.simulation.state import Agents, Matches, Supplies, matches_at
+from wildscav_engine.simulation.state import Agents, Matches, Supplies, allocate_state, matches_at
 from wildscav_engine.simulation.systems.supplies import team_supplies
 from wildscav_engine.simulation.systems.visibility import Seen
 from wildscav_engine.specs.rules import FRAME
@@ -31,56 +35,70 @@ VARINT, DOUBLE, MESSAGE = 0, 1, 2  # wire types: the type of the value after a k
 LOW, MORE = 127, 128  # masks of a varint's byte: the bits of the number, and whether another byte follows
 
 
-class Own(IntEnum):
-    """Fields of an ``Observation``."""
+class Kind(IntEnum):
+    """How a field is written that is a fact about an agent."""
 
-    STEP = 1
-    FRAME = 2
-    TIME_BANK = 3
-    POSITION = 4
-    VELOCITY = 5
-    YAW = 6
-    PITCH = 7
-    ON_GROUND = 8
-    IN_WATER = 9
-    HEALTH = 10
-    CLIP = 11
-    SPARE_AMMO = 12
-    RELOADING = 13
-    FIRED = 14
-    HIT_SEAT = 15
-    HIT_BY_SEAT = 16
-    INVINCIBLE = 17
-    RESPAWN_IN = 18
-    CAN_PICK_UP = 19
-    SUPPLIES = 20
-    GAINED = 21
-    AGENTS = 22
-    SUPPLY_BOXES = 23
-    TARGET = 25
-    TEAM_SUPPLIES = 26
-    RELOAD_IN = 27
-    INVINCIBLE_IN = 28
+    NUMBER = 0
+    FLAG = 1  # of a number: whether it is above 0
+    DOUBLE = 2
+    SECONDS = 3  # of a number of frames
+    SEAT = 4  # optional, so seat 0 is written as well
+    VECTOR = 5
+    OTHER = 6  # it is none
 
 
-class Other(IntEnum):
-    """Fields of a ``VisibleAgent``."""
+# The fields of messages that have another name in ``Agents``, because they are in another unit there.
+FACTS = {
+    "reloading": "reload_left",
+    "invincible": "invincible_left",
+    "respawn_in": "respawn_left",
+    "reload_in": "reload_left",
+    "invincible_in": "invincible_left",
+}
+_EXAMPLE = allocate_state(1, 1, 1).agents
 
-    SEAT = 1
-    TEAM = 2
-    POSITION = 3
-    VELOCITY = 4
-    YAW = 5
-    HEALTH = 6
-    INVINCIBLE = 7
+
+def _fact_of(field: Field) -> str | None:
+    """Return the name in ``Agents`` of the fact that a field of a message tells; None if it is none."""
+    name = FACTS.get(field.name, field.name)
+    is_list = field.message_type is not None and field.message_type is not Vector.DESCRIPTOR
+    return None if is_list or not hasattr(_EXAMPLE, name) else name
 
 
-class Box(IntEnum):
-    """Fields of a ``SupplyBox``."""
+def _kind_of(field: Field) -> Kind:
+    fact, is_vector = _fact_of(field), field.message_type is not None
+    if fact is None:
+        return Kind.OTHER
+    if field.name in FACTS:
+        return Kind.FLAG if field.type == Field.TYPE_BOOL else Kind.SECONDS
+    if field.type == Field.TYPE_DOUBLE:
+        return Kind.DOUBLE
+    return Kind.VECTOR if is_vector else Kind.SEAT if field.has_presence else Kind.NUMBER
 
-    ID = 1
-    POSITION = 2
-    QUANTITY = 3
+
+def _table_of(message: type[Message]) -> tuple[list[str], NDArray[np.int64]]:
+    """Return the facts in a message, and (F, 3) the number, ``Kind`` and first value of each field."""
+    descriptor: Any = message.DESCRIPTOR
+    fields: list[Field] = sorted(descriptor.fields, key=lambda field: field.number)
+    facts = list(dict.fromkeys(fact for field in fields if (fact := _fact_of(field)) is not None))
+    sizes = [getattr(_EXAMPLE, fact)[0, 0].size for fact in facts]
+    first = dict(zip(facts, np.cumsum([0, *sizes]).tolist(), strict=False))
+    rows = [(field.number, _kind_of(field), first.get(_fact_of(field) or "", 0)) for field in fields]
+    return facts, np.array(rows, np.int64)
+
+
+def _numbers(message: type[Message], *names: str) -> list[int]:
+    return [message.DESCRIPTOR.fields_by_name[name].number for name in names]
+
+
+_own, OWN = _table_of(Observation)
+_other, OTHER = _table_of(VisibleAgent)
+own_facts, other_facts = values_reader(_EXAMPLE, _own), values_reader(_EXAMPLE, _other)
+STEP, FRAMES, TIME_BANK = _numbers(Observation, "step", "frame", "time_bank")
+CAN_PICK_UP, TARGET, TEAM_SUPPLIES = _numbers(Observation, "can_pick_up", "target", "team_supplies")
+AGENTS, SUPPLY_BOXES = _numbers(Observation, "agents", "supply_boxes")
+(SEAT,) = _numbers(VisibleAgent, "seat")
+ID, POSITION, QUANTITY = _numbers(SupplyBox, "id", "position", "quantity")
 
 
 @inlined_kernel
@@ -139,17 +157,35 @@ def put_vector(out: NDArray[np.uint8], at: int, field: int, x: float, y: float, 
 
 
 @kernel
+def put_fact(
+    out: NDArray[np.uint8], at: int, field: int, kind: int, values: NDArray[np.float64], place: int
+) -> int:
+    """Write a field that is a fact about an agent, whose values begin at a place among the given ones."""
+    value = values[place]
+    if kind == Kind.NUMBER:
+        return put_number(out, at, field, int(value))
+    if kind == Kind.FLAG:
+        return put_number(out, at, field, 1 if value > 0.0 else 0)
+    if kind == Kind.DOUBLE:
+        return put_double(out, at, field, value)
+    if kind == Kind.SECONDS:
+        return put_double(out, at, field, value * FRAME)
+    if kind == Kind.SEAT:
+        return _put_varint(out, _put_key(out, at, field, VARINT), int(value)) if value >= 0.0 else at
+    return put_vector(out, at, field, value, values[place + 1], values[place + 2])
+
+
+@kernel
 def put_agent(out: NDArray[np.uint8], at: int, agents: Agents, seat: int) -> int:
     """Write a ``VisibleAgent``."""
-    start = _put_key(out, at, Own.AGENTS, MESSAGE) + 1
-    place, velocity = agents.position[seat], agents.velocity[seat]
-    at = put_number(out, start, Other.SEAT, seat)
-    at = put_number(out, at, Other.TEAM, agents.team[seat])
-    at = put_vector(out, at, Other.POSITION, place[0], place[1], place[2])
-    at = put_vector(out, at, Other.VELOCITY, velocity[0], velocity[1], velocity[2])
-    at = put_double(out, at, Other.YAW, agents.yaw[seat])
-    at = put_number(out, at, Other.HEALTH, max(0, agents.health[seat]))
-    at = put_number(out, at, Other.INVINCIBLE, agents.invincible_left[seat] > 0)
+    start = _put_key(out, at, AGENTS, MESSAGE) + 1
+    at, values = start, other_facts(agents, seat)
+    for row in range(OTHER.shape[0]):
+        field, kind, place = OTHER[row, 0], OTHER[row, 1], OTHER[row, 2]
+        if kind != Kind.OTHER:
+            at = put_fact(out, at, field, kind, values, place)
+        elif field == SEAT:
+            at = put_number(out, at, field, seat)
     out[start - 1] = at - start
     return at
 
@@ -157,41 +193,47 @@ def put_agent(out: NDArray[np.uint8], at: int, agents: Agents, seat: int) -> int
 @kernel
 def put_box(out: NDArray[np.uint8], at: int, supplies: Supplies, slot: int) -> int:
     """Write a ``SupplyBox``."""
-    start = _put_key(out, at, Own.SUPPLY_BOXES, MESSAGE) + 1
+    start = _put_key(out, at, SUPPLY_BOXES, MESSAGE) + 1
     place = supplies.position[slot]
-    at = put_number(out, start, Box.ID, supplies.serial[slot])
-    at = put_vector(out, at, Box.POSITION, place[0], place[1], place[2])
-    at = put_number(out, at, Box.QUANTITY, supplies.quantity[slot])
+    at = put_number(out, start, ID, supplies.serial[slot])
+    at = put_vector(out, at, POSITION, place[0], place[1], place[2])
+    at = put_number(out, at, QUANTITY, supplies.quantity[slot])
     out[start - 1] = at - start
     return at
 
 
 @kernel
-def put_weapon(out: NDArray[np.uint8], at: int, agents: Agents, seat: int) -> int:
-    """Write a seat's health, its weapon, and the hits of the last step."""
-    at = put_number(out, at, Own.HEALTH, max(0, agents.health[seat]))
-    at = put_number(out, at, Own.CLIP, agents.clip[seat])
-    at = put_number(out, at, Own.SPARE_AMMO, agents.spare_ammo[seat])
-    at = put_number(out, at, Own.RELOADING, agents.reload_left[seat] > 0)
-    at = put_number(out, at, Own.FIRED, agents.fired[seat])
-    for field, other in ((Own.HIT_SEAT, agents.hit_seat[seat]), (Own.HIT_BY_SEAT, agents.hit_by_seat[seat])):
-        if other >= 0:  # these fields are optional, so seat 0 is written as well
-            at = _put_varint(out, _put_key(out, at, field, VARINT), other)
-    at = put_number(out, at, Own.INVINCIBLE, agents.invincible_left[seat] > 0)
-    return put_double(out, at, Own.RESPAWN_IN, agents.respawn_left[seat] * FRAME)
-
-
-@kernel
-def put_self(out: NDArray[np.uint8], at: int, agents: Agents, seat: int) -> int:
-    """Write a seat's own body."""
-    place, velocity = agents.position[seat], agents.velocity[seat]
-    at = put_vector(out, at, Own.POSITION, place[0], place[1], place[2])
-    at = put_vector(out, at, Own.VELOCITY, velocity[0], velocity[1], velocity[2])
-    at = put_double(out, at, Own.YAW, agents.yaw[seat])
-    at = put_double(out, at, Own.PITCH, agents.pitch[seat])
-    at = put_number(out, at, Own.ON_GROUND, agents.on_ground[seat])
-    at = put_number(out, at, Own.IN_WATER, agents.in_water[seat])
-    return put_weapon(out, at, agents, seat)
+def put_other(
+    out: NDArray[np.uint8],
+    at: int,
+    field: int,
+    agents: Agents,
+    supplies: Supplies,
+    matches: Matches,
+    seen: Seen,
+    match: int,
+    seat: int,
+) -> int:
+    """Write a field of an ``Observation`` that is no fact about the seat alone; nothing if it is a tensor."""
+    if field == STEP:
+        return put_number(out, at, field, matches.step[match])
+    if field == FRAMES:
+        return put_number(out, at, field, matches.frame[match])
+    if field == CAN_PICK_UP:
+        return put_number(out, at, field, seen.can_pick_up[seat])
+    if field == AGENTS:
+        for place in range(seen.agent_count[seat]):
+            at = put_agent(out, at, agents, seen.agents[seat, place])
+    elif field == SUPPLY_BOXES:
+        for place in range(seen.supply_count[seat]):
+            at = put_box(out, at, supplies, seen.supplies[seat, place])
+    elif field == TARGET and agents.knows_target[seat]:
+        target = matches.target[match]
+        return put_vector(out, at, field, target[0], target[1], target[2])
+    elif field == TEAM_SUPPLIES:
+        together = team_supplies(agents.team, agents.supplies, agents.team[seat])
+        return put_number(out, at, field, together)
+    return at
 
 
 @kernel
@@ -206,24 +248,16 @@ def put_observation(
     time_bank: float,
 ) -> int:
     """Write one seat's ``Observation`` without tensors at the start of the buffer; return its length."""
-    at = put_number(out, 0, Own.STEP, matches.step[match])
-    at = put_number(out, at, Own.FRAME, matches.frame[match])
-    at = put_double(out, at, Own.TIME_BANK, time_bank)
-    at = put_self(out, at, agents, seat)
-    at = put_number(out, at, Own.CAN_PICK_UP, seen.can_pick_up[seat])
-    at = put_number(out, at, Own.SUPPLIES, agents.supplies[seat])
-    at = put_number(out, at, Own.GAINED, agents.gained[seat])
-    for place in range(seen.agent_count[seat]):
-        at = put_agent(out, at, agents, seen.agents[seat, place])
-    for place in range(seen.supply_count[seat]):
-        at = put_box(out, at, supplies, seen.supplies[seat, place])
-    if agents.knows_target[seat]:
-        target = matches.target[match]
-        at = put_vector(out, at, Own.TARGET, target[0], target[1], target[2])
-    together = team_supplies(agents.team, agents.supplies, agents.team[seat])
-    at = put_number(out, at, Own.TEAM_SUPPLIES, together)
-    at = put_double(out, at, Own.RELOAD_IN, agents.reload_left[seat] * FRAME)
-    return put_double(out, at, Own.INVINCIBLE_IN, agents.invincible_left[seat] * FRAME)
+    at, values = 0, own_facts(agents, seat)
+    for row in range(OWN.shape[0]):
+        field, kind, place = OWN[row, 0], OWN[row, 1], OWN[row, 2]
+        if kind != Kind.OTHER:
+            at = put_fact(out, at, field, kind, values, place)
+        elif field == TIME_BANK:
+            at = put_double(out, at, field, time_bank)
+        else:
+            at = put_other(out, at, field, agents, supplies, matches, seen, match, seat)
+    return at
 
 
 @kernel

@@ -9,7 +9,7 @@ const KEYS = {
   ArrowRight: ["turning", 1], ArrowLeft: ["turning", -1], ArrowDown: ["looking", 1], ArrowUp: ["looking", -1],
   Space: ["jump", true], KeyF: ["shoot", true], KeyR: ["reload", true], KeyE: ["pick_up", true],
 };
-const FLAGS = ["jump", "shoot", "reload", "pick_up"];
+const FLAGS = Object.values(KEYS).filter(([, value]) => value === true).map(([flag]) => flag);
 
 export class Controls {
   constructor(picture, stick, buttons) {

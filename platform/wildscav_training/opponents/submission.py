@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav.agent import Agent, check_action
+from wildscav.agent import ACTION_FIELDS, Agent, check_action
 from wildscav.baselines import baseline_folder, is_baseline
 from wildscav.errors import AgentError, UserError
 from wildscav.sdk.run import make_agent
 from wildscav.sdk.submission_folder import MANIFEST, load_agent_class
 from wildscav.terminal.suggestions import did_you_mean
-from wildscav.wire.actions import ACTION_FIELDS, decode_action, encode_action
+from wildscav.wire.actions import decode_action, encode_action
 from wildscav_engine.envs import SeatController
 from wildscav_engine.sensors import parse_sensors
 from wildscav_server.hosting.manifest import Manifest, read_manifest

@@ -7,7 +7,7 @@ import pytest
 from tests.builders import act, lay_boxes, make_match
 
 from wildscav_engine.simulation.match import Match
-from wildscav_engine.simulation.state import Agents
+from wildscav_engine.simulation.state import EQUIPMENT, Agents
 from wildscav_engine.specs.supply_config import SupplyConfig, SupplyWave
 
 RICH = SupplyConfig(waves=(SupplyWave(center=(0, 0), radius=1000, outdoor_richness=50),), spacing=2)
@@ -24,7 +24,7 @@ FIXED = {
     "velocity",
     "in_water",
 }
-FIXED |= {"clip_size", "full_health", "full_spare_ammo", "shot_damage", "start"}
+FIXED |= {"start", *EQUIPMENT}
 PLAYED_ANEW = {
     "damage",
     "walk_velocity",

@@ -14,9 +14,7 @@ from wildscav_engine.simulation import snapshot
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.setup.match_setup import MatchSetupError
-from wildscav_engine.simulation.snapshot import EXTENTS, Extent, StateError
-from wildscav_engine.simulation.state import allocate_state
-from wildscav_engine.simulation.systems.visibility import allocate_seen
+from wildscav_engine.simulation.snapshot import StateError
 from wildscav_engine.specs.actions import FIELDS
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
@@ -180,20 +178,3 @@ def test_a_state_on_a_map_that_is_not_made_here_is_refused() -> None:
     # Both maps were made by hand, so nobody can make them from their spec.
     with pytest.raises(StateError, match="its spec generates"):
         match_of("battle").set_state(match_of("battle", game_map=YARD).get_state())
-
-
-def test_what_a_state_keeps_of_each_array_is_what_grows_with_the_match() -> None:
-    sizes = {
-        (50, 200): Extent.SEATS,
-        (60, 210): Extent.SLOTS,
-        (70, 220): Extent.PHASES,
-        (80, 230): Extent.PLACES,
-        (90, 240): Extent.WAVES,
-    }
-    small, large = allocate_state(1, 50, 60, 70, 80, 90), allocate_state(1, 200, 210, 220, 230, 240)
-    for parts in zip(small, large, EXTENTS, strict=False):
-        for one, other, length in zip(*parts, strict=True):
-            before, after = one.shape[1:2], other.shape[1:2]
-            fixed = Extent.WHOLE if before == after else Extent.NOTHING
-            assert length == sizes.get(before + after, fixed)
-    assert len(EXTENTS[-1]) == len(allocate_seen(1, 1))

@@ -113,7 +113,7 @@ def _actions(seats: int, step: int) -> NDArray[np.float32]:
     for seat in range(seats):
         number = seat * 37 + step // 4 * 11
         rows[seat, :4] = number * 29 % 360, number % 11, number % 7 - 3, step % 5 - 2
-        rows[seat, 4:] = number % 3 == 0, 1, number % 5 != 0, number % 13 == 0
+        rows[seat, 4:8] = number % 3 == 0, 1, number % 5 != 0, number % 13 == 0
     return rows
 
 

@@ -10,7 +10,7 @@ from gymnasium.spaces import Space
 from numpy.typing import ArrayLike, NDArray
 
 from wildscav_engine.sensors.base import Column
-from wildscav_engine.specs.actions import Field
+from wildscav_engine.specs.actions import MEANINGS, Field
 
 Rows = NDArray[np.float32]  # (N, FIELDS), written
 Yaws = NDArray[np.float64]  # (N,) degrees
@@ -20,18 +20,6 @@ NUMBERS = "biuf"  # the kinds of dtypes that are numbers
 # The columns of rows, as kernels take them.
 DIRECTION, SPEED = int(Field.WALK_DIRECTION), int(Field.WALK_SPEED)
 TURN, LOOK = int(Field.TURN), int(Field.LOOK)
-
-# The unit of each field, and what it does.
-MEANINGS: dict[Field, tuple[str, str]] = {
-    Field.WALK_DIRECTION: ("degrees", "direction to walk in: 0 is north, 90 is east"),
-    Field.WALK_SPEED: ("m/s", "speed to walk at"),
-    Field.TURN: ("degrees per frame", "added to the yaw in each frame of the step; positive turns right"),
-    Field.LOOK: ("degrees per frame", "added to the pitch in each frame of the step; positive looks down"),
-    Field.JUMP: ("0 or 1", "jump, as soon as the agent stands on something"),
-    Field.PICK_UP: ("0 or 1", "pick up the supply boxes within reach"),
-    Field.SHOOT: ("0 or 1", "shoot along the view"),
-    Field.RELOAD: ("0 or 1", "reload the weapon from the spare ammunition"),
-}
 
 
 class ActionError(ValueError):
@@ -82,7 +70,8 @@ class ActionMode(ABC):
         """Return the columns of the flags; ``what`` says which numbers set a flag."""
         flags = [field for field in self.fields if field > Field.LOOK]
         return tuple(
-            Column(field.name.lower(), unit, low, 1.0, f"{what}: {MEANINGS[field][1]}") for field in flags
+            Column(field.name.lower(), unit, low, 1.0, f"{what}: {MEANINGS[field].meaning}")
+            for field in flags
         )
 
     def mask(self, alive: bool) -> Any:  # noqa: ARG002

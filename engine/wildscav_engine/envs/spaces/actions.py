@@ -21,7 +21,6 @@ from wildscav_engine.envs.settings.config import EnvConfig
 from wildscav_engine.envs.spaces.action_mode import (
     DIRECTION,
     LOOK,
-    MEANINGS,
     NUMBERS,
     SPEED,
     TURN,
@@ -35,7 +34,7 @@ from wildscav_engine.envs.spaces.action_mode import (
     choice_mask,
 )
 from wildscav_engine.sensors.base import Column
-from wildscav_engine.specs.actions import FIELDS, MAX_WALK_SPEED, Field
+from wildscav_engine.specs.actions import FIELDS, MAX_WALK_SPEED, MEANINGS, Field
 
 __all__ = ["MODES", "ActionError", "ActionMode", "action_mode"]
 
@@ -50,16 +49,8 @@ _FINE_LOOKS = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 FINE_TURNS = (*(-turn for turn in reversed(_FINE_TURNS)), 0.0, *_FINE_TURNS)  # degrees per step
 FINE_LOOKS = (*(-look for look in reversed(_FINE_LOOKS)), 0.0, *_FINE_LOOKS)  # degrees per step
 TURN_STEP, LOOK_STEP = 45.0, 20.0  # degrees per step, for 1 in the mode box
-TURN_LIMIT, LOOK_LIMIT = 180.0, 90.0  # degrees per frame, in the mode dict
 SPEEDS = int(MAX_WALK_SPEED) + 1  # whole numbers of m/s, in the mode dict; records play fractions, too
 VALID = -1
-# The least and the greatest value of each field in the mode dict; flags are 0 or 1.
-RANGES: dict[Field, tuple[float, float]] = dict.fromkeys(Field, (0.0, 1.0)) | {
-    Field.WALK_DIRECTION: (0.0, 360.0),
-    Field.WALK_SPEED: (0.0, MAX_WALK_SPEED),
-    Field.TURN: (-TURN_LIMIT, TURN_LIMIT),
-    Field.LOOK: (-LOOK_LIMIT, LOOK_LIMIT),
-}
 
 
 class DictMode(ActionMode):
@@ -69,7 +60,7 @@ class DictMode(ActionMode):
         super().__init__(fields, frames_per_action)
         self._names = {field.name.lower(): int(field) for field in self.fields}
         self._columns = np.array(self.fields, np.int64)
-        self._ranges = np.array([RANGES[field] for field in self.fields])
+        self._ranges = np.array([_range(field) for field in self.fields])
 
     @property
     def space(self) -> Dict:
@@ -80,10 +71,7 @@ class DictMode(ActionMode):
     def columns(self) -> tuple[Column, ...]:
         """The fields, sorted by name, as Gymnasium sorts them."""
         fields = sorted(self.fields, key=lambda field: field.name)
-        return tuple(
-            Column(field.name.lower(), MEANINGS[field][0], *RANGES[field], MEANINGS[field][1])
-            for field in fields
-        )
+        return tuple(Column(field.name.lower(), *MEANINGS[field]) for field in fields)
 
     def describe(self) -> dict[str, Any]:
         """Return the names of the fields."""
@@ -114,6 +102,10 @@ class DictMode(ActionMode):
         }
 
 
+def _range(field: Field) -> tuple[float, float]:
+    return MEANINGS[field].low, MEANINGS[field].high
+
+
 def _choices(field: Field) -> int:
     """Return the number of choices of a field in the mode ``dict``; 0 for continuous fields."""
     if field == Field.WALK_SPEED:
@@ -123,13 +115,13 @@ def _choices(field: Field) -> int:
 
 def _space_of(field: Field) -> Space[Any]:
     choices = _choices(field)
-    return Discrete(choices) if choices else Box(*RANGES[field], (), np.float32)
+    return Discrete(choices) if choices else Box(*_range(field), (), np.float32)
 
 
 def _allowed(field: Field) -> str:
     if field > Field.LOOK:
         return "0 or 1"
-    low, high = RANGES[field]
+    low, high = _range(field)
     return f"from 0 to {high:g}" if field == Field.WALK_SPEED else f"in [{low:g}, {high:g}]"
 
 

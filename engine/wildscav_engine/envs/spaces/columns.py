@@ -171,6 +171,11 @@ _NEW_GROUPS: dict[Part, Group] = {
     ),
 }
 
+# The groups whose columns are facts about the agent, those of ``Agents`` with the same names or with these.
+# Columns in seconds are frames there, and YES is whatever is not the first value of the array.
+FACT_PARTS = (Part.BODY, Part.VITALS, Part.WEAPON)
+FACT_NAMES = {"alive": "health", "hit": "hit_seat", "was_hit": "hit_by_seat"}
+
 # The outcome of a step for a learner.
 OUTCOME = ("terminated", "truncated", "reward")
 # Counts of a learner's events in the step.

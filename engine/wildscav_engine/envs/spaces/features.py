@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.elementary_functions import cosine, exponential, logarithm, sine
-from wildscav_engine.compilation.array_tables import Addresses, reader
+from wildscav_engine.compilation.array_tables import Addresses, reader, values_reader
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.envs.spaces.columns import Part
+from wildscav_engine.envs.spaces.columns import FACT_NAMES, FACT_PARTS, GROUPS, YES, Part
 from wildscav_engine.simulation.state import (
     NOBODY,
     NOT_ELIMINATED,
@@ -18,6 +18,8 @@ from wildscav_engine.simulation.state import (
     Matches,
     Supplies,
     agents_at,
+    allocate_state,
+    axes_of,
     matches_at,
     supplies_at,
 )
@@ -28,15 +30,25 @@ from wildscav_engine.tracks.rewards import FACTS, Fact, Facts, RewardSum, TermAr
 
 Row = NDArray[np.float32]
 
-POSITION, VELOCITY, VIEW, BODY = int(Part.POSITION), int(Part.VELOCITY), int(Part.VIEW), int(Part.BODY)
-TIME, TARGET, SUPPLIES, VITALS = int(Part.TIME), int(Part.TARGET), int(Part.SUPPLIES), int(Part.VITALS)
-WEAPON = int(Part.WEAPON)
+POSITION, VELOCITY, VIEW = int(Part.POSITION), int(Part.VELOCITY), int(Part.VIEW)
+TIME, TARGET, SUPPLIES = int(Part.TIME), int(Part.TARGET), int(Part.SUPPLIES)
 OUTCOME, EVENTS, TERMS = int(Part.OUTCOME), int(Part.EVENTS), int(Part.TERMS)
 TO_TARGET, TO_BOX, TO_ENEMY = int(Part.TO_TARGET), int(Part.TO_BOX), int(Part.TO_ENEMY)
 TIME_UP = int(Ending.TIME_UP)
 KILLS, DEATHS, HITS, HEALTH = int(Fact.KILLS), int(Fact.DEATHS), int(Fact.HITS), int(Fact.HEALTH)
 NEAR = 5.0  # m, at which the nearness has fallen to 1 / e
 WIDTH = 9  # columns of a direction
+
+# The columns that are facts: their part and their place in it, and their field of ``Agents``.
+_FACTS = [
+    (part, place, column, FACT_NAMES.get(column.name, column.name))
+    for part in FACT_PARTS
+    for place, column in enumerate(GROUPS[part].columns)
+]
+FACT_PLACE = np.array([(part, place) for part, place, _, _ in _FACTS])  # (F, 2)
+# (F,) the factor of each, 0 for whether it differs from FACT_NONE.
+FACT_UNIT = np.array([{YES: 0.0, "s": FRAME}.get(column.unit, 1.0) for _, _, column, _ in _FACTS])
+FACT_NONE = np.array([float(axes_of(Agents)[name][1].fill) for _, _, _, name in _FACTS])
 
 
 class RowWorkspace(NamedTuple):
@@ -75,6 +87,7 @@ _EXAMPLE = allocate_row_workspace(1, 1, [0], np.zeros(1, np.int64), RewardSum({}
 # Kernels that read the arrays from their tables.
 seen_at = reader(allocate_seen(1, 1))
 workspace_at = reader(_EXAMPLE)
+facts_of = values_reader(allocate_state(1, 1, 1).agents, [name for _, _, _, name in _FACTS])
 
 
 @kernel
@@ -101,8 +114,7 @@ def write_rows(
             _write_body(agents, match, seat, workspace.start, row)
             _write_task(agents, matches, seen.can_pick_up, match, seat, workspace.start, row)
             _write_directions(agents, supplies, matches, seen, match, seat, workspace.start, row)
-            if workspace.start[WEAPON] >= 0:
-                _write_weapon(agents, match, seat, row[workspace.start[WEAPON] :])
+            _write_facts(agents, match, seat, workspace.start, row)
             _write_outcome(agents, matches, match, learner, workspace, row)
         workspace.is_new[match] = False
 
@@ -117,10 +129,6 @@ def _write_body(agents: Agents, match: int, seat: int, start: NDArray[np.int64],
     view[0], view[1] = yaw, pitch
     view[2], view[3] = _sine(yaw), _cosine(yaw)
     view[4], view[5] = _sine(pitch), _cosine(pitch)
-    body = row[start[BODY] :]
-    body[0] = agents.health[match, seat] > 0
-    body[1] = agents.on_ground[match, seat]
-    body[2] = agents.in_water[match, seat]
 
 
 @kernel
@@ -143,7 +151,7 @@ def _write_task(
     start: NDArray[np.int64],
     row: Row,
 ) -> None:
-    """Write the times, and the target, the supplies and the vitals if the track has them."""
+    """Write the times, and the target and the supplies if the track has them."""
     row[start[TIME]] = max(0, matches.frame_limit[match] - matches.frame[match]) * FRAME
     row[start[TIME] + 1] = matches.frame[match] * FRAME
     if start[TARGET] >= 0:
@@ -155,11 +163,6 @@ def _write_task(
         count, team = matches.seats[match], agents.team[match, seat]
         supplies[2] = team_supplies(agents.team[match, :count], agents.supplies[match, :count], team)
         supplies[3] = can_pick_up[match, seat]
-    if start[VITALS] >= 0:
-        vitals = row[start[VITALS] :]
-        vitals[0] = agents.health[match, seat]
-        vitals[1] = agents.respawn_left[match, seat] * FRAME
-        vitals[2] = agents.invincible_left[match, seat] * FRAME
 
 
 @kernel
@@ -199,13 +202,15 @@ def _write_directions(
 
 
 @kernel
-def _write_weapon(agents: Agents, match: int, seat: int, weapon: Row) -> None:
-    weapon[0] = agents.clip[match, seat]
-    weapon[1] = agents.spare_ammo[match, seat]
-    weapon[2] = agents.reload_left[match, seat] * FRAME
-    weapon[3] = agents.fired[match, seat]
-    weapon[4] = agents.hit_seat[match, seat] != NOBODY
-    weapon[5] = agents.hit_by_seat[match, seat] != NOBODY
+def _write_facts(agents: Agents, match: int, seat: int, start: NDArray[np.int64], row: Row) -> None:
+    """Write the groups of facts about the learner that its track has."""
+    values = facts_of(agents, match * agents.team.shape[1] + seat)
+    for place in range(FACT_PLACE.shape[0]):
+        first = start[FACT_PLACE[place, 0]]
+        if first >= 0:
+            is_so = 1.0 if values[place] != FACT_NONE[place] else 0.0
+            unit = FACT_UNIT[place]
+            row[first + FACT_PLACE[place, 1]] = values[place] * unit if unit != 0.0 else is_so
 
 
 @kernel

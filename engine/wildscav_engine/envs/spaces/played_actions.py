@@ -14,16 +14,14 @@ from numpy.typing import NDArray
 from wildscav_engine.envs.settings.config import EnvConfig
 from wildscav_engine.envs.spaces.actions import (
     DIRECTIONS,
-    LOOK_LIMIT,
     LOOK_STEP,
-    TURN_LIMIT,
     TURN_STEP,
     WALK_SPEEDS,
     BaselineMode,
     MultiDiscreteMode,
     action_mode,
 )
-from wildscav_engine.specs.actions import MAX_WALK_SPEED, Field
+from wildscav_engine.specs.actions import LOOK_LIMIT, MAX_WALK_SPEED, TURN_LIMIT, Field
 
 Played = NDArray[np.float32]  # (N, FIELDS) rows as the engine returned them
 Yaws = NDArray[np.float64]  # (N,) degrees, of the agents before the step

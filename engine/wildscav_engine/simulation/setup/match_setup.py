@@ -13,7 +13,7 @@ from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.maps.locations import OUTDOOR_SPACING
 from wildscav_engine.simulation.robots.decide import ROBOTS
 from wildscav_engine.simulation.setup.starts import MatchSetupError, choose_starts
-from wildscav_engine.simulation.state import State
+from wildscav_engine.simulation.state import EQUIPMENT, State
 from wildscav_engine.simulation.systems.hot_spot import NONE as NO_HOT_SPOT
 from wildscav_engine.simulation.systems.hot_spot import choose_around, plan_hot_spot
 from wildscav_engine.simulation.systems.supplies import choose_indoor, choose_outdoor, fill_boxes
@@ -192,16 +192,12 @@ def place_match(state: State, match: int, setup: Setup) -> None:
 
 def _write_equipment(state: State, match: int, spec: MatchSpec) -> None:
     """Write the equipment of every seat of a match: that of the rules, or its own."""
-    agents, rules, seats = state.agents, spec.rules, len(spec.seats)
-    agents.full_health[match, :seats] = rules.start_health
-    agents.clip_size[match, :seats] = rules.clip_size
-    agents.full_spare_ammo[match, :seats] = rules.spare_ammo
-    agents.shot_damage[match, :seats] = rules.shot_damage
+    agents, seats = state.agents, len(spec.seats)
+    for array, rule in EQUIPMENT.items():
+        getattr(agents, array)[match, :seats] = getattr(spec.rules, rule)
     for seat in range(seats) if spec.equipment is not None else ():
-        health, clip_size, spare_ammo, shot_damage = spec.equipment_of(seat)
-        agents.full_health[match, seat], agents.clip_size[match, seat] = health, clip_size
-        agents.full_spare_ammo[match, seat] = spare_ammo
-        agents.shot_damage[match, seat] = shot_damage
+        for array, value in zip(EQUIPMENT, spec.equipment_of(seat), strict=False):
+            getattr(agents, array)[match, seat] = value
 
 
 class Lineup(NamedTuple):

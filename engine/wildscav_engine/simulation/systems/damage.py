@@ -8,6 +8,7 @@ from wildscav_engine.simulation.state import NOBODY, Agents, Matches, Supplies
 from wildscav_engine.simulation.systems.agent_grid import AgentGrid, agent_grid_of
 from wildscav_engine.simulation.systems.elimination import eliminate
 from wildscav_engine.simulation.systems.supplies import drop_supplies
+from wildscav_engine.simulation.systems.weapons import load_weapons
 from wildscav_engine.specs.body import BODY_RADIUS
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND, Rules, frames
 
@@ -95,10 +96,7 @@ def _respawn(world: World, agents: Agents, matches: Matches, match: int, seat: i
 def equip(agents: Agents, seat: int) -> None:
     """Give an agent its equipment and reset its motion, except for its position."""
     agents.health[seat] = agents.full_health[seat]
-    agents.clip[seat] = agents.clip_size[seat]
-    agents.spare_ammo[seat] = agents.full_spare_ammo[seat]
-    agents.reload_left[seat] = 0
-    agents.fire_left[seat] = 0
+    load_weapons(agents, seat)
     for axis in range(3):
         agents.velocity[seat, axis] = 0.0
     agents.pitch[seat] = 0.0

@@ -1,6 +1,6 @@
 """The other agents and supply boxes that an agent can see, as lists of the nearest."""
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +10,17 @@ from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.geometry.linked_grid import Squares, column_of, row_of, squares_around
 from wildscav_engine.geometry.rays import NOTHING_HIT, intersect_solid, make_ray, raycast
 from wildscav_engine.geometry.world import World
-from wildscav_engine.simulation.state import NOBODY, Agents, Matches, Supplies
+from wildscav_engine.simulation.state import (
+    NOBODY,
+    Agents,
+    Axes,
+    Count,
+    Extent,
+    Flag,
+    Matches,
+    Supplies,
+    allocate,
+)
 from wildscav_engine.simulation.systems.agent_grid import AgentGrid, agent_grid_of, index_agents
 from wildscav_engine.simulation.systems.supplies import is_present, squared_distance_to_box, squares_of_boxes
 from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS, EYE_HEIGHT
@@ -28,26 +38,19 @@ SLACK = 0.01  # m, more than the rounding error of the edges of squares
 class Seen(NamedTuple):
     """What each agent sees, nearest first; unused entries are -1."""
 
-    agents: NDArray[np.int32]  # (B, A, 16) seats
-    agent_count: NDArray[np.int32]  # (B, A)
-    agent_distance_squared: NDArray[np.float64]  # (B, A, 16) m², of those
-    supplies: NDArray[np.int32]  # (B, A, 32) slots of boxes
-    supply_count: NDArray[np.int32]  # (B, A)
-    supply_distance_squared: NDArray[np.float64]  # (B, A, 32) m², of those
-    can_pick_up: NDArray[np.bool_]  # (B, A) whether a box is in reach
+    agents: Annotated[NDArray[np.int32], Axes(Extent.SEATS, (AGENT_LIMIT,), NOBODY)]  # seats
+    agent_count: Count
+    agent_distance_squared: Annotated[NDArray[np.float64], Axes(Extent.SEATS, (AGENT_LIMIT,))]  # m², of those
+    supplies: Annotated[NDArray[np.int32], Axes(Extent.SEATS, (SUPPLY_LIMIT,), -1)]  # slots of boxes
+    supply_count: Count
+    # m², of those
+    supply_distance_squared: Annotated[NDArray[np.float64], Axes(Extent.SEATS, (SUPPLY_LIMIT,))]
+    can_pick_up: Flag  # whether a box is in reach
 
 
 def allocate_seen(matches: int, seats: int) -> Seen:
     """Return arrays in which no agent sees anything."""
-    return Seen(
-        agents=np.full((matches, seats, AGENT_LIMIT), NOBODY, np.int32),
-        agent_count=np.zeros((matches, seats), np.int32),
-        agent_distance_squared=np.zeros((matches, seats, AGENT_LIMIT)),
-        supplies=np.full((matches, seats, SUPPLY_LIMIT), -1, np.int32),
-        supply_count=np.zeros((matches, seats), np.int32),
-        supply_distance_squared=np.zeros((matches, seats, SUPPLY_LIMIT)),
-        can_pick_up=np.zeros((matches, seats), np.bool_),
-    )
+    return allocate(Seen, matches, [seats])
 
 
 @kernel

@@ -15,6 +15,15 @@ from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS, EYE_HEIGHT
 from wildscav_engine.specs.rules import Rules, frames
 
 
+@kernel
+def load_weapons(agents: Agents, seat: int) -> None:
+    """Give an agent the weapons and the ammunition that it is equipped with."""
+    agents.clip[seat] = agents.clip_size[seat]
+    agents.spare_ammo[seat] = agents.full_spare_ammo[seat]
+    agents.reload_left[seat] = 0
+    agents.fire_left[seat] = 0
+
+
 @inlined_kernel
 def handle_weapons(agents: Agents, actions: NDArray[np.float32], rules: Rules) -> None:
     """Count down the weapons of living agents, and start or finish reloads.

@@ -51,7 +51,9 @@ def decoded(track: str, mode: str, action: Any, yaw: float = 0.0) -> dict[str, f
     ],
 )
 def test_an_action_becomes(track: str, mode: str, action: Any, becomes: dict[str, float]) -> None:
-    assert decoded(track, mode, np.array(action), yaw=30.0) == becomes
+    rest = [0] * (FIELDS - Field.RELOAD - 1) if track == "battle" else []  # other weapons
+    given = np.array([*action, *rest] if isinstance(action, list) else action)
+    assert decoded(track, mode, given, yaw=30.0) == becomes
 
 
 def test_the_dict_is_the_papers() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from tests.platform.helpers.seats import connected, ended, host, serving, small_spec, start_agent
 
-from wildscav.wire.actions import ACTION_FIELDS
+from wildscav.agent import ACTION_FIELDS
 from wildscav.wire.observations import decode_observation
 from wildscav_engine.sensors import SENSORS
 from wildscav_engine.simulation.match import Match
@@ -67,7 +67,7 @@ def test_a_served_match_is_the_same_as_one_played_in_the_engine(tmp_path: Path) 
 
 
 def test_the_columns_of_the_wire_are_those_of_the_engine() -> None:
-    assert tuple(field.name.lower() for field in Field) == ACTION_FIELDS
+    assert tuple(field.name.lower() for field in Field) == tuple(ACTION_FIELDS)
 
 
 def test_an_observation_tells_the_state_of_the_engine(tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ from tests.platform.helpers.seats import small_spec
 
 from wildscav.proto.match_pb2 import Observation, SupplyBox, Vector, VisibleAgent
 from wildscav_engine.simulation.match import Match
+from wildscav_engine.simulation.state import Agents
 from wildscav_engine.simulation.systems.visibility import AGENT_LIMIT, SUPPLY_LIMIT
 from wildscav_engine.specs.actions import FIELDS
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
@@ -22,17 +23,13 @@ from wildscav_server.hosting.observations import SeatObservations
 from wildscav_server.hosting.precompile import precompile
 
 BANK = 29.5  # s, of seat 0; each other one has a second more
-NEVER_NEGATIVE = (
-    "team",
-    "clip",
-    "spare_ammo",
-    "supplies",
-    "gained",
-    "respawn_left",
-    "reload_left",
-    "invincible_left",
-)
-AS_THEY_ARE = ("yaw", "pitch", "on_ground", "in_water", "clip", "spare_ammo", "fired", "supplies", "gained")
+AS_THEY_ARE = [
+    field.name
+    for field in Observation.DESCRIPTOR.fields
+    if field.name in Agents._fields and not field.has_presence
+]
+NEVER_NEGATIVE = ["team", "respawn_left", "reload_left", "invincible_left"]
+NEVER_NEGATIVE += [name for name in AS_THEY_ARE if name not in {"yaw", "pitch"}]
 # A match with all that can be seen: more agents and boxes than go into one observation.
 CROWDED = MatchSpec(
     track="battle",
@@ -65,7 +62,6 @@ def by_protobuf(match: Match, seat: int) -> Observation:
         invincible_in=float(own["invincible_left"] * FRAME),
         team_supplies=carried_by(match, int(own["team"])),
         can_pick_up=bool(seen.can_pick_up[0, seat]),
-        health=max(0, int(own["health"])),
         agents=[visible(match, int(one)) for one in seen.agents[0, seat, : seen.agent_count[0, seat]]],
         supply_boxes=[box(match, int(one)) for one in seen.supplies[0, seat, : seen.supply_count[0, seat]]],
     )
@@ -93,7 +89,7 @@ def visible(match: Match, seat: int) -> VisibleAgent:
         position=vector(agents.position[0, seat]),
         velocity=vector(agents.velocity[0, seat]),
         yaw=float(agents.yaw[0, seat]),
-        health=max(0, int(agents.health[0, seat])),
+        health=int(agents.health[0, seat]),
         invincible=bool(agents.invincible_left[0, seat] > 0),
     )
 

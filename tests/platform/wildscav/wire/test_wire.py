@@ -13,10 +13,11 @@ from hypothesis import strategies as some
 from numpy.typing import NDArray
 
 from wildscav import Action, MatchInfo, Observation, SupplyWave
+from wildscav.agent import ACTION_FIELDS
 from wildscav.errors import AgentError
 from wildscav.proto.match_pb2 import Observation as ObservationMessage
 from wildscav.proto.match_pb2 import ServerMessage, SupplyBox, Tensor, Vector, VisibleAgent
-from wildscav.wire.actions import ACTION_FIELDS, decode_action, encode_action
+from wildscav.wire.actions import decode_action, encode_action
 from wildscav.wire.matches import decode_match_info, encode_match_info
 from wildscav.wire.observations import (
     decode_observation,
@@ -59,7 +60,7 @@ def test_a_number_that_is_not_finite_in_32_bits_makes_no_action(name: str, value
 def test_fields_outside_the_action_set_are_ignored_and_counted() -> None:
     message = encode_action(0, Action(walk_speed=4.0, shoot=True, reload=True)).action
     row, ignored = decode_action(message, outside=(5, 6, 7))
-    assert row == [0.0, 4.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+    assert row == [0.0, 4.0, *[0.0] * (len(ACTION_FIELDS) - 2)]
     assert ignored == 2
 
 
