@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from tests.commands import run_command
 
 BIN = Path(sys.executable).parent
 
@@ -46,21 +47,17 @@ def test_the_demo_ends_with_three_tables_and_records_that_all_hold(tmp_path: Pat
     short = "".join(f"[tracks.{track}]\nmaps = 2\nmatch = {{ time_limit = 3 }}\n" for track in tracks)
     (tmp_path / "short.toml").write_text(f'name = "short"\nmap = {{ size = 60, houses = 1 }}\n{short}')
 
-    said = run(
-        tmp_path,
-        *("wildscav", "evaluate", *folders, "--out=out/demo"),
-        "--suite=short.toml",
-        *(f"--track={track}" for track in tracks),
-    )
+    chosen = ("--suite=short.toml", *(f"--track={track}" for track in tracks))
+    done = run_command("evaluate", *folders, "--out=out/demo", *chosen, cwd=tmp_path)
 
+    assert done.returncode == 0, done.stderr
     for track in tracks:
-        assert f"{track} · suite short@" in said
-    assert "rerun" in said
+        assert f"{track} · suite short@" in done.stdout
+    assert "rerun" in done.stdout
     records = sorted((tmp_path / "out/demo/records").iterdir())
     results = json.loads((tmp_path / "out/demo/results.json").read_text())
     assert len(records) == sum(len(evaluation["matches"]) for evaluation in results["evaluations"])
-    run(tmp_path, "wildscav", "verify", *records)
+    assert run_command("verify", *records, cwd=tmp_path).returncode == 0
     replays = sorted((tmp_path / "out/demo/replays").iterdir())
     assert len(replays) == 9
-    for replay in replays:
-        run(tmp_path, "rerun", "rrd", "verify", replay)
+    run(tmp_path, "rerun", "rrd", "verify", *replays)

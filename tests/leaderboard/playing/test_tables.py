@@ -3,7 +3,7 @@
 import asyncio
 import os
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -51,13 +51,13 @@ class Site(NamedTuple):
         tables: Tables = self.app.state.tables
         return tables
 
-    def open(self) -> OpenTable:
+    def open(self, refused: Callable[[], str] = str) -> OpenTable:
         """Open a table, and wait until it is ready."""
         number = self.filled.submissions["active"]
         with self.filled.database.reading() as session:
             one = find_submission(session, number)
             wish = Wish("me", number, one.archive, one.entrant, "night-owl", "navigation", self.address)
-        table = self.tables.open(wish)
+        table = self.tables.open(wish, refused)
         wait(lambda: table.state != "starting")
         assert table.state == READY, table.why
         return table
@@ -180,9 +180,12 @@ def test_a_page_is_told_when_the_time_is_over(
         assert served_site.counted() == {"open": 0, "over": 1}
 
 
-def test_another_site_cannot_use_a_game_that_is_open(hostile_season: FilledSeason) -> None:
+def test_a_game_is_played_from_its_own_site_until_its_submission_is_disqualified(
+    hostile_season: FilledSeason,
+) -> None:
+    said = [""]
     with site(hostile_season, "process") as served_site:
-        table = served_site.open()
+        table = served_site.open(lambda: said[0])
 
         async def open_from(origin: str) -> Any:
             async with page_of(f"{served_site.address}{table.path}", origin=origin) as page:
@@ -193,16 +196,7 @@ def test_another_site_cannot_use_a_game_that_is_open(hostile_season: FilledSeaso
         assert code_and_reason(closed.value) == (4005, "another site opened this game")
         assert asyncio.run(open_from(served_site.address)) == "table"
 
-
-def test_a_submission_that_is_disqualified_meanwhile_is_played_no_longer(
-    hostile_season: FilledSeason,
-) -> None:
-    with site(hostile_season, "process") as served_site:
-        number = hostile_season.submissions["active"]
-        with hostile_season.database.reading() as session:
-            one = find_submission(session, number)
-            wish = Wish("me", number, one.archive, one.entrant, "night-owl", "battle", served_site.address)
-        table = served_site.tables.open(wish, lambda: "submission 1 is disqualified")
+        said[0] = "submission 1 is disqualified"
         wait(lambda: table.state == ENDED)
         assert table.why == "submission 1 is disqualified"
 

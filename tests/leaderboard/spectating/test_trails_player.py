@@ -219,17 +219,18 @@ def test_a_narrow_page_needs_no_sideways_scrolling(browser: Any, address: str) -
         assert page.evaluate("document.documentElement.scrollWidth") <= 390
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_nothing_keeps_people_out(browser: Any, address: str, scheme: str) -> None:
-    axe = pytest.importorskip("axe_playwright_python.sync_playwright")
-    with browser.new_context(color_scheme=scheme, bypass_csp=True) as context:
+def test_nothing_keeps_people_out(browser: Any, address: str) -> None:
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
+    with browser.new_context(color_scheme="light", bypass_csp=True) as context:
         page = context.new_page()
         open_player(page, address)
         page.get_by_label(RANGE).fill("10")
 
-        found = axe.Axe().run(page)
+        for scheme, rules in (("light", {}), ("dark", {"runOnly": ["color-contrast"]})):
+            page.emulate_media(color_scheme=scheme)
+            found = axe.run(page, options={"resultTypes": ["violations"], **rules})
 
-        assert found.violations_count == 0, found.generate_report()
+            assert found.violations_count == 0, (scheme, found.generate_report())
 
 
 def test_a_running_match_moves_by_itself_until_its_record_is_there(
