@@ -8,7 +8,7 @@ import pytest
 from fastapi import FastAPI
 from tests.browsers import DESK, PHONE, chromium
 from tests.leaderboard.agents import write_agent
-from tests.leaderboard.filled_season import COOKIE, PASSWORD, FilledSeason
+from tests.leaderboard.filled_season import COOKIE, HOSTILE, PASSWORD, FilledSeason
 from tests.leaderboard.hosting.clients import copied_database
 from tests.leaderboard.spectating.served import served
 
@@ -42,10 +42,6 @@ PAGES = {  # and who looks at them
     "/organizer/audit-log": "organizer",
     "/nowhere": "visitor",
 }
-DAILY = {
-    "light": ("/", "/submissions/{failed}", "/account"),
-    "dark": ("/matches", "/boards/battle", "/organizer/submissions"),
-}
 
 
 class Arena(NamedTuple):
@@ -58,7 +54,7 @@ class Arena(NamedTuple):
 
 @pytest.fixture(scope="module")
 def arena(new_filled_season: Callable[..., FilledSeason]) -> Iterator[Arena]:
-    filled = new_filled_season()  # its matches have no records to be rendered
+    filled = new_filled_season(words=HOSTILE)  # its matches have no records to be rendered
     app = create_app(filled.season, filled.database)
     with served(app) as address:
         yield Arena(filled, app, address)
@@ -113,13 +109,6 @@ def violations(arena: Arena, browser: Any, path: str, scheme: str) -> list[str]:
     return [f"{path}, {scheme}: {found.generate_report()}"] if found.violations_count else []
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_nothing_keeps_people_out_of_the_pages_that_they_use_most(
-    arena: Arena, browser: Any, scheme: str
-) -> None:
-    assert [found for path in DAILY[scheme] for found in violations(arena, browser, path, scheme)] == []
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_nothing_keeps_people_out_of_any_page(arena: Arena, browser: Any, scheme: str) -> None:
@@ -133,7 +122,7 @@ def test_without_scripts_the_pages_show_everything_but_the_player(arena: Arena, 
     assert page.get_by_role("row").count() == 5
     assert page.get_by_role("img", name="ranks of the first").is_visible()
     page.goto(address_of(arena, "/submissions/{failed}"))
-    assert page.get_by_text("RuntimeError: lost the thread").first.is_visible()
+    assert page.get_by_text("<script>alert('failure')</script>").first.is_visible()
     assert page.get_by_text("wildscav check DIR").is_visible()
     page.goto(address_of(arena, "/matches/{ladder}"))
     assert page.get_by_role("row").count() == 3
