@@ -57,7 +57,7 @@ def written_on(console: PlainConsole) -> str:
     return text
 
 
-ways = settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=50)
+ways = settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 
 @ways

@@ -8,7 +8,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from tests.engine.envs.common import OPEN, digest
 
@@ -150,7 +150,6 @@ ANY = st.one_of(
 )
 
 
-@settings(max_examples=40, deadline=None)
 @given(seed=ANY)
 def test_every_kind_takes_the_same_seeds(seed: Any) -> None:
     """Of one seed; only environments of many rows take lists of them."""
@@ -192,7 +191,6 @@ def refusal(kind: str, mode: str, action: Any) -> str:
     return re.sub(r": .* must be numbers of shape .*", ": numbers", told)
 
 
-@settings(max_examples=60, deadline=None)
 @given(mode=st.sampled_from(list(MODES)), data=st.data())
 def test_every_kind_takes_the_same_actions(mode: str, data: st.DataObject) -> None:
     space = made("single", "gathering", mode).action_space

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from tests.builders import box, flat_world
 
@@ -93,7 +93,6 @@ def by_brute_force(world: World, eye: np.ndarray, way: np.ndarray, far: float) -
     return nearest
 
 
-@settings(max_examples=150)
 @given(st.floats(-29, 29), st.floats(-29, 29), st.floats(0.3, 12), st.floats(0, 360), st.floats(-90, 90))
 def test_the_grid_finds_what_brute_force_finds(
     country: World, x: float, z: float, up: float, yaw: float, pitch: float
@@ -106,7 +105,6 @@ def test_the_grid_finds_what_brute_force_finds(
     assert min(hit.distance, 50.0) == pytest.approx(wanted, abs=1e-6)
 
 
-@settings(max_examples=100)
 @given(
     st.integers(-14, 14), st.integers(-14, 14), st.sampled_from([(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1)])
 )

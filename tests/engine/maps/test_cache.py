@@ -94,7 +94,7 @@ def test_the_map_of_another_spec_under_this_name_is_not_taken(country: GameMap) 
     assert cache.load_cached(other) is None
 
 
-@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.data())
 def test_damage_is_noticed(country: GameMap, data: st.DataObject) -> None:
     cache.store(country)

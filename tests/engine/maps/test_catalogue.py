@@ -45,7 +45,9 @@ def test_no_other_map_is_of_the_benchmark() -> None:
     assert BENCHMARK.keys() == TABLE.keys()
 
 
-@pytest.mark.parametrize("map_id", TABLE)
+@pytest.mark.parametrize(
+    "map_id", [*(pytest.param(great, marks=pytest.mark.slow) for great in (8, 14)), 101, 102, 103, 104]
+)
 def test_a_map_of_the_benchmark_is_built_as_configured(map_id: int) -> None:
     size, houses, _, (low, high) = TABLE[map_id]
     game_map = load_map(map_id)

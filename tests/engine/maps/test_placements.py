@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from wildscav_engine.geometry.world import Kind, Solid
@@ -185,7 +185,6 @@ def test_what_cannot_be_is_refused_by_name(placements: list[dict[str, Any]], mes
 
 
 @given(st.floats(-360, 360), st.floats(8, 18), st.floats(8, 18), st.sampled_from([-1, 1]))
-@settings(max_examples=40, deadline=None)
 def test_a_location_at_the_end_of_the_range_given_works(
     turn: float, across: float, along: float, side: int
 ) -> None:

@@ -1,4 +1,4 @@
-"""The guarantees of maps, checked on a hundred random ones; and that no two are alike."""
+"""The guarantees of maps, checked on dozens of random ones; and that no two are alike."""
 
 from itertools import combinations
 
@@ -48,7 +48,7 @@ def great_config(seed: int) -> MapConfig:
     )
 
 
-@pytest.mark.parametrize("batch", range(5))
+@pytest.mark.parametrize("batch", range(2))
 def test_small_maps_keep_their_promises(batch: int) -> None:
     for seed in range(batch * BATCH, (batch + 1) * BATCH):
         check_promises(generate_map(small_config(seed), seed))

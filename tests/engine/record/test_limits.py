@@ -133,7 +133,7 @@ def changed(value: object, path: tuple[object, ...], put: object) -> object:
     return copy
 
 
-@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.data())
 def test_any_value_in_a_header_is_a_record_or_one_line(record: Record, data: st.DataObject) -> None:
     header = header_of(record)
@@ -157,7 +157,6 @@ def test_any_value_in_a_header_is_a_record_or_one_line(record: Record, data: st.
     assert len(said) < 2000
 
 
-@settings(max_examples=100, deadline=None)
 @given(data=st.binary(max_size=300))
 @example(data=b"WILDSCAV\x02\x00\xff\xff\xff\xff" + bytes(60))
 def test_any_bytes_are_one_line(data: bytes) -> None:
@@ -166,7 +165,6 @@ def test_any_bytes_are_one_line(data: bytes) -> None:
     assert "\n" not in str(caught.value)
 
 
-@settings(max_examples=50, deadline=None)
 @given(
     size=st.sampled_from([0, 1, CHUNK - 1, CHUNK, CHUNK + 1, 3 * CHUNK, 5 * CHUNK + 7]),
     seed=st.integers(0, 2**32 - 1),

@@ -181,7 +181,6 @@ def test_seeds_that_no_seat_is_told_are_refused(record: Record, seeds: object) -
         decode(pack(LAYOUT, {**header, "seeds": seeds}, bytes(payload)))
 
 
-@settings(max_examples=40)
 @given(st.data())
 def test_damage_anywhere_is_one_clear_line(record: Record, data: st.DataObject) -> None:
     raw = bytearray(encode(record))

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from tests.builders import box, flat_world, map_from
 
@@ -42,7 +42,6 @@ def cast_alone(country: GameMap, eye: tuple[float, float, float], yaw: float, li
     return distances
 
 
-@settings(max_examples=150)
 @given(
     x=st.floats(-29, 29),
     z=st.floats(-29, 29),

@@ -150,7 +150,6 @@ def test_rays_through_corners_of_the_terrain(
     check_rays(village, eye, unit(corner - eye, diagonal - eye))
 
 
-@settings(max_examples=40)
 @given(st.integers(0, 10**6), st.floats(0, 1), st.floats(0.2, 15), st.integers(0, 10**6))
 def test_rays_through_edges_and_corners_of_solids(
     village: Country, triangle: int, share: float, away: float, seed: int

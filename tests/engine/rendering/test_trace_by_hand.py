@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from tests.builders import box, flat_world
 from tests.engine.rendering.brute_force import surface_of
@@ -162,7 +162,6 @@ def check_random_world(seed: int, size: tuple[int, int]) -> None:
     check(surface_of(world), scene_of(world), View((x, y, z), yaw, pitch, size, lens, far), most=most)
 
 
-@settings(max_examples=60)
 @given(st.integers(0, 2**32), st.sampled_from([(1, 1), (3, 11), (20, 12), (33, 19)]))
 def test_any_world_is_seen_as_brute_force_sees_it(seed: int, size: tuple[int, int]) -> None:
     check_random_world(seed, size)

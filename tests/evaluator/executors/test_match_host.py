@@ -17,14 +17,15 @@ from wildscav_server import leftovers
 SPEC = MatchSpec(track="navigation", map=MapSpec(config=MapConfig(size=40, houses=0)), time_limit=1.0)
 
 
-@pytest.fixture
-def host(monkeypatch: pytest.MonkeyPatch) -> Iterator[MatchHost]:
+@pytest.fixture(scope="module")
+def host() -> Iterator[MatchHost]:
     main = vars(sys.modules["__main__"])
-    monkeypatch.setitem(main, "__file__", main.get("__file__", ""))  # the host takes it away
-    monkeypatch.setenv("OMP_NUM_THREADS", "1")
-    host = MatchHost([])
-    yield host
-    host.stop()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(main, "__file__", main.get("__file__", ""))  # the host takes it away
+        patch.setenv("OMP_NUM_THREADS", "1")
+        host = MatchHost([])
+        yield host
+        host.stop()
 
 
 def end_of(host: MatchHost, job: Job, files: dict[str, bytes]) -> Played | Broken:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy import optimize
 from scipy.special import expit
@@ -155,7 +155,6 @@ MATCHES = st.lists(
 
 
 @given(MATCHES, st.randoms(use_true_random=False))
-@settings(max_examples=40, deadline=None)
 def test_the_order_of_the_matches_does_not_matter_to_the_last_bit(
     matches: list[RatedMatch], order: random.Random
 ) -> None:
@@ -169,7 +168,6 @@ def test_the_order_of_the_matches_does_not_matter_to_the_last_bit(
 
 
 @given(MATCHES, st.permutations(NAMES))
-@settings(max_examples=40, deadline=None)
 def test_other_names_change_no_rating(matches: list[RatedMatch], others: list[str]) -> None:
     renamed = dict(zip(NAMES, others, strict=True))
     before = ratings(matches)

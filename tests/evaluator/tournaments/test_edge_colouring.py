@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from wildscav_evaluator.tournaments.seating import colour_edges
 
 
-@settings(max_examples=60, deadline=None)
 @given(st.lists(st.tuples(st.integers(0, 8), st.integers(0, 8)), min_size=1, max_size=60))
 def test_no_node_has_two_edges_of_a_colour(edges: list[tuple[int, int]]) -> None:
     left, right = np.array(edges, np.int64).T

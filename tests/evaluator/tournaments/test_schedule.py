@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from tests.evaluator.tournaments.balance import pair_counts, seat_counts, spread, teammate_counts
 
@@ -43,7 +43,6 @@ def matches_of_games(schedule: Schedule) -> list[np.ndarray[Any, Any]]:
     return [schedule.players[schedule.games == game] for game in range(schedule.games.max() + 1)]
 
 
-@settings(max_examples=60, deadline=None)
 @given(settings_of_schedules())
 def test_every_schedule_is_fair(arguments: dict[str, Any]) -> None:
     schedule = make_schedule(**arguments)
@@ -103,7 +102,6 @@ def test_pairs_meet_equally_often(entrants: int, seats: int, rounds: int, uneven
 
 
 @given(st.integers(2, 60), st.integers(1, 12), st.booleans())
-@settings(max_examples=40, deadline=None)
 def test_in_games_of_two_the_meetings_differ_by_one_at_most(entrants: int, rounds: int, absent: bool) -> None:
     seats = entrants - 2 if absent and entrants > 3 else 2
 

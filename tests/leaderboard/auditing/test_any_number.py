@@ -24,7 +24,7 @@ def published(after_opening: Path, tmp_path_factory: pytest.TempPathFactory) -> 
 
 
 @pytest.mark.parametrize("track", TRACKS)
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(data=st.data(), by=CHANGES)
 def test_any_number_of_a_board(published: Published, track: str, data: st.DataObject, by: float) -> None:
     right = published.board(track)

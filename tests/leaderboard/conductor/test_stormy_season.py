@@ -6,7 +6,7 @@ from hypothesis.stateful import run_state_machine_as_test
 from tests.leaderboard.conductor.stormy_season import StormySeason
 
 QUICK = settings(
-    max_examples=8, stateful_step_count=30, deadline=None, suppress_health_check=list(HealthCheck)
+    max_examples=4, stateful_step_count=30, deadline=None, suppress_health_check=list(HealthCheck)
 )
 THOROUGH = settings(QUICK, max_examples=25, stateful_step_count=60)
 

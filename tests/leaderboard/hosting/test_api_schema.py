@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import pytest
 from hypothesis import HealthCheck, Phase, given, settings
-from tests.leaderboard.filled_season import FilledSeason
+from tests.leaderboard.filled_season import HOSTILE, FilledSeason
 from tests.leaderboard.spectating.served import served
 
 from wildscav_leaderboard.hosting.app import create_app
@@ -30,7 +30,7 @@ class Asked(NamedTuple):
 
 @pytest.fixture(scope="module")
 def asked(new_filled_season: Callable[..., FilledSeason]) -> Iterator[Asked]:
-    filled = new_filled_season()
+    filled = new_filled_season(words=HOSTILE)
     app = create_app(filled.season, filled.database)
     with served(app) as address:
         yield Asked(filled, schemathesis.openapi.from_url(f"{address}/api/v1/openapi.json", timeout=60))

@@ -7,7 +7,7 @@ from xml.etree import ElementTree as ET
 
 import httpx
 import pytest
-from tests.leaderboard.filled_season import FilledSeason
+from tests.leaderboard.filled_season import HOSTILE, FilledSeason
 from tests.leaderboard.spectating.served import served
 
 from wildscav_leaderboard.hosting.app import create_app
@@ -27,7 +27,7 @@ class Site(NamedTuple):
 
 @pytest.fixture(scope="module")
 def site(new_filled_season: Callable[..., FilledSeason]) -> Iterator[Site]:
-    filled = new_filled_season(web=f'url = "{URL}/"')
+    filled = new_filled_season(words=HOSTILE, web=f'url = "{URL}/"')
     app = create_app(filled.season, filled.database)
     with served(app) as address, httpx.Client(base_url=address, timeout=60.0) as client:
         yield Site(filled, client)

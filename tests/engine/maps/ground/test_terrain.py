@@ -5,7 +5,7 @@ from collections.abc import Iterable
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -137,7 +137,7 @@ def test_most_of_the_ground_can_be_walked_from_one_place(
         assert connected_share(heights_of(seed, **config)) >= least, seed
 
 
-@pytest.mark.parametrize("size", [60, 100, 400])
+@pytest.mark.parametrize("size", [60, 300])
 @pytest.mark.parametrize("water", [0.03, 0.08, 0.2, 0.4])
 def test_lakes_cover_the_share_asked_for_and_can_be_waded(size: int, water: float) -> None:
     for seed in range(6):
@@ -221,7 +221,6 @@ def test_the_ground_is_level_around_a_house_and_natural_far_away() -> None:
     gap=st.floats(7.0, 20.0),
     levels=st.floats(-1.0, 1.0),
 )
-@settings(max_examples=100, deadline=None)
 def test_joins_of_two_houses_on_a_slope_can_be_walked(
     slope: float, direction: float, lift: float, gap: float, levels: float
 ) -> None:
@@ -241,7 +240,7 @@ def test_joins_of_two_houses_on_a_slope_can_be_walked(
 @pytest.mark.parametrize("density", ["low", "high"])
 def test_default_country_has_room_for_houses(density: str) -> None:
     for size, count in ((100, 4), (200, 8), (500, 15)):
-        for seed in range(6):
+        for seed in range(3):
             config = MapConfig(size=size, houses=count, density=density)
             sites = settle(
                 config, seed, make_terrain(config, seed), [(14.0, 11.0), (11.0, 9.0)] * count

@@ -1,7 +1,7 @@
 """House plans: properties of every plan that can be drawn."""
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from wildscav_engine.geometry.shapes import Rectangle
@@ -95,7 +95,6 @@ def insides(plan: HousePlan, level: int) -> list[Rectangle]:
     return [wing.inside for wing in plan.wings if level < wing.storeys]
 
 
-@settings(max_examples=60, deadline=None)
 @given(plans())
 def test_rooms_fill_the_house_without_overlapping(plan: HousePlan) -> None:
     for level, storey in enumerate(plan.storeys):
@@ -112,7 +111,6 @@ def test_rooms_fill_the_house_without_overlapping(plan: HousePlan) -> None:
         assert rooms + walls == pytest.approx(sum(inside.area for inside in insides(plan, level)))
 
 
-@settings(max_examples=60, deadline=None)
 @given(plans())
 def test_doorways_join_all_rooms_of_a_storey(plan: HousePlan) -> None:
     for level, storey in enumerate(plan.storeys):
@@ -129,7 +127,6 @@ def test_doorways_join_all_rooms_of_a_storey(plan: HousePlan) -> None:
             assert (door.bottom, door.top) == (0.0, DOOR_HEIGHT)
 
 
-@settings(max_examples=60, deadline=None)
 @given(plans())
 def test_doorways_above_the_ground_lead_to_rooms_and_terraces_only(plan: HousePlan) -> None:
     for level, storey in enumerate(plan.storeys[1:], start=1):
@@ -141,7 +138,6 @@ def test_doorways_above_the_ground_lead_to_rooms_and_terraces_only(plan: HousePl
                 assert any(is_within(way, place) for place in (*insides(plan, level), *roofs))
 
 
-@settings(max_examples=60, deadline=None)
 @given(plans())
 def test_doorways_and_stairs_are_clear_of_stairs_and_furniture(plan: HousePlan) -> None:
     for level, storey in enumerate(plan.storeys):
@@ -159,7 +155,6 @@ def test_doorways_and_stairs_are_clear_of_stairs_and_furniture(plan: HousePlan) 
                     assert not overlap(piece.outline, shrunk(plan.stairs.well, -PASSAGE_WIDTH))
 
 
-@settings(max_examples=60, deadline=None)
 @given(plans())
 def test_furniture_stands_in_rooms_and_apart(plan: HousePlan) -> None:
     for storey in plan.storeys:
@@ -188,7 +183,6 @@ def test_most_rooms_are_furnished() -> None:
     assert 1.5 < sum(counts) / len(counts) < 3.0
 
 
-@settings(max_examples=60, deadline=None)
 @given(plans())
 def test_every_storey_has_windows_clear_of_doors_and_of_walls_behind_them(plan: HousePlan) -> None:
     for storey in plan.storeys:
@@ -209,7 +203,6 @@ def test_every_storey_has_windows_clear_of_doors_and_of_walls_behind_them(plan: 
         assert windows >= 2
 
 
-@settings(max_examples=60, deadline=None)
 @given(plans())
 def test_stairs_lead_up_step_by_step_and_leave_room_at_both_ends(plan: HousePlan) -> None:
     assert (plan.stairs is not None) == (len(plan.storeys) > 1 or plan.roof_exit)

@@ -63,7 +63,7 @@ def distance_to_nearest(sites: list[Site]) -> float:
     st.sampled_from([60, 120, 300]),
     st.integers(0, 25),
 )
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_houses_stand_apart_on_dry_ground_of_the_map(seed: int, density: str, size: int, houses: int) -> None:
     config = MapConfig.model_validate({"size": size, "houses": houses, "density": density})
     terrain = make_terrain(config, seed)
@@ -78,7 +78,7 @@ def test_houses_stand_apart_on_dry_ground_of_the_map(seed: int, density: str, si
             assert gap_between(footprint, other) >= CLOSE_GAP
 
 
-@pytest.mark.parametrize("seed", [0, 1, 2])
+@pytest.mark.parametrize("seed", [0, 1])
 def test_houses_stand_closer_where_density_is_high(seed: int) -> None:
     high, low = (settled(seed, size=500, houses=15, density=density).sites for density in ("high", "low"))
 
@@ -99,7 +99,7 @@ def test_houses_of_a_town_face_its_streets(houses: int) -> None:
         assert distance_to_lanes(lanes, *front_of(site)) < distance_to_lanes(lanes, *back)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_no_house_stands_on_a_lane(seed: int) -> None:
     sites, lanes = settled(seed, size=500, houses=40, density="high")
     points = np.concatenate([lanes[:, :2], lanes[:, 2:], (lanes[:, :2] + lanes[:, 2:]) / 2])
@@ -140,7 +140,7 @@ def test_no_house_stands_where_the_ground_is_steep_or_under_water(density: str) 
 
 
 @pytest.mark.parametrize("density", ["low", "high"])
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(3))
 def test_as_many_houses_have_room_as_it_is_said(density: str, seed: int) -> None:
     config = MapConfig.model_validate({"size": 80, "houses": 60, "density": density})
     terrain = make_terrain(config, seed)

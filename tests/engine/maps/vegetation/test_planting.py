@@ -210,7 +210,7 @@ def test_all_species_and_groups_are_met() -> None:
 
 @pytest.mark.parametrize("species", ALL_SPECIES.values(), ids=ALL_SPECIES)
 @given(key=st.integers(0, 2**20))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_shapes_are_convex_and_reach_from_the_ground_to_their_height(species: int, key: int) -> None:
     solids, row = one_of(species, key)
 
@@ -229,7 +229,6 @@ def test_shapes_are_convex_and_reach_from_the_ground_to_their_height(species: in
 
 @pytest.mark.parametrize("species", [STEPPING_STONE, BLOCK, BOULDER])
 @given(key=st.integers(0, 2**20))
-@settings(max_examples=50, deadline=None)
 def test_rocks_have_a_level_top_a_metre_across(species: int, key: int) -> None:
     solids, row = one_of(species, key)
     planes, height = solids[0].planes, solids[0].high[1]

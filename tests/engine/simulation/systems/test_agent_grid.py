@@ -23,7 +23,7 @@ SPOTS = np.array([(x, 0.0, z) for x in range(-27, 28, 3) for z in range(-26, 28,
 YARD = flat_world(60, [box((-20, 0, -1), (-4, 2.5, -0.5)), box((3, 0, 4), (3.5, 1.2, 25))])._replace(
     spawns=SPOTS
 )
-CROWDED = settings(max_examples=12, deadline=None)
+CROWDED = settings(max_examples=12)
 
 
 @pytest.fixture(scope="module")
