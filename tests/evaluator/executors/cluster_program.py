@@ -23,6 +23,8 @@ def main() -> None:
     head = {
         "num_cpus": settings.get("head_cores", 0),
         "include_dashboard": False,
+        "include_log_monitor": False,
+        "no_monitor": True,  # nobody scales it
         "object_store_memory": MEMORY,
         "node_ip_address": f"127.0.{settings['network']}.1",
         "node_name": "head",

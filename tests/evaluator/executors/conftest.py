@@ -1,22 +1,28 @@
-"""The cluster that tests share."""
+"""The evaluations on this machine with which those on clusters are compared."""
 
-from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
-from tests.evaluator.executors.ray_clusters import RayCluster, ray_cluster
+from tests.evaluator.conftest import submission_in
+from tests.evaluator.executors.ray_evaluations import PLODDER, SUITE, played_here
 
 
 @pytest.fixture(scope="session")
-def two_nodes() -> Iterator[RayCluster]:
-    """A cluster of two nodes with two cores each, which no test changes."""
-    with ray_cluster("east", "west", cores=2) as cluster:
-        yield cluster
+def suite(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A suite of a few short matches."""
+    path = tmp_path_factory.mktemp("suite") / "short.toml"
+    path.write_text(SUITE)
+    return path
 
 
-@pytest.fixture
-def in_cluster(two_nodes: RayCluster, monkeypatch: pytest.MonkeyPatch) -> RayCluster:
-    """The shared cluster, which this process may use."""
-    for name, value in two_nodes.environment.items():
-        if name.startswith("RAY_"):
-            monkeypatch.setenv(name, value)
-    return two_nodes
+@pytest.fixture(scope="session")
+def plodder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a submission that takes its time."""
+    place = tmp_path_factory.mktemp("submissions")
+    return submission_in(place, "plodder", PLODDER, tracks='["navigation", "battle"]').folder
+
+
+@pytest.fixture(scope="session")
+def plodder_here(plodder: Path, suite: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The plodder's evaluation on this machine."""
+    return played_here(plodder, suite, tmp_path_factory.mktemp("here") / "out")

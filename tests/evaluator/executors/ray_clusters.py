@@ -11,6 +11,8 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+import pytest
+
 PROGRAM = Path(__file__).with_name("cluster_program.py")
 MARK = "WILDSCAV_TEST_CLUSTER"  # a variable that all processes of a cluster have, their children included
 
@@ -64,6 +66,12 @@ class RayCluster:
         """Kill a node, or the head, with signal 9."""
         self._send(do="kill", name=name)
         self._line()
+
+    def use(self, environment: pytest.MonkeyPatch) -> None:
+        """Let this process and its children use the cluster."""
+        for name, value in self.environment.items():
+            if name.startswith("RAY_"):
+                environment.setenv(name, value)
 
     def processes(self) -> list[int]:
         """Return the processes of the cluster that are alive, with all that run on its nodes."""

@@ -9,7 +9,9 @@ from tests.evaluator.sample_agents import WALKER, Command, Submit
 
 from wildscav.errors import UserError
 from wildscav_evaluator.executors import EXECUTORS, ExecutorError
+from wildscav_evaluator.executors.base import Examined
 from wildscav_evaluator.executors.cluster.connection import check_address
+from wildscav_evaluator.executors.ray_executor import RayExecutor, _no_sandbox
 
 
 @pytest.mark.parametrize(
@@ -55,3 +57,29 @@ def test_an_unknown_executor_is_an_error_of_usage(wildscav: Command) -> None:
     refused = wildscav("verify", ".", "--executor=rey")
     assert refused.returncode == 2
     assert "did you mean 'ray'" in " ".join(refused.stderr.replace("│", "").split())
+
+
+@pytest.mark.parametrize(
+    ("found", "reason"),
+    [
+        ([], "the Ray cluster has no node with cores"),
+        (
+            [Examined("east", 2, "it has other code"), Examined("west", 2, "it is old")],
+            "no node of the Ray cluster can be used (east: it has other code; west: it is old)",
+        ),
+        (
+            [Examined("east", 2, "", {"oci": "there is no Docker"}), Examined("west", 2, "it is old")],
+            (
+                "no node of the Ray cluster can run agents in oci (east: oci: there is no Docker; west: it "
+                "is old); to run agents that you trust as plain processes, name --sandbox process"
+            ),
+        ),
+    ],
+)
+def test_why_no_node_can_play(found: list[Examined], reason: str) -> None:
+    assert _no_sandbox(found, ["oci"]) == reason
+
+
+def test_an_executor_that_was_not_entered_does_nothing(submit: Submit) -> None:
+    with pytest.raises(RuntimeError, match="not entered"):
+        RayExecutor().choose_sandbox("process", [submit("walker", WALKER)])
