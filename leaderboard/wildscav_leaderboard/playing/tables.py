@@ -92,7 +92,11 @@ class OpenTable:
     why: str = ""  # why it ends or has ended, one line
     failed: bool = False  # whether it ended because something went wrong
     socket: Path = Path()  # on which its site is served once it is ready
-    ended_at: float = 0.0  # s
+    changed_at: float = field(default_factory=time.monotonic)  # s, when its state changed last
+
+    def change_to(self, state: str) -> None:
+        """Take another state, and note when."""
+        self.state, self.changed_at = state, time.monotonic()
 
     @property
     def path(self) -> str:
@@ -186,7 +190,7 @@ class Tables:
         """Forget the tables that ended long ago."""
         now = time.monotonic()
         for secret, table in list(self._tables.items()):
-            if table.state == ENDED and now - table.ended_at > KNOWN:
+            if table.state == ENDED and now - table.changed_at > KNOWN:
                 del self._tables[secret]
 
     def _run(self, table: OpenTable, refused: Callable[[], str]) -> None:
@@ -204,7 +208,7 @@ class Tables:
         finally:
             table.why = table.why or "the game ended"
             self._counts.end(failed=table.failed)
-            table.state, table.ended_at = ENDED, time.monotonic()
+            table.change_to(ENDED)
             self._say("table_closes", table, why=table.why)
 
     def _say(self, event: str, table: OpenTable, **values: str) -> None:
@@ -235,7 +239,7 @@ class Tables:
         refused: Callable[[], str],
     ) -> None:
         """Wait until a table ends, or has to be ended."""
-        began = checked = time.monotonic()
+        checked = time.monotonic()
         longest = self._season.settings.play.session + SPARE
         while process.poll() is None and not table.why:
             for line in lines.read(LOOKS):
@@ -245,7 +249,7 @@ class Tables:
                 checked, table.why = now, table.why or refused()
             if self._stopping.is_set():
                 table.why = table.why or STOPPING
-            elif now - began > (longest if table.state == READY else START_TIME):
+            elif now - table.changed_at > (longest if table.state == READY else START_TIME):
                 table.failed, table.why = True, table.why or "the game did not answer in time"
         if not table.why:  # it died, perhaps with a last word
             for line in lines.read(0.0):
@@ -260,7 +264,7 @@ class Tables:
         except ValueError:
             return  # a library's remark
         if told.state == "ready":
-            table.state = READY
+            table.change_to(READY)
         elif told.state == "ended":
             table.why = told.why
         else:

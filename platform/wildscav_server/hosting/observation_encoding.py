@@ -36,7 +36,7 @@ LOW, MORE = 127, 128  # masks of a varint's byte: the bits of the number, and wh
 
 
 class Kind(IntEnum):
-    """How a field is written that is a fact about an agent."""
+    """How a field is written if it is a fact about an agent."""
 
     NUMBER = 0
     FLAG = 1  # of a number: whether it is above 0
@@ -44,7 +44,7 @@ class Kind(IntEnum):
     SECONDS = 3  # of a number of frames
     SEAT = 4  # optional, so seat 0 is written as well
     VECTOR = 5
-    OTHER = 6  # it is none
+    OTHER = 6  # not a fact about an agent
 
 
 # The fields of messages that have another name in ``Agents``, because they are in another unit there.
@@ -59,7 +59,7 @@ _EXAMPLE = allocate_state(1, 1, 1).agents
 
 
 def _fact_of(field: Field) -> str | None:
-    """Return the name in ``Agents`` of the fact that a field of a message tells; None if it is none."""
+    """Return the name in ``Agents`` of the fact in a field of a message; None if it has no such fact."""
     name = FACTS.get(field.name, field.name)
     is_list = field.message_type is not None and field.message_type is not Vector.DESCRIPTOR
     return None if is_list or not hasattr(_EXAMPLE, name) else name
