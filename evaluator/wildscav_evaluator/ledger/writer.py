@@ -42,7 +42,8 @@ class LedgerWriter:
         key: The key that signs the entries; None to leave them unsigned.
 
     Raises:
-        UserError: There is a ledger that was changed or belongs to another evaluation.
+        UserError: There is a ledger that was changed or belongs to another evaluation, or there are records
+            without a ledger.
         OSError: It cannot be read or written.
     """
 
@@ -54,9 +55,10 @@ class LedgerWriter:
         self.played: dict[str, MatchEnded] = {}  # the matches that have a result
         self._closed: Closed | None = None
         ledger = self._read_existing(identity)
-        self._new = ledger is None
-        self._resumed = self._new
+        self._resumed = ledger is None
         if ledger is None:
+            if any((out / RECORDS).glob(f"*{SUFFIX}")):
+                raise _changed(f"{out} has matches that were played, but no {LEDGER_FILE}")
             self._append(Opened(identity=identity))
         else:
             self._number, self.head = len(ledger.entries), ledger.head
@@ -92,8 +94,6 @@ class LedgerWriter:
         Raises:
             UserError: A match, its record or its entry was changed.
         """
-        if self._new and any((self._out / RECORDS).glob(f"*{SUFFIX}")):
-            raise _changed(f"{self._out} has matches that were played, but no {LEDGER_FILE}")
         if unknown := self.played.keys() - {job.stem for job in jobs}:
             raise _changed(f"{self._path} has the match {min(unknown)}, which is not of this evaluation")
         return [_kept(job, self.played[job.stem]) for job in jobs if job.stem in self.played]

@@ -14,7 +14,7 @@ from pathlib import Path
 from wildscav.errors import UserError
 from wildscav.terminal.console import counted, printable
 from wildscav_engine.record.format import WITHOUT_SEEDS
-from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.ledger.entries import MatchEnded
 from wildscav_evaluator.ledger.ledger import Ledger, LedgerError, check_key, read_ledger, sha256_of
@@ -31,7 +31,7 @@ from wildscav_evaluator.scores.expected_matches import (
     match_counts,
 )
 from wildscav_evaluator.scores.rescore import Replayed, disagreements
-from wildscav_evaluator.seats import submission_seats
+from wildscav_evaluator.seats import robot_entrant, submission_seats
 from wildscav_evaluator.tournaments.tournament_file import check_tournament
 
 MAX_NAMED = 20  # missing matches that are named individually
@@ -357,8 +357,10 @@ def _is_seated(played: Replayed, settings: TournamentSettings) -> bool:
     for seat, name in entrants.items():
         members.setdefault(teams[seat], []).append(name)
     different = settings.team_size if settings.mixed else 1  # entrants in a team
+    kinds = [(name, played.spec.seats[seat]) for seat, name in entrants.items()]
     return (
         len(entrants) == settings.seats
+        and all(kind == SUBMISSION or name == robot_entrant(kind) for name, kind in kinds)
         and len({*entrants.values()}) == settings.places
         and sorted(others) == sorted(settings.robots)
         and all(len(team) == settings.team_size and len({*team}) == different for team in members.values())

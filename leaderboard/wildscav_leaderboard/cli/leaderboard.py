@@ -22,7 +22,8 @@ OfSeason = Annotated[
     str | None,
     typer.Option(
         "--season",
-        help="Show the boards of the season at this address; latest is the one that you logged in to last.",
+        help="Show the boards of the season at this address; latest is the one of WILDSCAV_SEASON, or of "
+        "your latest login.",
         metavar="URL",
         show_default=False,
     ),

@@ -83,11 +83,11 @@ def _with_season(words: list[str]) -> list[str]:
     before, after = words[:place], words[place + 1 :]
     if after and not after[0].startswith("-"):
         return words
-    address = "latest"
-    if before and not before[0].startswith("-"):
-        address, *before = before
+    others = before + after
+    addresses = [word for word in others if word.startswith(("http://", "https://"))]
+    address = addresses[0] if addresses else "latest"
     _say("leaderboard --season", f"leaderboard --season {address}")
-    return [*before, "--season", address, *after]
+    return ["--season", address, *(word for word in others if word != address)]
 
 
 def _options(words: list[str], root: Any, context: Any) -> set[str]:

@@ -62,7 +62,7 @@ def _fact_of(field: Field) -> str | None:
     """Return the name in ``Agents`` of the fact in a field of a message; None if it has no such fact."""
     name = FACTS.get(field.name, field.name)
     is_list = field.message_type is not None and field.message_type is not Vector.DESCRIPTOR
-    return None if is_list or not hasattr(_EXAMPLE, name) else name
+    return None if is_list or name not in Agents._fields else name
 
 
 def _kind_of(field: Field) -> Kind:

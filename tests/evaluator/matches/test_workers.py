@@ -2,6 +2,7 @@
 
 import itertools
 import json
+import multiprocessing
 import tempfile
 import time
 from collections.abc import Iterator
@@ -14,9 +15,8 @@ from tests.evaluator.sample_agents import SLEEPER, WALKER, Submit
 from wildscav_engine.record import read_record, verify_record
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.matches.jobs import Job, JobResult, KeptMatch
+from wildscav_evaluator.matches.jobs import Job, JobEvent, JobResult, RenderingReplay
 from wildscav_evaluator.matches.play import MatchAssignment
-from wildscav_evaluator.matches.run_job import after_worker_death
 from wildscav_evaluator.matches.watchdog import ProgressTimeouts
 from wildscav_evaluator.matches.workers import Workers
 from wildscav_evaluator.monitoring.dashboard import match_counts
@@ -144,19 +144,21 @@ def test_a_match_that_kills_every_worker_is_given_up_as_the_platforms_fault(
 def test_a_match_that_was_played_is_kept_even_if_its_replay_kills_every_worker(
     submit: Submit, out: Path
 ) -> None:
-    only = job(submit("walker", WALKER), 0, out)
-    (played,) = run([only], 1).values()
+    written = []
 
-    kept_match = KeptMatch(played.row, played.timing)
-    again = after_worker_death(replace(only, replay=True, kept=kept_match), "killed")
-    assert isinstance(again, Job)
-    again = after_worker_death(again, "killed")
-    assert isinstance(again, Job)
-    kept = after_worker_death(again, "killed once more")
+    def kill(playing: Job, event: JobEvent) -> None:
+        if isinstance(event, RenderingReplay):
+            written.append((out / playing.record).stat().st_mtime_ns)
+            for worker in multiprocessing.active_children():
+                worker.kill()
 
-    assert isinstance(kept, JobResult)
-    assert kept.row == played.row
-    assert kept.replay_error.endswith(".rrd: the platform failed 3 times: killed; killed once more")
+    with Workers(1) as workers:
+        (kept,) = workers.run([replace(job(submit("walker", WALKER), 0, out), replay=True)], on_event=kill)
+
+    assert (len(written), len({*written})) == (3, 1), "it was not played once, and rendered three times"
+    assert (kept.row.status, kept.row.replay) == ("finished", None)
+    why = "the platform failed 3 times: the worker process died (SIGKILL)"
+    assert kept.replay_error == f"no replay {out / kept.job.replay_path}: {why}"
 
 
 @pytest.mark.slow

@@ -65,7 +65,6 @@ def test_kills_at_random_moments_lose_nothing(pair: tuple[Path, Path], suite: Pa
         else:
             sitting.process.wait()
         now = entered(out)
-        # Whoever is killed may leave a worker that ends its match: more is kept then, never less or other.
         assert {stem: now.get(stem) for stem in before} == before, "a match was lost or played again"
         before = now
         if not killed:

@@ -92,12 +92,15 @@ class KilledSeason:
                 for process in self._served.values():
                     process.wait(60)
 
-    def storm(self, rounds: int, pause: float = 6.0) -> None:
+    def storm(self, rounds: int, pause: float = 3.0) -> None:
         """Hand everything in, and kill something again and again meanwhile.
 
         Args:
             rounds: How often something of each kind is killed.
             pause: Time between two kills, at most, s.
+
+        Raises:
+            AssertionError: The season was quiet before something of each kind was killed.
         """
         kinds = ["web", "conductor", "worker", *(["database"] if self._server else [])]
         self.wait_for_web()
@@ -105,7 +108,8 @@ class KilledSeason:
         handing_in.start()
         for kind in self._chance.sample(rounds * kinds, rounds * len(kinds)):
             self._pause(pause)
-            while not self.kill(kind) and (handing_in.is_alive() or not self._is_quiet()):
+            while not self.kill(kind):
+                assert handing_in.is_alive() or not self._is_quiet(), f"there was no {kind} to be killed"
                 self._pause(pause)
         handing_in.join()
         self.wait_until_quiet()

@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import typer
-from rich.console import Console
 from tests.unlimited import call_here
 from typer.testing import CliRunner
 
 from wildscav.errors import UserError
+from wildscav.terminal.console import PlainConsole
 from wildscav_engine.maps.base import load_base
 from wildscav_engine.specs.map_spec import MapConfig
 from wildscav_inspect.map import import_map
@@ -60,7 +60,7 @@ def house(tmp_path: Path) -> Path:
 
 def run(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> list[str]:
     """What the command prints; whatever it refuses is raised."""
-    console = Console(width=60, force_terminal=False, record=True)
+    console = PlainConsole(width=60, force_terminal=False, record=True)
     monkeypatch.setattr("wildscav.terminal.console.console", console)
     done = CliRunner().invoke(app, list(map(str, arguments)), catch_exceptions=False)
     assert done.exit_code == 0

@@ -46,8 +46,10 @@ def run_rescore(out: Path, executor: Executor, key: str | None = None, *, as_jso
     disagreements += (
         _without_results(out, key) if folder is None else discrepancies(folder, replayed, results)
     )
+    unchecked = [] if folder is None else list(_unchecked(folder))
     if as_json:
-        print_json({"folder": str(out), "results": results.as_json(), "disagreements": disagreements})
+        document = {"folder": str(out), "results": results.as_json(), "disagreements": disagreements}
+        print_json(document | {"unchecked": unchecked})
     if len(disagreements) > SHOWN:
         disagreements[SHOWN:] = [f"and {len(disagreements) - SHOWN:,} more disagreements"]
     raise_errors(disagreements)
@@ -57,6 +59,8 @@ def run_rescore(out: Path, executor: Executor, key: str | None = None, *, as_jso
         return
     console.print(f"{everything} played again: all agree with {out / RESULTS_FILE}", soft_wrap=True)
     _print_conclusion(folder)
+    for sentence in unchecked:
+        _say(sentence)
 
 
 def show_commitment(out: Path, commitment: str) -> None:
@@ -102,10 +106,14 @@ def _print_conclusion(folder: AuditedFolder) -> None:
     if again := sum(ledger.interrupted.values()):
         were = "was" if again == 1 else "were"
         _say(f"{counted(again, 'match')} {were} interrupted and restarted: see {LEDGER_FILE}")
+
+
+def _unchecked(folder: AuditedFolder) -> Iterator[str]:
+    """Yield what records and results cannot prove yet, or not with this version."""
     if folder.reported.commitment is not None and not (folder.out / OPENED_FILE).exists():
-        _say("Whether these are the suite's matches can be checked once its secret is opened.")
+        yield "Whether these are the suite's matches can be checked once its secret is opened."
     if has_older_schedule(folder.reported):
-        _say(
+        yield (
             "Its schedule is of an earlier version: the Wildscav that played it, "
             f"{folder.reported.versions.engine}, can also check that the seed decided who met whom."
         )

@@ -26,8 +26,9 @@ from wildscav.cli.old_names import COMMANDS, with_new_names
         ("season demo --no-open", "season demo --no-browser"),
         ("evaluate homing --jobs 1", "evaluate homing --workers 1"),
         ("leaderboard --season --json", "leaderboard --season latest --json"),
-        ("leaderboard URL --season --track battle", "leaderboard --season URL --track battle"),
-        ("leaderboard --track battle --season", "leaderboard --track battle --season latest"),
+        ("leaderboard --track battle http://a --season", "leaderboard --season http://a --track battle"),
+        ("leaderboard --season --track battle http://a", "leaderboard --season http://a --track battle"),
+        ("leaderboard --track battle --season", "leaderboard --season latest --track battle"),
         ("leaderboard --season URL --json", "leaderboard --season URL --json"),
         ("human --map 3", "human --map 3"),  # the number of a map, as before
         ("team create --title --output", "team create --title --output"),  # no option of this command
