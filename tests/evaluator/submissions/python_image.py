@@ -14,7 +14,7 @@ from pathlib import Path
 from wildscav_evaluator.sandbox.agents.host_python import LINKED
 from wildscav_evaluator.sandbox.containers.container_engine import ContainerEngine, call
 
-NAME = "localhost/wildscav/test-python"
+NAME = f"localhost/wildscav/test-python-{os.getpid()}"
 VERSION = f"python{sys.version_info.major}.{sys.version_info.minor}"
 PROGRAMS = ("sh", "cat", "chown", "mkdir", "rm")  # that Dockerfiles use
 # What packages from elsewhere expect of a system, beside what Python needs itself.
@@ -28,7 +28,7 @@ LEFT_OUT = re.compile(r"(__pycache__|(site|dist)-packages|test|idlelib|tkinter|c
 def python_image(engine: ContainerEngine, name: str = NAME) -> str:
     """Make an image with this machine's Python, pip's settings, and a shell; return its name.
 
-    Tests of several files run side by side: each file has an image of its own, which it removes.
+    Tests of several files run side by side, so each process has an image of its own, which its tests remove.
     """
     changes = [f"ENV {name}={value}" for name, value in os.environ.items() if PASSED_ON.fullmatch(name)]
     options = [word for change in changes for word in ("--change", change)]

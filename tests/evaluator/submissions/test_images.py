@@ -26,7 +26,6 @@ from wildscav_server.hosting.manifest import SubmissionError
 
 pytestmark = pytest.mark.slow
 Submit = Callable[..., Submission]
-PYTHON = "localhost/wildscav/test-python-volumes"
 CODE_ALONE = "ARG BASE\nFROM ${BASE}\nCOPY . /submission\n"
 COMMAND = 'CMD ["agent"]\n'
 
@@ -139,7 +138,7 @@ def test_whoever_starts_an_image_with_volumes_gets_no_writable_disk(submit: Subm
     dockerfile.write_text(
         f'{CODE_ALONE}VOLUME /data\nENTRYPOINT ["python3", "-c", "open(\'/data/x\', \'w\')"]\n'
     )
-    name = build_image(submission, base=python_image(find_engine(), PYTHON), dockerfile=dockerfile)
+    name = build_image(submission, base=python_image(find_engine()), dockerfile=dockerfile)
     before = volumes()
 
     ending = run(submission, name, tmp_path)
@@ -160,7 +159,7 @@ def test_variables_of_an_image_do_not_reach_what_keeps_its_wall_clock(submit: Su
         f"{CODE_ALONE}ENV LD_PRELOAD=/usurp.so LC_ALL=usurp\n"
         f"ENTRYPOINT {json.dumps(['python3', '-c', code])}\n"
     )
-    name = build_image(submission, base=python_image(find_engine(), PYTHON), dockerfile=dockerfile)
+    name = build_image(submission, base=python_image(find_engine()), dockerfile=dockerfile)
 
     ending = run(submission, name, tmp_path)
 
