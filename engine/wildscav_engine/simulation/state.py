@@ -227,9 +227,10 @@ def axes_of(kind: type[tuple[Any, ...]]) -> Mapping[str, tuple[type[np.generic],
     """Return the dtype and the axes of every field of a class of arrays, by its name."""
     found = {}
     for name, hint in get_type_hints(kind, include_extras=True).items():
-        array, axes = get_args(hint)
-        dtype = get_args(array)[1]  # NDArray[T] is ndarray[shape, dtype[T]]
-        found[name] = get_args(dtype)[0], axes
+        dtype, axes = get_args(hint)
+        while inner := get_args(dtype):  # NDArray[T], or what it stands for: ndarray[shape, dtype[T]]
+            dtype = inner[-1]
+        found[name] = dtype, axes
     return found
 
 
