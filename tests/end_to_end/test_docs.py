@@ -31,6 +31,7 @@ HOMES = (
 )
 
 
+@pytest.mark.slow
 def test_the_researchers_lines_run_as_they_stand(tmp_path: Path) -> None:
     (code,) = blocks(ROOT / "README.md", "python")
     assert run_code(code, tmp_path).endswith("(10, 10)\n")

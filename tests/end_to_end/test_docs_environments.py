@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 
+import pytest
 from tests.end_to_end.pages import run_code
 
 from wildscav_engine.envs.registry import VERSION, env_id, zoo_id
@@ -15,6 +16,7 @@ ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs" / "environments.md").read_text("utf-8")
 
 
+@pytest.mark.slow
 def test_the_code_of_the_page_works(tmp_path: Path) -> None:
     code = "\n".join(re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL))
     assert run_code(code, tmp_path).splitlines() == [

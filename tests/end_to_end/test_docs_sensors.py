@@ -138,6 +138,7 @@ def altimeter(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> type[Sensor]:
     return SENSORS[name]
 
 
+@pytest.mark.slow
 def test_a_sensor_that_is_added_reaches_an_agent_over_the_wire(
     tmp_path: Path, altimeter: type[Sensor]
 ) -> None:

@@ -25,6 +25,7 @@ def run(folder: Path, *arguments: object, code: int = 0) -> str:
     return done.stdout + done.stderr
 
 
+@pytest.mark.slow
 def test_an_agent_that_fails_in_play_is_named_with_its_last_words(tmp_path: Path) -> None:
     run(tmp_path, "wildscav", "init", "broken")
     agent = tmp_path / "broken" / "agent.py"

@@ -89,6 +89,7 @@ def test_the_same_match_is_played_the_same_way(workers: Workers, tmp_path: Path,
         assert (one.out / one.record).read_bytes() == (other.out / other.record).read_bytes()
 
 
+@pytest.mark.slow
 def test_finders_of_ways_play_the_same_match_the_same_way_in_time(workers: Workers, tmp_path: Path) -> None:
     first = [jobs(name, "navigation", 0, tmp_path / "first")[0] for name in FINDERS]
     second = [jobs(name, "navigation", 0, tmp_path / "second")[0] for name in FINDERS]

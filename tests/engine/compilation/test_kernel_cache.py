@@ -78,6 +78,7 @@ def said_by(process: "subprocess.Popen[str]") -> tuple[Path, list[str], list[Any
     return Path(file).parents[1], compiled, values
 
 
+@pytest.mark.slow
 def test_another_copy_of_the_engine_compiles_nothing_again(folder: Path) -> None:
     assert said_by(start(HERE, folder)) == (HERE, [], VALUES)
 
@@ -96,6 +97,7 @@ def test_after_an_edit_of_a_constant_what_reads_it_is_compiled_anew(folder: Path
     assert said_by(start(edited, folder)) == (edited, ["is_steep"], [1.0, False])
 
 
+@pytest.mark.slow
 def test_what_is_damaged_is_compiled_again(folder: Path) -> None:
     for file in folder.rglob("*.sine-*.nbc"):
         file.write_bytes(file.read_bytes()[:100])

@@ -41,6 +41,7 @@ def said_by(process: "subprocess.Popen[str]") -> list[str]:
     return said.splitlines()
 
 
+@pytest.mark.slow
 def test_of_processes_that_compile_one_says_so_and_that_it_is_done(tmp_path: Path) -> None:
     both = [said_by(process) for process in [start(USE, tmp_path) for _ in range(2)]]
     (begins, ends) = max(both, key=len)

@@ -21,6 +21,7 @@ def run(code: str) -> str:
     return done.stdout
 
 
+@pytest.mark.slow
 def test_what_is_compiled_ahead_plays_matches_and_makes_depth_maps() -> None:
     """It is closed to all other types, so a call that needed another one would fail."""
     said = run("""

@@ -167,6 +167,7 @@ def test_the_longest_unused_maps_go_first(
     assert cache.path_of(country.spec).exists()
 
 
+@pytest.mark.slow
 def test_two_processes_may_keep_and_take_the_same_maps(kept: Path) -> None:
     code = f"""
 from pathlib import Path

@@ -160,6 +160,7 @@ def run_alone(code: str) -> str:
     return done.stdout
 
 
+@pytest.mark.slow
 def test_a_server_that_is_warm_compiles_nothing_for_any_sensor() -> None:
     wanted = [case.values for case in CASES]
     code = f"""
@@ -185,6 +186,7 @@ def test_a_server_that_is_warm_compiles_nothing_for_any_sensor() -> None:
     assert run_alone(code) == "[]\n"
 
 
+@pytest.mark.slow
 def test_no_sensor_costs_anything_before_it_is_asked_for() -> None:
     """A match that is played without optical sensors never prepares the scene."""
     code = """

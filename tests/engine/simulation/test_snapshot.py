@@ -108,6 +108,7 @@ def test_a_restored_match_has_a_record_that_verifies() -> None:
     verify_record(record_of(other, SEATS))
 
 
+@pytest.mark.slow
 def test_another_process_goes_on_in_the_same_way(tmp_path: Path) -> None:
     small = MapSpec(config=MapConfig(size=40, houses=1, vegetation=0.3), seed=3)
     match = play(Match(MatchSpec(track="battle", map=small, seats=SEATS)), 0, STEPS)

@@ -47,6 +47,7 @@ def ask(server: ReplayServer, path: str, method: str = "GET", host: str | None =
         return Answer(answer.status, answer.headers, answer.read())
 
 
+@pytest.mark.slow
 def test_the_link_leads_to_the_viewer_with_the_recording(server: ReplayServer, battle_file: Path) -> None:
     first = ask(server, "/")
     place = first.headers["Location"]

@@ -82,6 +82,7 @@ TELLER = """
 """
 
 
+@pytest.mark.slow
 def test_a_match_ends_early_and_its_agents_are_told_what_the_suite_says(
     submit: Submit, tmp_path: Path
 ) -> None:
@@ -103,6 +104,7 @@ def test_a_match_ends_early_and_its_agents_are_told_what_the_suite_says(
         assert kept.items() <= dataclasses.asdict(expected[one["seat"]]).items()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["bubblewrap", "oci"])
 def test_an_agent_that_needs_more_memory_than_the_suite_allows_fails(
     submit: Submit, tmp_path: Path, name: str
@@ -238,6 +240,7 @@ def test_what_is_not_as_it_should_be_is_named(
     assert found[check].advice
 
 
+@pytest.mark.slow
 def test_an_agent_that_never_sends_a_valid_action_fails(
     wildscav: Command, submit: Submit, tmp_path: Path
 ) -> None:

@@ -117,6 +117,7 @@ def test_an_agent_that_ends_early_has_crashed_with_its_exit_code_and_last_lines(
     assert walker.steps_played == STEPS
 
 
+@pytest.mark.slow
 def test_an_agent_that_does_not_take_its_seat_in_time_never_joined(submit: Submit, tmp_path: Path) -> None:
     late = submit("late", "    def __init__(self): time.sleep(600)")
 

@@ -79,6 +79,7 @@ def test_a_stolen_token_is_refused_at_the_thiefs_own_socket(
     assert [(seat.status, seat.steps_played) for seat in played.seats.values()] == [("finished", STEPS)] * 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("sandbox", "taken"), [("process", True), ("bubblewrap", False)])
 def test_only_a_sandbox_keeps_a_thief_from_the_socket_that_the_token_is_for(
     submit: Submit, tmp_path: Path, sandbox: str, taken: bool

@@ -91,6 +91,7 @@ def run(
     return {(result.job.evaluated, result.job.index): result for result in watch.tally.done.values()}
 
 
+@pytest.mark.slow
 def test_a_match_whose_worker_is_killed_is_played_again_in_another(
     submit: Submit, out: Path, sockets: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

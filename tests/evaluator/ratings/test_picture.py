@@ -48,6 +48,7 @@ def test_no_robot_s_name_is_shortened_above_its_column() -> None:
     assert max(len(f"robot:{name}") for name in ROBOTS) <= LONGEST_COLUMN
 
 
+@pytest.mark.slow
 def test_of_many_entrants_the_best_fifty_are_shown(tmp_path: Path) -> None:
     fifty, more = (
         rate(simulated_tournament([0.0] * count, 0, games=40, seats=8, repeats=1)) for count in (50, 120)

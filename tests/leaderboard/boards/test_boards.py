@@ -150,6 +150,7 @@ def test_who_won_its_few_matches_is_provisional_and_does_not_lead() -> None:
     assert (rows["n"].planned, rows["a"].planned) == (100, rows["a"].matches)
 
 
+@pytest.mark.slow
 def test_identical_submissions_are_not_told_apart_however_many_seasons_they_play() -> None:
     """OpenSkill's ratings, with opponents of the nearest rating, told them apart in 87 % of seasons."""
     twins = {f"twin{number}": 1.0 for number in range(10)}

@@ -75,6 +75,7 @@ TELLER = (
 DRAWN = ("seed", "seat", "team", "start", "target", "supply_waves")
 
 
+@pytest.mark.slow
 def test_a_submission_becomes_active_and_its_matches_are_played(
     sqlite: Database, season: Season, tmp_path: Path
 ) -> None:
@@ -158,6 +159,7 @@ def test_a_slow_submission_holds_up_neither_others_nor_matches(
         assert submission_of(session, slow).state == "queued"  # the conductor was stopped
 
 
+@pytest.mark.slow
 def test_what_fails_says_whose_fault_it_was(sqlite: Database, season: Season, tmp_path: Path) -> None:
     lost = hand_in(sqlite, season, write_agent(tmp_path, "walker"))
     for path in season.archives.iterdir():

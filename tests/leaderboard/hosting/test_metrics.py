@@ -108,6 +108,7 @@ def alerts(seen: dict[tuple[str, ...], float]) -> set[str]:
     }
 
 
+@pytest.mark.slow
 def test_the_alerts_fire_when_nothing_is_played_or_sent_and_else_do_not(
     season: Season, database: Database, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

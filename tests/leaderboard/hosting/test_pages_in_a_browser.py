@@ -15,6 +15,7 @@ from tests.leaderboard.spectating.served import served
 from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.submissions.packing import pack
 
+pytestmark = pytest.mark.slow
 PAGES = {  # and who looks at them
     "/": "visitor",
     "/boards/navigation": "visitor",
@@ -119,7 +120,6 @@ def violations(arena: Arena, browser: Any, asker: str, paths: Sequence[str]) -> 
     return found
 
 
-@pytest.mark.slow
 def test_nothing_keeps_people_out_of_any_page(arena: Arena, browser: Any) -> None:
     found = []
     for asker in sorted(set(PAGES.values())):

@@ -25,6 +25,7 @@ from wildscav_leaderboard.matches.models import SUITE, Match
 from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.webhooks.models import Webhook
 
+pytestmark = pytest.mark.slow
 NO_METHODS = {"FILES": "GET", "SOCKET": "GET"}  # of the table, and how they are asked
 API_KINDS = ("application/json", "application/x-ndjson", "application/octet-stream", "text/plain")
 

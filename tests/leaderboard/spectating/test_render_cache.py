@@ -73,6 +73,7 @@ def left_in_slots(folder: Path) -> list[Path]:
     return [path for path in folder.glob(".slots/*/*") if path.is_file()]
 
 
+@pytest.mark.slow
 def test_what_a_page_needs_comes_from_one_process(cache: RenderCache, record_of_track: Records) -> None:
     record = record_of_track("battle")
 
@@ -85,6 +86,7 @@ def test_what_a_page_needs_comes_from_one_process(cache: RenderCache, record_of_
     assert overview.path.read_bytes() == overview_of_file(record)
 
 
+@pytest.mark.slow
 def test_the_map_of_a_match_without_a_record_is_made_from_its_spec(
     cache: RenderCache, record_of_track: Records
 ) -> None:
@@ -97,6 +99,7 @@ def test_the_map_of_a_match_without_a_record_is_made_from_its_spec(
     assert [path for path in cache.folder.iterdir() if path.is_file()] == [overview.path]
 
 
+@pytest.mark.slow
 def test_a_replay_is_waited_for_and_then_opens(cache: RenderCache, record_of_track: Records) -> None:
     record = record_of_track("navigation")
 

@@ -61,6 +61,7 @@ def recording_at(link: str) -> bytes:
         return connection.getresponse().read()
 
 
+@pytest.mark.slow
 def test_a_record_is_rendered_and_served_until_ctrl_c(record: Path) -> None:
     with served(record) as (link, process):
         assert link.startswith("http://127.0.0.1:")

@@ -24,6 +24,7 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_all_modes(tmp_path: Path) -> None:
     install_engine(tmp_path / "engine")
     obj, places = paths_of(1, tmp_path / "maps")

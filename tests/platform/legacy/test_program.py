@@ -68,6 +68,7 @@ def test_other_arguments_are_refused(arguments: list[str], why: str) -> None:
         read_address(arguments)
 
 
+@pytest.mark.slow
 def test_a_client_that_dies_ends_the_engine(start: Start) -> None:
     competitor = Competitor()
     process = start(competitor.port)
@@ -105,6 +106,7 @@ def test_a_refused_field_is_a_clear_line_for_the_user_whose_client_stops_waiting
     competitor.die()
 
 
+@pytest.mark.slow
 def test_what_is_played_otherwise_than_asked_is_told_to_the_user_once(
     start: Start, interrupts: list[int], capfd: pytest.CaptureFixture[str]
 ) -> None:

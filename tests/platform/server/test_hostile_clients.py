@@ -78,6 +78,7 @@ def campaign(siege: Siege, number: int, rounds: int, at_once: int, memories: lis
     attack()
 
 
+@pytest.mark.slow
 def test_no_sequence_of_messages_harms_the_server_or_another_match(tmp_path: Path) -> None:
     besiege(tmp_path, FEW, at_once=20)
 

@@ -48,6 +48,7 @@ async def attacked(guest: PageClient, attack: Attack) -> None:
     await guest.until("over")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("attack", [garbage, nonsense, huge_message, act_for_another, flood])
 def test_the_attacker_is_closed_and_the_match_of_the_others_goes_on(tmp_path: Path, attack: Attack) -> None:
     async def play() -> Path:

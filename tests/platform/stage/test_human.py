@@ -26,6 +26,7 @@ def test_what_is_not_possible_is_one_line(options: tuple[str, ...], message: str
     assert done.stderr.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_it_serves_the_page_until_it_is_interrupted(tmp_path: Path) -> None:
     command = [*COMMAND, "--track", "navigation", "--records", str(tmp_path)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as game:

@@ -51,6 +51,7 @@ def complaints(done: "subprocess.CompletedProcess[str]") -> list[str]:
     return [line for line in done.stderr.splitlines() if line.startswith("wildscav: ")]
 
 
+@pytest.mark.slow
 def test_a_failing_agent_harms_nobody(
     wildscav: Command, pair: tuple[Path, Path], short: Path, tmp_path: Path
 ) -> None:

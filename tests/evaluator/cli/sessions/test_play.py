@@ -65,6 +65,7 @@ def test_what_cannot_be_played_or_written_is_refused_before_the_match(
     assert not (tmp_path / "logs").exists()
 
 
+@pytest.mark.slow
 def test_an_interrupted_match_says_so(submit: Submit, tmp_path: Path) -> None:
     folder = submit("sleeper", "    def act(self, observation): print(1, flush=True); time.sleep(600)").folder
     logs = tmp_path / "logs"

@@ -69,6 +69,7 @@ async def reason(call: Awaitable[Any]) -> str:
     return reason_of(caught.value)
 
 
+@pytest.mark.slow
 def test_matches_are_played_by_the_workers_in_turn_and_joined_there(tmp_path: Path) -> None:
     async def play(server: SharedServer, address: str, arena: ArenaStub) -> None:
         hosted = [await arena.HostMatch(request()) for _ in range(2)]

@@ -268,6 +268,7 @@ def served(*arguments: str) -> Iterator[tuple[str, subprocess.Popen[str]]]:
             process.kill()
 
 
+@pytest.mark.slow
 def test_serve_stops_at_ctrl_c() -> None:
     with served("--listen", "127.0.0.1:0") as (address, process):
         assert address.startswith("127.0.0.1:")
