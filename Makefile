@@ -41,7 +41,7 @@ demo: .venv/.run ## Evaluate the three baselines on three of the five tracks (un
 	$(BIN)/wildscav evaluate random homing hunter --suite quick --replays first \
 		--track navigation --track gathering --track battle
 
-test: .venv/.dev ## Run the tests (about 8 minutes); with COVERAGE=1, print which lines and branches they reach.
+test: .venv/.dev ## Run the tests (about 5 minutes on two cores); with COVERAGE=1, print which lines and branches they reach.
 ifdef COVERAGE
 	rm -rf out/coverage && mkdir -p out/coverage
 	$(BIN)/python -m coverage run $(PYTEST) -n 2 --dist worksteal --durations=40

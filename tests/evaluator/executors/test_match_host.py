@@ -38,6 +38,7 @@ def end_of(host: MatchHost, job: Job, files: dict[str, bytes]) -> Played | Broke
     return report.end
 
 
+@pytest.mark.slow
 def test_a_match_ends_with_its_files_and_nothing_of_it_is_left_on_the_node(
     host: MatchHost, submit: Submit, tmp_path: Path
 ) -> None:

@@ -45,6 +45,7 @@ def test_a_house_is_where_it_stands(record_of_track: Records) -> None:
     assert red > green + 20  # a roof; the ground is green
 
 
+@pytest.mark.slow
 def test_the_picture_is_small_and_of_the_size_that_it_says(record_of_track: Records) -> None:
     path = record_of_track("navigation")
     content = overview_of_file(path)

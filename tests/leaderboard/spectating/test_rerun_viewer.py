@@ -13,6 +13,8 @@ from tests.leaderboard.spectating.served import served
 
 from wildscav_leaderboard.spectating.rerun_viewer import PATH, VERSION, address_of, router
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def client(tmp_path_factory: pytest.TempPathFactory) -> Iterator[httpx.Client]:
@@ -28,7 +30,6 @@ def serving_viewer(folder: Path) -> Iterator[httpx.Client]:
         yield client
 
 
-@pytest.mark.slow
 def test_the_page_names_its_script_and_both_are_there(client: httpx.Client) -> None:
     assert b"re_viewer.js" in client.get(PATH).content
     assert b"wasm_bindgen" in client.get(f"{PATH}re_viewer.js").content
@@ -66,7 +67,6 @@ def test_there_is_nothing_else(client: httpx.Client, path: str) -> None:
     assert client.get(path).status_code == 404
 
 
-@pytest.mark.slow
 def test_the_files_are_kept_for_the_next_server(tmp_path: Path) -> None:
     for _ in range(2):
         with serving_viewer(tmp_path) as client:

@@ -116,6 +116,7 @@ PREFACE = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n"
 SETTINGS = b"\0\0\0\4\0\0\0\0\0"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "said",
     [
@@ -123,7 +124,6 @@ SETTINGS = b"\0\0\0\4\0\0\0\0\0"
         pytest.param(
             [b"", b"GET / HTTP/1.1\r\n\r\n", PREFACE, PREFACE + SETTINGS + b"\xff" * 5000, bytes(range(256))],
             id="silent, of HTTP/1, half a handshake, garbage frames and garbage",
-            marks=pytest.mark.slow,
         ),
     ],
 )

@@ -57,6 +57,7 @@ def distance_to_nearest(sites: list[Site]) -> float:
     return float(apart.min(axis=1).mean())
 
 
+@pytest.mark.slow
 @given(
     st.integers(0, 2**64 - 1),
     st.sampled_from(["low", "high"]),

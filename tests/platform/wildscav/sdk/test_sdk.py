@@ -162,7 +162,8 @@ def test_an_agent_that_fails_is_told_from_a_platform_that_fails(
     [
         ([], 2, "usage: "),
         (["agents"], 2, "must be MODULE:CLASS"),
-        (["agents:Walker"], 4, "no match server answers at unix:"),
+        # It tries for some seconds.
+        pytest.param(["agents:Walker"], 4, "no match server answers at unix:", marks=pytest.mark.slow),
     ],
 )
 def test_the_launcher_tells_usage_from_a_missing_server(
