@@ -104,7 +104,7 @@ def run_make_maps(choices: Sequence[Choices], executor: Executor) -> None:
                 progress.advance(task)
         except KeyboardInterrupt:
             raise UserError(f"interrupted: {made:,} of {counted(len(missing), 'map')} made", 130) from None
-    console.print(f"made {counted(made, 'map')}, {size / 1e6:,.0f} MB, in {folder()}", soft_wrap=True)
+    console.print(f"made {counted(made, 'map')}, {size / 1e6:,.0f} MB, in {folder()}")
 
 
 def make_map(specs: Choices) -> MadeMap:

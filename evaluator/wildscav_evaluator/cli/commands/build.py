@@ -46,5 +46,5 @@ def build(
 
     loaded = load_named(submission)
     name = build_image(loaded, base=base, options=build_option or (), dockerfile=dockerfile)
-    console.print(f"image     {name}", highlight=False, soft_wrap=True)
-    console.print(f"          wildscav play {submission} --sandbox oci", highlight=False, soft_wrap=True)
+    console.print(f"image     {name}")
+    console.print(f"          wildscav play {submission} --sandbox oci")

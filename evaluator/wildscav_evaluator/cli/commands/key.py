@@ -37,7 +37,7 @@ def new(
 
     if file.exists():
         raise UserError(f"{file} exists already: a key is never overwritten", exit_code=2)
-    _print(new_key(file, new_passphrase() if passphrase else None).public)
+    console.print(new_key(file, new_passphrase() if passphrase else None).public)
 
 
 @app.command()
@@ -46,8 +46,4 @@ def public(file: KeyFile) -> None:
     from wildscav_evaluator.cli.options.signing import ask_passphrase
     from wildscav_evaluator.ledger.keys import read_key
 
-    _print(read_key(file, lambda: ask_passphrase(file)).public)
-
-
-def _print(text: str) -> None:
-    console.print(text, soft_wrap=True, highlight=False)
+    console.print(read_key(file, lambda: ask_passphrase(file)).public)

@@ -43,7 +43,7 @@ def new(file: Secret) -> None:
         raise UserError(f"the secret cannot be written: {describe(error)}") from error
     with os.fdopen(descriptor, "wb") as writer:
         writer.write(content)
-    _print(commitment_of(content))
+    console.print(commitment_of(content))
 
 
 @app.command()
@@ -51,7 +51,7 @@ def commitment(file: Secret) -> None:
     """Print a secret's commitment: the SHA-256 of its file."""
     from wildscav_evaluator.suites.seeds import read_secret
 
-    _print(str(read_secret(file).commitment))
+    console.print(str(read_secret(file).commitment))
 
 
 @app.command("open")
@@ -67,9 +67,5 @@ def open_(file: Secret, out: Out) -> None:
         played = "a public seed" if reported.commitment is None else f"the secret of {reported.commitment}"
         raise UserError(f"{out} was evaluated on {played}, not on {file} ({seed.commitment})", exit_code=2)
     write_whole(out / OPENED_FILE, file.read_bytes())
-    _print(f"opened: {out / OPENED_FILE}")
-    _print(f"check it: {command('wildscav', 'verify', out, '--commitment', seed.commitment)}")
-
-
-def _print(text: str) -> None:
-    console.print(text, soft_wrap=True, highlight=False)
+    console.print(f"opened: {out / OPENED_FILE}")
+    console.print(f"check it: {command('wildscav', 'verify', out, '--commitment', seed.commitment)}")

@@ -70,8 +70,7 @@ def _say_no_database(path: Path | None) -> None:
 
         error_console.print(
             "--db has no effect, and the next release removes it: `wildscav leaderboard` reads the results "
-            "in output folders, by default those in out",
-            soft_wrap=True,
+            "in output folders, by default those in out"
         )
 
 

@@ -94,7 +94,7 @@ def chosen_sandbox(
 
     with console.status("trying the sandbox"):
         choice, submissions = (executor or LocalExecutor()).choose_sandbox(asked, submissions)
-    console.print(f"sandbox   {choice.sandbox.name}", highlight=False)
+    console.print(f"sandbox   {choice.sandbox.name}")
     for warning in choice.warnings:
-        console.print(Text.assemble(("warning: ", "yellow"), warning), soft_wrap=True)
+        console.print(Text.assemble(("warning: ", "yellow"), warning))
     return choice.sandbox.name, submissions

@@ -70,7 +70,7 @@ def warn_of_open_key(sandbox: str) -> None:
         warning = (
             f"agents in the sandbox {sandbox} can read the signing key: sign only with agents that you trust"
         )
-        console.print(Text.assemble(("warning: ", "yellow"), warning), soft_wrap=True)
+        console.print(Text.assemble(("warning: ", "yellow"), warning))
 
 
 def ask_passphrase(file: Path) -> str:

@@ -46,7 +46,7 @@ def run_check(
     broken = sum(finding.verdict == Verdict.BROKEN for finding in findings)
     if broken:
         raise UserError(f"{submission.name} fails {counted(broken, 'check')}; its output is in {logs}")
-    console.print(f"{submission.name} may be submitted. Its output is in {logs}.", soft_wrap=True)
+    console.print(f"{submission.name} may be submitted. Its output is in {logs}.")
 
 
 def _document(submission: Submission, findings: list[Finding], logs: Path) -> dict[str, object]:
@@ -77,7 +77,7 @@ def _explain(finding: Finding) -> None:
     if finding.verdict == Verdict.KEPT:
         return
     style = STYLES[finding.verdict]
-    console.print(Text.assemble((f"\n{finding.check}: ", style), finding.seen), soft_wrap=True)
+    console.print(Text.assemble((f"\n{finding.check}: ", style), finding.seen))
     for line in finding.last_lines[-SHOWN_LINES:]:
-        console.print(Text(f"  | {line}", "dim"), soft_wrap=True)
-    console.print(Text.assemble(("  to fix it: ", "bold"), finding.advice), soft_wrap=True)
+        console.print(Text(f"  | {line}", "dim"))
+    console.print(Text.assemble(("  to fix it: ", "bold"), finding.advice))

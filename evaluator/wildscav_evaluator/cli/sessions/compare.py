@@ -50,7 +50,7 @@ def run_comparison(
             print_json({"folder": str(plan.out), **comparisons.as_json()})
         console.print()
         for line in sandbox_and_limits(results.sandbox, results.limits):
-            console.print(f"played in {line}", soft_wrap=True, highlight=False)
+            console.print(f"played in {line}")
         try:
             ledger.close(results, write_results(results, plan.out))
             say("saved in", str(write_comparisons(comparisons, plan.out)))

@@ -34,7 +34,7 @@ def show_standings(
     with error_console.status("reading results"):
         results = find_results(places)
     for line in results.unreadable:
-        error_console.print(f"left out: {line}", soft_wrap=True)
+        error_console.print(f"left out: {line}")
     ranked_tables = list(standings(results.evaluations, track, suite))
     rated = latest_tournaments(results, track, suite)
     if not ranked_tables and not rated:
@@ -54,9 +54,9 @@ def _show(one: Standings) -> None:
     conditions = one.conditions
     kept = {} if conditions.limits == KeptLimits() else {conditions.track: conditions.limits}
     console.print(evaluations_table(one))
-    console.print(f"played in {''.join(sandbox_and_limits(conditions.sandbox, kept))}", soft_wrap=True)
-    console.print(f"played by {conditions.versions}", soft_wrap=True)
-    console.print(f"signed: {_signed(one) or 'none'}\n", soft_wrap=True)
+    console.print(f"played in {''.join(sandbox_and_limits(conditions.sandbox, kept))}")
+    console.print(f"played by {conditions.versions}")
+    console.print(f"signed: {_signed(one) or 'none'}\n")
 
 
 def _show_tournament(one: Tournament) -> None:
@@ -64,8 +64,8 @@ def _show_tournament(one: Tournament) -> None:
     console.print()
     console.print(standings_table(one))
     for line in sandbox_and_limits(one.sandbox, {one.track: one.limits}):
-        console.print(f"played in {line}", soft_wrap=True)
-    console.print(f"played by {one.versions}\n", soft_wrap=True)
+        console.print(f"played in {line}")
+    console.print(f"played by {one.versions}\n")
     console.print(legend(one), style="dim")
 
 

@@ -122,10 +122,10 @@ def run_match(
     if as_json:
         print_json(_document(seating, played))
     if any(path.exists() for path in paths):
-        console.print(f"the agents' output is in {logs}", soft_wrap=True)
+        console.print(f"the agents' output is in {logs}")
     for path in filter(is_cut, paths):
         kept = f"{int(seating.limits.output):,}"
-        console.print(f"  {path} was cut: {kept} bytes of an agent's output are kept", soft_wrap=True)
+        console.print(f"  {path} was cut: {kept} bytes of an agent's output are kept")
     raise_errors([*errors, *_failures(played, seating)])
 
 
@@ -249,14 +249,14 @@ def _write(
     if record is not None:
         try:
             write_record(record, played.match, seating.names)
-            console.print(f"record: {record}", soft_wrap=True)
+            console.print(f"record: {record}")
         except OSError as error:
             yield f"the record could not be saved: {describe(error)}"
     if replay is not None:
         try:
             with console.status("rendering the replay"):
                 _render(played, seating, replay)
-            console.print(f"replay: {replay}\n  {command('rerun')} {replay}", soft_wrap=True)
+            console.print(f"replay: {replay}\n  {command('rerun')} {replay}")
         except OSError as error:
             yield f"the replay could not be saved: {describe(error)}"
 

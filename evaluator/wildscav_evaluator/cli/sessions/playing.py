@@ -180,7 +180,7 @@ def say_ledger(plan: Plan, ledger: LedgerWriter) -> None:
 
 def say(what: str, text: str) -> None:
     """Print a label and a text on one line."""
-    console.print(f"{what:<9} {text}", soft_wrap=True, highlight=False)
+    console.print(f"{what:<9} {text}")
 
 
 def raise_errors(errors: Sequence[str]) -> None:
@@ -192,5 +192,5 @@ def raise_errors(errors: Sequence[str]) -> None:
     if not errors:
         return
     for error in errors[:-1]:
-        error_console.print(Text(f"wildscav: {' '.join(error.split())}"), soft_wrap=True)
+        error_console.print(Text(f"wildscav: {' '.join(error.split())}"))
     raise UserError(errors[-1])

@@ -57,10 +57,10 @@ def run_rescore(out: Path, executor: Executor, key: str | None = None, *, as_jso
     if folder is None:
         console.print(f"{everything} played again; there is no {out / RESULTS_FILE} to compare with")
         return
-    console.print(f"{everything} played again: all agree with {out / RESULTS_FILE}", soft_wrap=True)
+    console.print(f"{everything} played again: all agree with {out / RESULTS_FILE}")
     _print_conclusion(folder)
     for sentence in unchecked:
-        _say(sentence)
+        console.print(sentence)
 
 
 def show_commitment(out: Path, commitment: str) -> None:
@@ -71,7 +71,9 @@ def show_commitment(out: Path, commitment: str) -> None:
     """
     records = check_opened(out, commitment)
     of_it = "record is of a match" if records == 1 else "records are of matches"
-    _say(f"the secret in {out} is the one committed to, and {records:,} {of_it} that the secret determines")
+    console.print(
+        f"the secret in {out} is the one committed to, and {records:,} {of_it} that the secret determines"
+    )
 
 
 def _without_results(out: Path, key: str | None) -> Iterator[str]:
@@ -95,17 +97,19 @@ def _print_conclusion(folder: AuditedFolder) -> None:
     if ledger is None:
         raise TypeError("a folder without a ledger does not agree")
     if folder.signed:
-        _say(f"signed with the key {ledger.key}: nothing was changed or removed since; head {ledger.head}")
+        console.print(
+            f"signed with the key {ledger.key}: nothing was changed or removed since; head {ledger.head}"
+        )
     elif ledger.key is not None:
-        _say(f"signed with the key {ledger.key}: if that is the organizer's, confirm it with --key")
+        console.print(f"signed with the key {ledger.key}: if that is the organizer's, confirm it with --key")
     else:
-        _say(
+        console.print(
             "not signed: the recorded actions give these scores; it is not proven that nobody substituted "
             "the actions, the sandbox or the submission"
         )
     if again := sum(ledger.interrupted.values()):
         were = "was" if again == 1 else "were"
-        _say(f"{counted(again, 'match')} {were} interrupted and restarted: see {LEDGER_FILE}")
+        console.print(f"{counted(again, 'match')} {were} interrupted and restarted: see {LEDGER_FILE}")
 
 
 def _unchecked(folder: AuditedFolder) -> Iterator[str]:
@@ -117,10 +121,6 @@ def _unchecked(folder: AuditedFolder) -> Iterator[str]:
             "Its schedule is of an earlier version: the Wildscav that played it, "
             f"{folder.reported.versions.engine}, can also check that the seed decided who met whom."
         )
-
-
-def _say(text: str) -> None:
-    console.print(text, soft_wrap=True, highlight=False)
 
 
 def recomputed(
@@ -187,4 +187,4 @@ def _show(results: Results) -> Iterator[str]:
         console.print(f"{LEGEND}\n", style="dim")
     if results.limits:
         for line in sandbox_and_limits(results.sandbox, results.limits):
-            console.print(f"played in {line}", soft_wrap=True, highlight=False)
+            console.print(f"played in {line}")

@@ -158,7 +158,7 @@ def _limits(
 
 
 def _warn(text: str) -> None:
-    console.print(Text.assemble(("warning: ", "yellow"), printable(text)), soft_wrap=True)
+    console.print(Text.assemble(("warning: ", "yellow"), printable(text)))
 
 
 def _play(seating: MatchAssignment, record: Record, compared: tuple[int, ...], sandbox: str) -> PlayedMatch:
@@ -199,4 +199,4 @@ def _report(agreements: Iterable[Agreement], played: PlayedMatch, record: Record
 
 
 def _say(text: str) -> None:
-    console.print(Text(printable(text)), soft_wrap=True)
+    console.print(Text(printable(text)))

@@ -52,7 +52,7 @@ def verify_records(records: Sequence[Path], key: str | None = None, *, as_json: 
     failed = [one for one in findings if not one.holds]
     total = counted(len(records), "record")
     held = f"{len(records) - len(failed)} of {total}"
-    console.print(f"\n{held} {'holds' if len(records) - len(failed) == 1 else 'hold'}", highlight=False)
+    console.print(f"\n{held} {'holds' if len(records) - len(failed) == 1 else 'hold'}")
     if failed:
         more = f" (and {len(failed) - 1} more)" if len(failed) > 1 else ""
         raise UserError(
