@@ -106,7 +106,7 @@ def index_boxes_of(match: Match) -> None:
 
 def seen_now(match: Match) -> Seen:
     """What everybody sees of a state that was changed by hand since the last step."""
-    match._batch._is_seen = False
+    match._batch._seen_now.clear()
     return match.seen
 
 

@@ -12,7 +12,7 @@ from wildscav_engine.envs.settings.episodes import Episodes, Plan
 from wildscav_engine.envs.settings.options import EpisodeOptions
 from wildscav_engine.envs.spaces.action_mode import Axes
 from wildscav_engine.envs.spaces.actions import action_mode
-from wildscav_engine.envs.spaces.columns import EVENTS, OUTCOME, Part
+from wildscav_engine.envs.spaces.columns import EVENTS, Part
 from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
 from wildscav_engine.envs.spaces.observation import Observation
 from wildscav_engine.envs.spaces.seat_reader import SeatReader
@@ -29,19 +29,20 @@ OF_POOL = {"map", "level", "split", "random_maps", "unseen"}  # the options that
 class ArenaOutput(NamedTuple):
     """The output for all learners after a step or a restart, in arrays that are not reused."""
 
-    observation: Observation  # by name (B, L, …), or (B, L, n) if flat
+    observation: Observation  # the arena's part of (B, L, …) by name, or of (B, L, n) if flat
     rows: NDArray[np.float32]  # (B, L, width) as ``Layout`` says
 
 
 class Arena:
     """B matches with L learners each; its opponents fill the other seats."""
 
-    def __init__(self, config: EnvConfig, matches: int = 1) -> None:
+    def __init__(self, config: EnvConfig, matches: int = 1, part: Any = ()) -> None:
         """Create an arena without matches; ``start`` adds them.
 
         Args:
             config: The options of the environment.
             matches: The number of matches, B.
+            part: The index of what observations keep of the axes (B, L), such as (0, 0) for a single learner.
 
         Raises:
             ValueError: The settings of the maps or of an opponent are invalid.
@@ -58,8 +59,7 @@ class Arena:
         self._views: dict[int, MatchInBatch] = {}
         self._state: State | None = None
         self.actions = np.zeros((matches, len(config.seats), FIELDS), np.float32)
-        self._chosen = np.zeros((matches * config.agents, FIELDS), np.float32)
-        self._reader = SeatReader(config, self.learners, matches)
+        self._reader = SeatReader(config, self.learners, matches, part)
         self.layout, self.done = self._reader.layout, self._reader.done  # (B, L), updated by every step
         first = self.layout.first
         self._outcome, self._events, self._terms = (
@@ -164,10 +164,11 @@ class Arena:
         Raises:
             ActionError: The actions are not in the action space.
         """
-        agents = self._batch.state.agents
-        count = self.config.agents
-        self.mode.decode(actions, agents.yaw[:, :count].reshape(-1), self._chosen, axes)
-        self.actions[:, :count] = self._chosen.reshape(self.matches, count, FIELDS)
+        count, yaws = self.config.agents, self._batch.state.agents.yaw
+        rows = self.actions[:, :count].reshape(-1, FIELDS)  # a copy if there are other seats
+        self.mode.decode(actions, yaws[:, :count].reshape(-1), rows, axes)
+        if count < self.actions.shape[1]:
+            self.actions[:, :count] = rows.reshape(self.matches, count, FIELDS)
 
     def step(self) -> ArenaOutput:
         """Play one step with the actions that were set, and return the output."""
@@ -181,7 +182,7 @@ class Arena:
             self.opponents.act(batch, self.view, self.actions, skip)
         if skip:
             batch.state.matches.over[list(skip)] = True
-        batch.step(self.actions, threads=self.config.threads)
+        batch.play(self.actions, self.config.threads)
 
     def read(self) -> ArenaOutput:
         """Return the output for all learners, with events and rewards since the last call."""
@@ -206,22 +207,30 @@ class Arena:
             self._views[match] = MatchInBatch(self._batch, match)
         return self._views[match]
 
-    def terminated(self, rows: NDArray[np.float32]) -> NDArray[np.bool_]:
-        """Return (B, L) whether each episode has terminated."""
-        return np.asarray(rows[..., self._outcome] != 0.0)
+    @property
+    def terminated(self) -> NDArray[np.bool_]:
+        """Whether each episode has terminated, (B, L), a new array."""
+        return self._reader.terminated.copy()
 
-    def truncated(self, rows: NDArray[np.float32]) -> NDArray[np.bool_]:
-        """Return (B, L) whether each episode was truncated by the time limit."""
-        return np.asarray(rows[..., self._outcome + 1] != 0.0)
+    @property
+    def truncated(self) -> NDArray[np.bool_]:
+        """Whether each episode was truncated by the time limit, (B, L), a new array."""
+        return self._reader.truncated.copy()
 
-    def rewards(self, rows: NDArray[np.float32]) -> NDArray[np.float64]:
-        """Return (B, L) the rewards of the step."""
-        return rows[..., self._outcome + 2].astype(np.float64)
+    @property
+    def rewards(self) -> NDArray[np.float64]:
+        """The rewards of the step, (B, L), a new array."""
+        return self._reader.rewards.copy()
 
-    def outcome(self, row: NDArray[np.float32]) -> tuple[bool, bool, float]:
-        """Return terminated, truncated and the reward from the row of one learner."""
-        terminated, truncated, reward = row[self._outcome : self._outcome + len(OUTCOME)].tolist()
-        return terminated != 0.0, truncated != 0.0, reward
+    @property
+    def ended(self) -> int:
+        """The number of matches in which the episodes of all learners have ended."""
+        return self._reader.ended
+
+    def outcome(self, row: NDArray[np.float32]) -> tuple[bool, bool, float, list[float], list[float]]:
+        """Return terminated, truncated, the reward, the events and the reward terms of one learner's row."""
+        terminated, truncated, reward, *counts = row[self._outcome :].tolist()
+        return terminated != 0.0, truncated != 0.0, reward, counts[: len(EVENTS)], counts[len(EVENTS) :]
 
     def events(self, rows: NDArray[np.float32]) -> NDArray[np.float32]:
         """Return (…, EVENTS) the events of the step."""

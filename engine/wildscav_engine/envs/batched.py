@@ -48,6 +48,7 @@ class Autoreset:
         self.arena, self.mode, self._axes = arena, mode, axes
         self.ended: Flags = np.zeros(arena.matches, np.bool_)  # (B,) which matches ended with the last step
         self._episodes: list[Episodes] = []
+        self._no_metrics = np.zeros((0, len(arena.learners), len(arena.metrics)))
 
     def reset(
         self,
@@ -116,13 +117,12 @@ class Autoreset:
     def _outcome(self, output: ArenaOutput) -> Outcome:
         """Return the outcome of a step; in the same-step mode, restart the matches that ended."""
         arena, rows = self.arena, output.rows
-        terminated, truncated = arena.terminated(rows), arena.truncated(rows)
-        rewards = arena.rewards(rows)
+        terminated, truncated, rewards = arena.terminated, arena.truncated, arena.rewards
         ended: tuple[int, ...] = ()
-        metrics = np.zeros((0, rows.shape[1], len(arena.metrics)))
-        done = arena.done.all(axis=1)
-        final = None
-        if done.any():
+        metrics, final = self._no_metrics, None
+        self.ended[:] = False
+        if arena.ended:
+            done = arena.done.all(axis=1)
             ended = tuple(np.flatnonzero(done).tolist())
             metrics = self._measure(ended)
             self.ended[:] = done
@@ -131,8 +131,6 @@ class Autoreset:
                 arena.finish_reading()
                 self._restart(ended)
                 output = arena.begin_reading()
-        else:
-            self.ended[:] = False
         return Outcome(output.observation, rewards, terminated, truncated, rows, ended, metrics, final)
 
     def _measure(self, matches: Sequence[int]) -> NDArray[np.float64]:
@@ -163,11 +161,7 @@ class ManyMatches(Changeable):
             StateError: The bytes are not a state of an environment, are damaged, or have another version.
             MatchSetupError: The match has another track, other rules or other seats.
         """
-        return self._shaped(self._autoreset.set_state(row, data).observation)
-
-    def _shaped(self, observation: Observation) -> Observation:
-        """Return the observations of the arena with the axes of the environment's."""
-        return observation
+        return self._autoreset.set_state(row, data).observation
 
 
 class BatchedArena(ManyMatches):

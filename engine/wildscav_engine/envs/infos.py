@@ -1,6 +1,6 @@
 """The infos of environments. Their structure is the same in every step."""
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from typing import Any, NotRequired, TypedDict
 
 import numpy as np
@@ -20,23 +20,36 @@ class Info(TypedDict):
     action_mask: NotRequired[Any]  # for several agents: the mask for ``Space.sample``
 
 
-def info_of(arena: Arena, row: NDArray[np.float32], measured: Iterable[float] = ()) -> Info:
-    """Return the infos of one learner.
+class Infos:
+    """Makes the infos of an arena's learners."""
 
-    Args:
-        arena: The arena.
-        row: (width,) the learner's row of the output.
-        measured: Its metrics, if its episode ended with this step.
-    """
-    values = [*measured] or [0.0] * len(arena.metrics)
-    if arena.config.flat:
-        return {
-            "events": arena.events(row).astype(np.int64),
-            "reward_terms": arena.reward_terms(row),
-            "metrics": np.array(values),
-        }
-    return {
-        "events": dict(zip(EVENTS, map(int, arena.events(row).tolist()), strict=True)),
-        "reward_terms": dict(zip(arena.terms, arena.reward_terms(row).tolist(), strict=True)),
-        "metrics": dict(zip(arena.metrics, values, strict=True)),
-    }
+    def __init__(self, arena: Arena) -> None:
+        """Prepare the infos of steps without events, rewards and metrics, which are most of them."""
+        self._arena = arena
+        self._events, self._terms = dict.fromkeys(EVENTS, 0), dict.fromkeys(arena.terms, 0.0)
+        self._metrics = dict.fromkeys(arena.metrics, 0.0)
+        self._nothing = [0.0] * len(EVENTS), [0.0] * len(arena.terms)  # counts and terms
+
+    def of(self, counts: list[float], terms: list[float], measured: Sequence[float] = ()) -> Info:
+        """Return the infos of one learner.
+
+        Args:
+            counts: Its events in the step.
+            terms: Its reward terms.
+            measured: Its metrics, if its episode ended with this step.
+        """
+        no_counts, no_terms = self._nothing
+        if self._arena.config.flat:
+            return {
+                "events": np.array(counts, np.int64),
+                "reward_terms": np.array(terms, np.float32),
+                "metrics": np.array(measured or [0.0] * len(self._metrics)),
+            }
+        events, rewards, metrics = self._events.copy(), self._terms.copy(), self._metrics.copy()
+        if counts != no_counts:
+            events.update(zip(EVENTS, map(int, counts), strict=True))
+        if terms != no_terms:
+            rewards.update(zip(rewards, terms, strict=True))
+        if measured:
+            metrics.update(zip(metrics, measured, strict=True))
+        return {"events": events, "reward_terms": rewards, "metrics": metrics}

@@ -11,7 +11,7 @@ from pettingzoo.utils.conversions import parallel_to_aec
 
 from wildscav_engine.envs.arena import Arena, ArenaOutput
 from wildscav_engine.envs.batched import multi_agent_config
-from wildscav_engine.envs.infos import info_of
+from wildscav_engine.envs.infos import Infos
 from wildscav_engine.envs.registry import register_several
 from wildscav_engine.envs.rendering.render import Renderer
 from wildscav_engine.envs.settings.episodes import read_seed
@@ -58,7 +58,7 @@ class ParallelArena(OneMatch, ParallelEnv[str, Observation, Any]):
         self.render_mode = self.config.render_mode
         self.possible_agents = [f"agent_{seat}" for seat in range(self.config.agents)]
         self.agents: list[str] = []
-        self.arena = Arena(self.config)
+        self.arena = Arena(self.config, part=0)
         self.observation_spaces: dict[str, Space[Any]] = {
             agent: observation_space(self.config) for agent in self.possible_agents
         }
@@ -66,10 +66,10 @@ class ParallelArena(OneMatch, ParallelEnv[str, Observation, Any]):
         self.action_spaces: dict[str, Space[Any]] = dict.fromkeys(self.possible_agents, space)
         self.state_space: Box = global_state_space(self.config)
         self._seats = {agent: seat for seat, agent in enumerate(self.possible_agents)}
-        self._rows = [self.arena.actions[:, seat] for seat in range(self.config.agents)]
         self._alive = self.arena.layout.first(Part.BODY)
         self._episodes = None
         self._renderer = Renderer(self.config)
+        self._infos = Infos(self.arena)
 
     def observation_space(self, agent: str) -> Space[Any]:
         """Return the space of an agent's observations, the same object every time."""
@@ -100,7 +100,8 @@ class ParallelArena(OneMatch, ParallelEnv[str, Observation, Any]):
     def _begun(self, output: ArenaOutput) -> tuple[dict[str, Observation], dict[str, dict[str, Any]]]:
         done = self.arena.done[0]
         self.agents = [agent for agent, seat in self._seats.items() if not done[seat]]
-        infos = {agent: self._info(output, agent, ended=False) for agent in self.agents}
+        rows = output.rows[0]
+        infos = {agent: self._info(rows[self._seats[agent]], agent, ended=False) for agent in self.agents}
         return self._observations(output), infos
 
     def step(
@@ -124,8 +125,8 @@ class ParallelArena(OneMatch, ParallelEnv[str, Observation, Any]):
         rewards, terminated, truncated, infos = {}, {}, {}, {}
         for agent in self.agents:
             row = output.rows[0, self._seats[agent]]
-            terminated[agent], truncated[agent], rewards[agent] = self.arena.outcome(row)
-            infos[agent] = self._info(output, agent, ended=terminated[agent] or truncated[agent])
+            terminated[agent], truncated[agent], rewards[agent], *_ = self.arena.outcome(row)
+            infos[agent] = self._info(row, agent, ended=terminated[agent] or truncated[agent])
         observations = self._observations(output)
         self.agents = [agent for agent in self.agents if not (terminated[agent] or truncated[agent])]
         self._renderer.show(self.arena)
@@ -141,16 +142,15 @@ class ParallelArena(OneMatch, ParallelEnv[str, Observation, Any]):
         yaws = batch.state.agents.yaw[0]
         for agent, action in actions.items():
             seat = self._seats[agent]
-            arena.mode.decode(action, yaws[seat : seat + 1], self._rows[seat], ())
+            arena.mode.decode(action, yaws[seat : seat + 1], arena.actions[:, seat], ())
 
     def _observations(self, output: ArenaOutput) -> dict[str, Observation]:
-        return {agent: part_of(output.observation, (0, self._seats[agent])) for agent in self.agents}
+        return {agent: part_of(output.observation, self._seats[agent]) for agent in self.agents}
 
-    def _info(self, output: ArenaOutput, agent: str, *, ended: bool) -> dict[str, Any]:
-        seat = self._seats[agent]
-        row = output.rows[0, seat]
-        measured = self.arena.measure(0, seat).values() if ended else ()
-        info: dict[str, Any] = {**info_of(self.arena, row, measured)}
+    def _info(self, row: NDArray[np.float32], agent: str, *, ended: bool) -> dict[str, Any]:
+        measured = [*self.arena.measure(0, self._seats[agent]).values()] if ended else ()
+        *_, counts, terms = self.arena.outcome(row)
+        info: dict[str, Any] = {**self._infos.of(counts, terms, measured)}
         mask = self.arena.mode.mask(bool(row[self._alive]))
         if self.config.flat:
             mask = flat_mask(mask)

@@ -36,6 +36,8 @@ def register() -> None:
                 entry_point="wildscav_engine.envs.single:SingleEnv",
                 vector_entry_point="wildscav_engine.envs.vector:VectorArena",
                 kwargs={"track": track, "version": version},
+                order_enforce=False,  # the environments check both themselves
+                disable_env_checker=True,
             )
 
 

@@ -4,18 +4,16 @@ from collections.abc import Mapping
 from typing import Any, Self, Unpack
 
 import gymnasium
-import numpy as np
 from gymnasium.spaces import Space
-from numpy.typing import NDArray
 
 from wildscav_engine.envs.arena import Arena, ArenaOutput, Changeable
-from wildscav_engine.envs.infos import info_of
+from wildscav_engine.envs.infos import Infos
 from wildscav_engine.envs.rendering.render import Renderer
 from wildscav_engine.envs.saving import load, save
 from wildscav_engine.envs.settings.config import EnvConfig, read_config
 from wildscav_engine.envs.settings.episodes import Episodes, read_seed
 from wildscav_engine.envs.settings.options import EnvOptions, EpisodeOptions
-from wildscav_engine.envs.spaces.observation import Observation, observation_space, part_of
+from wildscav_engine.envs.spaces.observation import Observation, observation_space
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 
 RENDER_MODES = ["rgb_array", "depth_array", "human", "rerun"]
@@ -105,11 +103,11 @@ class SingleEnv(OneMatch, gymnasium.Env[Observation, Any]):
         self.metadata = pictures_of(self.config)
         self.render_mode = self.config.render_mode
         self.observation_space: Space[Any] = observation_space(self.config)
-        self.arena = Arena(self.config)
+        self.arena = Arena(self.config, part=(0, 0))
         self.action_space = self.arena.mode.space
         self._episodes = None
         self._renderer = Renderer(self.config)
-        self._own = self.arena.actions[:, 0]
+        self._infos = Infos(self.arena)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -136,16 +134,15 @@ class SingleEnv(OneMatch, gymnasium.Env[Observation, Any]):
             RuntimeError: No episode has started, or it has ended.
         """
         arena = self.arena
-        if arena.batch is None or arena.done[0, 0]:
+        if arena.batch is None or arena.ended:
             raise RuntimeError("there is no episode, or it has ended: reset the environment first")
-        arena.mode.decode(action, arena.batch.state.agents.yaw[0, :1], self._own, ())
-        output = arena.step()
-        row: NDArray[np.float32] = output.rows[0, 0]
-        terminated, truncated, reward = arena.outcome(row)
-        measured = arena.measure(0, 0).values() if terminated or truncated else ()
-        info: dict[str, Any] = {**info_of(arena, row, measured)}
+        arena.mode.decode(action, arena.batch.state.agents.yaw[0, :1], arena.actions[0, :1], ())
+        observation, rows = arena.step()
+        terminated, truncated, reward, counts, terms = arena.outcome(rows[0, 0])
+        measured = [*arena.measure(0, 0).values()] if arena.ended else ()
+        info: Any = self._infos.of(counts, terms, measured)
         self._renderer.show(arena)
-        return _of_first(output), reward, terminated, truncated, info
+        return observation, reward, terminated, truncated, info
 
     def render(self) -> Any:
         """Return an image as the render mode demands: (height, width, 3) uint8, or (height, width) m.
@@ -155,7 +152,8 @@ class SingleEnv(OneMatch, gymnasium.Env[Observation, Any]):
         return self._renderer.render(self.arena)
 
     def _begun(self, output: ArenaOutput) -> tuple[Observation, dict[str, Any]]:
-        return _of_first(output), {**info_of(self.arena, output.rows[0, 0])}
+        *_, counts, terms = self.arena.outcome(output.rows[0, 0])
+        return output.observation, {**self._infos.of(counts, terms)}
 
 
 def pictures_of(config: EnvConfig) -> dict[str, Any]:
@@ -178,7 +176,3 @@ def single_agent_config(track: str, options: Mapping[str, Any]) -> EnvConfig:
     if config.agents != 1:
         raise ValueError(f"agents is {config.agents}, must be 1; use parallel_env for several")
     return config
-
-
-def _of_first(output: ArenaOutput) -> Observation:
-    return part_of(output.observation, (0, 0))

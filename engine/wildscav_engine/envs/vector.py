@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.envs.arena import Arena, ArenaOutput
 from wildscav_engine.envs.batched import Autoreset, ManyMatches, Outcome
-from wildscav_engine.envs.infos import info_of
+from wildscav_engine.envs.infos import Infos
 from wildscav_engine.envs.rendering.render import Renderer
 from wildscav_engine.envs.settings.episodes import read_mask, read_seeds
 from wildscav_engine.envs.settings.options import EnvOptions
@@ -18,7 +18,7 @@ from wildscav_engine.envs.single import pictures_of, single_agent_config
 from wildscav_engine.envs.spaces.columns import EVENTS
 from wildscav_engine.envs.spaces.observation import Observation, observation_space, part_of
 
-Infos = dict[str, Any]
+VectorInfos = dict[str, Any]
 
 
 class VectorArena(ManyMatches, VectorEnv[Observation, Any, NDArray[Any]]):
@@ -52,13 +52,14 @@ class VectorArena(ManyMatches, VectorEnv[Observation, Any, NDArray[Any]]):
         self.num_envs, self.autoreset_mode = num_envs, AutoresetMode(autoreset_mode)
         self.render_mode = self.config.render_mode
         self.metadata = {**pictures_of(self.config), "autoreset_mode": self.autoreset_mode}
-        self.arena = Arena(self.config, num_envs)
+        self.arena = Arena(self.config, num_envs, (slice(None), 0))
         self.single_observation_space = observation_space(self.config)
         self.single_action_space = self.arena.mode.space
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self._autoreset = Autoreset(self.arena, self.autoreset_mode, (num_envs,))
         self._renderer = Renderer(self.config)
+        self._infos_of_one = Infos(self.arena)
         self._all_rows = np.ones(num_envs, np.bool_)
         self._all_rows.flags.writeable = False
         self._no_metrics = np.zeros(num_envs)
@@ -68,7 +69,7 @@ class VectorArena(ManyMatches, VectorEnv[Observation, Any, NDArray[Any]]):
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[Observation, Infos]:
+    ) -> tuple[Observation, VectorInfos]:
         """Start new episodes.
 
         Args:
@@ -88,11 +89,11 @@ class VectorArena(ManyMatches, VectorEnv[Observation, Any, NDArray[Any]]):
         output = self._autoreset.reset(seeds, first_seed, chosen, given)
         super().reset(seed=seeds[0])
         self._show()
-        return _squeezed(output.observation), self._infos(output.rows, (), np.zeros((0, 1, 0)), chosen)
+        return output.observation, self._infos(output.rows, (), np.zeros((0, 1, 0)), chosen)
 
     def step(
         self, actions: Any
-    ) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], Infos]:
+    ) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], VectorInfos]:
         """Play one step in every environment.
 
         Raises:
@@ -106,7 +107,7 @@ class VectorArena(ManyMatches, VectorEnv[Observation, Any, NDArray[Any]]):
         self.arena.finish_reading()
         self._show()
         return (
-            _squeezed(outcome.observation),
+            outcome.observation,
             outcome.rewards[:, 0],
             outcome.terminated[:, 0],
             outcome.truncated[:, 0],
@@ -119,7 +120,7 @@ class VectorArena(ManyMatches, VectorEnv[Observation, Any, NDArray[Any]]):
         ended: tuple[int, ...],
         metrics: NDArray[np.float64],
         chosen: NDArray[np.bool_],
-    ) -> Infos:
+    ) -> VectorInfos:
         """Return the infos of the single environments, each value as an array with a mask."""
         arena = self.arena
         counts = arena.events(rows)[:, 0].astype(np.int64).T
@@ -144,22 +145,23 @@ class VectorArena(ManyMatches, VectorEnv[Observation, Any, NDArray[Any]]):
         """Return (N,) arrays by name, each with its mask; (N, len(names)) if flat."""
         if self.config.flat:
             return np.stack(values, axis=1) if names else np.zeros((self.num_envs, 0))
-        masked: Infos = {}
+        masked: VectorInfos = {}
         for name, column in zip(names, values, strict=True):
             masked[name] = column
             masked[f"_{name}"] = chosen
         return masked
 
-    def _with_final(self, infos: Infos, outcome: Outcome, final: ArenaOutput) -> Infos:
+    def _with_final(self, infos: VectorInfos, outcome: Outcome, final: ArenaOutput) -> VectorInfos:
         """Return the infos of new episodes, with the last observations and infos of the previous ones."""
         mask = self._no_rows.copy()
         mask[list(outcome.ended)] = True
         observations = np.full(self.num_envs, None, object)
         for row in outcome.ended:
-            observations[row] = part_of(final.observation, (row, 0))
-        ended: Infos = {}
+            observations[row] = part_of(final.observation, row)
+        ended: VectorInfos = {}
         for place, row in enumerate(outcome.ended):
-            info = info_of(self.arena, outcome.rows[row, 0], outcome.metrics[place, 0].tolist())
+            *_, counts, terms = self.arena.outcome(outcome.rows[row, 0])
+            info = self._infos_of_one.of(counts, terms, outcome.metrics[place, 0].tolist())
             ended = self._add_info(ended, {**info}, row)
         for name in ("events", "reward_terms", "metrics"):
             if self.config.flat:
@@ -175,9 +177,6 @@ class VectorArena(ManyMatches, VectorEnv[Observation, Any, NDArray[Any]]):
             "_final_info": mask,
         }
 
-    def _shaped(self, observation: Observation) -> Observation:
-        return _squeezed(observation)
-
     def _show(self) -> None:
         self._renderer.begin(self.arena)
 
@@ -190,7 +189,3 @@ class VectorArena(ManyMatches, VectorEnv[Observation, Any, NDArray[Any]]):
     def close_extras(self, **_options: Any) -> None:
         """Close the window or the recording of the live view, if there is one."""
         self._renderer.close()
-
-
-def _squeezed(observation: Observation) -> Observation:
-    return part_of(observation, (slice(None), 0))

@@ -1,7 +1,8 @@
 """A batch: many matches played together in one or several threads. A single match is a batch of one."""
 
 import copy
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,7 +13,7 @@ from wildscav_engine.maps import MapError, map_of
 from wildscav_engine.maps.bank import MapBank
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.parallel.threads import share
-from wildscav_engine.simulation.batch_kernels import find_seen_in_batch, play_batch
+from wildscav_engine.simulation.batch_kernels import BatchArrays, find_seen_in_batch, play_batch
 from wildscav_engine.simulation.setup.match_setup import MatchSetupError, place_match, plan_match, room_for
 from wildscav_engine.simulation.snapshot import Counts, History, check_size, decode, encode, map_for, write
 from wildscav_engine.simulation.state import State, allocate_state, copied, with_room
@@ -54,9 +55,11 @@ class Batch:
         self.setups = [plan_match(*pair) for pair in zip(self.specs, self.maps, strict=True)]
         seats = max(len(spec.seats) for spec in self.specs)
         self._seen = allocate_seen(len(self.specs), seats)
-        self._is_seen = False
+        self._all_seats = range(seats)
+        self._seen_now: set[int] = set()  # the seats whose rows of what is seen are up to date
         self._set_arrays(allocate_state(len(self.specs), seats, *room_for(self.setups)))
         self._rule_numbers = np.array(self.rules, np.float64)
+        self._table: ArrayTable | None = None
         self._bank = MapBank([*self.maps, *pool])
         self._rows = np.arange(len(self.specs))
         self._no_actions = no_actions(len(self.specs) * seats).reshape(len(self.specs), seats, FIELDS)
@@ -65,19 +68,26 @@ class Batch:
     @property
     def seen(self) -> Seen:
         """What every agent sees now; computed on demand, at most once per step."""
-        self._update_seen()
+        return self.seen_by(self._all_seats)
+
+    def seen_by(self, seats: Sequence[int], threads: int = 1) -> Seen:
+        """Return what agents see now, for some seats only: the rows of others may be of an earlier step."""
+        missing = [seat for seat in seats if seat not in self._seen_now]
+        if missing:
+            chosen = np.array(missing, np.int64)
+            self._share(lambda rows: self._find_seen(rows, chosen), threads)
+            self._seen_now.update(missing)
         return self._seen
+
+    def _find_seen(self, rows: NDArray[np.int64], seats: NDArray[np.int64]) -> bool:
+        find_seen_in_batch(self.table, rows, seats)
+        return True
 
     @property
     def tables(self) -> tuple[Addresses, Addresses, Addresses, Addresses]:
         """The array tables of the agents, the boxes, the matches and what is seen now, for kernels."""
-        self._update_seen()
-        return self._tables
-
-    def _update_seen(self) -> None:
-        if not self._is_seen:
-            find_seen_in_batch(self._bank.addresses, *self._tables, self._rule_numbers)
-            self._is_seen = True
+        _ = self.seen
+        return self.known_tables
 
     def step(self, actions: ArrayLike, *, threads: int = 1) -> NDArray[np.float32]:
         """Play one step of every match that is not over.
@@ -98,13 +108,21 @@ class Batch:
         rows = check_actions(actions, self.state.agents.present.shape)
         if threads < 1:
             raise ValueError(f"threads is {threads}, must be at least 1")
-        self._is_seen = False
-        if threads == 1:
-            self._play(self._rows, rows)
-        else:
-            least = -(-LEAST_AGENTS // rows.shape[1])
-            share(lambda part: self._play(self._rows[part], rows), len(self._rows), threads, least)
+        self.play(rows, threads)
         return rows
+
+    def play(self, actions: NDArray[np.float32], threads: int = 1) -> None:
+        """Do the same as ``step`` without checks, and replace the actions by those that were played."""
+        self._seen_now.clear()
+        if threads == 1:
+            self._play(self._rows, actions)
+        else:
+            self._share(lambda rows: self._play(rows, actions), threads)
+
+    def _share(self, work: Callable[[NDArray[np.int64]], bool], threads: int) -> None:
+        """Do some work for all rows of matches, in one or several threads."""
+        least = -(-LEAST_AGENTS // len(self._all_seats))
+        share(lambda part: work(self._rows[part]), len(self._rows), threads, least)
 
     def restart(
         self, rows: Sequence[int], specs: Sequence[MatchSpec], maps: Sequence[GameMap] | None = None
@@ -136,7 +154,7 @@ class Batch:
             self.specs[row], self.maps[row], self.setups[row] = spec, game_map, setup
         self._grow(*room_for(setups))
         self._clear(rows)
-        if self._bank.add(given, in_use=self.maps):
+        if self._add_to_bank(given):
             self._number_maps(self._rows)  # also in the other rows: their maps may have moved in the bank
         self._open_matches(np.array(rows, np.int64))
 
@@ -147,7 +165,7 @@ class Batch:
             row: The row of the match.
             history: What was played so far, to be stored with the state.
         """
-        tables = self._tables
+        tables = self.known_tables
         return encode(self.specs[row], self.maps[row], tables, row, self._counts(row), history)
 
     def set_state(self, row: int, data: bytes) -> History | None:
@@ -170,13 +188,13 @@ class Batch:
         _check_seats([spec], self.state.agents.present.shape[1])
         game_map = map_for(snapshot, self.maps)
         setup = plan_match(spec, game_map)
-        check_size(snapshot, self._tables)
+        check_size(snapshot, self.known_tables)
         self._grow(*room)
         self._clear([row])
-        self._is_seen = False
-        write(snapshot, self._tables, row)
+        self._seen_now.clear()
+        write(snapshot, self.known_tables, row)
         self.specs[row], self.maps[row], self.setups[row] = spec, game_map, setup
-        self._bank.add([game_map], in_use=self.maps)
+        self._add_to_bank([game_map])
         self._number_maps(self._rows)
         return snapshot.history
 
@@ -190,7 +208,7 @@ class Batch:
         """Replace everything mutable that is shared with the original by copies."""
         self.specs, self.maps, self.setups = list(self.specs), list(self.maps), list(self.setups)
         self._bank = self._bank.fork()
-        self._seen = copied(self._seen)
+        self._seen, self._seen_now = copied(self._seen), set(self._seen_now)
         self._set_arrays(State(*map(copied, self.state)))
 
     def _counts(self, row: int) -> Counts:
@@ -201,7 +219,7 @@ class Batch:
         return seats, slots, phases, places, waves
 
     def _clear(self, rows: Sequence[int]) -> None:
-        for table, fills in zip(self._tables, _FILLS, strict=True):
+        for table, fills in zip(self.known_tables, _FILLS, strict=True):
             clear_rows(table, fills, np.array(rows, np.int64))
 
     def _open_matches(self, rows: NDArray[np.int64]) -> None:
@@ -209,8 +227,15 @@ class Batch:
         for row in rows.tolist():
             place_match(self.state, row, self.setups[row])
         self._number_maps(rows)
-        self._is_seen = False
+        self._seen_now.clear()
         self._play(rows, self._no_actions, is_reset=True)
+
+    def _add_to_bank(self, maps: Sequence[GameMap]) -> bool:
+        """Add maps to the bank, and return whether any was new."""
+        has_changed = self._bank.add(maps, in_use=self.maps)
+        if has_changed:
+            self._table = None
+        return has_changed
 
     def _number_maps(self, rows: NDArray[np.int64]) -> None:
         for row in rows.tolist():
@@ -218,16 +243,7 @@ class Batch:
 
     def _play(self, rows: NDArray[np.int64], actions: NDArray[np.float32], *, is_reset: bool = False) -> bool:
         """Open the matches in some rows, or play one step of them; return True, as ``share`` expects."""
-        play_batch(
-            self._bank.addresses,
-            *self._tables,
-            rows,
-            actions,
-            self.allowed,
-            self.frames_per_action,
-            self._rule_numbers,
-            is_reset,
-        )
+        play_batch(self.table, rows, actions, self.frames_per_action, is_reset)
         return True
 
     def _grow(self, slots: int, phases: int, places: int, waves: int) -> None:
@@ -239,10 +255,23 @@ class Batch:
         """Set the arrays of the state, and build the tables of all arrays."""
         self.state = state
         self._array_tables = *state.tables, ArrayTable(self._seen)
+        self._table = None
 
     @property
-    def _tables(self) -> tuple[Addresses, Addresses, Addresses, Addresses]:
-        """The same as ``tables`` without an update: what is seen may be from an earlier step."""
+    def table(self) -> Addresses:
+        """The table of all arrays that kernels need of the batch, as ``batch_at`` reads it."""
+        if self._table is None:
+            arrays = BatchArrays(self._bank.addresses, *self.known_tables, self.allowed, self._rule_numbers)
+            self._table = ArrayTable(arrays)
+        return self._table.addresses
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Copy and pickle everything but the addresses of arrays."""
+        return {**vars(self), "_table": None}
+
+    @property
+    def known_tables(self) -> tuple[Addresses, Addresses, Addresses, Addresses]:
+        """The same as ``tables`` without an update: what is seen is up to date as ``seen_by`` says."""
         agents, supplies, matches, seen = self._array_tables
         return agents.addresses, supplies.addresses, matches.addresses, seen.addresses
 

@@ -1,9 +1,11 @@
 """The kernels that ``Batch`` calls: they access its arrays through address tables."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.array_tables import Addresses, number_reader, row_reader
+from wildscav_engine.compilation.array_tables import Addresses, number_reader, reader, row_reader
 from wildscav_engine.compilation.kernel import kernel, specialize
 from wildscav_engine.maps.bank import world_at
 from wildscav_engine.simulation.state import allocate_state, matches_at
@@ -19,18 +21,30 @@ seen_of = row_reader(allocate_seen(1, 1))
 rules_from = number_reader(Rules())
 
 
+class BatchArrays(NamedTuple):
+    """Everything that kernels need of a batch: a table of tables, so that a call passes only one array."""
+
+    bank: NDArray[np.int64]  # (M, F, 6) the table of each map's world
+    agents: Addresses
+    supplies: Addresses
+    matches: Addresses
+    seen: Addresses
+    allowed: NDArray[np.bool_]  # (FIELDS,) the action set of the track
+    rules: NDArray[np.float64]  # the numbers of ``Rules``
+
+
+_TABLE = np.zeros((1, 1), np.int64)
+batch_at = reader(
+    BatchArrays(_TABLE[None], _TABLE, _TABLE, _TABLE, _TABLE, np.zeros(1, np.bool_), np.zeros(1))
+)
+
+
 @kernel
 def play_batch(
-    bank: NDArray[np.int64],
-    agents: Addresses,
-    supplies: Addresses,
-    every: Addresses,
-    seen: Addresses,
+    table: Addresses,
     rows: NDArray[np.int64],
     actions: NDArray[np.float32],
-    allowed: NDArray[np.bool_],
     frames_per_action: int,
-    rules: NDArray[np.float64],
     is_reset: bool,
 ) -> None:
     """Begin the matches in some rows, or play one step of those that are not over.
@@ -38,52 +52,48 @@ def play_batch(
     The actions are replaced by those that were played. One kernel does both, because beginning and playing
     share most of the code to compile.
     """
-    matches = matches_at(every)
+    batch = batch_at(table)
+    matches = matches_at(batch.matches)
     for index in range(rows.shape[0]):
         match = rows[index]
         if not matches.over[match]:
             seats = matches.seats[match]
             play_step(
-                world_at(bank[matches.map_index[match]]),
-                agents_of(agents, match, seats),
-                supplies_of(supplies, match, matches.slots[match]),
+                world_at(batch.bank[matches.map_index[match]]),
+                agents_of(batch.agents, match, seats),
+                supplies_of(batch.supplies, match, matches.slots[match]),
                 matches,
                 match,
-                seen_of(seen, match, seats),
+                seen_of(batch.seen, match, seats),
                 actions[match][:seats],
-                allowed,
+                batch.allowed,
                 frames_per_action,
-                rules_from(rules),
+                rules_from(batch.rules),
                 is_reset,
             )
 
 
 @kernel
-def find_seen_in_batch(
-    bank: NDArray[np.int64],
-    agents: Addresses,
-    supplies: Addresses,
-    every: Addresses,
-    seen: Addresses,
-    rules: NDArray[np.float64],
-) -> None:
-    """Update what the agents of all matches see."""
-    matches = matches_at(every)
-    for match in range(matches.seats.shape[0]):
-        seats = matches.seats[match]
+def find_seen_in_batch(table: Addresses, rows: NDArray[np.int64], seats: NDArray[np.int64]) -> None:
+    """Update what some seats of the matches in some rows see."""
+    batch = batch_at(table)
+    matches = matches_at(batch.matches)
+    for index in range(rows.shape[0]):
+        match = rows[index]
+        count = matches.seats[match]
         find_seen_in_match(
-            world_at(bank[matches.map_index[match]]),
-            agents_of(agents, match, seats),
-            supplies_of(supplies, match, matches.slots[match]),
+            world_at(batch.bank[matches.map_index[match]]),
+            agents_of(batch.agents, match, count),
+            supplies_of(batch.supplies, match, matches.slots[match]),
             matches,
             match,
-            rules_from(rules),
-            seen_of(seen, match, seats),
+            seats,
+            rules_from(batch.rules),
+            seen_of(batch.seen, match, count),
         )
 
 
 def compile_matches() -> None:
     """Compile the kernel that plays matches, or load it from the cache."""
-    table, rows, actions = np.zeros((1, 1), np.int64), np.zeros(1, np.int64), np.zeros((1, 1, 1), np.float32)
-    allowed, rules = np.zeros(1, np.bool_), np.zeros(1)
-    specialize(play_batch, table[None], *[table] * 4, rows, actions, allowed, 1, rules, False)
+    rows, actions = np.zeros(1, np.int64), np.zeros((1, 1, 1), np.float32)
+    specialize(play_batch, _TABLE, rows, actions, 1, False)

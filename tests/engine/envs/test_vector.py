@@ -1,6 +1,7 @@
 """Vector environments are single ones, row for row and byte for byte, however many there are."""
 
 import copy
+import functools
 import pickle
 import subprocess
 import sys
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from tests.engine.envs.common import SMALL, TRACK_NAMES, digest, env_id, options
 
 from wildscav_engine.envs.batched import BatchedArena
+from wildscav_engine.envs.single import SingleEnv
 from wildscav_engine.envs.vector import VectorArena
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.rendering.cameras import Cameras
@@ -206,14 +208,15 @@ def test_images_of_many_matches_show_each_learner_what_it_sees_in_its_own(
         images = arena.step(arena.action_space.sample())[0][name]
 
 
-def unpickled(env: VectorArena) -> VectorArena:
-    return pickle.loads(pickle.dumps(env))  # type: ignore[no-any-return]  # noqa: S301
+def unpickled(env: Any) -> Any:
+    return pickle.loads(pickle.dumps(env))  # noqa: S301
 
 
 @pytest.mark.parametrize("copied", [copy.deepcopy, unpickled])
-def test_a_copy_plays_on_as_the_original(copied: Callable[[VectorArena], VectorArena]) -> None:
+@pytest.mark.parametrize("made", [functools.partial(VectorArena, num_envs=3), SingleEnv])
+def test_a_copy_plays_on_as_the_original(copied: Callable[[Any], Any], made: Callable[..., Any]) -> None:
     sensors = {"depth": {"width": 4, "height": 3}, "camera": {"width": 8, "height": 6}}
-    env = VectorArena("battle", 3, **options("battle", sensors=sensors, action_mode="box", threads=2))
+    env = made("battle", **options("battle", sensors=sensors, action_mode="box", threads=2))
     env.reset(seed=3)
     env.action_space.seed(1)
     actions = [env.action_space.sample() for _ in range(6)]

@@ -16,6 +16,8 @@ Rows = NDArray[np.float32]  # (N, FIELDS), written
 Yaws = NDArray[np.float64]  # (N,) degrees
 Axes = tuple[int, ...]  # such as (N,), or () for one action; of N elements together
 NUMBERS = "biuf"  # the kinds of dtypes that are numbers
+FLOATS = (np.dtype(np.float64), np.dtype(np.float32))
+WHOLE = (np.dtype(np.int64),)
 
 # The columns of rows, as kernels take them.
 DIRECTION, SPEED = int(Field.WALK_DIRECTION), int(Field.WALK_SPEED)
@@ -90,15 +92,34 @@ def choice_mask(choices: int, alive: bool) -> NDArray[np.int8]:
     return mask
 
 
-def as_array(values: ArrayLike, axes: Axes, own: Axes, dtype: type, name: str = "actions") -> NDArray[Any]:
+def as_array(
+    values: ArrayLike, axes: Axes, own: Axes, kinds: tuple[np.dtype[Any], ...], name: str = "actions"
+) -> NDArray[Any]:
     """Return the actions of N learners as (N, *own) numbers.
 
     Args:
         values: (*axes, *own) numbers; one number may also be an array of one element.
         axes: The leading axes.
         own: The shape of one action.
-        dtype: float64, or int64 for numbers that have to be whole.
+        kinds: The dtypes of the result; numbers of others become the first one. If it is of integers, the
+            numbers have to be whole.
         name: Of the values, for errors.
+
+    Raises:
+        ActionError: They have another shape, or are not such numbers.
+    """
+    shape, array = axes + own, values
+    if type(array) is not np.ndarray or array.dtype not in kinds or array.shape != shape:
+        array = _converted(values, shape, kinds[0], name)
+    if not array.flags.c_contiguous:
+        array = np.ascontiguousarray(array)
+    if len(axes) == 1:
+        return array
+    return array.reshape(-1, *own) if axes else array[np.newaxis]
+
+
+def _converted(values: ArrayLike, shape: Axes, kind: np.dtype[Any], name: str) -> NDArray[Any]:
+    """Return numbers as an array of some dtype.
 
     Raises:
         ActionError: They have another shape, or are not such numbers.
@@ -107,15 +128,12 @@ def as_array(values: ArrayLike, axes: Axes, own: Axes, dtype: type, name: str = 
         array = np.asarray(values)
     except ValueError:  # rows of different lengths
         array = np.asarray(repr(values))
-    shape = axes + own
     if array.dtype.kind not in NUMBERS or (array.shape != shape and (shape or array.size != 1)):
         given = f"{array.dtype} of shape {array.shape}" if array.ndim else shortened(array.item())
         raise ActionError(f"{name}: {given}, must be numbers of shape {shape}")
-    if dtype == np.int64 and array.dtype.kind == "f" and not is_whole(array).all():
+    if kind.kind == "i" and array.dtype.kind == "f" and not is_whole(array).all():
         raise ActionError(f"{name}: {array[~is_whole(array)].flat[0]:g}, must be whole numbers")
-    if array.dtype != dtype or not array.flags.c_contiguous:
-        array = np.ascontiguousarray(array, dtype)
-    return array if len(axes) == 1 else array.reshape(-1, *own)
+    return array.astype(kind).reshape(shape)
 
 
 def check_names(actions: Any, names: Collection[str]) -> None:

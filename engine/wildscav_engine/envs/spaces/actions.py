@@ -20,10 +20,12 @@ from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.envs.settings.config import EnvConfig
 from wildscav_engine.envs.spaces.action_mode import (
     DIRECTION,
+    FLOATS,
     LOOK,
     NUMBERS,
     SPEED,
     TURN,
+    WHOLE,
     ActionError,
     ActionMode,
     Axes,
@@ -86,7 +88,7 @@ class DictMode(ActionMode):
         except ValueError:  # of different shapes
             values = np.empty(0)
         if values.shape != (len(names), *axes) or values.dtype.kind not in NUMBERS:
-            values = np.array([as_array(actions[name], axes, (), np.float64, name) for name in names])
+            values = np.array([as_array(actions[name], axes, (), FLOATS[:1], name) for name in names])
         rows[:] = 0.0
         values = np.ascontiguousarray(values, np.float64).reshape(len(names), -1)
         wrong = _write_rows(values, self._columns, self._ranges, rows)
@@ -143,6 +145,11 @@ def _write_rows(
 class BoxMode(ActionMode):
     """The mode ``box``: numbers in [-1, 1]."""
 
+    def __init__(self, fields: Sequence[Field], frames_per_action: int) -> None:
+        super().__init__(fields, frames_per_action)
+        self._shape = (len(self.fields),)
+        self._turn, self._look = TURN_STEP / self.frames, LOOK_STEP / self.frames  # degrees per frame
+
     @property
     def space(self) -> Box:
         """(k,) in [-1, 1]: walk east, walk north, turn, look, jump and the other flags."""
@@ -164,33 +171,31 @@ class BoxMode(ActionMode):
         return {
             "mode": "box",
             "walk_speed": MAX_WALK_SPEED,
-            "turn": TURN_STEP / self.frames,
-            "look": LOOK_STEP / self.frames,
+            "turn": self._turn,
+            "look": self._look,
             "flags": self._flag_names(),
         }
 
     def decode(self, actions: ArrayLike, yaws: Yaws, rows: Rows, axes: Axes) -> None:  # noqa: ARG002
         """Write (*axes, k) numbers."""
-        values = as_array(actions, axes, (len(self.fields),), np.float64)
-        if not _decode_box(values, self.flags, TURN_STEP / self.frames, LOOK_STEP / self.frames, rows):
+        values = as_array(actions, axes, self._shape, FLOATS)
+        if not _decode_box(values, self.flags, self._turn, self._look, rows):
             bad = values[~(np.abs(values) <= 1.0)][0]
             raise ActionError(f"actions: {bad:g}, must be in [-1, 1]")
 
 
 @kernel
-def _decode_box(
-    values: NDArray[np.float64], flags: NDArray[np.int64], turn: float, look: float, rows: Rows
-) -> bool:
+def _decode_box(values: NDArray[Any], flags: NDArray[np.int64], turn: float, look: float, rows: Rows) -> bool:
     """Write (N, FIELDS) rows from (N, k) numbers; return False if one is not in [-1, 1]."""
     for row in range(values.shape[0]):
         for place in range(values.shape[1]):
             if not -1.0 <= values[row, place] <= 1.0:
                 return False
-        east, north = values[row, 0], values[row, 1]
+        east, north = float(values[row, 0]), float(values[row, 1])
         rows[row, DIRECTION] = arctangent(east, north)
         rows[row, SPEED] = MAX_WALK_SPEED * min(1.0, np.sqrt(east * east + north * north))
-        rows[row, TURN] = turn * values[row, 2]
-        rows[row, LOOK] = look * values[row, 3]
+        rows[row, TURN] = turn * float(values[row, 2])
+        rows[row, LOOK] = look * float(values[row, 3])
         for place in range(flags.shape[0]):
             rows[row, flags[place]] = 1.0 if values[row, 4 + place] > 0.0 else 0.0
     return True
@@ -233,7 +238,7 @@ class BaselineMode(ActionMode):
 
     def decode(self, actions: ArrayLike, yaws: Yaws, rows: Rows, axes: Axes) -> None:  # noqa: ARG002
         """Write the rows of (*axes,) choices."""
-        choices = as_array(actions, axes, (), np.int64)
+        choices = as_array(actions, axes, (), WHOLE)
         if not _look_up(choices, self.table, rows):
             wrong = choices[(choices < 0) | (choices >= len(self.table))][0]
             raise ActionError(f"actions: {wrong}, must be from 0 to {len(self.table) - 1}")
@@ -302,7 +307,7 @@ class MultiDiscreteMode(ActionMode):
 
     def decode(self, actions: ArrayLike, yaws: Yaws, rows: Rows, axes: Axes) -> None:
         """Write the rows of (*axes, k) choices."""
-        choices = as_array(actions, axes, (len(self.sizes),), np.int64)
+        choices = as_array(actions, axes, (len(self.sizes),), WHOLE)
         if not _decode_choices(
             choices, self.sizes, self.flags, self._speeds, self._turns, self._looks, yaws, rows
         ):

@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.elementary_functions import cosine, exponential, logarithm, sine
 from wildscav_engine.compilation.array_tables import Addresses, reader, values_reader
-from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.envs.spaces.columns import FACT_NAMES, FACT_PARTS, GROUPS, YES, Part
+from wildscav_engine.simulation.batch_kernels import batch_at
 from wildscav_engine.simulation.state import (
     NOBODY,
     NOT_ELIMINATED,
@@ -25,6 +26,7 @@ from wildscav_engine.simulation.state import (
 )
 from wildscav_engine.simulation.systems.supplies import team_supplies
 from wildscav_engine.simulation.systems.visibility import Seen, allocate_seen
+from wildscav_engine.specs.body import EYE_HEIGHT
 from wildscav_engine.specs.rules import FRAME
 from wildscav_engine.tracks.rewards import FACTS, Fact, Facts, RewardSum, TermArrays, write_facts, write_terms
 
@@ -63,13 +65,19 @@ class RowWorkspace(NamedTuple):
     after: Facts  # (B, A, FACTS) of this step, written
     is_new: NDArray[np.bool_]  # (B,) matches started since the previous step; cleared
     done: NDArray[np.bool_]  # (B, L) whether the episode ended before the step; updated
+    terminated: NDArray[np.bool_]  # (B, L) with the next two: the outcome of the step, written
+    truncated: NDArray[np.bool_]  # (B, L)
+    rewards: NDArray[np.float64]  # (B, L)
+    eyes: NDArray[np.float64]  # (B × L, 3) m, with the next two: where the learners look from, written
+    yaws: NDArray[np.float64]  # (B × L,) degrees
+    pitches: NDArray[np.float64]  # (B × L,) degrees
 
 
 def allocate_row_workspace(
     matches: int, seats: int, learners: Sequence[int], start: NDArray[np.int64], terms: TermArrays
 ) -> RowWorkspace:
     """Return the workspace of a batch of new matches."""
-    facts = np.zeros((2, matches, seats, FACTS), np.float32)
+    facts, shape = np.zeros((2, matches, seats, FACTS), np.float32), (matches, len(learners))
     return RowWorkspace(
         learners=np.array(learners, np.int64),
         start=start,
@@ -79,7 +87,13 @@ def allocate_row_workspace(
         before=facts[0],
         after=facts[1],
         is_new=np.ones(matches, np.bool_),
-        done=np.zeros((matches, len(learners)), np.bool_),
+        done=np.zeros(shape, np.bool_),
+        terminated=np.zeros(shape, np.bool_),
+        truncated=np.zeros(shape, np.bool_),
+        rewards=np.zeros(shape),
+        eyes=np.zeros((matches * len(learners), 3)),
+        yaws=np.zeros(matches * len(learners)),
+        pitches=np.zeros(matches * len(learners)),
     )
 
 
@@ -90,58 +104,73 @@ workspace_at = reader(_EXAMPLE)
 facts_of = values_reader(allocate_state(1, 1, 1).agents, [name for _, _, _, name in _FACTS])
 
 
+class View(NamedTuple):
+    """Where a learner is and looks: what several groups of columns need."""
+
+    x: float  # m, of the soles
+    y: float
+    z: float
+    yaw_sine: float
+    yaw_cosine: float
+    pitch_sine: float
+    pitch_cosine: float
+
+
 @kernel
 def write_rows(
-    agents_table: Addresses,
-    supplies_table: Addresses,
-    matches_table: Addresses,
-    seen_table: Addresses,
+    table: Addresses,
     workspace_table: Addresses,
     rows: NDArray[np.float32],
-) -> None:
-    """Write (B, L, width) the rows of all learners; all but the last table are those of the batch."""
-    agents, supplies, matches = (
-        agents_at(agents_table),
-        supplies_at(supplies_table),
-        matches_at(matches_table),
-    )
-    seen, workspace = seen_at(seen_table), workspace_at(workspace_table)
+) -> int:
+    """Write (B, L, width) the rows of all learners.
+
+    Returns:
+        The number of matches in which the episodes of all learners have ended.
+    """
+    batch = batch_at(table)
+    agents, supplies = agents_at(batch.agents), supplies_at(batch.supplies)
+    matches, seen = matches_at(batch.matches), seen_at(batch.seen)
+    workspace = workspace_at(workspace_table)
     write_facts(agents, matches, workspace.after)
+    ended = 0
     for match in range(rows.shape[0]):
+        is_done = True
         for learner in range(rows.shape[1]):
             seat = workspace.learners[learner]
             row = rows[match, learner]
-            _write_body(agents, match, seat, workspace.start, row)
+            view = _view_of(agents, match, seat)
+            _write_body(agents, match, seat, view, workspace.start, row)
             _write_task(agents, matches, seen.can_pick_up, match, seat, workspace.start, row)
-            _write_directions(agents, supplies, matches, seen, match, seat, workspace.start, row)
+            _write_directions(agents, supplies, matches, seen, match, seat, view, workspace.start, row)
             _write_facts(agents, match, seat, workspace.start, row)
             _write_outcome(agents, matches, match, learner, workspace, row)
+            _write_eyes(agents, match, learner, workspace)
+            is_done = is_done and workspace.done[match, learner]
         workspace.is_new[match] = False
+        ended += is_done
+    return ended
 
 
-@kernel
-def _write_body(agents: Agents, match: int, seat: int, start: NDArray[np.int64], row: Row) -> None:
+@inlined_kernel
+def _view_of(agents: Agents, match: int, seat: int) -> View:
+    soles, yaw, pitch = agents.position[match, seat], agents.yaw[match, seat], agents.pitch[match, seat]
+    return View(soles[0], soles[1], soles[2], sine(yaw), cosine(yaw), sine(pitch), cosine(pitch))
+
+
+@inlined_kernel
+def _write_body(
+    agents: Agents, match: int, seat: int, view: View, start: NDArray[np.int64], row: Row
+) -> None:
     for axis in range(3):
         row[start[POSITION] + axis] = agents.position[match, seat, axis]
         row[start[VELOCITY] + axis] = agents.velocity[match, seat, axis]
-    yaw, pitch = agents.yaw[match, seat], agents.pitch[match, seat]
-    view = row[start[VIEW] :]
-    view[0], view[1] = yaw, pitch
-    view[2], view[3] = _sine(yaw), _cosine(yaw)
-    view[4], view[5] = _sine(pitch), _cosine(pitch)
+    angles = row[start[VIEW] :]
+    angles[0], angles[1] = agents.yaw[match, seat], agents.pitch[match, seat]
+    angles[2], angles[3] = _share(view.yaw_sine), _share(view.yaw_cosine)
+    angles[4], angles[5] = _share(view.pitch_sine), _share(view.pitch_cosine)
 
 
-@kernel
-def _sine(angle: float) -> float:
-    return max(-1.0, min(1.0, sine(angle)))
-
-
-@kernel
-def _cosine(angle: float) -> float:
-    return max(-1.0, min(1.0, cosine(angle)))
-
-
-@kernel
+@inlined_kernel
 def _write_task(
     agents: Agents,
     matches: Matches,
@@ -165,7 +194,7 @@ def _write_task(
         supplies[3] = can_pick_up[match, seat]
 
 
-@kernel
+@inlined_kernel
 def _write_target(agents: Agents, matches: Matches, match: int, seat: int, target: Row) -> None:
     """Write the position of the target; all 0 while the learner does not know it."""
     if not agents.knows_target[match, seat]:
@@ -181,7 +210,7 @@ def _write_target(agents: Agents, matches: Matches, match: int, seat: int, targe
     target[7] = np.sqrt(square)
 
 
-@kernel
+@inlined_kernel
 def _write_directions(
     agents: Agents,
     supplies: Supplies,
@@ -189,19 +218,23 @@ def _write_directions(
     seen: Seen,
     match: int,
     seat: int,
+    view: View,
     start: NDArray[np.int64],
     row: Row,
 ) -> None:
     """Write the ways to the target, the nearest box and the nearest enemy that the observation has."""
     if start[TO_TARGET] >= 0:
-        write_to_target(agents, matches, match, seat, row[start[TO_TARGET] : start[TO_TARGET] + WIDTH])
+        way = row[start[TO_TARGET] : start[TO_TARGET] + WIDTH]
+        _write_to_target(agents.knows_target[match, seat], matches.target[match], view, way)
     if start[TO_BOX] >= 0:
-        write_to_box(agents, supplies, seen, match, seat, row[start[TO_BOX] : start[TO_BOX] + WIDTH])
+        way = row[start[TO_BOX] : start[TO_BOX] + WIDTH]
+        _write_to_box(supplies.position[match], seen.supplies[match, seat, 0], view, way)
     if start[TO_ENEMY] >= 0:
-        write_to_enemy(agents, seen, match, seat, row[start[TO_ENEMY] : start[TO_ENEMY] + WIDTH])
+        way = row[start[TO_ENEMY] : start[TO_ENEMY] + WIDTH]
+        _write_to_enemy(agents, seen, match, seat, view, way)
 
 
-@kernel
+@inlined_kernel
 def _write_facts(agents: Agents, match: int, seat: int, start: NDArray[np.int64], row: Row) -> None:
     """Write the groups of facts about the learner that its track has."""
     values = facts_of(agents, match * agents.team.shape[1] + seat)
@@ -213,7 +246,7 @@ def _write_facts(agents: Agents, match: int, seat: int, start: NDArray[np.int64]
             row[first + FACT_PLACE[place, 1]] = values[place] * unit if unit != 0.0 else is_so
 
 
-@kernel
+@inlined_kernel
 def _write_outcome(
     agents: Agents, matches: Matches, match: int, learner: int, workspace: RowWorkspace, row: Row
 ) -> None:
@@ -227,7 +260,8 @@ def _write_outcome(
     eliminated = agents.eliminated[match, seat] != NOT_ELIMINATED
     over = matches.over[match]
     timed_out = over and not eliminated and matches.ending[match] == TIME_UP
-    outcome[0], outcome[1] = (over or eliminated) and not timed_out, timed_out
+    terminated = (over or eliminated) and not timed_out
+    outcome[0], outcome[1] = terminated, timed_out
     if workspace.done[match, learner]:
         terms[:] = 0.0
     else:
@@ -238,6 +272,8 @@ def _write_outcome(
     for term in range(terms.shape[0]):
         total += terms[term]
     outcome[2] = total
+    workspace.terminated[match, learner], workspace.truncated[match, learner] = terminated, timed_out
+    workspace.rewards[match, learner] = total
     workspace.done[match, learner] |= over or eliminated
     events[0] = agents.fired[match, seat]
     events[1] = after[HITS] - before[HITS]
@@ -247,56 +283,63 @@ def _write_outcome(
     events[6] = before[HEALTH] <= 0.0 and after[HEALTH] > 0.0
 
 
-@kernel
-def write_to_target(agents: Agents, matches: Matches, match: int, seat: int, row: Row) -> None:
+@inlined_kernel
+def _write_eyes(agents: Agents, match: int, learner: int, workspace: RowWorkspace) -> None:
+    seat, view = workspace.learners[learner], match * workspace.learners.shape[0] + learner
+    for axis in range(3):
+        workspace.eyes[view, axis] = agents.position[match, seat, axis]
+    workspace.eyes[view, 1] += EYE_HEIGHT
+    workspace.yaws[view] = agents.yaw[match, seat]
+    workspace.pitches[view] = agents.pitch[match, seat]
+
+
+@inlined_kernel
+def _write_to_target(is_known: bool, target: NDArray[np.float64], view: View, row: Row) -> None:
     """Write (WIDTH,) the way to the target; all 0 while the learner does not know it."""
     row[:] = 0.0
-    if agents.knows_target[match, seat]:
-        target = matches.target[match]
-        _write_direction(agents, match, seat, target[0], target[1], target[2], row)
+    if is_known:
+        _write_direction(view, target[0], target[1], target[2], row)
 
 
-@kernel
-def write_to_box(agents: Agents, supplies: Supplies, seen: Seen, match: int, seat: int, row: Row) -> None:
+@inlined_kernel
+def _write_to_box(boxes: NDArray[np.float32], nearest: int, view: View, row: Row) -> None:
     """Write (WIDTH,) the way to the nearest supply box; all 0 if none is in sight."""
     row[:] = 0.0
-    if seen.supply_count[match, seat] > 0:
-        box = supplies.position[match, seen.supplies[match, seat, 0]]
-        _write_direction(agents, match, seat, float(box[0]), float(box[1]), float(box[2]), row)
+    if nearest >= 0:
+        box = boxes[nearest]
+        _write_direction(view, float(box[0]), float(box[1]), float(box[2]), row)
 
 
-@kernel
-def write_to_enemy(agents: Agents, seen: Seen, match: int, seat: int, row: Row) -> None:
+@inlined_kernel
+def _write_to_enemy(agents: Agents, seen: Seen, match: int, seat: int, view: View, row: Row) -> None:
     """Write (WIDTH,) the way to the nearest agent of another team; all 0 if none is in sight."""
     row[:] = 0.0
     for place in range(seen.agent_count[match, seat]):
         other = seen.agents[match, seat, place]
         if agents.team[match, other] != agents.team[match, seat]:
             soles = agents.position[match, other]
-            _write_direction(agents, match, seat, soles[0], soles[1], soles[2], row)
+            _write_direction(view, soles[0], soles[1], soles[2], row)
             return
 
 
 @kernel
-def _write_direction(agents: Agents, match: int, seat: int, x: float, y: float, z: float, row: Row) -> None:
-    """Write the way from the soles of a seat to a place; no direction if it is there.
+def _write_direction(view: View, x: float, y: float, z: float, row: Row) -> None:
+    """Write the way from the soles of a learner to a place; no direction if it is there.
 
     Offsets in metres along the axes of the world hide both direction and nearness from a network: it would
     have to divide by the distance, and to turn the direction by the yaw to know where to walk.
     """
-    own = agents.position[match, seat]
-    east, up, north = x - own[0], y - own[1], z - own[2]
+    east, up, north = x - view.x, y - view.y, z - view.z
     distance = np.sqrt(east * east + up * up + north * north)
     row[0] = 1.0
     if distance > 0.0:
         east, up, north = east / distance, up / distance, north / distance
-        yaw, pitch = agents.yaw[match, seat], agents.pitch[match, seat]
         row[1], row[2], row[3] = _share(east), _share(up), _share(north)
-        row[4] = _share(east * cosine(yaw) - north * sine(yaw))
-        row[5] = _share(east * sine(yaw) + north * cosine(yaw))
+        row[4] = _share(east * view.yaw_cosine - north * view.yaw_sine)
+        row[5] = _share(east * view.yaw_sine + north * view.yaw_cosine)
         level = np.sqrt(east * east + north * north)
         # The sum of the elevation and the pitch, which grows downwards.
-        row[6] = _share(up * cosine(pitch) + level * sine(pitch))
+        row[6] = _share(up * view.pitch_cosine + level * view.pitch_sine)
     row[7] = exponential(-distance / NEAR)
     row[8] = logarithm(1.0 + distance)
 

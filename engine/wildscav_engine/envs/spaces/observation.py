@@ -18,7 +18,6 @@ from wildscav_engine.rendering.dynamic_objects import ObjectSets
 from wildscav_engine.sensors.base import Sensor, StateSensor
 from wildscav_engine.sensors.optics.dynamic_objects import objects_of_matches
 from wildscav_engine.sensors.optics.image_sensor import (
-    FROM_SOLES,
     NO_DYNAMIC_OBJECTS,
     ImageSensor,
     ShownMaps,
@@ -32,6 +31,8 @@ if TYPE_CHECKING:
 
 Readings = dict[str, NDArray[Any]]  # by names of groups and sensors
 Observation = Readings | NDArray[np.float32]  # the latter if the environment is flat
+# (N, 3) m, the eyes; (N,) degrees, the yaws; and (N,) degrees, the pitches.
+Poses = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
 
 
 class Layout(NamedTuple):
@@ -105,7 +106,17 @@ def _bounded(space: Box) -> Box:
 class SensorReader:
     """Reads the chosen sensors of some seats of all matches of a batch."""
 
-    def __init__(self, sensors: Mapping[str, Sensor], seats: Sequence[int], threads: int) -> None:
+    def __init__(
+        self, sensors: Mapping[str, Sensor], seats: Sequence[int], poses: Poses, threads: int
+    ) -> None:
+        """Create a reader.
+
+        Args:
+            sensors: The sensors by their names in observations.
+            seats: The numbers of the S seats.
+            poses: Of the S seats in all matches, match by match; up to date whenever ``begin`` is called.
+            threads: The maximum number of threads.
+        """
         self._images = [sensor for sensor in sensors.values() if isinstance(sensor, ImageSensor)]
         self._together = {
             name: sensor
@@ -113,18 +124,22 @@ class SensorReader:
             if isinstance(sensor, ImageSensor) and (_reads_many(sensor) or _sees_map_only(sensor))
         }
         self._others = {name: sensor for name, sensor in sensors.items() if name not in self._together}
-        self._lenses = {name: sensor.lens for name, sensor in self._together.items()}
-        self._seats, self._threads = list(seats), threads
+        self._seats, self._poses, self._threads = list(seats), poses, threads
         self._rows = np.array(self._seats, np.int64)
         self._shown = ShownMaps([])  # the map of every seat that is read
         self._begun: list[SharedWork] = []
-        self._viewers = np.zeros(0, np.int32)
+        count = len(poses[1])
+        viewers = np.resize(np.array(self._seats, np.int32), count)
+        self._cameras = {
+            name: Cameras(*poses, viewers, *sensor.lens) for name, sensor in self._together.items()
+        }
+        self._matches = np.arange(count) // len(self._seats)  # of every seat that is read
+        self._moves = {name for name, sensor in self._together.items() if not _sees_map_only(sensor)}
         self._objects: ObjectSets | None = None  # of the last step
 
     def set_maps(self, maps: "Sequence[GameMap]") -> None:
         """Set the map of every match."""
         self._shown = ShownMaps([game_map for game_map in maps for _ in self._seats])
-        self._viewers = np.tile(np.array(self._seats, np.int32), len(maps))
         for game_map in maps:
             for sensor in self._images:
                 sensor.prepare(game_map)  # in advance, because all threads would do it
@@ -139,7 +154,7 @@ class SensorReader:
             self._begin_together(batch, found)
         for name, sensor in self._others.items():
             if isinstance(sensor, StateSensor):
-                found[name] = sensor.read_batch(batch.state, batch.seen, self._rows)
+                found[name] = sensor.read_batch(batch.state, batch.seen_by(self._seats), self._rows)
                 continue
             readings = self._read_each(sensor, [view(match) for match in range(len(batch.specs))])
             found[name] = readings[0][np.newaxis] if len(readings) == 1 else np.stack(readings)
@@ -166,22 +181,21 @@ class SensorReader:
 
     def _begin_together(self, batch: "Batch", found: Readings) -> None:
         """Begin to render the images of all matches, in one call of each thread for each sensor."""
-        agents, count, seats = batch.state.agents, len(self._seats), self._rows
-        eyes = (agents.position[:, seats] + FROM_SOLES).reshape(-1, 3)
-        yaws, pitches = agents.yaw[:, seats].flatten(), agents.pitch[:, seats].flatten()
-        objects, matches = None, np.arange(len(yaws)) // count
+        if self._moves:
+            self._objects = objects_of_matches(batch.state, self._objects)
+        count, seats = len(self._matches), len(self._seats)
         for name, sensor in self._together.items():
-            cameras = Cameras(eyes, yaws, pitches, self._viewers, *self._lenses[name])
-            images = np.empty((len(yaws), *sensor.shape), sensor.dtype)
-            if _sees_map_only(sensor):
-                shown = NO_DYNAMIC_OBJECTS.sets, in_one_match(len(images))
-            else:
-                if objects is None:
-                    objects = self._objects = objects_of_matches(batch.state, self._objects)
-                shown = objects, matches
-            render = partial(sensor.render_matches_into, self._shown, *shown, cameras, images)
-            self._begun.append(SharedWork(render, len(images), self._threads, sensor.min_images_per_thread))
-            found[name] = images.reshape(-1, count, *sensor.shape)
+            images = np.empty((count // seats, seats, *sensor.shape), sensor.dtype)
+            found[name] = images
+            shown: Any = (NO_DYNAMIC_OBJECTS.sets, in_one_match(count))
+            if name in self._moves:
+                shown = (self._objects, self._matches)
+            arguments = *shown, self._cameras[name], images.reshape(count, *sensor.shape)
+            if self._threads == 1:
+                sensor.render_matches_into(self._shown, *arguments)
+                continue
+            render = partial(sensor.render_matches_into, self._shown, *arguments)
+            self._begun.append(SharedWork(render, count, self._threads, sensor.min_images_per_thread))
 
 
 def _reads_many(sensor: ImageSensor) -> bool:

@@ -1,13 +1,14 @@
 """Reads the observations of the same seats in all matches of a batch."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.array_tables import ArrayTable
 from wildscav_engine.envs.settings.config import EnvConfig
+from wildscav_engine.envs.spaces.columns import Part
 from wildscav_engine.envs.spaces.features import allocate_row_workspace, write_rows
 from wildscav_engine.envs.spaces.flattening import Flattener
 from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
@@ -22,7 +23,9 @@ from wildscav_engine.tracks.rewards import RewardSum
 
 if TYPE_CHECKING:
     from wildscav_engine.simulation.batch import Batch
-    from wildscav_engine.simulation.state import State
+
+# The parts of rows that depend on what an agent sees.
+OF_SEEN = (Part.SUPPLIES, Part.TO_BOX, Part.TO_ENEMY)
 
 
 class SeatReader:
@@ -30,40 +33,55 @@ class SeatReader:
 
     Attributes:
         layout: The layout of the rows that ``read`` returns.
-        done: (B, S) whether the episode of each seat has ended; updated by ``read``.
+        done: (B, S) whether the episode of each seat has ended; with the next three updated by ``read``.
+        terminated: (B, S) whether it has terminated.
+        truncated: (B, S) whether it was truncated by the time limit.
+        rewards: (B, S) float64, the rewards since the last call.
+        ended: The number of matches in which the episodes of all seats have ended.
     """
 
-    def __init__(self, config: EnvConfig, seats: Sequence[int], matches: int) -> None:
+    def __init__(self, config: EnvConfig, seats: Sequence[int], matches: int, part: Any = ()) -> None:
         """Create a reader.
 
         Args:
             config: The options that determine the observations and rewards.
             seats: The numbers of the seats.
             matches: The number of matches.
+            part: The index of what observations keep of the axes (B, S), such as (0, 0) for a single seat.
         """
         self.layout = layout_of(config)
-        self._sensors = SensorReader(config.read_sensors(), seats, config.threads)
+        self.ended = 0
+        self._seats, self._part, self._threads = tuple(seats), part, config.threads
+        self._needs_seen = any(self.layout.first(each) >= 0 for each in OF_SEEN)
+        self._groups: list[tuple[str, Any]] = [
+            (name, slice(first, last) if part == (0, 0) else (..., slice(first, last)))
+            for name, first, last in self.layout.groups
+        ]
         self._flattener = Flattener(readings_space(config), config.version) if config.flat else None
         terms = RewardSum(config.reward_weights).term_arrays
         self._weights = terms.weight  # of matches that start from now on
         workspace = allocate_row_workspace(matches, len(config.seats), seats, self.layout.start, terms)
         self.done, self._is_new = workspace.done, workspace.is_new
+        self.terminated, self.truncated, self.rewards = (
+            workspace.terminated,
+            workspace.truncated,
+            workspace.rewards,
+        )
         self._weights_of_matches = workspace.weight
+        poses = workspace.eyes, workspace.yaws, workspace.pitches
+        sensors = config.read_sensors()
+        self._sensors = SensorReader(sensors, seats, poses, config.threads) if sensors else None
         # The facts after one step are those before the next, so the two arrays swap roles.
         self._workspace, self._next_workspace = (
             ArrayTable(workspace),
             ArrayTable(workspace._replace(before=workspace.after, after=workspace.before)),
         )
-        self._tables: tuple[ArrayTable, ...] = ()
-        self._state: State | None = None
+        self._shape = (*self.done.shape, self.layout.width)
 
     def begin(self, batch: "Batch", rows: Sequence[int]) -> None:
         """Note that some rows of the batch contain new matches."""
-        self._sensors.set_maps(batch.maps)
-        if batch.state is not self._state:
-            self._state = batch.state
-            parts = (*batch.state, batch.seen)
-            self._tables = tuple(ArrayTable(part) for part in parts)
+        if self._sensors is not None:
+            self._sensors.set_maps(batch.maps)
         self._weights_of_matches[list(rows)] = self._weights
         self.done[list(rows)] = False
         self._is_new[list(rows)] = True
@@ -82,8 +100,8 @@ class SeatReader:
             view: Returns the view of a match by its index.
 
         Returns:
-            The observations by name (B, S, …), or (B, S, n) if they are flat; and (B, S, width) rows. The
-            arrays are not reused.
+            The part of the observations by name (B, S, …), or of (B, S, n) if they are flat; and
+            (B, S, width) rows. The arrays are not reused.
         """
         output = self.begin_reading(batch, view)
         self.finish_reading()
@@ -96,18 +114,25 @@ class SeatReader:
 
         Until then, other threads may be rendering them.
         """
-        rows = np.empty((*self.done.shape, self.layout.width), np.float32)
-        found: Readings = {name: rows[..., first:last] for name, first, last in self.layout.groups}
-        self._sensors.begin(batch, view, found)
-        _ = batch.seen  # updates the arrays to which the table points
-        agents, supplies, matches, seen = (table.addresses for table in self._tables)
-        write_rows(agents, supplies, matches, seen, self._workspace.addresses, rows)
+        rows = np.empty(self._shape, np.float32)
+        readings: Readings = {}
+        if self._needs_seen:
+            batch.seen_by(self._seats, self._threads)
+        self.ended = write_rows(batch.table, self._workspace.addresses, rows)
         self._workspace, self._next_workspace = self._next_workspace, self._workspace
-        if self._flattener is None:
-            return found, rows
-        self.finish_reading()
-        return self._flattener.flatten(found, axes=2), rows
+        if self._sensors is not None:
+            self._sensors.begin(batch, view, readings)
+        if self._flattener is not None:
+            self.finish_reading()
+            found = {name: rows[..., first:last] for name, first, last in self.layout.groups} | readings
+            return self._flattener.flatten(found, axes=2)[self._part], rows
+        kept = rows[self._part]
+        observation = {name: kept[group] for name, group in self._groups}
+        for name, reading in readings.items():
+            observation[name] = reading[self._part]
+        return observation, rows
 
     def finish_reading(self) -> None:
         """Complete the images of the last observations."""
-        self._sensors.finish()
+        if self._sensors is not None:
+            self._sensors.finish()

@@ -89,20 +89,22 @@ def find_seen(
         )
 
 
-@kernel
+@inlined_kernel
 def find_seen_in_match(
     world: World,
     agents: Agents,
     supplies: Supplies,
     matches: Matches,
     match: int,
+    seats: NDArray[np.int64],
     rules: Rules,
     seen: Seen,
 ) -> None:
-    """Update what each agent of a match sees; see ``find_seen``."""
+    """Update what some agents of a match see, of those that it has; see ``find_seen``."""
     index_agents(world, agents, matches, match)
-    for seat in range(agents.health.shape[0]):
-        find_seen(world, agents, supplies, matches, match, seat, rules, seen)
+    for place in range(seats.shape[0]):
+        if seats[place] < agents.health.shape[0]:
+            find_seen(world, agents, supplies, matches, match, seats[place], rules, seen)
 
 
 class Cone(NamedTuple):
