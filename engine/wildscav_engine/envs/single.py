@@ -136,7 +136,7 @@ class SingleEnv(OneMatch, gymnasium.Env[Observation, Any]):
         arena = self.arena
         if arena.batch is None or arena.ended:
             raise RuntimeError("there is no episode, or it has ended: reset the environment first")
-        arena.mode.decode(action, arena.batch.state.agents.yaw[0, :1], arena.actions[0, :1], ())
+        arena.mode.decode(action, arena.batch.state.agents.yaw[0], arena.actions[0], ())
         observation, rows = arena.step()
         terminated, truncated, reward, counts, terms = arena.outcome(rows[0, 0])
         measured = [*arena.measure(0, 0).values()] if arena.ended else ()
