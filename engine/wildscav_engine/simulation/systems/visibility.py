@@ -186,82 +186,83 @@ def _add_if_seen(
     keys, items, count = seen.agent_distance_squared[seat], seen.agents[seat], seen.agent_count[seat]
     if is_full_of_nearer(distance, other, count, keys, items):
         return
-    if sees_body(world, agents, seat, other, view_angle):
+    place = agents.position[other]
+    if sees_body(world, eye_of(agents, seat, view_angle), place[0], place[1], place[2]):
         seen.agent_count[seat] = insert_nearest(distance, other, count, keys, items)
 
 
-@kernel
-def sees_body(world: World, agents: Agents, seat: int, other: int, view_angle: float) -> bool:
-    """Return whether a point of another body is in an agent's view frustum with a clear line of sight.
+class Eye(NamedTuple):
+    """The eye of an agent, by itself: kernels with few arguments are called faster than with all agents."""
 
-    Three of the points are on the axis of the body and two at its sides as the agent sees them, so that a
+    x: float  # m
+    y: float
+    z: float
+    yaw: float  # degrees
+    pitch: float  # degrees, positive looks down
+    view_angle: float  # degrees, horizontal
+
+
+@inlined_kernel
+def eye_of(agents: Agents, seat: int, view_angle: float) -> Eye:
+    """Return the eye of an agent."""
+    x, y, z = agents.position[seat, 0], agents.position[seat, 1], agents.position[seat, 2]
+    return Eye(x, y + EYE_HEIGHT, z, agents.yaw[seat], agents.pitch[seat], view_angle)
+
+
+@kernel
+def sees_body(world: World, eye: Eye, x: float, y: float, z: float) -> bool:
+    """Return whether a point of a body, whose soles are given, is in view with a clear line of sight.
+
+    Three of the points are on the axis of the body and two at its sides as the eye sees them, so that a
     body half behind a corner is seen. Those on the axis are tested first because they decide most cases.
     """
-    dx = agents.position[other, 0] - agents.position[seat, 0]
-    dz = agents.position[other, 2] - agents.position[seat, 2]
+    dx, dz = x - eye.x, z - eye.z
     level = np.sqrt(dx * dx + dz * dz)
     # Directly above or below, there is no bearing and no side, so only the pitch counts.
-    off = abs(wrap(arctangent(dx, dz) - agents.yaw[seat])) if level > 0.0 else 0.0
+    off = abs(wrap(arctangent(dx, dz) - eye.yaw)) if level > 0.0 else 0.0
     hidden_by = NOTHING_HIT  # the last solid in the way, which is often in the way again
-    if off <= view_angle * 0.5:
+    if off <= eye.view_angle * 0.5:
         for height in AXIS_POINTS:
-            aside = (0.0, height, 0.0)
-            sees, hidden_by = _sees_point(world, agents, seat, other, aside, view_angle, hidden_by)
+            sees, hidden_by = _sees_point(world, eye, x, y + height, z, hidden_by)
             if sees:
                 return True
-    if level == 0.0 or off - arctangent(SIDE, level) > view_angle * 0.5:
+    if level == 0.0 or off - arctangent(SIDE, level) > eye.view_angle * 0.5:
         return False
     for side in (-SIDE / level, SIDE / level):
-        aside = (side * dz, SIDE_HEIGHT, -side * dx)
-        bearing = arctangent(dx + aside[0], dz + aside[2])
-        if abs(wrap(bearing - agents.yaw[seat])) > view_angle * 0.5:
+        aside_x, aside_z = side * dz, -side * dx
+        bearing = arctangent(dx + aside_x, dz + aside_z)
+        if abs(wrap(bearing - eye.yaw)) > eye.view_angle * 0.5:
             continue
-        sees, hidden_by = _sees_point(world, agents, seat, other, aside, view_angle, hidden_by)
+        sees, hidden_by = _sees_point(world, eye, x + aside_x, y + SIDE_HEIGHT, z + aside_z, hidden_by)
         if sees:
             return True
     return False
 
 
 @kernel
-def _sees_point(
-    world: World,
-    agents: Agents,
-    seat: int,
-    other: int,
-    offset: tuple[float, float, float],
-    view_angle: float,
-    hidden_by: int,
-) -> tuple[bool, int]:
-    """Test whether a point of another body is visible.
+def _sees_point(world: World, eye: Eye, x: float, y: float, z: float, hidden_by: int) -> tuple[bool, int]:
+    """Test whether a point is visible.
 
     Args:
-        offset: m, of the point from the other agent's soles.
-        view_angle: Degrees, the horizontal view angle.
         hidden_by: A solid that may be in the way and is tested first, or NOTHING_HIT.
 
     Returns:
         Whether the point is within the vertical view angle with a clear line of sight, and if not, what is in
         the way.
     """
-    eye_x, eye_z = agents.position[seat, 0], agents.position[seat, 2]
-    eye_y = agents.position[seat, 1] + EYE_HEIGHT
-    x = agents.position[other, 0] + offset[0]
-    y = agents.position[other, 1] + offset[1]
-    z = agents.position[other, 2] + offset[2]
-    level = np.sqrt((x - eye_x) * (x - eye_x) + (z - eye_z) * (z - eye_z))
-    pitch = arctangent(eye_y - y, level)
-    if abs(pitch - agents.pitch[seat]) > view_angle * ASPECT * 0.5:
+    dx, dy, dz = x - eye.x, y - eye.y, z - eye.z
+    pitch = arctangent(-dy, np.sqrt(dx * dx + dz * dz))
+    if abs(pitch - eye.pitch) > eye.view_angle * ASPECT * 0.5:
         return False, hidden_by
-    dx, dy, dz = x - eye_x, y - eye_y, z - eye_z
     distance = np.sqrt(dx * dx + dy * dy + dz * dz)
     if distance == 0.0:
         return True, hidden_by
     dx, dy, dz = dx / distance, dy / distance, dz / distance
     if hidden_by >= 0:
-        ray = make_ray(world, eye_x, eye_y, eye_z, dx, dy, dz)
+        ray = make_ray(world, eye.x, eye.y, eye.z, dx, dy, dz)
         if intersect_solid(world, hidden_by, ray, distance)[0] <= distance:
             return False, hidden_by
-    hit = raycast(world, eye_x, eye_y, eye_z, dx, dy, dz, distance)
+    hit = raycast(world, eye.x, eye.y, eye.z, dx, dy, dz, distance)
     return hit.solid == NOTHING_HIT, hit.solid
 
 

@@ -13,7 +13,7 @@ from wildscav_engine.geometry.rays import raycast
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.state import NOBODY, Agents, squares_for
 from wildscav_engine.simulation.systems.agent_grid import TOUCH, AgentGrid, gather_near
-from wildscav_engine.simulation.systems.visibility import AGENT_LIMIT, sees_body
+from wildscav_engine.simulation.systems.visibility import AGENT_LIMIT, Eye, sees_body
 from wildscav_engine.simulation.systems.weapons import meet_body
 from wildscav_engine.specs.body import EYE_HEIGHT
 from wildscav_engine.specs.rules import Rules
@@ -60,13 +60,14 @@ def test_who_is_seen_is_what_looking_at_all_pairs_finds(match: Match, seed: int,
         if agents.health[seat] <= 0:
             assert listed == []
             continue
+        eye = Eye(*(places[seat] + [0.0, EYE_HEIGHT, 0.0]), agents.yaw[seat], agents.pitch[seat], 90.0)
         x, y, z = (places - places[seat]).T
         distance = x * x + y * y + z * z
         near_first = np.lexsort((np.arange(SEATS), distance)).tolist()
         in_sight = [
             other
             for other in near_first
-            if other != seat and agents.health[other] > 0 and sees_body(YARD, agents, seat, other, 90.0)
+            if other != seat and agents.health[other] > 0 and sees_body(YARD, eye, *places[other])
         ]
         assert listed == in_sight[:AGENT_LIMIT]
 
