@@ -3,10 +3,8 @@
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
 from wildscav.errors import UserError
-from wildscav.terminal.console import console, counted, error_console
+from wildscav.terminal.console import console, counted, progress_bar
 from wildscav_engine.maps.cache import (
     LIMIT,
     SIZE_LIMIT,
@@ -95,9 +93,8 @@ def run_make_maps(choices: Sequence[Choices], executor: Executor) -> None:
     if len(missing) < len(choices):
         console.print(f"{len(choices) - len(missing):,} of {counted(len(choices), 'map')} were cached before")
     made, size = 0, 0
-    columns = (TextColumn("making maps"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=error_console, transient=True) as progress:
-        task = progress.add_task("", total=len(missing))
+    with progress_bar() as progress:
+        task = progress.add_task("making maps", total=len(missing))
         try:
             for one in make_maps(missing, executor):
                 made, size = made + 1, size + len(one.content)

@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pydantic import ValidationError
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.progress import TimeElapsedColumn
 from rich.table import Table
 from rich.text import Text
 
 from wildscav.errors import UserError, describe
-from wildscav.terminal.console import command, console, print_json
+from wildscav.terminal.console import command, console, print_json, progress_bar
 from wildscav_engine.compilation.engine_progress import preparing
 from wildscav_engine.record import SUFFIX, RecordError, check_recordable, read_record, write_record
 from wildscav_engine.simulation.match import MatchSetupError
@@ -163,8 +163,7 @@ def _play(seating: MatchAssignment, sandbox: Sandbox) -> PlayedMatch:
 
 async def _play_with_progress(seating: MatchAssignment, sandbox: Sandbox) -> PlayedMatch:
     spec = seating.spec
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=console, transient=True) as progress:
+    with progress_bar(TimeElapsedColumn()) as progress:
         task = progress.add_task(f"{spec.track}, {spec.time_limit:g} s", total=spec.frame_limit)
         watching: list[asyncio.Task[None]] = []
 

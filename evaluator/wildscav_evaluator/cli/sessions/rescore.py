@@ -3,10 +3,8 @@
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
 from wildscav.errors import UserError
-from wildscav.terminal.console import console, counted, error_console, print_json
+from wildscav.terminal.console import console, counted, print_json, progress_bar
 from wildscav_evaluator.cli.result_tables import LEGEND, sandbox_and_limits, track_table
 from wildscav_evaluator.cli.sessions.playing import raise_errors
 from wildscav_evaluator.cli.sessions.tournament import show_ratings
@@ -160,10 +158,9 @@ def _public_seed(identity: Identity) -> int | None:
 
 
 def _replay(paths: Sequence[Path], executor: Executor) -> list[Replayed]:
-    columns = (TextColumn("playing records again"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     replayed = []
-    with Progress(*columns, console=error_console, transient=True) as progress:
-        task = progress.add_task("", total=len(paths))
+    with progress_bar() as progress:
+        task = progress.add_task("playing records again", total=len(paths))
         try:
             for one in replay_all(paths, executor):
                 replayed.append(one)
