@@ -244,6 +244,11 @@ class BitcodeEntries(Entries):
 
 
 class BitcodeCache(KernelCache):
-    """The cache of one kernel's parts."""
+    """The cache of one kernel's parts, which are the same for all processors of an operating system."""
 
     entries = BitcodeEntries
+
+    def _index_key(self, signature: Any, codegen: Any) -> Any:
+        """Return what distinguishes the parts of a kernel, without the processor."""
+        signature, (system, *_), function = super()._index_key(signature, codegen)
+        return signature, system, function
