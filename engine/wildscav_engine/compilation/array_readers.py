@@ -1,20 +1,18 @@
-"""The code in kernels that unpacks arrays from tables of addresses; see ``array_tables.py``."""
+"""The code in kernels that reads arrays from tables of addresses; see ``array_tables.py``."""
 
 import math
 from typing import Any
 
 import numba
-import numba.np.arrayobj
-from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.typing.templates import make_intrinsic_template
 
+from wildscav_engine.compilation.array_code import make_array, pack
 from wildscav_engine.compilation.table_columns import COLUMNS
+from wildscav_engine.compilation.table_type import passed_type, write_table
 
 # Annotated as Any, because Numba's stubs do not contain them.
 typeof: Any = numba.typeof
-make_array: Any = numba.np.arrayobj.make_array
-populate_array: Any = numba.np.arrayobj.populate_array
 named_tuple: Any = types.NamedTuple
 alloca_once: Any = cgutils.alloca_once
 make_template: Any = make_intrinsic_template
@@ -32,28 +30,37 @@ def type_of(value: Any, definition: Definition) -> Any:
     return function_type(make_template(value, definition, definition.__qualname__))
 
 
+def _arrays_of(like: Arrays) -> Any:
+    """Return the type of a NamedTuple of arrays, even if kernels get it as a table."""
+    return named_tuple([typeof(array) for array in like], type(like))
+
+
 def whole_reader(like: Arrays) -> Definition:
     """Return the definition of a kernel that reads all arrays of a table."""
-    kind = typeof(like)
+    kind = _arrays_of(like)
+    passed = passed_type(kind)
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         table = _Table(context, builder, signature.args[0], arguments[0])
+        if passed is not kind:
+            return table.address(context.get_value_type(passed))
         arrays = []
         for field, array in enumerate(kind):
             shape = [table.number(field, 2 + axis) for axis in range(array.ndim)]
-            arrays.append(_pack(context, builder, array, table.number(field, 0), shape))
+            arrays.append(pack(context, builder, array, table.number(field, 0), shape))
         return context.make_tuple(builder, kind, arrays)
 
     def read(typing_context: Any, table: Any) -> Any:  # noqa: ARG001
-        return kind(table), generate
+        return passed(table), generate
 
     return read
 
 
 def row_reader(like: Arrays) -> Definition:
     """Return the definition of a kernel that reads one row of every array of a table."""
-    arrays = [types.Array(array.dtype, array.ndim - 1, "C") for array in typeof(like)]
+    arrays = [types.Array(array.dtype, array.ndim - 1, "C") for array in _arrays_of(like)]
     kind = named_tuple(arrays, type(like))
+    passed = passed_type(kind)
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         table = _Table(context, builder, signature.args[0], arguments[0])
@@ -64,12 +71,14 @@ def row_reader(like: Arrays) -> Definition:
             offset = builder.mul(row, table.number(field, 1))
             for extent in [table.number(field, 3), *inner]:
                 offset = builder.mul(offset, extent)
-            address = builder.add(table.number(field, 0), offset)
-            found.append(_pack(context, builder, array, address, [count, *inner]))
-        return context.make_tuple(builder, kind, found)
+            found.append((builder.add(table.number(field, 0), offset), [count, *inner]))
+        if passed is not kind:
+            return write_table(context, builder, passed, found)
+        packed = [pack(context, builder, array, *one) for array, one in zip(arrays, found, strict=True)]
+        return context.make_tuple(builder, kind, packed)
 
     def read(typing_context: Any, table: Any, row: Any, count: Any) -> Any:  # noqa: ARG001
-        return kind(table, types.int64, types.int64), generate
+        return passed(table, types.int64, types.int64), generate
 
     return read
 
@@ -95,16 +104,19 @@ def number_reader(like: Any) -> Definition:
 
 def values_reader(like: Arrays, names: tuple[str | tuple[str, ...], ...]) -> Definition:
     """Return the definition of a kernel that gathers the values of some fields in a row."""
-    fields = {name: (index, array.shape[2:]) for index, (name, array) in enumerate(like._asdict().items())}
+    shapes = {name: array.shape[2:] for name, array in like._asdict().items()}
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         arrays, row = arguments
 
         def load(name: str, place: int, kind: Any) -> Any:
             """Return code for one value of a field as a number of some kind."""
-            index, inner = fields[name]
-            array = signature.args[0][index]
-            data = make_array(array)(context, builder, builder.extract_value(arrays, index)).data
+            inner = shapes[name]
+            array = context.typing_context.resolve_getattr(signature.args[0], name)
+            read = context.get_getattr(signature.args[0], name)
+            data = make_array(array)(
+                context, builder, read(context, builder, signature.args[0], arrays, name)
+            ).data
             first = builder.mul(row, context.get_constant(types.intp, math.prod(inner)))
             item = builder.gep(data, [builder.add(first, context.get_constant(types.intp, place))])
             value = context.unpack_value(builder, array.dtype, item)
@@ -119,12 +131,12 @@ def values_reader(like: Arrays, names: tuple[str | tuple[str, ...], ...]) -> Def
                     bits = builder.or_(bits, builder.shl(load(flag, 0, types.int64), shift))
                 found.append(context.cast(builder, bits, types.int64, types.float64))
             else:
-                found += [load(name, place, types.float64) for place in range(math.prod(fields[name][1]))]
+                found += [load(name, place, types.float64) for place in range(math.prod(shapes[name]))]
         values = alloca_once(builder, context.get_value_type(types.float64), len(found))
         for place, value in enumerate(found):
             builder.store(value, builder.gep(values, [context.get_constant(types.intp, place)]))
         length = context.get_constant(types.intp, len(found))
-        return _pack(context, builder, signature.return_type, values, [length])
+        return pack(context, builder, signature.return_type, values, [length])
 
     def read(typing_context: Any, arrays: Any, row: Any) -> Any:  # noqa: ARG001
         return types.Array(types.float64, 1, "C")(arrays, types.int64), generate
@@ -138,7 +150,7 @@ def byte_reader() -> Definition:
 
 
 def _generate_bytes(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    return _pack(context, builder, signature.return_type, arguments[0], [arguments[1]])
+    return pack(context, builder, signature.return_type, arguments[0], [arguments[1]])
 
 
 def _read_bytes(typing_context: Any, address: Any, size: Any) -> Any:  # noqa: ARG001
@@ -157,15 +169,6 @@ class _Table:
         place = self._context.get_constant(types.intp, row * COLUMNS + column)
         return self._builder.load(self._builder.gep(self._data, [place]))
 
-
-def _pack(context: Any, builder: Any, kind: Any, address: Any, shape: list[Any]) -> Any:
-    """Return code for an array with a given address or pointer, and shape, without reference counting."""
-    array = make_array(kind)(context, builder)
-    itemsize = context.get_constant(types.intp, context.get_abi_sizeof(context.get_data_type(kind.dtype)))
-    strides = [itemsize]
-    for extent in reversed(shape[1:]):
-        strides.insert(0, builder.mul(strides[0], extent))
-    is_address = isinstance(address.type, ir.IntType)
-    data = builder.inttoptr(address, array.data.type) if is_address else address
-    populate_array(array, data=data, shape=shape, strides=strides, itemsize=itemsize, meminfo=None)
-    return array._getvalue()
+    def address(self, kind: Any) -> Any:
+        """Return code for the address of the table."""
+        return self._builder.bitcast(self._data, kind)

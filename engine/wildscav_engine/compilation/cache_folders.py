@@ -1,4 +1,8 @@
-"""The folders of the cache of compiled code: one for each digest of sources."""
+"""The folders of the cache of compiled code: one for each digest of sources.
+
+A wheel brings machine code for some levels of processors (see ``levels.py``) in a folder of the package. It
+is only read; what is not in it is compiled, and cached as in a checkout.
+"""
 
 import atexit
 import functools
@@ -7,10 +11,14 @@ import shutil
 import tempfile
 from pathlib import Path
 
-from wildscav_engine.compilation.sources import sources_digest
+from wildscav_engine.compilation.levels import levels
+from wildscav_engine.compilation.sources import PACKAGE, sources_digest
 
 # Enough for several versions of the engine, so that switching between them stays fast.
 KEPT_FOLDERS = 1000
+
+# The machine code of a wheel; in a checkout, there is none.
+SHIPPED = PACKAGE / "compiled"
 
 
 def cache_root() -> Path:
@@ -38,6 +46,12 @@ def cache_folder(file: Path) -> Path:
     except OSError:
         return _temporary_folder()
     return folder
+
+
+def shipped_folder(file: Path) -> Path | None:
+    """Return the folder of a wheel's machine code for a file's kernels, or None if there is none."""
+    folder = SHIPPED / sources_digest(file)
+    return folder if levels() and folder.exists() else None
 
 
 @functools.cache

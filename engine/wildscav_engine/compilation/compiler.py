@@ -16,7 +16,7 @@ from typing import Any
 import numba
 from numba.core.compiler_lock import global_compiler_lock
 
-from wildscav_engine.compilation.cache_folders import cache_folder
+from wildscav_engine.compilation.cache_folders import cache_folder, shipped_folder
 from wildscav_engine.compilation.kernel_cache import KernelCache
 from wildscav_engine.compilation.linking import (
     BitcodeCache,
@@ -53,15 +53,17 @@ def compile_outer(
     kernels inline the function.
     """
     options = {"no_cfunc_wrapper": True, **options}
-    folder = _folder_of(home, "-".join(sorted(options)))
+    name, file = "-".join(sorted(options)), _file_of(home)
+    shipped = shipped_folder(file)
     # Without reference counting, no second pass is needed to find references that can be removed.
     linked = {} if options.get("_nrt", True) else {"pipeline_class": LinkedCompiler}
-    return _with_cache(njit(**EXACT_OPTIONS, **options, **linked)(function), KernelCache(function, folder))
+    cache = KernelCache(function, cache_folder(file) / name, shipped and shipped / name)
+    return _with_cache(njit(**EXACT_OPTIONS, **options, **linked)(function), cache)
 
 
 def compile_inner(function: Function, home: Function, *, disjoint: bool = False, **options: bool) -> Any:
     """Return a function that compiles itself when it is first called from a kernel; see ``compile_outer``."""
-    folder = _folder_of(home, "-".join(["part", *sorted(options), *["disjoint"] * disjoint]))
+    name = "-".join(["part", *sorted(options), *["disjoint"] * disjoint])
     part = njit(
         pipeline_class=DisjointBitcodeCompiler if disjoint else BitcodeCompiler,
         no_cpython_wrapper=True,
@@ -69,12 +71,15 @@ def compile_inner(function: Function, home: Function, *, disjoint: bool = False,
         **EXACT_OPTIONS,
         **options,
     )(function)
-    return _with_cache(for_all_numbers(part), BitcodeCache(function, folder))
+    return _with_cache(for_all_numbers(part), BitcodeCache(function, cache_folder(_file_of(home)) / name))
 
 
-def _folder_of(function: Function, options: str) -> Path:
-    # Numba does not distinguish code compiled with different options, so each set has a folder of its own.
-    return cache_folder(Path(function.__code__.co_filename)) / options
+def _file_of(function: Function) -> Path:
+    """Return the file of a function.
+
+    Its cache has a folder for each set of options, because Numba does not distinguish code by its options.
+    """
+    return Path(function.__code__.co_filename)
 
 
 def _with_cache(dispatcher: Any, cache: KernelCache) -> Any:

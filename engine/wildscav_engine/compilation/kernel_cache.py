@@ -3,6 +3,8 @@
 Numba's own cache is keyed by the paths of source files and notices only edits of a kernel's own file. After
 an edit of a helper or a constant in another file, it would silently use the old code. This module therefore
 gives Numba a folder whose name depends on everything that can change the code.
+
+The machine code of a wheel lies in folders like these, which are only read.
 """
 
 import functools
@@ -14,12 +16,14 @@ from typing import Any
 
 from numba.core import caching
 
+from wildscav_engine.compilation.levels import levels, processor_of
 from wildscav_engine.compilation.notice import notice
 
 # Annotated as Any, because Numba has no types for them.
 NumbaCache: Any = caching.FunctionCache
 NumbaEntries: Any = caching.CompileResultCacheImpl
 NumbaLocator: Any = caching._CacheLocator
+CacheFile: Any = caching.IndexDataCacheFile
 
 DAMAGED = (OSError, EOFError, pickle.UnpicklingError)
 
@@ -66,9 +70,11 @@ class KernelCache(NumbaCache):  # type: ignore[misc]
 
     entries: type[Entries] = Entries
 
-    def __init__(self, function: Callable[..., Any], folder: Path) -> None:
+    def __init__(self, function: Callable[..., Any], folder: Path, shipped: Path | None = None) -> None:
+        """Use a folder of cached code, and one of a wheel's machine code."""
         self._impl_class = functools.partial(self.entries, folder=folder)
         super().__init__(function)
+        self._shipped = shipped and CacheFile(str(shipped), self._impl.filename_base, "")
 
     def load_overload(self, signature: Any, context: Any) -> Any:
         """Return the compiled code for a signature, or None if it has to be compiled, which then begins."""
@@ -78,12 +84,25 @@ class KernelCache(NumbaCache):  # type: ignore[misc]
         return found
 
     def _load(self, signature: Any, context: Any) -> Any:
+        with suppress(*DAMAGED):
+            if found := self._load_shipped(signature, context):
+                return found
         try:
             return super().load_overload(signature, context)
         except DAMAGED:
             with suppress(OSError):
                 self.flush()
             return None
+
+    def _load_shipped(self, signature: Any, context: Any) -> Any:
+        """Return the machine code that a wheel brings for a signature, or None."""
+        if self._shipped is None:
+            return None
+        context.refresh()
+        _, (system, *_), function = self._index_key(signature, context.codegen())
+        keys = ((signature, (system, *processor_of(level)), function) for level in levels())
+        cached = next(filter(None, map(self._shipped.load, keys)), None)
+        return cached and self._impl.rebuild(context, cached)
 
     def save_overload(self, signature: Any, result: Any) -> None:
         """Cache the compiled code for a signature."""

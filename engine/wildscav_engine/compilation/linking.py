@@ -14,6 +14,7 @@ from llvmlite import binding as llvm
 from numba.core import codegen, compiler, compiler_machinery, typed_passes, types
 
 from wildscav_engine.compilation.kernel_cache import Entries, KernelCache
+from wildscav_engine.compilation.table_type import mark_tables
 
 # Annotated as Any, because Numba has no types for them.
 Library: Any = codegen.JITCodeLibrary
@@ -26,7 +27,16 @@ new_passes: Any = llvm.create_new_function_pass_manager
 unliteral: Any = types.unliteral
 
 
-class BitcodeLibrary(Library):  # type: ignore[misc]
+class TableLibrary(Library):  # type: ignore[misc]
+    """The code of one kernel, which may get tables of arrays."""
+
+    def add_ir_module(self, ir_module: Any) -> None:
+        """Add generated code."""
+        mark_tables(ir_module)
+        super().add_ir_module(ir_module)
+
+
+class BitcodeLibrary(TableLibrary):
     """The code of one kernel, to be linked into other kernels."""
 
     _shared_module: Any
@@ -118,7 +128,7 @@ def _callees(part: BitcodeLibrary) -> list[Any]:
     return list(found)[-2::-1]
 
 
-class LinkedLibrary(Library):  # type: ignore[misc]
+class LinkedLibrary(TableLibrary):
     """The code of a kernel that Python calls, linked with all parts that it calls."""
 
     def __init__(self, *arguments: Any) -> None:
@@ -244,6 +254,11 @@ class BitcodeEntries(Entries):
 
 
 class BitcodeCache(KernelCache):
-    """The cache of one kernel's parts."""
+    """The cache of one kernel's parts, which are the same for all processors of an operating system."""
 
     entries = BitcodeEntries
+
+    def _index_key(self, signature: Any, codegen: Any) -> Any:
+        """Return what distinguishes the parts of a kernel, without the processor."""
+        signature, (system, *_), function = super()._index_key(signature, codegen)
+        return signature, system, function

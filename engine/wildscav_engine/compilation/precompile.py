@@ -13,7 +13,7 @@ import subprocess
 import sys
 from contextlib import suppress
 
-from wildscav_engine.compilation.cache_folders import cache_folder
+from wildscav_engine.compilation.cache_folders import cache_folder, shipped_folder
 from wildscav_engine.compilation.kernel import PLAIN
 from wildscav_engine.compilation.sources import PACKAGE
 from wildscav_engine.parallel.threads import cores
@@ -32,7 +32,7 @@ def compile_ahead() -> None:
 
     It ends with this process at the latest. If it cannot be started, kernels are compiled on first use.
     """
-    is_done = any(cache_folder(LAST).rglob("*.nbi"))
+    is_done = bool(shipped_folder(LAST)) or any(cache_folder(LAST).rglob("*.nbi"))
     if is_done or PLAIN or cores() < 2:
         return
     nothing = subprocess.DEVNULL

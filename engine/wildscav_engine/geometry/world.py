@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav_engine.compilation.array_tables import pass_as_table
 from wildscav_engine.compilation.kernel import array_kernel, kernel
 from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS
 
@@ -37,6 +38,7 @@ class Kind(IntEnum):
     SUPPLY_BOX = 13
 
 
+@pass_as_table
 class World(NamedTuple):
     """The static world of one map: R rows of cells northwards, C columns eastwards, S solids with F faces.
 

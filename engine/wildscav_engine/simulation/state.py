@@ -15,7 +15,7 @@ from typing import Annotated, Any, NamedTuple, TypeAlias, TypeVar, get_args, get
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.array_tables import ArrayTable, reader, values_reader
+from wildscav_engine.compilation.array_tables import ArrayTable, pass_as_table, reader, values_reader
 
 NOBODY = -1  # in place of a seat
 NOT_ELIMINATED = -1  # in place of the frame of an elimination
@@ -68,6 +68,7 @@ MatchFlag: TypeAlias = Annotated[NDArray[np.bool_], Axes()]  # (B,)
 MatchWord: TypeAlias = Annotated[NDArray[np.uint64], Axes()]  # (B,)
 
 
+@pass_as_table
 class Agents(NamedTuple):
     """The state of the agents."""
 
@@ -147,6 +148,7 @@ DIGESTED_COUNTS = (
 )
 
 
+@pass_as_table
 class Supplies(NamedTuple):
     """The supply boxes, including those of later waves and those dropped by agents."""
 
@@ -157,6 +159,7 @@ class Supplies(NamedTuple):
     next_in_square: SlotCount  # slot + 1 of the next box in the same square, 0 = none
 
 
+@pass_as_table
 class Matches(NamedTuple):
     """The state of whole matches."""
 

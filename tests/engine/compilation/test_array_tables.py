@@ -12,8 +12,10 @@ from wildscav_engine.compilation.array_tables import (
     ArrayTable,
     addresses_of,
     number_reader,
+    pass_as_table,
     reader,
     row_reader,
+    values_reader,
 )
 from wildscav_engine.compilation.kernel import kernel
 
@@ -111,3 +113,82 @@ def test_arrays_that_are_not_contiguous_are_refused() -> None:
 def test_arrays_that_kernels_would_misread_are_refused(wrong: dict[str, np.ndarray], said: str) -> None:
     with pytest.raises(TypeError, match=said):
         ArrayTable(things()._replace(**wrong))
+
+
+@pass_as_table
+class Passed(NamedTuple):
+    flag: NDArray[np.bool_]  # (B, A)
+    place: NDArray[np.float64]  # (B, A, 3)
+    count: NDArray[np.int32]  # (B, A)
+
+
+def passed(b: int = 3, a: int = 4) -> Passed:
+    return Passed(*things(b, a))
+
+
+passed_at = reader(passed())
+passed_row_at = row_reader(passed())
+passed_values = values_reader(passed(), ("place", ("flag",)))
+
+
+@kernel
+def _mark(all_of: Passed, last: int) -> None:
+    all_of.flag[-1, -1] = True
+    all_of.count[-1, -1] = all_of.place.shape[0] * 100 + all_of.place.shape[1] * 10 + last
+
+
+@kernel
+def _mark_passed(table: Addresses) -> None:
+    _mark(passed_at(table), 3)
+
+
+@kernel
+def _mark_nested(both: tuple[int, Passed]) -> None:
+    _mark(both[1], both[0])
+
+
+@pytest.mark.parametrize("way", ["table", "Python", "nested"])
+def test_a_class_passed_as_a_table_is_the_same_for_kernels_however_it_comes(way: str) -> None:
+    arrays = passed()
+    if way == "table":
+        _mark_passed(addresses_of(arrays))
+    elif way == "Python":
+        _mark(arrays, 3)
+    else:
+        _mark_nested((3, arrays))
+    assert arrays.count.tolist() == [[0] * 4, [0] * 4, [0, 0, 0, 343]]
+    assert arrays.flag.sum() == arrays.flag[2, 3] == 1
+
+
+@kernel
+def _sum_row(row: Passed) -> float:
+    total = 0.0
+    for index in range(row.flag.shape[0]):
+        row.count[index] += 1
+        total += row.place[index, 1]
+    return total
+
+
+@kernel
+def _sum_rows(table: Addresses, sums: NDArray[np.float64]) -> None:
+    for row in range(sums.shape[0]):
+        values = passed_values(passed_at(table), row * table[0, 3])
+        sums[row] = _sum_row(passed_row_at(table, row, 2)) + 1000.0 * values[0] + 100.0 * values[3]
+
+
+def test_rows_of_such_a_class_are_tables_of_their_own() -> None:
+    arrays, sums = passed(), np.zeros(3)
+    arrays.flag[1, 0] = True
+    _sum_rows(addresses_of(arrays), sums)
+    assert arrays.count.tolist() == [[1, 1, 0, 0]] * 3
+    assert sums.tolist() == [1.0 + 4.0, 13.0 + 16.0 + 12000.0 + 100.0, 25.0 + 28.0 + 24000.0]
+
+
+@kernel
+def _first(arrays: Passed) -> float:
+    return arrays.place[0, 0, 0]
+
+
+def test_arrays_with_gaps_are_passed_one_by_one() -> None:
+    every_other = Passed(*(array[:, ::2] for array in passed()))
+    assert _first(every_other) == 0.0

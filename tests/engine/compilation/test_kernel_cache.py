@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from wildscav_engine.compilation.kernel import PLAIN
+from wildscav_engine.compilation.levels import CHOICE, LEVELS, levels, processor_of
 from wildscav_engine.compilation.sources import PACKAGE
 
 pytestmark = pytest.mark.skipif(PLAIN, reason="nothing is compiled")
@@ -62,9 +63,15 @@ def folder(kept: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(kept, tmp_path / "cache"))
 
 
-def start(engine: Path, cache_folder: Path) -> "subprocess.Popen[str]":
-    """Start a process that uses the engine in a folder."""
-    environment = {**os.environ, "PYTHONPATH": str(engine), "WILDSCAV_CACHE_DIR": str(cache_folder)}
+def start(engine: Path, cache_folder: Path, level: str | None = None) -> "subprocess.Popen[str]":
+    """Start a process that uses the engine in a folder, compiling for its processor or for a level."""
+    choice = dict(zip(CHOICE, processor_of(level), strict=True)) if level else {}
+    environment = {
+        **os.environ,
+        **choice,
+        "PYTHONPATH": str(engine),
+        "WILDSCAV_CACHE_DIR": str(cache_folder),
+    }
     return subprocess.Popen(
         [sys.executable, "-c", USE], env=environment, stdout=subprocess.PIPE, text=True, cwd=engine
     )
@@ -105,3 +112,42 @@ def test_what_is_damaged_is_compiled_again(folder: Path) -> None:
         file.write_bytes(b"")
     assert said_by(start(HERE, folder)) == (HERE, ["is_steep", "sine"], VALUES)
     assert said_by(start(HERE, folder)) == (HERE, [], VALUES)
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_another_processor_uses_the_same_parts_and_gets_the_same_values(
+    level: str, folder: Path, tmp_path: Path
+) -> None:
+    if level not in levels():
+        pytest.skip(f"this processor does not run code for {level}")
+    assert said_by(start(HERE, folder, level)) == (HERE, ["is_steep", "sine"], VALUES)
+    assert said_by(start(HERE, folder, level)) == (HERE, [], VALUES)
+
+
+@pytest.fixture
+def wheel(folder: Path, tmp_path: Path) -> Path:
+    """The engine with machine code of the lowest level, as a wheel brings it, which cannot be written to."""
+    lowest = list(LEVELS)[-1]
+    if lowest not in levels():
+        pytest.skip(f"this processor does not run code for {lowest}")
+    said_by(start(HERE, folder, lowest))
+    place = tmp_path / "wheel"
+    shutil.copytree(PACKAGE, place / PACKAGE.name, copy_function=shutil.copyfile)
+    parts = shutil.ignore_patterns("part*")
+    shutil.copytree(folder / "kernels", place / PACKAGE.name / "compiled", ignore=parts)
+    return place
+
+
+def test_whoever_installs_a_wheel_compiles_nothing(wheel: Path, tmp_path: Path) -> None:
+    assert said_by(start(wheel, tmp_path / "empty")) == (wheel, [], VALUES)
+    assert not list(tmp_path.glob("empty/**/*.nbc"))
+
+
+@pytest.mark.slow
+def test_code_that_a_wheel_lacks_is_compiled(wheel: Path, tmp_path: Path) -> None:
+    for file in wheel.rglob("*.sine-*.nbc"):
+        file.unlink()
+    for file in wheel.rglob("*is_steep-*.nbc"):
+        file.write_bytes(b"")
+    assert said_by(start(wheel, tmp_path / "empty")) == (wheel, COMPILED, VALUES)
+    assert said_by(start(wheel, tmp_path / "chosen", list(LEVELS)[-1])) == (wheel, COMPILED, VALUES)

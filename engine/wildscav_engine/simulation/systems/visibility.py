@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.elementary_functions import arctangent, cosine, sine, wrap
+from wildscav_engine.compilation.array_tables import pass_as_table
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.geometry.linked_grid import Squares, column_of, row_of, squares_around
 from wildscav_engine.geometry.rays import NOTHING_HIT, intersect_solid, make_ray, raycast
@@ -35,6 +36,7 @@ SIDE = 0.8 * BODY_RADIUS  # m from the axis to those points
 SLACK = 0.01  # m, more than the rounding error of the edges of squares
 
 
+@pass_as_table
 class Seen(NamedTuple):
     """What each agent sees, nearest first; unused entries are -1."""
 

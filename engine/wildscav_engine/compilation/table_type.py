@@ -1,0 +1,123 @@
+"""What kernels pass to each other instead of many arrays: the address of their table.
+
+Of a NamedTuple of arrays, Numba would pass every number and address of every array at each call: hundreds of
+arguments for the agents of a match, most of which no kernel reads. This type is a single pointer, and kernels
+read from the table only what they name. Classes become such tables by ``pass_as_table``.
+"""
+
+from typing import Any
+
+import numba
+from llvmlite import ir
+from numba.core import cgutils, datamodel, imputils, types
+from numba.core.pythonapi import NativeValue, unbox
+from numba.core.typing import templates, typeof
+
+from wildscav_engine.compilation.array_code import pack
+from wildscav_engine.compilation.array_tables import is_passed_as_table
+from wildscav_engine.compilation.table_columns import ADDRESS, COLUMNS, ROWS
+
+# Annotated as Any, because Numba has no types for them.
+array_type: Any = types.Array
+named_tuple: Any = types.NamedTuple
+numba_typeof: Any = numba.typeof
+register_model: Any = datamodel.register_default
+PrimitiveModel: Any = datamodel.models.PrimitiveModel
+AttributeTemplate: Any = templates.AttributeTemplate
+infer_getattr: Any = templates.infer_getattr
+lower_getattr: Any = imputils.builtin_registry.lower_getattr_generic
+unbox_type: Any = unbox
+typeof_tuple: Any = typeof.typeof_impl.dispatch(tuple)
+
+ROW = ir.ArrayType(ir.IntType(64), COLUMNS)
+
+
+class TableType(types.Type):  # type: ignore[misc]
+    """The type of a table of arrays in kernels."""
+
+    def __init__(self, arrays: Any) -> None:
+        """Describe a table by the type of a NamedTuple of its arrays, which are contiguous and in C order."""
+        self.arrays = arrays
+        super().__init__(f"Table({arrays})")
+
+
+def passed_type(arrays: Any) -> Any:
+    """Return what kernels get for arrays of the type of a NamedTuple: a table, if its class is one."""
+    return TableType(arrays) if is_passed_as_table(arrays.instance_class) else arrays
+
+
+@typeof.typeof_impl.register(tuple)
+def _type_of_tuple(value: Any, context: Any) -> Any:
+    found = typeof_tuple(value, context)
+    if not is_passed_as_table(type(value)):
+        return found
+    arrays = [array_type(array.dtype, array.ndim, "C") for array in found]
+    is_plain = all(array.layout == "C" and array.aligned for array in found)
+    return TableType(named_tuple(arrays, type(value))) if is_plain else found
+
+
+@register_model(TableType)
+class TableModel(PrimitiveModel):  # type: ignore[misc]
+    """A table in machine code: its address."""
+
+    def __init__(self, manager: Any, kind: TableType) -> None:
+        super().__init__(manager, kind, ir.ArrayType(ROW, len(kind.arrays)).as_pointer())
+
+
+@infer_getattr
+class TableAttributes(AttributeTemplate):  # type: ignore[misc]
+    """The fields of a table."""
+
+    key = TableType
+
+    def generic_resolve(self, table: TableType, name: str) -> Any:
+        """Return the type of a field."""
+        fields = table.arrays.fields
+        return table.arrays[fields.index(name)] if name in fields else None
+
+
+@lower_getattr(TableType)
+def read_field(context: Any, builder: Any, kind: TableType, table: Any, name: str) -> Any:
+    """Return code that reads one array of a table."""
+    field = kind.arrays.fields.index(name)
+    array = kind.arrays[field]
+
+    def number(column: int) -> Any:
+        return builder.load(cgutils.gep_inbounds(builder, table, 0, field, column))
+
+    shape = [number(ROWS + axis) for axis in range(array.ndim)]
+    return pack(context, builder, array, number(ADDRESS), shape)
+
+
+def write_table(context: Any, builder: Any, kind: TableType, rows: list[tuple[Any, list[Any]]]) -> Any:
+    """Return code that writes the address and the shape of each array to a table of the calling function."""
+    table = cgutils.alloca_once(builder, context.get_value_type(kind).pointee)
+    for field, (address, shape) in enumerate(rows):
+        for column, number in ((ADDRESS, address), *enumerate(shape, ROWS)):
+            builder.store(number, cgutils.gep_inbounds(builder, table, 0, field, column))
+    return table
+
+
+@unbox_type(TableType)
+def _from_python(kind: TableType, value: Any, python: Any) -> Any:
+    """Return code that makes a table of a NamedTuple of arrays."""
+    unboxed = python.unbox(kind.arrays, value)
+    rows = []
+    for field, array in enumerate(kind.arrays):
+        item = python.builder.extract_value(unboxed.value, field)
+        item = python.context.make_array(array)(python.context, python.builder, item)
+        address = python.builder.ptrtoint(item.data, ir.IntType(64))
+        rows.append((address, cgutils.unpack_tuple(python.builder, item.shape)))
+    table = write_table(python.context, python.builder, kind, rows)
+    return NativeValue(table, is_error=unboxed.is_error, cleanup=unboxed.cleanup)
+
+
+def mark_tables(module: Any) -> None:
+    """Tell the compiler that nothing writes to tables while kernels read them, and how large they are."""
+    for function in module.functions:
+        for argument in function.args:
+            table = getattr(argument.type, "pointee", None)
+            if isinstance(table, ir.ArrayType) and table.element == ROW:
+                argument.add_attribute("noalias")
+                argument.add_attribute("captures(none)")
+                argument.attributes.dereferenceable = table.count * COLUMNS * 8
