@@ -62,8 +62,6 @@ class VectorArena(ManyMatches, VectorEnv[Observation, Any, NDArray[Any]]):
         self._infos_of_one = Infos(self.arena)
         self._all_rows = np.ones(num_envs, np.bool_)
         self._all_rows.flags.writeable = False
-        self._no_metrics = np.zeros(num_envs)
-        self._no_metrics.flags.writeable = False
         self._no_rows = np.zeros(num_envs, np.bool_)
         self._no_rows.flags.writeable = False
 
@@ -123,15 +121,13 @@ class VectorArena(ManyMatches, VectorEnv[Observation, Any, NDArray[Any]]):
     ) -> VectorInfos:
         """Return the infos of the single environments, each value as an array with a mask."""
         arena = self.arena
-        counts = arena.events(rows)[:, 0].astype(np.int64).T
-        terms = arena.reward_terms(rows)[:, 0].astype(np.float64).T
+        counts = arena.events(rows)[:, 0].astype(np.int64)
+        terms = arena.reward_terms(rows)[:, 0].astype(np.float64)
         if chosen is not self._all_rows:
-            counts, terms = counts * chosen, terms * chosen
-        measured = [self._no_metrics] * len(arena.metrics)
+            counts, terms = counts * chosen[:, np.newaxis], terms * chosen[:, np.newaxis]
+        measured = np.zeros((self.num_envs, len(arena.metrics)))
         if ended:
-            measured = list(np.zeros((len(arena.metrics), self.num_envs)))
-            for column, values in enumerate(measured):
-                values[list(ended)] = metrics[:, 0, column]
+            measured[list(ended)] = metrics[:, 0]
         return {
             "events": self._masked(EVENTS, counts, chosen),
             "_events": chosen,
@@ -141,12 +137,12 @@ class VectorArena(ManyMatches, VectorEnv[Observation, Any, NDArray[Any]]):
             "_metrics": chosen,
         }
 
-    def _masked(self, names: tuple[str, ...], values: Any, chosen: NDArray[np.bool_]) -> Any:
-        """Return (N,) arrays by name, each with its mask; (N, len(names)) if flat."""
+    def _masked(self, names: tuple[str, ...], values: NDArray[Any], chosen: NDArray[np.bool_]) -> Any:
+        """Return the columns of (N, len(names)) values by name, each with its mask; the values if flat."""
         if self.config.flat:
-            return np.stack(values, axis=1) if names else np.zeros((self.num_envs, 0))
+            return values
         masked: VectorInfos = {}
-        for name, column in zip(names, values, strict=True):
+        for name, column in zip(names, values.T, strict=True):
             masked[name] = column
             masked[f"_{name}"] = chosen
         return masked

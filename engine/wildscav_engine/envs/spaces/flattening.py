@@ -35,21 +35,25 @@ class Flattener:
             version: The version of the observations.
         """
         boxes: dict[str, Any] = dict(space.spaces)
-        self._names = tuple(boxes)
-        scales = np.concatenate([scales_of(name, box, version).reshape(-1) for name, box in boxes.items()])
-        self._factors = (1.0 / scales).astype(np.float32)
+        scales = [scales_of(name, box, version).reshape(-1) for name, box in boxes.items()]
+        factors = (1.0 / np.concatenate(scales)).astype(np.float32)
+        ends = np.cumsum([len(scale) for scale in scales]).tolist()
+        self._parts = [  # the name, the columns and their factors
+            (name, (..., slice(first, last)), factors[first:last])
+            for name, first, last in zip(boxes, [0, *ends], ends, strict=False)
+        ]
         low = np.concatenate([box.low.reshape(-1) for box in boxes.values()])
         high = np.concatenate([box.high.reshape(-1) for box in boxes.values()])
-        low, high = (low * self._factors).astype(np.float32), (high * self._factors).astype(np.float32)
+        low, high = (low * factors).astype(np.float32), (high * factors).astype(np.float32)
         self.space = Box(low, high, dtype=np.float32)
 
     def flatten(self, observation: Mapping[str, NDArray[Any]], axes: int = 0) -> NDArray[np.float32]:
         """Return observations as (…, n) numbers: of one learner, or of many along the first ``axes`` axes."""
-        parts = [observation[name] for name in self._names]
-        flat = np.concatenate(
-            [part.reshape(*part.shape[:axes], -1) for part in parts], axis=-1, dtype=np.float32
-        )
-        flat *= self._factors
+        shape = next(iter(observation.values())).shape[:axes]
+        flat = np.empty((*shape, *self.space.shape), np.float32)
+        for name, columns, factors in self._parts:
+            part = observation[name].reshape(*shape, -1)
+            np.multiply(part, factors, out=flat[columns], dtype=np.float32, casting="unsafe")
         return flat
 
 
