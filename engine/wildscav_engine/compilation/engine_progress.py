@@ -10,6 +10,7 @@ from wildscav_engine.compilation.notice import QUIET, Progress, progress_callbac
 
 PREPARING = "preparing the engine (the first time this compiles it, which takes up to a minute)"
 COMPILING = "compiling the engine for this machine, once"
+MAKING = "making maps, which are kept for the next time"
 
 
 class Console(Protocol):
@@ -49,8 +50,8 @@ def _status(console: Console) -> Iterator[None]:
     with console.status(PREPARING) as status:
 
         def show(progress: Progress) -> None:
-            done = f"{progress.kernels} functions, {progress.seconds:.0f} s"
-            status.update(f"{COMPILING}: {done}")
+            done = progress.maps or f"{progress.kernels} functions, {progress.seconds:.0f} s"
+            status.update(f"{MAKING if progress.maps else COMPILING}: {done}")
 
         with progress_callback(show):
             yield

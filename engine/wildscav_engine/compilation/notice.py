@@ -1,4 +1,4 @@
-"""Messages to the user while kernels are compiled, whatever code called them.
+"""Messages to the user while kernels are compiled, whatever code called them, or maps are made.
 
 With nothing compiled, the first step takes the better part of a minute. A line on stderr says so after
 ``MOMENT`` seconds, and another line says when it is done; in a terminal, lines in between report progress.
@@ -27,11 +27,12 @@ TICK = 0.2  # s between updates of the progress
 
 
 class Progress(NamedTuple):
-    """The progress of a compilation."""
+    """The progress of a compilation, or of making maps."""
 
     kernels: int  # compiled in this process, or being compiled
     seconds: float  # since the compilation began
     is_done: bool
+    maps: str = ""  # "made/all" if maps are made
 
 
 class Notice:
@@ -97,6 +98,32 @@ class Notice:
     def reset_after_fork(self) -> None:
         """Start over in a forked process, which does not have the reporting thread."""
         self.__init__()  # type: ignore[misc]
+
+
+class MapNotice:
+    """Reports how many maps of a start are made, in a terminal or to a callback."""
+
+    def __init__(self, maps: int) -> None:
+        self._maps, self._began = maps, time.monotonic()
+        self._printed_at: float | None = None  # s from the beginning to the last line
+
+    def report(self, made: int) -> None:
+        """Report the current progress."""
+        seconds = time.monotonic() - self._began
+        if notice.callback is not None:
+            notice.callback(Progress(0, seconds, made == self._maps, f"{made}/{self._maps}"))
+        elif seconds >= (MOMENT if self._printed_at is None else self._printed_at + PAUSE):
+            self._printed_at = seconds
+            self._print(f"made {made} of {self._maps} maps, which are kept for the next time")
+
+    def end(self) -> None:
+        """Report the end, if anything was reported before."""
+        if self._printed_at is not None:
+            self._print(f"made {self._maps} maps, after {time.monotonic() - self._began:.0f} s")
+
+    def _print(self, text: str) -> None:
+        if not os.environ.get(QUIET) and sys.stderr is not None and sys.stderr.isatty():
+            _print(text)
 
 
 class _Reporter:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.envs.opponents.manager import OpponentManager
 from wildscav_engine.envs.settings.config import EnvConfig, change_config
-from wildscav_engine.envs.settings.episodes import Episodes, Plan
+from wildscav_engine.envs.settings.episodes import Episodes, Plan, next_episodes
 from wildscav_engine.envs.settings.options import EpisodeOptions
 from wildscav_engine.envs.spaces.action_mode import Axes
 from wildscav_engine.envs.spaces.actions import action_mode
@@ -103,7 +103,7 @@ class Arena:
             ValueError: An option is invalid, or a match cannot be set up.
         """
         plan, rows = self._plan.once(options), list(sequences)
-        episodes = [each.next(plan) for each in sequences.values()]
+        episodes = next_episodes(sequences.values(), plan)
         specs = self.opponents.choose(rows, [episode.spec for episode in episodes])
         maps = [episode.game_map for episode in episodes]
         if self.batch is None:

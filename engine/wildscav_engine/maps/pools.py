@@ -6,17 +6,17 @@ Numbered maps are the same in both splits.
 """
 
 import functools
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from typing import Literal
 from weakref import WeakValueDictionary
 
 import numpy as np
 
 from wildscav_engine.arithmetic.random_numbers import Stream, philox
-from wildscav_engine.maps.cache import map_of, size_limit
+from wildscav_engine.maps.cache import map_of, path_of, size_limit
 from wildscav_engine.maps.catalogue import map_spec
-from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.maps.making import first_made, make_maps
 from wildscav_engine.specs.map_spec import Country, MapConfig, MapSpec
 
 Level = Literal["easy", "normal", "hard", "expert"]
@@ -82,6 +82,11 @@ class MapPool:
         """Return the number of maps."""
         return self._size
 
+    @property
+    def is_made(self) -> bool:
+        """Whether all maps are in memory."""
+        return len(self._made) == self._size
+
     def __getitem__(self, number: int) -> GameMap:
         """Return a map.
 
@@ -92,7 +97,7 @@ class MapPool:
         if not 0 <= number < len(self):
             raise IndexError(f"there is no map {number} in the pool; the maps are 0 to {len(self) - 1}")
         known = self._made.pop(number, None)
-        game_map = _first_made(self.specs(number)) if known is None else known
+        game_map = first_made(self.specs(number), map_of) if known is None else known
         self._made[number] = game_map
         self._make_room(list(self._made) if known is None else [number])
         return game_map
@@ -115,19 +120,18 @@ class MapPool:
         """Return the map selected by a random integer."""
         return self[word % len(self)]
 
+    def prepare(self, words: Iterable[int]) -> None:
+        """Make all maps that random integers select at once, so that drawing them takes a moment.
 
-def _first_made(specs: Sequence[MapSpec]) -> GameMap:
-    """Return the map of the first spec that can be generated.
-
-    Raises:
-        MapError: None can; the message is that of the last.
-    """
-    for spec in specs[:-1]:
-        try:
-            return map_of(spec)
-        except MapError:
-            continue
-    return map_of(specs[-1])
+        Raises:
+            MapError: As for a single map.
+        """
+        numbers = dict.fromkeys(word % len(self) for word in words)
+        maps = {number: self.specs(number) for number in numbers if number not in self._made}
+        make_maps(
+            {number: specs for number, specs in maps.items() if not path_of(specs[0]).exists()},
+            self.__getitem__,
+        )
 
 
 def random_maps(

@@ -71,10 +71,15 @@ class Choices:
     def __init__(self, sizes: Sequence[int]) -> None:
         """Create it for the number of choices in each dimension, (D,)."""
         self.sizes = list(sizes)
+        self._first = torch.tensor([0, *self.sizes[:-1]]).cumsum(0)  # (D,) the first choice of each dimension
 
-    def log_probabilities(self, scores: Tensor) -> list[Tensor]:
-        """Return the logarithms of the probabilities of all choices, (…, size) for each dimension."""
-        return [torch.log_softmax(part, -1) for part in scores.split(self.sizes, -1)]
+    def log_probabilities(self, scores: Tensor) -> Tensor:
+        """Return (…, C) the logarithms of the probabilities of all choices."""
+        return torch.cat([torch.log_softmax(part, -1) for part in scores.split(self.sizes, -1)], -1)
+
+    def log_probability(self, logarithms: Tensor, action: Tensor) -> Tensor:
+        """Return (…) that of actions (…, D), given those of all choices."""
+        return logarithms.gather(-1, action + self._first).sum(-1)
 
     def draw(self, scores: Tensor, random: torch.Generator) -> Tensor:
         """Return (…, D) actions drawn with their probabilities: Gumbel noise makes the maximum a sample."""
@@ -86,21 +91,14 @@ class Choices:
         return torch.stack([part.argmax(-1) for part in scores.split(self.sizes, -1)], -1)
 
 
-def log_probability(parts: list[Tensor], action: Tensor) -> Tensor:
-    """Return (…) the logarithm of the probability of actions (…, D)."""
-    picked = [part.gather(-1, action[..., at : at + 1]).squeeze(-1) for at, part in enumerate(parts)]
-    return torch.stack(picked).sum(0)
-
-
-def entropy_of(parts: list[Tensor]) -> Tensor:
+def entropy_of(logarithms: Tensor) -> Tensor:
     """Return (…) the entropy of the distribution."""
-    return torch.stack([-(part.exp() * part).sum(-1) for part in parts]).sum(0)
+    return -(logarithms.exp() * logarithms).sum(-1)
 
 
-def divergence_of(before: list[Tensor], now: list[Tensor]) -> Tensor:
+def divergence_of(before: Tensor, now: Tensor) -> Tensor:
     """Return (…) the Kullback-Leibler divergence of a distribution from the one before."""
-    parts = [(old.exp() * (old - new)).sum(-1) for old, new in zip(before, now, strict=True)]
-    return torch.stack(parts).sum(0)
+    return (before.exp() * (before - now)).sum(-1)
 
 
 # --- Advantages -----------------------------------------------------------------------------------------
@@ -160,7 +158,7 @@ class PPO:
             put_layers(settings.start.layers(), self.policy)
         self.opponents.begin(self.policy, self.choices.draw, self.env.single_action_space.shape or ())
         self._weights = [*self.policy.parameters(), *self.value.parameters()]
-        self._adam = torch.optim.Adam(self._weights, lr=self._given.learning_rate, eps=1e-5)
+        self._adam = torch.optim.Adam(self._weights, lr=self._given.learning_rate, eps=1e-5, fused=True)
         self._divergence = self._given.kl_coeff
         self.steps = self.rollouts = 0
         self.total = self._given.rollouts(settings.steps, self.env.num_agents)
@@ -245,12 +243,14 @@ class PPO:
         flat = Rollout(*(part.flatten(0, 1)[chosen] for part in played))
         gain, wanted = gains.reshape(-1)[chosen], (gains + played.value).reshape(-1)[chosen]
         before = self.choices.log_probabilities(flat.scores)
-        fixed = (flat.observation, flat.action, log_probability(before, flat.action), gain, wanted, *before)
+        likely = self.choices.log_probability(before, flat.action)
+        fixed = (flat.observation, flat.action, likely, before, gain, wanted)
         figures: list[dict[str, float]] = []
         for _ in range(self._given.epochs):
             order = torch.randperm(len(gain), generator=self._random)
-            for rows in order.split(self._given.minibatch):
-                loss, figure = self._loss(*(part[rows] for part in fixed))
+            shuffled = [part[order].split(self._given.minibatch) for part in fixed]
+            for minibatch in zip(*shuffled, strict=True):
+                loss, figure = self._loss(*minibatch)
                 self._adam.zero_grad()
                 loss.backward()
                 nn.utils.clip_grad_norm_(self._weights, self._given.gradient_norm)
@@ -261,7 +261,7 @@ class PPO:
         return means
 
     def _loss(
-        self, seen: Tensor, action: Tensor, likely: Tensor, gain: Tensor, wanted: Tensor, *before: Tensor
+        self, seen: Tensor, action: Tensor, likely: Tensor, before: Tensor, gain: Tensor, wanted: Tensor
     ) -> tuple[Tensor, dict[str, float]]:
         """Return the loss of a minibatch, and its parts by name.
 
@@ -269,22 +269,27 @@ class PPO:
             seen: (M, n) observations.
             action: (M, D).
             likely: (M,) logarithm of their probabilities when they were drawn.
+            before: (M, C) logarithms of all probabilities then.
             gain: (M,) advantages.
             wanted: (M,) what the values should have been.
-            before: (M, size) for each dimension, logarithms of all probabilities then.
         """
         now = self.choices.log_probabilities(self.policy(seen))
-        ratio = (log_probability(now, action) - likely).exp()
+        ratio = (self.choices.log_probability(now, action) - likely).exp()
         gain = (gain - gain.mean()) / (gain.std(correction=0) + 1e-8)
         bounded = ratio.clamp(1.0 - self._given.clip, 1.0 + self._given.clip)
         policy = -torch.minimum(ratio * gain, bounded * gain).mean()
         value = (self.value(seen).squeeze(-1) - wanted).square().mean()
-        entropy, divergence = entropy_of(now).mean(), divergence_of(list(before), now).mean()
+        entropy, divergence = entropy_of(now).mean(), self._divergence_from(before, now)
         loss = self._given.value * value
         if not self._is_policy_kept:
             loss = loss + policy - self._given.entropy * entropy + self._divergence * divergence
         figures = {"policy_loss": policy, "value_loss": value, "entropy": entropy, "divergence": divergence}
         return loss, {name: float(figure.detach()) for name, figure in figures.items()}
+
+    def _divergence_from(self, before: Tensor, now: Tensor) -> Tensor:
+        """Return the mean divergence; without a weight, it is only a figure and needs no gradient."""
+        with torch.set_grad_enabled(self._divergence > 0.0):
+            return divergence_of(before, now).mean()
 
     @property
     def _is_policy_kept(self) -> bool:

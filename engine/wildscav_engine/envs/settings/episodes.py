@@ -6,7 +6,7 @@ training have even seeds and those for testing odd ones, as random maps do (``ma
 """
 
 import operator
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -91,11 +91,27 @@ class Episodes:
         Raises:
             MapError: The map cannot be made.
         """
-        first, second = philox(np.uint64(self.seed % WORDS), EPISODES, 0, 0, self.number)
-        seed = int(first) // 2 * 2 + PARITY[plan.config.split]
-        game_map = plan.pool.draw(int(second))
+        first, second = self.draw()
+        seed = first // 2 * 2 + PARITY[plan.config.split]
+        game_map = plan.pool.draw(second)
         spec = plan.template.model_copy(update={"seed": seed, "map": game_map.spec})
         return Episode(spec, game_map)
+
+    def draw(self) -> tuple[int, int]:
+        """Return two random integers: for the seed and for the map of the next episode."""
+        first, second = philox(np.uint64(self.seed % WORDS), EPISODES, 0, 0, self.number)
+        return int(first), int(second)
+
+
+def next_episodes(sequences: Collection[Episodes], plan: Plan) -> list[Episode]:
+    """Return the next episode of each sequence; maps that several need are made at once.
+
+    Raises:
+        MapError: A map cannot be made.
+    """
+    if len(sequences) > 1 and not plan.pool.is_made:
+        plan.pool.prepare(each.draw()[1] for each in sequences)
+    return [each.next(plan) for each in sequences]
 
 
 def read_seed(seed: Any) -> int:

@@ -119,7 +119,9 @@ class NavGraph:
         row, column = self.nodes.point // self.lattice.side, self.nodes.point % self.lattice.side
         whole = self.connected & (row % 2 == 0) & (column % 2 == 0)
         across = (self.lattice.side - 1 - 2 * BORDER) // 2 + 1
-        return len(np.unique(self.nodes.point[whole])) / (across * across)
+        has_node = np.zeros(len(self.lattice.marks), np.bool_)
+        has_node[self.nodes.point[whole]] = True
+        return int(np.count_nonzero(has_node)) / (across * across)
 
     def positions(self, chosen: ArrayLike | None = None) -> NDArray[np.float64]:
         """Return (N, 3) m the positions of some nodes (or all), soles."""

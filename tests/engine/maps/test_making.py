@@ -1,0 +1,87 @@
+"""Maps made at once are the same as one by one; other processes make some where it is worth it."""
+
+import sys
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+from wildscav_engine.compilation import notice
+from wildscav_engine.compilation.cache_folders import cache_root
+from wildscav_engine.maps import MapError, cache, generate_map, making
+from wildscav_engine.maps.pools import MapPool
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+
+MAPS = {number: [MapSpec(config=MapConfig(size=40, houses=0), seed=number)] for number in range(6)}
+CROWDED = MapSpec(config=MapConfig(size=40, houses=50))
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, compiled: None) -> Path:
+    """An empty folder of maps, beside the compiled code that there is."""
+    (tmp_path / "kernels").symlink_to(cache_root())
+    monkeypatch.setenv("WILDSCAV_CACHE_DIR", str(tmp_path))
+    monkeypatch.delenv("WILDSCAV_QUIET", raising=False)
+    monkeypatch.setattr(making, "cores", lambda: 2)
+    cache.map_of.cache_clear()
+    return tmp_path / "maps"
+
+
+def test_the_maps_of_other_processes_are_the_same(monkeypatch: pytest.MonkeyPatch, folder: Path) -> None:
+    monkeypatch.setattr(making, "WORTH", 1e-9)
+    here: list[int] = []
+
+    def make(number: int) -> None:
+        """Leave some maps to others."""
+        here.append(number)
+        if len(here) == 3:
+            while not list(folder.glob("*.map")):
+                time.sleep(0.05)
+
+    making.make_maps(MAPS, make)
+
+    assert here[:3] == [0, 1, 2]
+    assert sorted(here + [n for n, specs in MAPS.items() if cache.path_of(specs[0]).exists()]) == list(MAPS)
+    kept = cache.load_cached(MAPS[5][0])
+    assert kept is not None
+    assert kept.digest == generate_map(MAPS[5][0].config, 5).digest
+    assert threading.active_count() == 1
+
+
+@pytest.mark.parametrize(("cores", "worth"), [(1, 1e-9), (2, 1e9)], ids=["one core", "not worth it"])
+def test_maps_are_made_here_alone(monkeypatch: pytest.MonkeyPatch, cores: int, worth: float) -> None:
+    monkeypatch.setattr(making, "cores", lambda: cores)
+    monkeypatch.setattr(making, "WORTH", worth)
+    monkeypatch.setattr("subprocess.Popen", None)
+    here: list[int] = []
+    making.make_maps(MAPS, here.append)
+    assert here == list(MAPS)
+
+
+def test_after_an_error_no_other_process_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(making, "WORTH", 1e-9)
+    pool = MapPool(7, [*MAPS.values(), [CROWDED]][::-1].__getitem__)
+    with pytest.raises(MapError, match="houses is 50"):
+        pool.prepare([3, 4, 0, 1])
+    assert threading.active_count() == 1
+    assert not pool.is_made
+
+
+def test_a_person_at_a_terminal_is_told_how_many_are_made(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(notice, "MOMENT", 0.0)
+    making.make_maps(MAPS, lambda _: None)
+    assert capsys.readouterr().err == ""  # a pipe
+
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
+    making.make_maps(MAPS, lambda _: None)
+    assert capsys.readouterr().err.splitlines() == [
+        "wildscav: made 1 of 6 maps, which are kept for the next time",
+        "wildscav: made 6 maps, after 0 s",
+    ]
+    shown: list[notice.Progress] = []
+    with notice.progress_callback(shown.append):
+        making.make_maps(MAPS, lambda _: None)
+    assert [progress.maps for progress in shown] == [f"{made}/6" for made in range(1, 7)]
