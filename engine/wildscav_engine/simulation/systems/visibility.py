@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from wildscav_engine.arithmetic.elementary_functions import arctangent, cosine, sine, wrap
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.geometry.linked_grid import Squares, column_of, row_of, squares_around
-from wildscav_engine.geometry.rays import NOTHING_HIT, intersect_solid, make_ray, raycast
+from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT, intersect_solid, make_ray, raycast
+from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import World
 from wildscav_engine.simulation.state import (
     NOBODY,
@@ -33,6 +34,7 @@ AXIS_POINTS = (0.95 * BODY_HEIGHT, 0.6 * BODY_HEIGHT, 0.2 * BODY_HEIGHT)  # m ab
 SIDE_HEIGHT = 0.7 * BODY_HEIGHT  # m above the soles, of the points at the left and right side
 SIDE = 0.8 * BODY_RADIUS  # m from the axis to those points
 SLACK = 0.01  # m, more than the rounding error of the edges of squares
+BURIED = 1e-6  # m below the ground, where rounding cannot put what is above it
 
 
 class Seen(NamedTuple):
@@ -200,11 +202,16 @@ def sees_body(world: World, agents: Agents, seat: int, other: int, view_angle: f
     level = np.sqrt(dx * dx + dz * dz)
     # Directly above or below, there is no bearing and no side, so only the pitch counts.
     off = abs(wrap(arctangent(dx, dz) - agents.yaw[seat])) if level > 0.0 else 0.0
-    hidden_by = NOTHING_HIT  # the last solid in the way, which is often in the way again
+    # What was in the way last, and at what share of the way: it is often in the way again.
+    hidden_by, share = NOTHING_HIT, 0.0
     if off <= view_angle * 0.5:
         for height in AXIS_POINTS:
+            if hidden_by == TERRAIN_HIT:
+                break  # ground that hides a point of the axis hides the lower ones
             aside = (0.0, height, 0.0)
-            sees, hidden_by = _sees_point(world, agents, seat, other, aside, view_angle, hidden_by)
+            sees, hidden_by, share = _sees_point(
+                world, agents, seat, other, aside, view_angle, hidden_by, share
+            )
             if sees:
                 return True
     if level == 0.0 or off - arctangent(SIDE, level) > view_angle * 0.5:
@@ -214,7 +221,7 @@ def sees_body(world: World, agents: Agents, seat: int, other: int, view_angle: f
         bearing = arctangent(dx + aside[0], dz + aside[2])
         if abs(wrap(bearing - agents.yaw[seat])) > view_angle * 0.5:
             continue
-        sees, hidden_by = _sees_point(world, agents, seat, other, aside, view_angle, hidden_by)
+        sees, hidden_by, share = _sees_point(world, agents, seat, other, aside, view_angle, hidden_by, share)
         if sees:
             return True
     return False
@@ -229,17 +236,19 @@ def _sees_point(
     offset: tuple[float, float, float],
     view_angle: float,
     hidden_by: int,
-) -> tuple[bool, int]:
+    share: float,
+) -> tuple[bool, int, float]:
     """Test whether a point of another body is visible.
 
     Args:
         offset: m, of the point from the other agent's soles.
         view_angle: Degrees, the horizontal view angle.
-        hidden_by: A solid that may be in the way and is tested first, or NOTHING_HIT.
+        hidden_by: What may be in the way and is tested first: a solid, TERRAIN_HIT or NOTHING_HIT.
+        share: At what share of the way the terrain may be.
 
     Returns:
         Whether the point is within the vertical view angle with a clear line of sight, and if not, what is in
-        the way.
+        the way, and at what share of it.
     """
     eye_x, eye_z = agents.position[seat, 0], agents.position[seat, 2]
     eye_y = agents.position[seat, 1] + EYE_HEIGHT
@@ -249,18 +258,22 @@ def _sees_point(
     level = np.sqrt((x - eye_x) * (x - eye_x) + (z - eye_z) * (z - eye_z))
     pitch = arctangent(eye_y - y, level)
     if abs(pitch - agents.pitch[seat]) > view_angle * ASPECT * 0.5:
-        return False, hidden_by
+        return False, hidden_by, share
     dx, dy, dz = x - eye_x, y - eye_y, z - eye_z
     distance = np.sqrt(dx * dx + dy * dy + dz * dz)
     if distance == 0.0:
-        return True, hidden_by
+        return True, hidden_by, share
+    if hidden_by == TERRAIN_HIT:
+        ground = ground_at(world, eye_x + share * dx, eye_z + share * dz).height
+        if ground > eye_y + share * dy + BURIED:
+            return False, hidden_by, share
     dx, dy, dz = dx / distance, dy / distance, dz / distance
     if hidden_by >= 0:
         ray = make_ray(world, eye_x, eye_y, eye_z, dx, dy, dz)
         if intersect_solid(world, hidden_by, ray, distance)[0] <= distance:
-            return False, hidden_by
+            return False, hidden_by, share
     hit = raycast(world, eye_x, eye_y, eye_z, dx, dy, dz, distance)
-    return hit.solid == NOTHING_HIT, hit.solid
+    return hit.solid == NOTHING_HIT, hit.solid, hit.distance / distance
 
 
 @inlined_kernel
