@@ -35,6 +35,9 @@ from wildscav_engine.rendering.tracing.solids import Solids
 from wildscav_engine.rendering.tracing.workspace import Size
 
 WIDEST = 36.0  # degrees of one sector; wide ones select more rays in vain, more of them repeat more work
+# With few rings, wide sectors are faster: repeated work would take longer than rays in vain. Their optics do
+# not fit fewer or more azimuths.
+FEW_RINGS, FEW_AZIMUTHS, WIDEST_OF_FEW = 3, range(32, 200), 90.0
 BESIDE = (
     1.0  # columns that a sector is wider than its rays on either side, so that clear misses count as such
 )
@@ -74,7 +77,9 @@ def divide(azimuths: int, elevations: NDArray[np.float64]) -> Sectors:
         elevations: (C,) degrees above the horizon of its rings, at equal distances, the highest first; none
             points straight up or down.
     """
-    number = -(-azimuths // max(1, int(azimuths * WIDEST / 360.0)))
+    are_few = len(elevations) <= FEW_RINGS and azimuths in FEW_AZIMUTHS
+    widest = WIDEST_OF_FEW if are_few else WIDEST
+    number = -(-azimuths // max(1, int(azimuths * widest / 360.0)))
     columns = -(-azimuths // number)
     angle = 2.0 * np.pi / azimuths
     places = np.arange(columns) - (columns - 1) / 2.0

@@ -9,7 +9,8 @@ from wildscav_engine.arithmetic.elementary_functions import arctangent, cosine, 
 from wildscav_engine.compilation.array_tables import pass_as_table
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.geometry.linked_grid import Squares, column_of, row_of, squares_around
-from wildscav_engine.geometry.rays import NOTHING_HIT, intersect_solid, make_ray, raycast
+from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT, intersect_solid, make_ray, raycast
+from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import World
 from wildscav_engine.simulation.state import (
     NOBODY,
@@ -34,6 +35,7 @@ AXIS_POINTS = (0.95 * BODY_HEIGHT, 0.6 * BODY_HEIGHT, 0.2 * BODY_HEIGHT)  # m ab
 SIDE_HEIGHT = 0.7 * BODY_HEIGHT  # m above the soles, of the points at the left and right side
 SIDE = 0.8 * BODY_RADIUS  # m from the axis to those points
 SLACK = 0.01  # m, more than the rounding error of the edges of squares
+BURIED = 1e-6  # m below the ground, where rounding cannot put what is above it
 
 
 @pass_as_table
@@ -222,10 +224,13 @@ def sees_body(world: World, eye: Eye, x: float, y: float, z: float) -> bool:
     level = np.sqrt(dx * dx + dz * dz)
     # Directly above or below, there is no bearing and no side, so only the pitch counts.
     off = abs(wrap(arctangent(dx, dz) - eye.yaw)) if level > 0.0 else 0.0
-    hidden_by = NOTHING_HIT  # the last solid in the way, which is often in the way again
+    # What was in the way last, and at what share of the way: it is often in the way again.
+    hidden_by, share = NOTHING_HIT, 0.0
     if off <= eye.view_angle * 0.5:
         for height in AXIS_POINTS:
-            sees, hidden_by = _sees_point(world, eye, x, y + height, z, hidden_by)
+            if hidden_by == TERRAIN_HIT:
+                break  # ground that hides a point of the axis hides the lower ones
+            sees, hidden_by, share = _sees_point(world, eye, x, y + height, z, hidden_by, share)
             if sees:
                 return True
     if level == 0.0 or off - arctangent(SIDE, level) > eye.view_angle * 0.5:
@@ -235,37 +240,45 @@ def sees_body(world: World, eye: Eye, x: float, y: float, z: float) -> bool:
         bearing = arctangent(dx + aside_x, dz + aside_z)
         if abs(wrap(bearing - eye.yaw)) > eye.view_angle * 0.5:
             continue
-        sees, hidden_by = _sees_point(world, eye, x + aside_x, y + SIDE_HEIGHT, z + aside_z, hidden_by)
+        side_x, side_z = x + aside_x, z + aside_z
+        sees, hidden_by, share = _sees_point(world, eye, side_x, y + SIDE_HEIGHT, side_z, hidden_by, share)
         if sees:
             return True
     return False
 
 
 @kernel
-def _sees_point(world: World, eye: Eye, x: float, y: float, z: float, hidden_by: int) -> tuple[bool, int]:
+def _sees_point(
+    world: World, eye: Eye, x: float, y: float, z: float, hidden_by: int, share: float
+) -> tuple[bool, int, float]:
     """Test whether a point is visible.
 
     Args:
-        hidden_by: A solid that may be in the way and is tested first, or NOTHING_HIT.
+        hidden_by: What may be in the way and is tested first: a solid, TERRAIN_HIT or NOTHING_HIT.
+        share: At what share of the way the terrain may be.
 
     Returns:
         Whether the point is within the vertical view angle with a clear line of sight, and if not, what is in
-        the way.
+        the way, and at what share of it.
     """
     dx, dy, dz = x - eye.x, y - eye.y, z - eye.z
     pitch = arctangent(-dy, np.sqrt(dx * dx + dz * dz))
     if abs(pitch - eye.pitch) > eye.view_angle * ASPECT * 0.5:
-        return False, hidden_by
+        return False, hidden_by, share
     distance = np.sqrt(dx * dx + dy * dy + dz * dz)
     if distance == 0.0:
-        return True, hidden_by
+        return True, hidden_by, share
+    if hidden_by == TERRAIN_HIT:
+        ground = ground_at(world, eye.x + share * dx, eye.z + share * dz).height
+        if ground > eye.y + share * dy + BURIED:
+            return False, hidden_by, share
     dx, dy, dz = dx / distance, dy / distance, dz / distance
     if hidden_by >= 0:
         ray = make_ray(world, eye.x, eye.y, eye.z, dx, dy, dz)
         if intersect_solid(world, hidden_by, ray, distance)[0] <= distance:
-            return False, hidden_by
+            return False, hidden_by, share
     hit = raycast(world, eye.x, eye.y, eye.z, dx, dy, dz, distance)
-    return hit.solid == NOTHING_HIT, hit.solid
+    return hit.solid == NOTHING_HIT, hit.solid, hit.distance / distance
 
 
 @inlined_kernel
