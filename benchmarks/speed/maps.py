@@ -1,4 +1,4 @@
-"""Time to lay out, explore, store and read maps on one core, after compilation, and their peak memory."""
+"""Time to lay out, explore, store and read maps of 40 to 2,000 m on one core, compiled, and their memory."""
 
 import os
 import statistics
@@ -35,12 +35,12 @@ PATHS = 40  # between random places of each map
 Made = TypeVar("Made")
 
 # Runs in a process of its own, so that nothing else counts.
-PEAK_MEMORY = """
+MEMORY = """
 import resource
 from wildscav_engine.maps import generate_map
 from wildscav_engine.specs.map_spec import MapConfig
-generate_map(MapConfig(size={size}, houses={houses}, storeys=(2, 3)), 0)
-print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+game_map = generate_map(MapConfig(size={size}, houses={houses}, storeys=(2, 3)), 0)
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024, game_map.memory)
 """
 
 
@@ -59,8 +59,8 @@ def case(size: int, houses: int, density: str, seeds: int) -> Case:
 
 
 WARM_UP = Case("level expert", LEVELS["expert"], 1)  # has all pieces
-LARGEST = case(2000, 80, "low", 1)
 CASES = (
+    case(40, 1, "low", 7),
     case(100, 4, "low", 7),
     case(200, 8, "low", 7),
     Case("level hard", LEVELS["hard"], 7),
@@ -68,8 +68,9 @@ CASES = (
     case(500, 15, "low", 5),
     case(500, 15, "high", 5),
     case(1000, 40, "low", 3),
-    LARGEST,
+    case(2000, 80, "low", 1),
 )
+SIZES = tuple(case for case in CASES if case.config.density == "low" and case.config.storeys == (2, 3))
 
 
 class Stopwatch:
@@ -132,30 +133,34 @@ def find_paths(watch: Stopwatch, game_map: GameMap, graph: NavGraph, places: np.
             raise RuntimeError(f"no path from {start} to {end} in {game_map.spec}")
 
 
-def peak_memory(config: MapConfig) -> float:
-    """Return the peak memory in MB of a process that generates a map."""
-    code = PEAK_MEMORY.format(size=int(config.size), houses=config.houses)
+def memory(name: str, config: MapConfig) -> list[Figure]:
+    """Measure the memory of a map, and of the process that generates it at its peak."""
+    code = MEMORY.format(size=int(config.size), houses=config.houses)
     done = subprocess.run(
         [sys.executable, "-c", code], check=True, capture_output=True, text=True, env=ENVIRONMENT
     )
-    return int(done.stdout) * 1024 / 1e6
+    peak, taken = (int(number) / 1e6 for number in done.stdout.split())
+    return [
+        Figure(f"{name}: peak memory", peak, "MB", "of a process"),
+        Figure(f"{name}: memory", taken, "MB", "of the map"),
+    ]
 
 
 def main(json_file: JsonFile = None) -> None:
     """Measure and print."""
     os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     figures = []
+    measure(Stopwatch(), WARM_UP.config, WARM_UP_SEED)  # chooses the folder of compiled code, too
     with tempfile.TemporaryDirectory() as cache, patch.dict(os.environ):
-        # Maps are cached there from now on; the folder of compiled code is already chosen.
-        os.environ["WILDSCAV_CACHE_DIR"] = cache
-        measure(Stopwatch(), WARM_UP.config, WARM_UP_SEED)
+        os.environ["WILDSCAV_CACHE_DIR"] = cache  # where maps are cached from now on
         for name, config, seeds in track(CASES, "Making maps", console=Console(stderr=True), transient=True):
             watch = Stopwatch()
             for seed in range(seeds):
                 measure(watch, config, seed)
             figures += watch.figures(name)
     # Measured last, so that nothing needs compiling, which also takes memory.
-    figures.append(Figure(f"{LARGEST.name}: peak memory", peak_memory(LARGEST.config), "MB", "of a process"))
+    for name, config, _ in SIZES:
+        figures += memory(name, config)
     publish("Maps: seconds on one core, after compilation", figures, json_file)
 
 
