@@ -83,7 +83,8 @@ def empty_row() -> RowOfPixels:
 def row_of(cameras: Cameras, row: int) -> RowOfPixels:
     pixels = empty_row()
     view = view_of(cameras, 0, CAMERA.height, CAMERA.width)
-    write_directions(view, row, cosines_of(cameras.half_width, CAMERA.height, CAMERA.width)[row], pixels.ways)
+    cosines = cosines_of(cameras.half_width, CAMERA.height, CAMERA.width)[row]
+    write_directions(view, row, np.arange(CAMERA.width, dtype=np.int32), cosines, pixels.ways)
     return pixels
 
 
@@ -115,8 +116,9 @@ def test_ground_has_the_colour_and_normal_of_its_place() -> None:
         (shown,) = np.nonzero(hits.solid[0, row] == TERRAIN_HIT)
         first, last = int(shown[0]), int(shown[-1]) + 1
         pieces, image = np.zeros(CAMERA.width + 1, np.int32), Hits(*(part[0] for part in hits))
-        traced_row = TracedRow(view, image, row, pieces, 1, pixels)
-        write_ground(world, ground, traced_row, first, last, allocate_texture_scratch())
+        line = Hits(*(part[row] for part in image))
+        traced_row = TracedRow(view, image, row, line, pieces, 1, pixels)
+        write_ground(world, ground, traced_row, first, last, False, allocate_texture_scratch())
         for column in range(first, last):
             direction, distance = np.array([part[column] for part in pixels.ways], float), distances[column]
             place = np.array(eye) + direction * distance

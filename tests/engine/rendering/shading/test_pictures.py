@@ -288,7 +288,8 @@ def test_the_rays_of_a_row_are_those_of_its_pixels() -> None:
     view = view_of(cameras, 0, 5, 9)
     for row in range(5):
         ways = RayDirections(*np.empty((3, 9), np.float32))
-        write_directions(view, row, cosines_of(cameras.half_width, 5, 9)[row], ways)
+        columns, cosines = np.arange(9, dtype=np.int32), cosines_of(cameras.half_width, 5, 9)[row]
+        write_directions(view, row, columns, cosines, ways)
         wanted = np.array([direction_of(view, row, column) for column in range(9)])
         assert np.stack(ways, axis=1) == pytest.approx(wanted, abs=1e-6)
 
