@@ -12,9 +12,15 @@ from wildscav_engine.geometry.world import World
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.hits import WATER_HIT, Hits
 from wildscav_engine.rendering.shading.appearance import Materials
+from wildscav_engine.rendering.shading.coarse_shading import (
+    Chosen,
+    choose_half,
+    choose_unlike,
+    repeat_row,
+    spread_colors,
+)
 from wildscav_engine.rendering.shading.color_arithmetic import Color, Vector
 from wildscav_engine.rendering.shading.ground import write_ground
-from wildscav_engine.rendering.shading.halves import Half, halve, spread_colors
 from wildscav_engine.rendering.shading.haze import add_haze, add_murk, write_colors, write_fog
 from wildscav_engine.rendering.shading.light.ambient_light import (
     write_ambient,
@@ -61,7 +67,7 @@ class ShadedScene(NamedTuple):
     colors: NDArray[np.float64]  # (S, 3) of the moving solids
     casters: Casters  # those that cast shadows in the current image
     shadows: bool  # whether solids cast shadows
-    is_fast: bool  # whether colours are simpler, and two pixels beside each other share them
+    is_fast: bool  # whether colours are simpler, and neighbouring pixels share them
 
 
 class Canvas(NamedTuple):
@@ -70,7 +76,7 @@ class Canvas(NamedTuple):
     depths: NDArray[np.float32]  # (H, W) m
     rows: NDArray[np.float32]  # as of ``allocate_rows``
     pieces: NDArray[np.int32]  # (W + 1,)
-    half: Half  # in full pictures only with all columns
+    chosen: Chosen  # in full pictures only with all columns
     around: Around
     texture: TextureScratch
 
@@ -92,16 +98,20 @@ def shade(
         cosines: (H, W) of the angles between the rays and the view axis.
         image: (H, W, 3) red, green, blue, written.
     """
-    view = view_of(cameras, number, image.shape[0], image.shape[1])
+    view = view_of(cameras, number, image.shape[0], image.shape[1], 2 if scene.is_fast else 1)
     if scene.shadows:
         find_casters(scene.moving, view.eye, scene.casters)
     if not scene.is_fast:
         write_depths(hit.distance, cosines, canvas.depths)
         for column in range(view.width):
-            canvas.half.column[column] = column
+            canvas.chosen.column[column] = column
     is_under_water = water_at(scene.world, view.eye[0], view.eye[2]) > view.eye[1]
     for number_of_row in range(view.height):
         row = _row_of(scene, view, hit, number_of_row, cosines, canvas)
+        if scene.is_fast and number_of_row & 1:
+            repeat_row(image, number_of_row)
+        if row.piece_count == 0:
+            continue
         pixels, distances = row.pixels, row.line.distance
         write_fog(distances, cameras.far, pixels.fog)
         if row.piece_count > 1 or row.line.solid[0] != NOTHING_HIT:
@@ -114,7 +124,7 @@ def shade(
         else:
             add_haze(pixels)
         if scene.is_fast:
-            spread_colors(pixels, canvas.half.column, image[number_of_row])
+            spread_colors(pixels, canvas.chosen, image[number_of_row])
         else:
             write_colors(pixels, image[number_of_row])
 
@@ -123,16 +133,26 @@ def shade(
 def _row_of(
     scene: ShadedScene, view: View, hit: Hits, number: int, cosines: NDArray[np.float32], canvas: Canvas
 ) -> TracedRow:
-    """Return a row of an image, with its pieces and its rays: all, or half of them."""
-    line = Hits(hit.distance[number], hit.solid[number], hit.face[number])
-    pieces = find_pieces(line.solid, line.face, canvas.pieces)
-    half, own, count = canvas.half, cosines[number], view.width
+    """Return a row of an image, with its pieces and its rays: all, or the chosen ones."""
+    chosen, own, line = canvas.chosen, cosines[number], _line_of(hit, number)
+    if scene.is_fast and number & 1:
+        pieces, count = choose_unlike(line, _line_of(hit, number - 1), own, canvas.pieces, chosen)
+    else:
+        pieces, count = find_pieces(line.solid, line.face, canvas.pieces), view.width
+        if scene.is_fast:
+            count = choose_half(line, own, canvas.pieces, pieces, chosen)
     if scene.is_fast:
-        count = halve(line, own, canvas.pieces, pieces, half)
-        line, own = Hits(half.distance[:count], half.solid[:count], half.face[:count]), half.cosine[:count]
+        line = Hits(chosen.distance[:count], chosen.solid[:count], chosen.face[:count])
+        own = chosen.cosine[:count]
     pixels = row_in(canvas.rows, number, count)
-    write_directions(view, number, half.column[:count], own, pixels.ways)
+    write_directions(view, number, chosen.column[:count], own, pixels.ways)
     return TracedRow(view, hit, number, line, canvas.pieces, pieces, pixels)
+
+
+@inlined_kernel
+def _line_of(hit: Hits, number: int) -> Hits:
+    """Return one row of an image."""
+    return Hits(hit.distance[number], hit.solid[number], hit.face[number])
 
 
 @inlined_kernel

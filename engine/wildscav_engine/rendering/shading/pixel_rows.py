@@ -29,6 +29,7 @@ class View(NamedTuple):
     sin_pitch: float
     cos_pitch: float
     pixel: float  # side of a pixel at distance 1 m along the axis, m
+    detail: float  # the same of the pixels that share one colour
     left: float  # tangent of the angle to the right of the view axis of the first column's pixels
     top: float  # the same upwards of the first row
     height: int  # pixels
@@ -37,16 +38,15 @@ class View(NamedTuple):
 
 
 @kernel
-def view_of(cameras: Cameras, image: int, height: int, width: int) -> View:
-    """Return the view of one of the cameras."""
+def view_of(cameras: Cameras, image: int, height: int, width: int, shared: int) -> View:
+    """Return the view of one of the cameras, where so many pixels beside each other may share one colour."""
     yaw, pitch = cameras.yaws[image], cameras.pitches[image]
     eye = (cameras.eyes[image, 0], cameras.eyes[image, 1], cameras.eyes[image, 2])
     pixel = 2.0 * cameras.half_width / width
     left, top = (0.5 - 0.5 * width) * pixel, (0.5 * height - 0.5) * pixel
     least = 1.0 / np.sqrt(1.0 + left * left + top * top)
-    return View(
-        eye, sine(yaw), cosine(yaw), sine(pitch), cosine(pitch), pixel, left, top, height, width, least
-    )
+    directions = sine(yaw), cosine(yaw), sine(pitch), cosine(pitch)
+    return View(eye, *directions, pixel, shared * pixel, left, top, height, width, least)
 
 
 @lru_cache(maxsize=4)
@@ -60,8 +60,8 @@ def cosines_of(half_width: float, height: int, width: int) -> NDArray[np.float32
 
 @inlined_kernel
 def footprint(view: View, direction: Vector, distance: float, normal: Vector) -> float:
-    """Return the size in m of a pixel on a surface."""
-    return view.pixel * distance / max(LEAST_FACING, -dot(direction, normal))
+    """Return the size in m, on a surface, of the pixels that share one colour."""
+    return view.detail * distance / max(LEAST_FACING, -dot(direction, normal))
 
 
 class RayDirections(NamedTuple):
@@ -250,7 +250,7 @@ def write_footprints(
     view: View, ways: RayDirections, distances: NDArray[np.float32], normal: Normals, scratch: TextureScratch
 ) -> None:
     """Write the sizes of pixels on surfaces with these normals, as ``footprint`` does."""
-    pixel = np.float32(view.pixel)
+    pixel = np.float32(view.detail)
     for column in range(distances.shape[0]):
         away = ways.east[column] * normal.east[column] + ways.up[column] * normal.up[column]
         facing = -(away + ways.north[column] * normal.north[column])

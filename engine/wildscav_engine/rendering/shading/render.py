@@ -16,7 +16,7 @@ from wildscav_engine.rendering.cameras import TAKEN_ALREADY, Cameras, are_finite
 from wildscav_engine.rendering.dynamic_objects import ObjectSets, solids_between
 from wildscav_engine.rendering.hits import Hits, write_hits
 from wildscav_engine.rendering.shading.appearance import Appearance, Appearances, materials_in, world_in
-from wildscav_engine.rendering.shading.halves import half_in
+from wildscav_engine.rendering.shading.coarse_shading import chosen_in
 from wildscav_engine.rendering.shading.light.ambient_occlusion import LOOKED_AT, around_in
 from wildscav_engine.rendering.shading.light.moving_shadows import allocate_casters
 from wildscav_engine.rendering.shading.pictures import Canvas, ShadedScene, shade
@@ -73,8 +73,8 @@ class Scratch(NamedTuple):
     around: NDArray[np.float32]  # the buffers of ``Around``
     floats: NDArray[np.float32]  # the buffers of ``TextureScratch``
     integers: NDArray[np.int32]
-    half_integers: NDArray[np.int32]  # the buffers of ``Half``
-    half_floats: NDArray[np.float32]
+    chosen_integers: NDArray[np.int32]  # the buffers of ``Chosen``
+    chosen_floats: NDArray[np.float32]
 
 
 def _allocate(height: int, width: int) -> Scratch:
@@ -90,7 +90,7 @@ def _allocate(height: int, width: int) -> Scratch:
         np.empty((4, LOOKED_AT), np.float32),
         np.stack(texture[:FLOATS]),
         np.stack(texture[FLOATS:]),
-        np.empty((3, width), np.int32),
+        np.empty((4, width), np.int32),
         np.empty((2, width), np.float32),
     )
 
@@ -131,8 +131,8 @@ def _render(
     buffers = _read_scratch(scratch)
     hit = Hits(buffers.distance, buffers.solid, buffers.face)
     around, texture = around_in(buffers.around), texture_scratch_in(buffers.floats, buffers.integers)
-    half = half_in(buffers.half_integers, buffers.half_floats)
-    canvas = Canvas(buffers.depths, buffers.rows, buffers.pieces, half, around, texture)
+    chosen = chosen_in(buffers.chosen_integers, buffers.chosen_floats)
+    canvas = Canvas(buffers.depths, buffers.rows, buffers.pieces, chosen, around, texture)
     count, height, width = images.shape[:3]
     for turn in range(count):
         image = item_at(seen.turns, turn)

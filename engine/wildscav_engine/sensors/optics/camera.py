@@ -32,7 +32,7 @@ class ColorCamera(PinholeCamera):
     far: Annotated[float, Field(ge=0.01, le=2000)] = 300.0  # m, where everything has faded into the haze
     field_of_view: Annotated[float, Field(ge=1, le=170)] = 75.0  # degrees, horizontally
     shadows: bool = True  # whether objects cast shadows
-    quality: Literal["full", "fast"] = "full"  # fast: simpler light, and colours for two pixels at once
+    quality: Literal["full", "fast"] = "full"  # fast: simpler light, and one colour for up to four pixels
 
     name: ClassVar[str] = "camera"
     title: ClassVar[str] = "image in red, green and blue, 0-255"
