@@ -14,6 +14,7 @@ from wildscav_engine.rendering.tracing.scene_arrays import Shapes
 from wildscav_engine.rendering.tracing.solid_intersection import write_entered_faces
 
 WATER_HIT = -3
+LOOKED_AT = 16  # rays that are looked at together
 
 
 class Hits(NamedTuple):
@@ -43,15 +44,26 @@ def write_hits(traced: TracedImage, hit: Hits) -> None:
     for row in range(height):
         line = Hits(hit.distance[row], hit.solid[row], hit.face[row])
         start = nonnegative(row * width)
-        _write_terrain(buffer.distance[start : start + width], buffer.met[start : start + width], line)
-        first = 0
+        mets, first = buffer.met[start : start + width], 0
+        _write_terrain(buffer.distance[start : start + width], mets, line)
         while first < width:
-            met, last = buffer.met[start + first], first + 1
+            met, last = mets[nonnegative(first)], first + 1
             if met > NOTHING:
-                while last < width and buffer.met[start + last] == met:
+                while last < width and mets[nonnegative(last)] == met:
                     last += 1
                 _write_solid(solids, others, met, camera, buffer, start, first, last, line)
+            elif first % LOOKED_AT == 0 and not _has_solid(mets[first : first + LOOKED_AT]):
+                last = first + LOOKED_AT
             first = last
+
+
+@disjoint_kernel
+def _has_solid(mets: NDArray[np.int32]) -> bool:
+    """Return whether any of some rays hit a solid, in a loop that vectorizes."""
+    is_any = np.int32(0)
+    for ray in range(mets.shape[0]):
+        is_any |= np.int32(mets[ray] > NOTHING)
+    return bool(is_any != 0)
 
 
 @disjoint_kernel

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.kernel import inlined_kernel, kernel
+from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel, kernel
 from wildscav_engine.geometry.terrain import spread
 from wildscav_engine.geometry.world import CELL, World
 from wildscav_engine.rendering.palette import of_terrain
@@ -33,6 +33,8 @@ SHORE = 3  # cells around water that show sand
 # The grain of the ground: sizes in m of its details, and between the darkest and the brightest of them.
 FINE, MEDIUM, COARSE = (0.11, 0.34), (0.45, 0.26), (2.3, 0.20)
 NONE, HALF, ONE, ONE_AND_HALF = (np.float32(number) for number in (0.0, 0.5, 1.0, 1.5))
+# Of the four corners of a cell: south-west, south-east, north-west, north-east.
+Four = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]
 
 
 class GroundAppearance(NamedTuple):
@@ -87,48 +89,6 @@ def packed_ground(appearance: GroundAppearance) -> NDArray[np.float32]:
     return packed
 
 
-class Corners(NamedTuple):
-    """What the corners of a cell have, as in ``packed_ground``, and how much each of them counts."""
-
-    south_west: NDArray[np.float32]  # (8,)
-    south_east: NDArray[np.float32]
-    north_west: NDArray[np.float32]
-    north_east: NDArray[np.float32]
-    share_south_west: np.float32
-    share_south_east: np.float32
-    share_north_west: np.float32
-    share_north_east: np.float32
-
-
-@inlined_kernel
-def corners_of(
-    ground: NDArray[np.float32], row: int, column: int, north: np.float32, east: np.float32
-) -> Corners:
-    """Return the corners of a cell for a bilinear interpolation at a position in it."""
-    both = north * east
-    return Corners(
-        ground[row, column],
-        ground[row, column + 1],
-        ground[row + 1, column],
-        ground[row + 1, column + 1],
-        ONE - north - (east - both),
-        east - both,
-        north - both,
-        both,
-    )
-
-
-@inlined_kernel
-def blend(corners: Corners, part: int) -> np.float32:
-    """Return the interpolation of one of the numbers that the corners have."""
-    return np.float32(
-        corners.share_south_west * corners.south_west[part]
-        + corners.share_south_east * corners.south_east[part]
-        + corners.share_north_west * corners.north_west[part]
-        + corners.share_north_east * corners.north_east[part]
-    )
-
-
 @inlined_kernel
 def write_ground(
     world: World,
@@ -136,6 +96,7 @@ def write_ground(
     row: TracedRow,
     first: int,
     last: int,
+    is_fast: bool,
     scratch: TextureScratch,
 ) -> None:
     """Write the colours without light, and the normals, of the ground from one column to before another."""
@@ -146,12 +107,12 @@ def write_ground(
         ways = RayDirections(own.east[start:end], own.up[start:end], own.north[start:end])
         red, green, blue = color.red[start:end], color.green[start:end], color.blue[start:end]
         east, up, north = normal.east[start:end], normal.up[start:end], normal.north[start:end]
-        some = row.hit.distance[row.number, start:end]
+        some = row.line.distance[start:end]
         write_places(view, ways, some, scratch)
         _write_cells(world, end - start, scratch)
         _write_smooth(ground, scratch, Channels(red, green, blue), Normals(east, up, north))
         write_footprints(view, ways, some, Normals(east, up, north), scratch)
-        _write_grain(end - start, scratch)
+        _write_grain(end - start, is_fast, scratch)
         for column in range(end - start):
             red[column] *= scratch.grain[column]
             green[column] *= scratch.grain[column]
@@ -181,29 +142,105 @@ def _write_smooth(
     ground: NDArray[np.float32], scratch: TextureScratch, color: Channels, normal: Normals
 ) -> None:
     """Write colours without grain, and unit normals, which are smooth across the edges of triangles."""
-    for column in range(color.red.shape[0]):
-        row, first = nonnegative(scratch.row[column]), nonnegative(scratch.column[column])
-        east, north = scratch.east[column], scratch.north[column]
-        corners = corners_of(ground, row, first, north, east)
-        color.red[column] = blend(corners, 0)
-        color.green[column] = blend(corners, 1)
-        color.blue[column] = blend(corners, 2)
-        normal.east[column] = blend(corners, 3)
-        normal.up[column] = blend(corners, 4)
-        normal.north[column] = blend(corners, 5)
-    for column in range(color.red.shape[0]):
+    first, count = 0, color.red.shape[0]
+    _write_shares(count, ground.shape[1], scratch)
+    while first < count:
+        last = _end_of_cell(scratch.corner, first, count)
+        _blend_in_cell(ground, scratch, first, last, color, normal)
+        first = last
+    for column in range(count):
         x, y, z = normal.east[column], normal.up[column], normal.north[column]
         # Its length is nearly 1, so this is nearly the reciprocal of it, by Newton's method.
         scale = ONE_AND_HALF - HALF * (x * x + y * y + z * z)
         normal.east[column], normal.up[column], normal.north[column] = x * scale, y * scale, z * scale
 
 
+@disjoint_kernel
+def _write_shares(count: int, width: int, scratch: TextureScratch) -> None:
+    """Write how much the corners of cells count at places, and number the cells."""
+    for column in range(count):
+        east, north = scratch.east[column], scratch.north[column]
+        both = north * east
+        scratch.pixel[column] = ONE - north - (east - both)  # the south-western one
+        scratch.grain[column] = east - both
+        scratch.seen[column] = north - both
+        scratch.rise[column] = both
+        scratch.corner[column] = scratch.row[column] * np.int32(width) + scratch.column[column]
+
+
 @inlined_kernel
-def _write_grain(count: int, scratch: TextureScratch) -> None:
+def _end_of_cell(cells: NDArray[np.int32], first: int, count: int) -> int:
+    """Return where the places end, from one on, that are in the same cell."""
+    last, cell = nonnegative(first + 1), cells[nonnegative(first)]
+    while last + 4 <= count and (
+        (cells[last] == cell)
+        & (cells[last + 1] == cell)
+        & (cells[last + 2] == cell)
+        & (cells[last + 3] == cell)
+    ):
+        last += 4
+    while last < count and cells[last] == cell:
+        last += 1
+    return last
+
+
+@inlined_kernel
+def _blend_in_cell(
+    ground: NDArray[np.float32],
+    scratch: TextureScratch,
+    first: int,
+    last: int,
+    color: Channels,
+    normal: Normals,
+) -> None:
+    """Write what is between the corners of a cell at places in it, from one to before another."""
+    row, column = nonnegative(scratch.row[first]), nonnegative(scratch.column[first])
+    corners = (
+        ground[row, column],
+        ground[row, column + 1],
+        ground[row + 1, column],
+        ground[row + 1, column + 1],
+    )
+    shares = (
+        scratch.pixel[first:last],
+        scratch.grain[first:last],
+        scratch.seen[first:last],
+        scratch.rise[first:last],
+    )
+    red, green, blue = color.red[first:last], color.green[first:last], color.blue[first:last]
+    _blend(corners, shares, 0, red, green, blue)
+    east, up, north = normal.east[first:last], normal.up[first:last], normal.north[first:last]
+    _blend(corners, shares, 3, east, up, north)
+
+
+@disjoint_kernel
+def _blend(
+    corners: Four,
+    shares: Four,
+    part: int,
+    first: NDArray[np.float32],
+    second: NDArray[np.float32],
+    third: NDArray[np.float32],
+) -> None:
+    """Write three of the numbers that corners have, from one part on, at places that have shares of each."""
+    a, b, c, d = shares
+    sw, se, nw, ne = corners
+    sw0, se0, nw0, ne0 = sw[part], se[part], nw[part], ne[part]
+    sw1, se1, nw1, ne1 = sw[part + 1], se[part + 1], nw[part + 1], ne[part + 1]
+    sw2, se2, nw2, ne2 = sw[part + 2], se[part + 2], nw[part + 2], ne[part + 2]
+    for at in range(first.shape[0]):
+        first[at] = a[at] * sw0 + b[at] * se0 + c[at] * nw0 + d[at] * ne0
+        second[at] = a[at] * sw1 + b[at] * se1 + c[at] * nw1 + d[at] * ne1
+        third[at] = a[at] * sw2 + b[at] * se2 + c[at] * nw2 + d[at] * ne2
+
+
+@inlined_kernel
+def _write_grain(count: int, is_fast: bool, scratch: TextureScratch) -> None:
     """Write how bright the ground is for its grain."""
     for column in range(count):
         scratch.grain[column] = ONE
-    _add_grain(FINE, count, scratch)
+    if not is_fast:
+        _add_grain(FINE, count, scratch)
     _add_grain(MEDIUM, count, scratch)
     _add_grain(COARSE, count, scratch)
 

@@ -24,15 +24,14 @@ def write_fog(distances: NDArray[np.float32], far: float, fog: NDArray[np.float3
 
 
 @inlined_kernel
-def write_hazy(pixels: RowOfPixels, colors: NDArray[np.uint8]) -> None:
-    """Write (W, 3) the colours of a row, with the haze of the open air."""
+def add_haze(pixels: RowOfPixels) -> None:
+    """Blend the colours of a row with the haze of the open air."""
     up, level = pixels.ways.up, pixels.level
-    for column in range(colors.shape[0]):
+    for column in range(level.shape[0]):
         level[column] = levelness(up[column])
     _blend_haze(pixels.color.red, level, up, pixels.fog, 0)
     _blend_haze(pixels.color.green, level, up, pixels.fog, 1)
     _blend_haze(pixels.color.blue, level, up, pixels.fog, 2)
-    _write_colors(pixels, colors)
 
 
 @inlined_kernel
@@ -49,15 +48,14 @@ def _blend_haze(
 
 
 @inlined_kernel
-def write_murky(distances: NDArray[np.float32], pixels: RowOfPixels, colors: NDArray[np.uint8]) -> None:
-    """Write (W, 3) the colours of a row, as seen through water."""
+def add_murk(distances: NDArray[np.float32], pixels: RowOfPixels) -> None:
+    """Blend the colours of a row with the murk under water."""
     red, green, blue = pixels.color
-    for column in range(colors.shape[0]):
+    for column in range(red.shape[0]):
         share = min(ONE, distances[column] * MURKINESS)
         red[column] = _rounded(red[column], DEEP_WATER[0], share)
         green[column] = _rounded(green[column], DEEP_WATER[1], share)
         blue[column] = _rounded(blue[column], DEEP_WATER[2], share)
-    _write_colors(pixels, colors)
 
 
 @inlined_kernel
@@ -67,7 +65,8 @@ def _rounded(own: np.float32, other: np.float32, share: np.float32) -> np.float3
 
 
 @inlined_kernel
-def _write_colors(pixels: RowOfPixels, colors: NDArray[np.uint8]) -> None:
+def write_colors(pixels: RowOfPixels, colors: NDArray[np.uint8]) -> None:
+    """Write (W, 3) the colours of a row."""
     red, green, blue = pixels.color
     for column in range(colors.shape[0]):
         colors[column, 0] = np.int32(red[column])

@@ -12,23 +12,33 @@ from wildscav_engine.geometry.world import World
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.hits import WATER_HIT, Hits
 from wildscav_engine.rendering.shading.appearance import Materials
+from wildscav_engine.rendering.shading.coarse_shading import (
+    Chosen,
+    choose_half,
+    choose_unlike,
+    repeat_row,
+    spread_colors,
+)
 from wildscav_engine.rendering.shading.color_arithmetic import Color, Vector
 from wildscav_engine.rendering.shading.ground import write_ground
-from wildscav_engine.rendering.shading.haze import write_fog, write_hazy, write_murky
-from wildscav_engine.rendering.shading.light.ambient_light import place_of, write_ambient, write_places_off
+from wildscav_engine.rendering.shading.haze import add_haze, add_murk, write_colors, write_fog
+from wildscav_engine.rendering.shading.light.ambient_light import (
+    write_ambient,
+    write_places_off,
+    write_skylight,
+)
 from wildscav_engine.rendering.shading.light.ambient_occlusion import Around, write_depths
-from wildscav_engine.rendering.shading.light.columns import write_columns
-from wildscav_engine.rendering.shading.light.moving_shadows import Casters, find_casters, is_shaded_by
-from wildscav_engine.rendering.shading.light.sunlight import DIRECT, SKY_COLOR, SUN_COLOR, sun_shines
+from wildscav_engine.rendering.shading.light.moving_shadows import Casters, find_casters
+from wildscav_engine.rendering.shading.light.shadows import write_shadows
+from wildscav_engine.rendering.shading.light.sunlight import DIRECT, SKY_COLOR, SUN_COLOR
 from wildscav_engine.rendering.shading.pixel_rows import (
-    AT_ONCE,
     Channels,
     Normals,
-    Places,
     RayDirections,
     RowOfPixels,
     TextureScratch,
     TracedRow,
+    View,
     footprint,
     point_along,
     row_in,
@@ -57,6 +67,7 @@ class ShadedScene(NamedTuple):
     colors: NDArray[np.float64]  # (S, 3) of the moving solids
     casters: Casters  # those that cast shadows in the current image
     shadows: bool  # whether solids cast shadows
+    is_fast: bool  # whether colours are simpler, and neighbouring pixels share them
 
 
 class Canvas(NamedTuple):
@@ -65,6 +76,7 @@ class Canvas(NamedTuple):
     depths: NDArray[np.float32]  # (H, W) m
     rows: NDArray[np.float32]  # as of ``allocate_rows``
     pieces: NDArray[np.int32]  # (W + 1,)
+    chosen: Chosen  # in full pictures only with all columns
     around: Around
     texture: TextureScratch
 
@@ -86,26 +98,61 @@ def shade(
         cosines: (H, W) of the angles between the rays and the view axis.
         image: (H, W, 3) red, green, blue, written.
     """
-    view = view_of(cameras, number, image.shape[0], image.shape[1])
-    count = find_casters(scene.moving, view.eye, scene.casters) if scene.shadows else 0
-    write_depths(hit.distance, cosines, canvas.depths)
+    view = view_of(cameras, number, image.shape[0], image.shape[1], 2 if scene.is_fast else 1)
+    if scene.shadows:
+        find_casters(scene.moving, view.eye, scene.casters)
+    if not scene.is_fast:
+        write_depths(hit.distance, cosines, canvas.depths)
+        for column in range(view.width):
+            canvas.chosen.column[column] = column
     is_under_water = water_at(scene.world, view.eye[0], view.eye[2]) > view.eye[1]
     for number_of_row in range(view.height):
-        solids, distances = hit.solid[number_of_row], hit.distance[number_of_row]
-        pixels, colors = row_in(canvas.rows, number_of_row), image[number_of_row]
-        write_directions(view, number_of_row, cosines[number_of_row], pixels.ways)
+        row = _row_of(scene, view, hit, number_of_row, cosines, canvas)
+        if scene.is_fast and number_of_row & 1:
+            repeat_row(image, number_of_row)
+        if row.piece_count == 0:
+            continue
+        pixels, distances = row.pixels, row.line.distance
         write_fog(distances, cameras.far, pixels.fog)
-        pieces = find_pieces(solids, hit.face[number_of_row], canvas.pieces)
-        row = TracedRow(view, hit, number_of_row, canvas.pieces, pieces, pixels)
-        if pieces > 1 or solids[0] != NOTHING_HIT:
+        if row.piece_count > 1 or row.line.solid[0] != NOTHING_HIT:
             _write_surfaces(scene, row, canvas.texture)
-            _light_surfaces(scene, row, count, canvas)
+            _light_surfaces(scene, row, canvas)
             _write_reflections(scene.materials.surfaces.clouds, row, canvas.texture)
         _write_sky(scene.materials.surfaces.clouds, row, canvas.texture)
         if is_under_water:
-            write_murky(distances, pixels, colors)
+            add_murk(distances, pixels)
         else:
-            write_hazy(pixels, colors)
+            add_haze(pixels)
+        if scene.is_fast:
+            spread_colors(pixels, canvas.chosen, image[number_of_row])
+        else:
+            write_colors(pixels, image[number_of_row])
+
+
+@inlined_kernel
+def _row_of(
+    scene: ShadedScene, view: View, hit: Hits, number: int, cosines: NDArray[np.float32], canvas: Canvas
+) -> TracedRow:
+    """Return a row of an image, with its pieces and its rays: all, or the chosen ones."""
+    chosen, own, line = canvas.chosen, cosines[number], _line_of(hit, number)
+    if scene.is_fast and number & 1:
+        pieces, count = choose_unlike(line, _line_of(hit, number - 1), own, canvas.pieces, chosen)
+    else:
+        pieces, count = find_pieces(line.solid, line.face, canvas.pieces), view.width
+        if scene.is_fast:
+            count = choose_half(line, own, canvas.pieces, pieces, chosen)
+    if scene.is_fast:
+        line = Hits(chosen.distance[:count], chosen.solid[:count], chosen.face[:count])
+        own = chosen.cosine[:count]
+    pixels = row_in(canvas.rows, number, count)
+    write_directions(view, number, chosen.column[:count], own, pixels.ways)
+    return TracedRow(view, hit, number, line, canvas.pieces, pieces, pixels)
+
+
+@inlined_kernel
+def _line_of(hit: Hits, number: int) -> Hits:
+    """Return one row of an image."""
+    return Hits(hit.distance[number], hit.solid[number], hit.face[number])
 
 
 @inlined_kernel
@@ -114,11 +161,11 @@ def _write_surfaces(scene: ShadedScene, row: TracedRow, scratch: TextureScratch)
     ground, statics = scene.materials.surfaces.ground, scene.world.solid_kind.shape[0]
     for piece in range(row.piece_count):
         first, last = row.pieces[piece], row.pieces[piece + 1]
-        solid, face = row.hit.solid[row.number, first], row.hit.face[row.number, first]
+        solid, face = row.line.solid[first], row.line.face[first]
         if solid == TERRAIN_HIT:
-            write_ground(scene.world, ground, row, first, last, scratch)
+            write_ground(scene.world, ground, row, first, last, scene.is_fast, scratch)
         elif solid == WATER_HIT:
-            write_bed(scene.world, ground, row, first, last, scratch)
+            write_bed(scene.world, ground, row, first, last, scene.is_fast, scratch)
         elif solid >= statics:
             _write_moving(scene, solid - statics, face, first, last, row.pixels)
         elif solid >= 0:
@@ -156,7 +203,7 @@ def _write_solid(
     scene: ShadedScene, solid: int, face: int, row: TracedRow, first: int, last: int, scratch: TextureScratch
 ) -> None:
     """Write what shows a face of a static solid."""
-    view, distances, pixels = row.camera, row.hit.distance[row.number], row.pixels
+    view, distances, pixels = row.camera, row.line.distance, row.pixels
     walls, colors, axes = scene.world.faces, scene.materials.surfaces.color, scene.materials.surfaces.axis
     kind, normal = scene.world.solid_kind[solid], (walls[face, 0], walls[face, 1], walls[face, 2])
     base = (colors[solid, 0], colors[solid, 1], colors[solid, 2])
@@ -180,14 +227,18 @@ def _write_solid(
 
 
 @inlined_kernel
-def _light_surfaces(scene: ShadedScene, row: TracedRow, casters: int, canvas: Canvas) -> None:
+def _light_surfaces(scene: ShadedScene, row: TracedRow, canvas: Canvas) -> None:
     """Apply the light of the sky and the sun to the colours of a row."""
-    pixels, solids = row.pixels, row.hit.solid[row.number]
-    write_places_off(row.camera, pixels.ways, pixels.normal, row.hit.distance[row.number], pixels.place)
-    write_ambient(scene.materials.upwards, scene.world, row, canvas.depths, canvas.around)
+    pixels, solids = row.pixels, row.line.solid
+    write_places_off(row.camera, pixels.ways, pixels.normal, row.line.distance, pixels.place)
+    if scene.is_fast:
+        write_skylight(pixels.normal, False, pixels.ambient)
+    else:
+        write_ambient(scene.materials.upwards, scene.world, row, canvas.depths, canvas.around)
     _write_direct(pixels.normal, pixels.direct)
     if scene.shadows:
-        _write_shadows(scene, solids, casters, canvas.texture, pixels)
+        to_sun, world, moving = scene.materials.to_sun, scene.world, scene.moving
+        write_shadows(to_sun, world, moving, scene.casters, solids, canvas.texture, pixels)
     for piece in range(row.piece_count):
         first, last = row.pieces[piece], row.pieces[piece + 1]
         if solids[first] == WATER_HIT:
@@ -207,27 +258,6 @@ def _write_direct(normal: Normals, direct: NDArray[np.float32]) -> None:
 
 
 @inlined_kernel
-def _write_shadows(
-    scene: ShadedScene, solids: NDArray[np.int32], casters: int, scratch: TextureScratch, pixels: RowOfPixels
-) -> None:
-    """Take the sun's light from the surfaces of a row that are in a shadow."""
-    to_sun, own, direct = scene.materials.to_sun, pixels.place, pixels.direct
-    for start in range(0, direct.shape[0], AT_ONCE):
-        end = min(direct.shape[0], start + AT_ONCE)
-        places = Places(own.x[start:end], own.y[start:end], own.z[start:end])
-        write_columns(to_sun, places, scratch.row[: end - start], scratch.column[: end - start])
-        for column in range(start, end):
-            if solids[column] != NOTHING_HIT and direct[column] > NONE:
-                place = place_of(own, column)
-                is_shaded = is_shaded_by(scene.moving, scene.casters, casters, place)
-                at = column - start
-                if is_shaded or not sun_shines(
-                    to_sun, scene.world, scratch.row[at], scratch.column[at], place
-                ):
-                    direct[column] = NONE
-
-
-@inlined_kernel
 def _light(pixels: RowOfPixels, channel: int, own: NDArray[np.float32]) -> None:
     """Apply the light on surfaces to one channel of a row."""
     sun, sky, direct, ambient = SUN_32[channel], SKY_32[channel], pixels.direct, pixels.ambient
@@ -241,7 +271,7 @@ def _write_sky(clouds: NDArray[np.float32], row: TracedRow, scratch: TextureScra
     own, color, fog = row.pixels.ways, row.pixels.color, row.pixels.fog
     for piece in range(row.piece_count):
         first, last = row.pieces[piece], row.pieces[piece + 1]
-        if row.hit.solid[row.number, first] == NOTHING_HIT:
+        if row.line.solid[first] == NOTHING_HIT:
             ways = RayDirections(own.east[first:last], own.up[first:last], own.north[first:last])
             shown = Channels(color.red[first:last], color.green[first:last], color.blue[first:last])
             write_sky(ways, clouds, scratch, shown, fog[first:last])
@@ -252,7 +282,7 @@ def _write_reflections(clouds: NDArray[np.float32], row: TracedRow, scratch: Tex
     """Write what water reflects."""
     for piece in range(row.piece_count):
         first, last = row.pieces[piece], row.pieces[piece + 1]
-        if row.hit.solid[row.number, first] == WATER_HIT:
+        if row.line.solid[first] == WATER_HIT:
             write_reflection(clouds, row, first, last, scratch)
 
 

@@ -29,20 +29,24 @@ class View(NamedTuple):
     sin_pitch: float
     cos_pitch: float
     pixel: float  # side of a pixel at distance 1 m along the axis, m
+    detail: float  # the same of the pixels that share one colour
     left: float  # tangent of the angle to the right of the view axis of the first column's pixels
     top: float  # the same upwards of the first row
     height: int  # pixels
     width: int
+    least_cosine: float  # of the angle between a ray and the view axis: of one at a corner of the image
 
 
 @kernel
-def view_of(cameras: Cameras, image: int, height: int, width: int) -> View:
-    """Return the view of one of the cameras."""
+def view_of(cameras: Cameras, image: int, height: int, width: int, shared: int) -> View:
+    """Return the view of one of the cameras, where so many pixels beside each other may share one colour."""
     yaw, pitch = cameras.yaws[image], cameras.pitches[image]
     eye = (cameras.eyes[image, 0], cameras.eyes[image, 1], cameras.eyes[image, 2])
     pixel = 2.0 * cameras.half_width / width
     left, top = (0.5 - 0.5 * width) * pixel, (0.5 * height - 0.5) * pixel
-    return View(eye, sine(yaw), cosine(yaw), sine(pitch), cosine(pitch), pixel, left, top, height, width)
+    least = 1.0 / np.sqrt(1.0 + left * left + top * top)
+    directions = sine(yaw), cosine(yaw), sine(pitch), cosine(pitch)
+    return View(eye, *directions, pixel, shared * pixel, left, top, height, width, least)
 
 
 @lru_cache(maxsize=4)
@@ -56,8 +60,8 @@ def cosines_of(half_width: float, height: int, width: int) -> NDArray[np.float32
 
 @inlined_kernel
 def footprint(view: View, direction: Vector, distance: float, normal: Vector) -> float:
-    """Return the size in m of a pixel on a surface."""
-    return view.pixel * distance / max(LEAST_FACING, -dot(direction, normal))
+    """Return the size in m, on a surface, of the pixels that share one colour."""
+    return view.detail * distance / max(LEAST_FACING, -dot(direction, normal))
 
 
 class RayDirections(NamedTuple):
@@ -69,15 +73,17 @@ class RayDirections(NamedTuple):
 
 
 @inlined_kernel
-def write_directions(view: View, row: int, cosines: NDArray[np.float32], ways: RayDirections) -> None:
-    """Write the rays of a row, given (W,) the cosines of their angles to the view axis."""
+def write_directions(
+    view: View, row: int, columns: NDArray[np.int32], cosines: NDArray[np.float32], ways: RayDirections
+) -> None:
+    """Write the rays of some columns of a row, given the cosines of their angles to the view axis."""
     above = view.top - row * view.pixel
     level = np.float32(view.cos_pitch + view.sin_pitch * above)
     rise = np.float32(view.cos_pitch * above - view.sin_pitch)
     sin_yaw, cos_yaw = np.float32(view.sin_yaw), np.float32(view.cos_yaw)
     left, pixel = np.float32(view.left), np.float32(view.pixel)
     for column in range(cosines.shape[0]):
-        right = left + pixel * np.float32(np.int32(column))
+        right = left + pixel * np.float32(columns[column])
         ways.east[column] = (sin_yaw * level + cos_yaw * right) * cosines[column]
         ways.up[column] = rise * cosines[column]
         ways.north[column] = (cos_yaw * level - sin_yaw * right) * cosines[column]
@@ -158,27 +164,28 @@ class TracedRow(NamedTuple):
     camera: View
     hit: Hits  # of the whole image, (H, W) each
     number: int  # of the row
+    line: Hits  # of the pixels of the row that are shaded, (W,) each
     pieces: NDArray[np.int32]  # (W + 1,) the first column of each piece that shows one surface, then W
     piece_count: int
     pixels: RowOfPixels
 
 
 @inlined_kernel
-def row_in(space: NDArray[np.float32], row: int) -> RowOfPixels:
-    """Return the arrays of a row."""
-    this, above = space[UNOCCLUDED + (row & 1)], space[UNOCCLUDED + 1 - (row & 1)]
+def row_in(space: NDArray[np.float32], row: int, count: int) -> RowOfPixels:
+    """Return the arrays of so many pixels of a row."""
+    this, above = UNOCCLUDED + (row & 1), UNOCCLUDED + 1 - (row & 1)
     return RowOfPixels(
-        RayDirections(space[0], space[1], space[2]),
-        Channels(space[COLOR], space[COLOR + 1], space[COLOR + 2]),
-        Normals(space[NORMAL], space[NORMAL + 1], space[NORMAL + 2]),
-        Tilts(space[TILT], space[TILT + 1], space[TILT + 2]),
-        Places(space[PLACE], space[PLACE + 1], space[PLACE + 2]),
-        this,
-        above,
-        space[OTHERS],
-        space[OTHERS + 1],
-        space[OTHERS + 2],
-        space[OTHERS + 3],
+        RayDirections(space[0, :count], space[1, :count], space[2, :count]),
+        Channels(space[COLOR, :count], space[COLOR + 1, :count], space[COLOR + 2, :count]),
+        Normals(space[NORMAL, :count], space[NORMAL + 1, :count], space[NORMAL + 2, :count]),
+        Tilts(space[TILT, :count], space[TILT + 1, :count], space[TILT + 2, :count]),
+        Places(space[PLACE, :count], space[PLACE + 1, :count], space[PLACE + 2, :count]),
+        space[this, :count],
+        space[above, :count],
+        space[OTHERS, :count],
+        space[OTHERS + 1, :count],
+        space[OTHERS + 2, :count],
+        space[OTHERS + 3, :count],
     )
 
 
@@ -243,7 +250,7 @@ def write_footprints(
     view: View, ways: RayDirections, distances: NDArray[np.float32], normal: Normals, scratch: TextureScratch
 ) -> None:
     """Write the sizes of pixels on surfaces with these normals, as ``footprint`` does."""
-    pixel = np.float32(view.pixel)
+    pixel = np.float32(view.detail)
     for column in range(distances.shape[0]):
         away = ways.east[column] * normal.east[column] + ways.up[column] * normal.up[column]
         facing = -(away + ways.north[column] * normal.north[column])

@@ -16,8 +16,9 @@ from wildscav_engine.rendering.cameras import TAKEN_ALREADY, Cameras, are_finite
 from wildscav_engine.rendering.dynamic_objects import ObjectSets, solids_between
 from wildscav_engine.rendering.hits import Hits, write_hits
 from wildscav_engine.rendering.shading.appearance import Appearance, Appearances, materials_in, world_in
+from wildscav_engine.rendering.shading.coarse_shading import chosen_in
 from wildscav_engine.rendering.shading.light.ambient_occlusion import LOOKED_AT, around_in
-from wildscav_engine.rendering.shading.light.moving_shadows import Casters, allocate_casters
+from wildscav_engine.rendering.shading.light.moving_shadows import allocate_casters
 from wildscav_engine.rendering.shading.pictures import Canvas, ShadedScene, shade
 from wildscav_engine.rendering.shading.pixel_rows import (
     FLOATS,
@@ -42,6 +43,7 @@ def render_pictures(
     turns: Turns = ALONE,
     *,
     shadows: bool,
+    is_fast: bool,
 ) -> bool:
     """Write pictures, (N, H, W, 3) red, green, blue; for the rest, see ``images.trace_images``."""
     _, height, width, _ = images.shape
@@ -49,10 +51,11 @@ def render_pictures(
     scratch = _scratch_for(height, width)
     return _render(
         appearances.tables,
-        allocate_casters(objects.most),
+        _casters_for(objects.most).addresses,
         cosines_of(cameras.half_width, height, width),
         scratch.addresses,
         shadows,
+        is_fast,
         images,
         *flatten_views(scenes, objects, matches, cameras, turns, size),
     )
@@ -70,6 +73,8 @@ class Scratch(NamedTuple):
     around: NDArray[np.float32]  # the buffers of ``Around``
     floats: NDArray[np.float32]  # the buffers of ``TextureScratch``
     integers: NDArray[np.int32]
+    chosen_integers: NDArray[np.int32]  # the buffers of ``Chosen``
+    chosen_floats: NDArray[np.float32]
 
 
 def _allocate(height: int, width: int) -> Scratch:
@@ -85,13 +90,13 @@ def _allocate(height: int, width: int) -> Scratch:
         np.empty((4, LOOKED_AT), np.float32),
         np.stack(texture[:FLOATS]),
         np.stack(texture[FLOATS:]),
+        np.empty((4, width), np.int32),
+        np.empty((2, width), np.float32),
     )
 
 
-_read_scratch = reader(_allocate(1, 1))
-
-
-_latest_scratch = LatestOfThread(1)
+_read_scratch, _read_casters = reader(_allocate(1, 1)), reader(allocate_casters(1))
+_latest_scratch, _latest_casters = LatestOfThread(1), LatestOfThread(1)
 
 
 def _scratch_for(height: int, width: int) -> ArrayTable:
@@ -101,13 +106,20 @@ def _scratch_for(height: int, width: int) -> ArrayTable:
     return _latest_scratch.get((height, width), lambda: ArrayTable(_allocate(height, width)))
 
 
+def _casters_for(count: int) -> ArrayTable:
+    """Return the buffers for the shadows of so many moving solids."""
+    rounded = 1 << count.bit_length()
+    return _latest_casters.get(rounded, lambda: ArrayTable(allocate_casters(rounded)))
+
+
 @kernel
 def _render(
     appearances: NDArray[np.int64],
-    casters: Casters,
+    casters: Addresses,
     cosines: NDArray[np.float32],
     scratch: Addresses,
     shadows: bool,
+    is_fast: bool,
     images: NDArray[np.uint8],
     *views: Any,
 ) -> bool:
@@ -119,7 +131,8 @@ def _render(
     buffers = _read_scratch(scratch)
     hit = Hits(buffers.distance, buffers.solid, buffers.face)
     around, texture = around_in(buffers.around), texture_scratch_in(buffers.floats, buffers.integers)
-    canvas = Canvas(buffers.depths, buffers.rows, buffers.pieces, around, texture)
+    chosen = chosen_in(buffers.chosen_integers, buffers.chosen_floats)
+    canvas = Canvas(buffers.depths, buffers.rows, buffers.pieces, chosen, around, texture)
     count, height, width = images.shape[:3]
     for turn in range(count):
         image = item_at(seen.turns, turn)
@@ -134,8 +147,9 @@ def _render(
             materials_in(appearances[place]),
             solids_between(objects, first, last),
             objects.color[first:last],
-            casters,
+            _read_casters(casters),
             shadows,
+            is_fast,
         )
         shade(scene, cameras, image, hit, canvas, cosines, images[image])
     return True

@@ -40,11 +40,12 @@ def write_bed(
     row: TracedRow,
     first: int,
     last: int,
+    is_fast: bool,
     scratch: TextureScratch,
 ) -> None:
     """Write the colours without light, and the normals, of water from one column to before another."""
-    write_ground(world, ground, row, first, last, scratch)
-    pixels, distances = row.pixels, row.hit.distance[row.number]
+    write_ground(world, ground, row, first, last, is_fast, scratch)
+    pixels, distances = row.pixels, row.line.distance
     for column in range(first, last):
         place = point_along(row.camera.eye, way_of(pixels.ways, column), float(distances[column]))
         depth = max(0.0, place[1] - ground_at(world, place[0], place[2]).height)
@@ -80,7 +81,7 @@ def write_reflection(
         mirrored = RayDirections(scratch.x[:count], scratch.y[:count], scratch.z[:count])
         sky = Channels(place.x[start:end], place.y[start:end], place.z[start:end])
         share, fog = pixels.ambient[start:end], pixels.direct[start:end]
-        _mirror(row.camera, ways, row.hit.distance[row.number, start:end], mirrored, share)
+        _mirror(row.camera, ways, row.line.distance[start:end], mirrored, share)
         write_sky(mirrored, clouds, scratch, sky, fog)
         _reflect(0, mirrored.up, sky.red, fog, share, color.red[start:end])
         _reflect(1, mirrored.up, sky.green, fog, share, color.green[start:end])

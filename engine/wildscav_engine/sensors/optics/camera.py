@@ -1,10 +1,11 @@
 """The colour camera: shaded images of the match.
 
 They show the sky, sunlight and shadows, the materials of surfaces, water, and haze that grows towards
-``far``. Agents and supply boxes are visible. Of the viewer's own body, only the shadow is.
+``far``. Agents and supply boxes are visible. Of the viewer's own body, only the shadow is. Fast pictures
+have the same shapes and shadows, but neither dark corners nor darker light under roofs.
 """
 
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +32,7 @@ class ColorCamera(PinholeCamera):
     far: Annotated[float, Field(ge=0.01, le=2000)] = 300.0  # m, where everything has faded into the haze
     field_of_view: Annotated[float, Field(ge=1, le=170)] = 75.0  # degrees, horizontally
     shadows: bool = True  # whether objects cast shadows
+    quality: Literal["full", "fast"] = "full"  # fast: simpler light, and one colour for up to four pixels
 
     name: ClassVar[str] = "camera"
     title: ClassVar[str] = "image in red, green and blue, 0-255"
@@ -63,7 +65,8 @@ class ColorCamera(PinholeCamera):
         turns: Turns,
     ) -> bool:
         """Render the pictures of cameras in different matches."""
-        scenes, appearances = shown.scenes, shown.appearances
         return render_pictures(
-            scenes, appearances, objects, matches, cameras, images, turns, shadows=self.shadows
+            *(shown.scenes, shown.appearances, objects, matches, cameras, images, turns),
+            shadows=self.shadows,
+            is_fast=self.quality == "fast",
         )

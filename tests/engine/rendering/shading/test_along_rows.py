@@ -82,8 +82,9 @@ def empty_row() -> RowOfPixels:
 
 def row_of(cameras: Cameras, row: int) -> RowOfPixels:
     pixels = empty_row()
-    view = view_of(cameras, 0, CAMERA.height, CAMERA.width)
-    write_directions(view, row, cosines_of(cameras.half_width, CAMERA.height, CAMERA.width)[row], pixels.ways)
+    view = view_of(cameras, 0, CAMERA.height, CAMERA.width, 1)
+    cosines = cosines_of(cameras.half_width, CAMERA.height, CAMERA.width)[row]
+    write_directions(view, row, np.arange(CAMERA.width, dtype=np.int32), cosines, pixels.ways)
     return pixels
 
 
@@ -108,15 +109,16 @@ def test_ground_has_the_colour_and_normal_of_its_place() -> None:
     world, ground = game_map.world, game_map.materials.surfaces.ground
     eye = tuple(game_map.outdoor[0] + (0.0, 1.5, 0.0))
     cameras, hits = traced(game_map, eye, 30.0, 20.0)
-    view = view_of(cameras, 0, CAMERA.height, CAMERA.width)
+    view = view_of(cameras, 0, CAMERA.height, CAMERA.width, 1)
     compared = 0
     for row in range(40, CAMERA.height, 7):
         pixels, distances = row_of(cameras, row), hits.distance[0, row]
         (shown,) = np.nonzero(hits.solid[0, row] == TERRAIN_HIT)
         first, last = int(shown[0]), int(shown[-1]) + 1
         pieces, image = np.zeros(CAMERA.width + 1, np.int32), Hits(*(part[0] for part in hits))
-        traced_row = TracedRow(view, image, row, pieces, 1, pixels)
-        write_ground(world, ground, traced_row, first, last, allocate_texture_scratch())
+        line = Hits(*(part[row] for part in image))
+        traced_row = TracedRow(view, image, row, line, pieces, 1, pixels)
+        write_ground(world, ground, traced_row, first, last, False, allocate_texture_scratch())
         for column in range(first, last):
             direction, distance = np.array([part[column] for part in pixels.ways], float), distances[column]
             place = np.array(eye) + direction * distance
@@ -134,7 +136,7 @@ def shares_at(
     hits: Hits, cameras: Cameras, row: int, first: int, last: int, normals: NDArray[np.float64]
 ) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
     """Return the shares of ambient light of some columns, computed together and one by one."""
-    view, pixels = view_of(cameras, 0, CAMERA.height, CAMERA.width), row_of(cameras, row)
+    view, pixels = view_of(cameras, 0, CAMERA.height, CAMERA.width, 1), row_of(cameras, row)
     depths = np.empty((CAMERA.height, CAMERA.width), np.float32)
     write_depths(hits.distance[0], cosines_of(cameras.half_width, *depths.shape), depths)
     for part in range(3):
@@ -195,7 +197,7 @@ def test_pixels_are_only_looked_at_together_where_they_are_about_as_far() -> Non
 def spotted(kind: Kind, normal: Vector, columns: slice) -> NDArray[np.float32]:
     """Return (C, 3) the colours of some columns of a row that shows a face from 3 m away to 6 m."""
     camera = CAMERA._cameras([(3.0, 1.5, -7.0)], [20.0], [5.0], None)
-    view, pixels = view_of(camera, 0, CAMERA.height, CAMERA.width), row_of(camera, 50)
+    view, pixels = view_of(camera, 0, CAMERA.height, CAMERA.width, 1), row_of(camera, 50)
     distances = np.linspace(3.0, 6.0, CAMERA.width, dtype=np.float32)[columns]
     ways = RayDirections(*(part[columns] for part in pixels.ways))
     shown = np.empty((3, len(distances)), np.float32)

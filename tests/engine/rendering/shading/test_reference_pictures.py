@@ -5,6 +5,7 @@ of them by more than 24. To accept another look, delete the pictures and run thi
 """
 
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ from wildscav_engine.specs.map_spec import MapConfig
 FOLDER = Path(__file__).with_name("reference")
 CONFIG = MapConfig(size=160, houses=3, storeys=(1, 3), water=0.12, vegetation=0.5, relief=0.8)
 SEED = 7
-CAMERA = ColorCamera(width=320, height=180)
+WIDTH, HEIGHT = 320, 180
 MEAN, FEW, CLEARLY = 0.3, 0.005, 24
 # Of each picture: outdoor or indoor, which of these places, yaw and pitch in degrees.
 VIEWS = {
@@ -33,20 +34,32 @@ VIEWS = {
 }
 
 
-def picture(name: str) -> NDArray[np.uint8]:
+FAST = ("beach", "corner of a room", "forest", "house", "lake")
+
+
+def picture(name: str, quality: Literal["full", "fast"]) -> NDArray[np.uint8]:
     game_map = generate_map(CONFIG, SEED)
     kind, place, yaw, pitch = VIEWS[name]
     places = getattr(game_map, kind)
     eye = places[place * 97 % len(places)] + np.array([0.0, 1.6, 0.0])
-    return CAMERA.render(game_map, [tuple(eye)], [yaw], [pitch])[0]
+    camera = ColorCamera(width=WIDTH, height=HEIGHT, quality=quality)
+    return camera.render(game_map, [tuple(eye)], [yaw], [pitch])[0]
 
 
-@pytest.mark.parametrize("name", VIEWS)
-def test_it_looks_as_it_did(name: str) -> None:
-    taken, path = picture(name), FOLDER / f"{name.replace(' ', '-')}.png"
+def compare(taken: NDArray[np.uint8], path: Path) -> None:
     if not path.exists():
         Image.fromarray(taken).save(path)
         pytest.fail(f"{path.name} was missing and is written now: look at it, and run this again")
     differences = np.abs(taken.astype(int) - np.asarray(Image.open(path)))
     assert differences.mean() < MEAN
     assert (differences > CLEARLY).mean() < FEW
+
+
+@pytest.mark.parametrize("name", VIEWS)
+def test_it_looks_as_it_did(name: str) -> None:
+    compare(picture(name, "full"), FOLDER / f"{name.replace(' ', '-')}.png")
+
+
+@pytest.mark.parametrize("name", FAST)
+def test_a_fast_picture_looks_as_it_did(name: str) -> None:
+    compare(picture(name, "fast"), FOLDER / f"fast-{name.replace(' ', '-')}.png")

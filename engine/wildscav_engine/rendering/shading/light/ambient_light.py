@@ -6,9 +6,10 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.geometry.world import World
-from wildscav_engine.rendering.hits import WATER_HIT, Hits
+from wildscav_engine.rendering.hits import WATER_HIT
 from wildscav_engine.rendering.shading.color_arithmetic import Vector
 from wildscav_engine.rendering.shading.light.ambient_occlusion import (
+    ALMOST,
     REACH,
     Around,
     are_alike_far,
@@ -26,6 +27,7 @@ from wildscav_engine.rendering.shading.pixel_rows import (
     TracedRow,
     View,
 )
+from wildscav_engine.rendering.tracing.frustum import nonnegative
 
 # m, and m per m of distance, off the surface, where a ray to the light starts.
 LIFT, LIFT_SHARE = np.float32(0.004), np.float32(2e-4)
@@ -42,7 +44,7 @@ def write_ambient(
 ) -> None:
     """Write the ambient light on the surfaces of a row, given (H, W) m the depths along the view axis."""
     view, pixels = row.camera, row.pixels
-    solids, distances = row.hit.solid[row.number], row.hit.distance[row.number]
+    solids, distances = row.line.solid, row.line.distance
     _write_skylight(upwards, world, row)
     write_tilts(view, row.number, pixels.normal, pixels.tilt)
     for first in range(0, view.width, SPAN):
@@ -66,9 +68,9 @@ def _together(row: TracedRow, first: int, last: int) -> tuple[int, int]:
 
     All are about as far. The pixels around them must be in the image, and nothing takes light from water.
     """
-    if row.hit.solid[row.number, first] == WATER_HIT:
+    if row.line.solid[first] == WATER_HIT:
         return last, last
-    far = int(reach_of(row.camera, float(row.hit.distance[row.number, first])) * MARGIN + 1.0)
+    far = int(reach_of(row.camera, float(row.line.distance[first])) * MARGIN + 1.0)
     low, high = max(first, far), min(last, row.camera.width - far)
     return (low, high) if high - low >= FEWEST else (last, last)
 
@@ -82,7 +84,7 @@ def _write_skylight(upwards: ShadowColumns, world: World, row: TracedRow) -> Non
     pixels, pieces = row.pixels, row.pieces
     write_skylight(pixels.normal, False, pixels.ambient)
     for piece in range(row.piece_count):
-        if row.hit.solid[row.number, pieces[piece]] == NOTHING_HIT:
+        if row.line.solid[pieces[piece]] == NOTHING_HIT:
             continue
         for first in range(pieces[piece], pieces[piece + 1], SPAN):
             last = min(pieces[piece + 1], first + SPAN)
@@ -149,24 +151,67 @@ def _write_each(row: TracedRow, depths: NDArray[np.float32], first: int, last: i
 
     They change little from pixel to pixel, so four pixels share one if they show the same surface.
     """
-    hit, number, shares = row.hit, row.number, row.pixels.unoccluded
-    for column in range(first, last):
-        distance = float(hit.distance[number, column])
+    number, shares, above = row.number, row.pixels.unoccluded, row.pixels.unoccluded_above
+    distances, solids, faces = row.line
+    over, even = max(0, number - 1), first + (first & 1)
+    solids_over, faces_over = row.hit.solid[over], row.hit.face[over]
+    is_as_above = number & 1 and last - even >= FEWEST and _is_as_above(row, even, last)
+    for at in range(first, even if is_as_above else last):
+        column, left = nonnegative(at), nonnegative(at - 1)
+        solid, face, distance = solids[column], faces[column], float(distances[column])
         is_wide = WIDE * distance * row.camera.pixel <= REACH
-        if hit.solid[number, column] in (NOTHING_HIT, WATER_HIT):
+        if solid in (NOTHING_HIT, WATER_HIT):
             shares[column] = 1.0
-        elif is_wide and column & 1 and _is_same(hit, number, column, number, column - 1):
-            shares[column] = shares[column - 1]
-        elif is_wide and number & 1 and _is_same(hit, number, column, number - 1, column):
-            shares[column] = row.pixels.unoccluded_above[column]
+        elif is_wide and column & 1 and _is_same(solid, face, solids[left], faces[left]):
+            shares[column] = shares[left]
+        elif is_wide and number & 1 and _is_same(solid, face, solids_over[column], faces_over[column]):
+            shares[column] = above[column]
         else:
             tilt = row.pixels.tilt
             shares[column] = unoccluded_share(depths, number, column, row.camera, distance, tilt, around)
+    if is_as_above:
+        for left in range(even, last, 2):
+            shares[nonnegative(left)] = above[nonnegative(left)]
+        for right in range(even + 1, last, 2):
+            shares[nonnegative(right)] = above[nonnegative(right - 1)]
 
 
 @inlined_kernel
-def _is_same(hit: Hits, row: int, column: int, other_row: int, other_column: int) -> bool:
+def _is_as_above(row: TracedRow, first: int, last: int) -> bool:
+    """Return whether all pixels from one column on take the shares of the row above, as most of them do."""
+    line, over = row.line, max(0, row.number - 1)
+    if line.solid[nonnegative(first)] in (NOTHING_HIT, WATER_HIT):
+        return False
+    return _are_one_surface(
+        line.solid[first:last],
+        line.face[first:last],
+        row.hit.solid[over][first:last],
+        row.hit.face[over][first:last],
+        line.distance[first:last],
+        np.float32(ALMOST * REACH / (WIDE * row.camera.pixel)),
+    )
+
+
+@disjoint_kernel
+def _are_one_surface(
+    solids: NDArray[np.int32],
+    faces: NDArray[np.int32],
+    solids_over: NDArray[np.int32],
+    faces_over: NDArray[np.int32],
+    distances: NDArray[np.float32],
+    far: np.float32,
+) -> bool:
+    """Return whether pixels and those above show one surface, not so far away, in a loop that vectorizes."""
+    is_other = np.int32(0)
+    for column in range(solids.shape[0]):
+        is_other |= np.int32(solids[column] != solids[0]) | np.int32(solids_over[column] != solids[0])
+        is_other_face = np.int32(faces[column] != faces[0]) | np.int32(faces_over[column] != faces[0])
+        is_other |= is_other_face & np.int32(solids[0] != TERRAIN_HIT)
+        is_other |= np.int32(distances[column] > far)
+    return bool(is_other == 0)
+
+
+@inlined_kernel
+def _is_same(solid: int, face: int, other_solid: int, other_face: int) -> bool:
     """Return whether two pixels show the same face of a solid, or both the ground."""
-    solid = hit.solid[row, column]
-    is_alike = hit.face[row, column] == hit.face[other_row, other_column] or solid == TERRAIN_HIT
-    return bool(solid == hit.solid[other_row, other_column] and is_alike)
+    return bool((solid == other_solid) & ((face == other_face) | (solid == TERRAIN_HIT)))

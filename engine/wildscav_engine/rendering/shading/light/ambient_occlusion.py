@@ -23,6 +23,7 @@ LEAST_HEIGHT = 0.5 * LEAST_RISE  # m above a surface per m to the side below whi
 NONE, ONE = np.float32(0.0), np.float32(1.0)
 RISE, SQUARE_OF_RISE = np.float32(LEAST_RISE), np.float32(LEAST_RISE * LEAST_RISE)
 WIDTH, SQUARE_OF_WIDTH = np.float32(1.0 / (2.0 * REACH)), np.float32(4.0 * REACH * REACH)
+ALMOST = 0.98  # for rounding
 NOWHERE = 1e15  # m, the depth of a pixel whose ray hits nothing
 # Four straight beside the pixel, then four diagonally; the others are itself, so that loops vectorize evenly.
 LOOKED_AT = 16
@@ -152,19 +153,64 @@ def unoccluded_share(
     reach = reach_of(view, distance)
     if reach < 1.0:
         return ONE
-    _look_around(depths, row, column, np.float32(view.pixel), reach, around)
     u, v = np.float32(view.left + column * view.pixel), np.float32(view.top - row * view.pixel)
     last = column + 1
     own = Tilts(tilt.right[column:last], tilt.above[column:last], tilt.facing[column:last])
     here = Span(row, column, depths[row][column:last], own, u, v, np.float32(view.pixel))
     # A single comparison, because on level surfaces all heights are near zero, above it or below by chance.
     least = np.float32(LEAST_HEIGHT * NEARER * reach * view.pixel) * here.depth[0]
+    if not _rises_any(depths, here, view, reach, least):
+        return ONE
+    _look_around(depths, row, column, here.pixel, reach, around)
     if not _occludes_any(here, around, least):
         return ONE
     _note_taken(here, around)
     part = around.taken
     taken = ((part[0] + part[1]) + (part[2] + part[3])) + ((part[4] + part[5]) + (part[6] + part[7]))
     return max(NONE, ONE - np.float32(STRENGTH * 0.25 * min(1.0, reach - 1.0)) * taken)
+
+
+@inlined_kernel
+def _steepness(view: View) -> np.float32:
+    """Return a height in m below which a pixel beside another occludes nothing, for all of an image.
+
+    It is per m of depth and per tangent between the two: what pixels show is at least so far apart, times the
+    least cosine of the view.
+    """
+    return np.float32(ALMOST * LEAST_RISE * view.least_cosine)
+
+
+@inlined_kernel
+def _rises_any(
+    depths: NDArray[np.float32], here: Span, view: View, reach: float, least: np.float32
+) -> np.int32:
+    """Return 1 if any of the pixels around one may occlude it, and is at least so high in m above it."""
+    row, column, steep = here.row, here.first, _steepness(view) * here.depth[0]
+    at = samples_around(row, column, view, int(reach + 0.5), int(NEARER * reach + 0.5))
+    straight = (
+        _rises_at(depths, here, at.over, column, steep, least)
+        | _rises_at(depths, here, at.under, column, steep, least)
+        | _rises_at(depths, here, row, at.left, steep, least)
+        | _rises_at(depths, here, row, at.right, steep, least)
+    )
+    return (
+        straight
+        | _rises_at(depths, here, at.near_over, at.near_left, steep, least)
+        | _rises_at(depths, here, at.near_over, at.near_right, steep, least)
+        | _rises_at(depths, here, at.near_under, at.near_left, steep, least)
+        | _rises_at(depths, here, at.near_under, at.near_right, steep, least)
+    )
+
+
+@inlined_kernel
+def _rises_at(
+    depths: NDArray[np.float32], here: Span, row: int, column: int, steep: np.float32, least: np.float32
+) -> np.int32:
+    """Return 1 if a pixel is so high above another, in m, and in m per tangent between the two."""
+    aside, above = _aside(here, column), _above(here, row)
+    depth = depths[nonnegative(row), nonnegative(column)]
+    height, _ = height_and_square(here, 0, depth, aside, above)
+    return np.int32(height >= least) & np.int32(height > steep * max(abs(aside), abs(above)))
 
 
 @disjoint_kernel
@@ -261,7 +307,7 @@ def write_shares(
     span = Span(row, first, depths[row][first:last], own, u, v, np.float32(view.pixel))
     reach = reach_of(view, distance)
     at = samples_around(row, first, view, int(reach + 0.5), int(NEARER * reach + 0.5))
-    if reach < 1.0 or not _rise_around(depths, span, at):
+    if reach < 1.0 or not _rise_around(depths, span, at, _steepness(view)):
         shares[:] = ONE
         return
     shares[:] = NONE
@@ -279,8 +325,8 @@ def write_shares(
 
 
 @disjoint_kernel
-def _rise_around(depths: NDArray[np.float32], span: Span, at: Samples) -> bool:
-    """Return whether any of the pixels around occludes any of a span."""
+def _rise_around(depths: NDArray[np.float32], span: Span, at: Samples, steep: np.float32) -> bool:
+    """Return whether any of the pixels around may occlude any of a span."""
     own, count, none = span.first, span.depth.shape[0], NONE
     left, right, near_left, near_right = at.left, at.right, at.near_left, at.near_right
     over, under = depths[at.over][own : own + count], depths[at.under][own : own + count]
@@ -293,16 +339,17 @@ def _rise_around(depths: NDArray[np.float32], span: Span, at: Samples) -> bool:
     near_up, near_down = _above(span, at.near_over), _above(span, at.near_under)
     to_left, to_right = _aside(span, left), _aside(span, right)
     near_to_left, near_to_right = _aside(span, near_left), _aside(span, near_right)
+    least, near_least = steep * up, steep * near_up
     rises = np.int32(0)
     for column in range(count):
-        rises |= _rises(span, column, over[column], none, up)
-        rises |= _rises(span, column, under[column], none, down)
-        rises |= _rises(span, column, beside_left[column], to_left, none)
-        rises |= _rises(span, column, beside_right[column], to_right, none)
-        rises |= _rises(span, column, over_left[column], near_to_left, near_up)
-        rises |= _rises(span, column, over_right[column], near_to_right, near_up)
-        rises |= _rises(span, column, under_left[column], near_to_left, near_down)
-        rises |= _rises(span, column, under_right[column], near_to_right, near_down)
+        rises |= _rises(span, column, over[column], none, up, least)
+        rises |= _rises(span, column, under[column], none, down, least)
+        rises |= _rises(span, column, beside_left[column], to_left, none, least)
+        rises |= _rises(span, column, beside_right[column], to_right, none, least)
+        rises |= _rises(span, column, over_left[column], near_to_left, near_up, near_least)
+        rises |= _rises(span, column, over_right[column], near_to_right, near_up, near_least)
+        rises |= _rises(span, column, under_left[column], near_to_left, near_down, near_least)
+        rises |= _rises(span, column, under_right[column], near_to_right, near_down, near_least)
     return bool(rises != 0)
 
 
@@ -319,10 +366,12 @@ def _aside(span: Span, column: int) -> np.float32:
 
 
 @inlined_kernel
-def _rises(span: Span, column: int, depth: np.float32, aside: np.float32, above: np.float32) -> np.int32:
-    """Return 1 if what another pixel shows, so far aside and above, occludes a pixel of a span."""
-    height, square = height_and_square(span, column, depth, aside, above)
-    return occludes(height, square)
+def _rises(
+    span: Span, column: int, depth: np.float32, aside: np.float32, above: np.float32, least: np.float32
+) -> np.int32:
+    """Return 1 if another pixel, so far aside and above, is higher than ``least`` times the depth of one."""
+    height, _ = height_and_square(span, column, depth, aside, above)
+    return np.int32(height > least * span.depth[column])
 
 
 @disjoint_kernel
