@@ -13,7 +13,7 @@ BENCHMARKS := speed.compile speed.environments speed.legacy speed.maps speed.pro
 # Without its cache of bytecode, each process of ours would compile the sources again, for up to three seconds.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help demo test test-slow test-with test-oldest test-newest check format bench docs docs-serve proto clean
+.PHONY: help demo test test-slow test-with test-oldest test-newest check format bench docs docs-serve wheel proto clean
 
 help: ## Show this list.
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1|\2/' | column -t -s '|'
@@ -92,6 +92,9 @@ docs: .venv/.dev ## Build the site; warnings are errors.
 docs-serve: export NO_MKDOCS_2_WARNING = 1
 docs-serve: .venv/.dev ## Serve the site at http://127.0.0.1:8000/, and rebuild it when pages change.
 	$(BIN)/mkdocs serve
+
+wheel: .venv/.dev ## Build the wheel in out/wheel with machine code for this Python and these releases.
+	$(BIN)/python .ci/wheel out/wheel
 
 proto: .venv/.dev ## Generate the Python code of the protocol, and copy it to the agent in JavaScript.
 	cp platform/wildscav/proto/match.proto submissions/homing-js/

@@ -38,6 +38,9 @@ Function = Callable[..., Any]
 
 GC_THRESHOLDS = (100_000, 50, 1000)  # as in ``gc.set_threshold``
 EXACT_OPTIONS = {"fastmath": False, "nogil": True, "error_model": "numpy"}
+# For every kernel that is not to be inlined: Numba would pass that option on from an inlined kernel to those
+# that it calls, if they are not compiled yet, and so on downwards.
+NOT_INLINED = {"forceinline": False}
 
 
 def compile_outer(
@@ -69,7 +72,7 @@ def compile_inner(function: Function, home: Function, *, disjoint: bool = False,
         no_cpython_wrapper=True,
         no_cfunc_wrapper=True,
         **EXACT_OPTIONS,
-        **options,
+        **(NOT_INLINED | options),
     )(function)
     return _with_cache(for_all_numbers(part), BitcodeCache(function, cache_folder(_file_of(home)) / name))
 

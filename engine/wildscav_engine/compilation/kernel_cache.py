@@ -74,7 +74,7 @@ class KernelCache(NumbaCache):  # type: ignore[misc]
         """Use a folder of cached code, and one of a wheel's machine code."""
         self._impl_class = functools.partial(self.entries, folder=folder)
         super().__init__(function)
-        self._shipped = shipped and CacheFile(str(shipped), self._impl.filename_base, "")
+        self._shipped: Any = shipped and CacheFile(str(shipped), self._impl.filename_base, "")
 
     def load_overload(self, signature: Any, context: Any) -> Any:
         """Return the compiled code for a signature, or None if it has to be compiled, which then begins."""

@@ -6,6 +6,7 @@ them by these names. Kernels give the same bits at every level and on every proc
 
 import functools
 import os
+from typing import Any
 
 # What a processor needs for each level, by LLVM's names, best level first.
 _LEVEL_3 = ("avx", "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe", "xsave")
@@ -30,5 +31,6 @@ def levels() -> tuple[str, ...]:
 
     if any(name in os.environ for name in CHOICE):
         return ()
-    features = binding.get_host_cpu_features()
+    llvm: Any = binding
+    features = llvm.get_host_cpu_features()
     return tuple(level for level, needed in LEVELS.items() if all(map(features.get, needed)))

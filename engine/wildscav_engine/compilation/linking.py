@@ -136,7 +136,14 @@ class LinkedLibrary(TableLibrary):
         self.enable_object_caching()
 
     def _optimize_final_module(self) -> None:
-        """Optimize once. Numba does so twice to remove reference counting, of which there is none here."""
+        """Optimize once. Numba does so twice to remove reference counting, of which there is none here.
+
+        No other code can call the parts: the optimizer may drop them once they are inlined, and change their
+        arguments. As their names are private, the loader does not take them for the same parts elsewhere.
+        """
+        for function in self._final_module.functions:
+            if not function.is_declaration and function.linkage == llvm.Linkage.linkonce_odr:
+                function.linkage = "private"
         passes, builder = self._codegen._module_pass_manager()
         passes.run(self._final_module, builder)
 

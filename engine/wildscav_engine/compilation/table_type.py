@@ -7,10 +7,10 @@ read from the table only what they name. Classes become such tables by ``pass_as
 
 from typing import Any
 
-import numba
-from llvmlite import ir
-from numba.core import cgutils, datamodel, imputils, types
-from numba.core.pythonapi import NativeValue, unbox
+import llvmlite.ir
+import numba.core.cgutils
+import numba.core.datamodel
+from numba.core import imputils, pythonapi, types
 from numba.core.typing import templates, typeof
 
 from wildscav_engine.compilation.array_code import pack
@@ -18,21 +18,22 @@ from wildscav_engine.compilation.array_tables import is_passed_as_table
 from wildscav_engine.compilation.table_columns import ADDRESS, COLUMNS, ROWS
 
 # Annotated as Any, because Numba has no types for them.
+ir: Any = llvmlite.ir
+cgutils: Any = numba.core.cgutils
+datamodel: Any = numba.core.datamodel
+Type: Any = types.Type
 array_type: Any = types.Array
 named_tuple: Any = types.NamedTuple
-numba_typeof: Any = numba.typeof
-register_model: Any = datamodel.register_default
-PrimitiveModel: Any = datamodel.models.PrimitiveModel
+NativeValue: Any = pythonapi.NativeValue
 AttributeTemplate: Any = templates.AttributeTemplate
-infer_getattr: Any = templates.infer_getattr
-lower_getattr: Any = imputils.builtin_registry.lower_getattr_generic
-unbox_type: Any = unbox
+builtin_registry: Any = imputils.builtin_registry
+unbox: Any = pythonapi.unbox
 typeof_tuple: Any = typeof.typeof_impl.dispatch(tuple)
 
 ROW = ir.ArrayType(ir.IntType(64), COLUMNS)
 
 
-class TableType(types.Type):  # type: ignore[misc]
+class TableType(Type):  # type: ignore[misc]
     """The type of a table of arrays in kernels."""
 
     def __init__(self, arrays: Any) -> None:
@@ -56,15 +57,15 @@ def _type_of_tuple(value: Any, context: Any) -> Any:
     return TableType(named_tuple(arrays, type(value))) if is_plain else found
 
 
-@register_model(TableType)
-class TableModel(PrimitiveModel):  # type: ignore[misc]
+@datamodel.register_default(TableType)
+class TableModel(datamodel.models.PrimitiveModel):  # type: ignore[misc]
     """A table in machine code: its address."""
 
     def __init__(self, manager: Any, kind: TableType) -> None:
         super().__init__(manager, kind, ir.ArrayType(ROW, len(kind.arrays)).as_pointer())
 
 
-@infer_getattr
+@templates.infer_getattr
 class TableAttributes(AttributeTemplate):  # type: ignore[misc]
     """The fields of a table."""
 
@@ -76,8 +77,7 @@ class TableAttributes(AttributeTemplate):  # type: ignore[misc]
         return table.arrays[fields.index(name)] if name in fields else None
 
 
-@lower_getattr(TableType)
-def read_field(context: Any, builder: Any, kind: TableType, table: Any, name: str) -> Any:
+def _read_field(context: Any, builder: Any, kind: TableType, table: Any, name: str) -> Any:
     """Return code that reads one array of a table."""
     field = kind.arrays.fields.index(name)
     array = kind.arrays[field]
@@ -98,7 +98,6 @@ def write_table(context: Any, builder: Any, kind: TableType, rows: list[tuple[An
     return table
 
 
-@unbox_type(TableType)
 def _from_python(kind: TableType, value: Any, python: Any) -> Any:
     """Return code that makes a table of a NamedTuple of arrays."""
     unboxed = python.unbox(kind.arrays, value)
@@ -121,3 +120,7 @@ def mark_tables(module: Any) -> None:
                 argument.add_attribute("noalias")
                 argument.add_attribute("captures(none)")
                 argument.attributes.dereferenceable = table.count * COLUMNS * 8
+
+
+builtin_registry.lower_getattr_generic(TableType)(_read_field)
+unbox(TableType)(_from_python)
