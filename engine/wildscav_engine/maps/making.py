@@ -70,12 +70,11 @@ def _start_processes(
     processes: ExitStack, maps: Mapping[int, Choices], left: deque[int], seconds: float
 ) -> None:
     """Start as many processes as are worth it for some seconds of work."""
-    count = min(cores() - 1, int(seconds / WORTH))
     lock = Lock(cache_root() / "making.lock")
-    if count and lock.take():
-        processes.callback(lock.release)
-        with suppress(OSError):
-            for _ in range(count):
+    processes.callback(lock.release)
+    with suppress(OSError):
+        for _ in range(min(cores() - 1, int(seconds / WORTH))):
+            if lock.take():
                 processes.enter_context(_Process(maps, left))
 
 

@@ -9,6 +9,7 @@ import pytest
 
 from wildscav_engine.compilation import notice
 from wildscav_engine.compilation.cache_folders import cache_root
+from wildscav_engine.compilation.locks import Lock
 from wildscav_engine.maps import MapError, cache, generate_map, making
 from wildscav_engine.maps.pools import MapPool
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
@@ -49,13 +50,22 @@ def test_the_maps_of_other_processes_are_the_same(monkeypatch: pytest.MonkeyPatc
     assert threading.active_count() == 1
 
 
-@pytest.mark.parametrize(("cores", "worth"), [(1, 1e-9), (2, 1e9)], ids=["one core", "not worth it"])
-def test_maps_are_made_here_alone(monkeypatch: pytest.MonkeyPatch, cores: int, worth: float) -> None:
+@pytest.mark.parametrize(
+    ("cores", "worth", "others"),
+    [(1, 1e-9, False), (2, 1e9, False), (2, 1e-9, True)],
+    ids=["one core", "not worth it", "another program makes maps"],
+)
+def test_maps_are_made_here_alone(
+    monkeypatch: pytest.MonkeyPatch, cores: int, worth: float, others: bool
+) -> None:
+    lock = Lock(cache_root() / "making.lock")
+    assert not others or lock.take()
     monkeypatch.setattr(making, "cores", lambda: cores)
     monkeypatch.setattr(making, "WORTH", worth)
     monkeypatch.setattr("subprocess.Popen", None)
     here: list[int] = []
     making.make_maps(MAPS, here.append)
+    lock.release()
     assert here == list(MAPS)
 
 
