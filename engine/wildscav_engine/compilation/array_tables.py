@@ -22,14 +22,11 @@ from wildscav_engine.compilation.table_columns import AXES
 # (F, 6) address, bytes per item, and shape of each array, padded with 1 to four axes.
 Addresses = NDArray[np.int64]
 Function = TypeVar("Function", bound=Callable[..., Any])
-Class = TypeVar("Class")
 Arrays = Any  # a NamedTuple of arrays
 
 
 # For each NamedTuple class that kernels read from tables, an example with the right dtypes and axes.
 _layouts: dict[type, Arrays] = {}
-# The classes that kernels pass to each other as tables; see ``table_type.py``.
-_passed: set[type] = set()
 
 
 class ArrayTable:
@@ -53,20 +50,6 @@ class ArrayTable:
 def expect(like: Arrays) -> None:
     """From now on, reject tables of this class whose arrays have other dtypes or numbers of axes."""
     _layouts[type(like)] = like
-
-
-def pass_as_table(kind: type[Class]) -> type[Class]:
-    """Let kernels pass a NamedTuple class of arrays as one table; a decorator.
-
-    Kernels may read its fields by their names, and nothing else: they cannot make, unpack or return one.
-    """
-    _passed.add(kind)
-    return kind
-
-
-def is_passed_as_table(kind: type) -> bool:
-    """Return whether kernels pass a class as a table."""
-    return kind in _passed
 
 
 def addresses_of(arrays: Arrays) -> Addresses:

@@ -4,13 +4,11 @@ A wheel brings machine code for some levels of processors (see ``levels.py``) in
 is only read; what is not in it is compiled, and cached as in a checkout.
 """
 
-import atexit
 import functools
-import os
 import shutil
-import tempfile
 from pathlib import Path
 
+from wildscav_engine.compilation.cache_root import cache_root, temporary_folder
 from wildscav_engine.compilation.levels import levels
 from wildscav_engine.compilation.sources import PACKAGE, sources_digest
 
@@ -19,19 +17,6 @@ KEPT_FOLDERS = 1000
 
 # The machine code of a wheel; in a checkout, there is none.
 SHIPPED = PACKAGE / "compiled"
-
-
-def cache_root() -> Path:
-    """Return the folder of all compiled code: in WILDSCAV_CACHE_DIR, or in the user's cache folder.
-
-    For a user without a home directory, such as one of a container, it is in a temporary folder.
-    """
-    if named := os.environ.get("WILDSCAV_CACHE_DIR"):
-        return Path(named) / "kernels"
-    try:
-        return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "wildscav" / "kernels"
-    except RuntimeError:
-        return _temporary_folder() / "kernels"
 
 
 @functools.cache
@@ -44,7 +29,7 @@ def cache_folder(file: Path) -> Path:
             _remove_oldest_folders(folder.parent)
         folder.touch()
     except OSError:
-        return _temporary_folder()
+        return temporary_folder()
     return folder
 
 
@@ -52,14 +37,6 @@ def shipped_folder(file: Path) -> Path | None:
     """Return the folder of a wheel's machine code for a file's kernels, or None if there is none."""
     folder = SHIPPED / sources_digest(file)
     return folder if levels() and folder.exists() else None
-
-
-@functools.cache
-def _temporary_folder() -> Path:
-    """Create a folder that is removed when this process ends."""
-    folder = Path(tempfile.mkdtemp(prefix="wildscav-kernels-"))
-    atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    return folder
 
 
 def _remove_oldest_folders(root: Path) -> None:

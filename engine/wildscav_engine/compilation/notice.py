@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import NamedTuple
 
-from wildscav_engine.compilation.cache_folders import cache_root
+from wildscav_engine.compilation.cache_root import cache_root
 from wildscav_engine.compilation.locks import Lock
 
 QUIET = "WILDSCAV_QUIET"

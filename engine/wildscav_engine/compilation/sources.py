@@ -5,17 +5,23 @@ that names them; the files of those extensions, built-in or of other packages, t
 
 The digest does not depend on the location or the modification time of files, so all clones, environments and
 wheels of the same version share their compiled code. It does not include the processor, because Numba itself
-separates code for different processors.
+separates machine code for different processors.
+
+Finding the imports of a file takes longer than anything else here, so they are remembered between processes.
 """
 
 import ast
 import functools
+import json
+import os
 import sys
 from collections.abc import Iterator
+from contextlib import suppress
 from hashlib import blake2b
 from importlib.metadata import version
 from pathlib import Path
 
+from wildscav_engine.compilation.cache_root import cache_root
 from wildscav_engine.extensions import sources_of
 
 PACKAGE = Path(__file__).parent.parent
@@ -23,6 +29,9 @@ OURS = "wildscav"  # how the names of all our packages begin; those of the platf
 BLOCKS = ("body", "orelse", "handlers", "finalbody", "cases")  # fields of a statement that contain statements
 KERNELS_OF = "KERNELS_OF"  # the name of the constant
 TYPE_CHECKING = ("TYPE_CHECKING", "typing.TYPE_CHECKING")
+REMEMBERED = 5000  # files
+
+Imports = tuple[list[str], list[str]]  # the names of imports, and the groups of kernels that are called
 
 
 @functools.cache
@@ -35,9 +44,12 @@ def compiler_versions() -> str:
 @functools.cache
 def sources_digest(file: Path) -> str:
     """Return a digest of a file, all files on which it depends, and the version of the compiler."""
+    known = len(_remembered())
     digest = blake2b(compiler_versions().encode(), digest_size=8)
     for name, content in sorted((name_of(path), content_digest(path)) for path in closure(file)):
         digest.update(name.encode() + b"\0" + content)
+    if len(_remembered()) > known:
+        _remember()
     return digest.hexdigest()
 
 
@@ -74,8 +86,8 @@ def imported_files(file: Path) -> tuple[Path, ...]:
     own = "" if root == file.parent else file.relative_to(root).parts[0]
     package = list(file.parent.relative_to(root).parts)
     found: dict[Path, None] = {}
-    tree = ast.parse(file.read_bytes())
-    for name in _imported_names(tree, package):
+    names, groups = _imports_of(file, package)
+    for name in names:
         top = name.split(".")[0]
         if top == PACKAGE.name:
             found[_module_file(PACKAGE.parent, name)] = None
@@ -83,9 +95,43 @@ def imported_files(file: Path) -> tuple[Path, ...]:
             found[_module_file(root, name)] = None
         elif not own:
             found[root / f"{name}.py"] = None
-    for group in _groups_called(tree):
+    for group in groups:
         found.update(dict.fromkeys(sources_of(group)))
     return tuple(path for path in found if path.is_file())
+
+
+def _imports_of(file: Path, package: list[str]) -> Imports:
+    """Return what a file in a package imports and calls."""
+    key = f"{'.'.join(package)} {content_digest(file).hex()}"
+    if key not in _remembered():
+        tree = ast.parse(file.read_bytes())
+        _remembered()[key] = list(_imported_names(tree, package)), list(_groups_called(tree))
+    return _remembered()[key]
+
+
+@functools.cache
+def _remembered() -> dict[str, Imports]:
+    """Return what is known of the imports of files, by their packages and the digests of their contents."""
+    try:
+        found: dict[str, Imports] = json.loads(_memory().read_bytes())
+    except (OSError, ValueError):
+        return {}
+    return found if len(found) < REMEMBERED else {}
+
+
+def _remember() -> None:
+    memory = _memory()
+    new = memory.with_suffix(f".{os.getpid()}")
+    with suppress(OSError):
+        memory.parent.mkdir(parents=True, exist_ok=True)
+        new.write_text(json.dumps(_remembered()))
+        new.replace(memory)
+
+
+def _memory() -> Path:
+    """Return the file for what this version of Python and of this file finds."""
+    version = content_digest(Path(__file__)).hex()
+    return cache_root() / f"imports-{sys.implementation.cache_tag}-{version}.json"
 
 
 def _groups_called(tree: ast.Module) -> Iterator[str]:

@@ -14,7 +14,7 @@ from numba.core import imputils, pythonapi, types
 from numba.core.typing import templates, typeof
 
 from wildscav_engine.compilation.array_code import pack
-from wildscav_engine.compilation.array_tables import is_passed_as_table
+from wildscav_engine.compilation.passed_tables import is_passed_as_table
 from wildscav_engine.compilation.table_columns import ADDRESS, COLUMNS, ROWS
 
 # Annotated as Any, because Numba has no types for them.

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.array_tables import pass_as_table
 from wildscav_engine.compilation.kernel import array_kernel, kernel
+from wildscav_engine.compilation.passed_tables import pass_as_table
 from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS
 
 Corner = tuple[float, float, float] | NDArray[np.float64]  # m: x, y, z

@@ -19,6 +19,7 @@ def compile_five(patch: pytest.MonkeyPatch, is_shown: Callable[[], bool] = lambd
         report(reporter, progress)
         reported.set()
 
+    notice.notice.end()  # of what other tests compiled just before
     patch.setattr(notice._Reporter, "report", note)
     notice.notice.begin(5)
     assert reported.wait(PATIENCE)

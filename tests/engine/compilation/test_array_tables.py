@@ -12,12 +12,12 @@ from wildscav_engine.compilation.array_tables import (
     ArrayTable,
     addresses_of,
     number_reader,
-    pass_as_table,
     reader,
     row_reader,
     values_reader,
 )
 from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.compilation.passed_tables import pass_as_table
 
 
 class Things(NamedTuple):

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from wildscav_engine.compilation import cache_folders as folders
+from wildscav_engine.compilation.cache_root import cache_root
 from wildscav_engine.compilation.sources import PACKAGE, sources_digest
 
 
@@ -38,7 +39,7 @@ def test_a_user_without_a_home_needs_none(
         monkeypatch.delenv(name, raising=False)
     if variable is not None:
         monkeypatch.setenv(variable, str(tmp_path))
-        assert folders.cache_root().is_relative_to(tmp_path)
+        assert cache_root().is_relative_to(tmp_path)
     assert folders.cache_folder.__wrapped__(PACKAGE / "simulation/digest.py").is_dir()
 
 

@@ -147,3 +147,21 @@ def test_kernels_of_other_packages_depend_on_the_engine_too() -> None:
         "wildscav_engine/simulation/state.py",
         "wildscav_engine/compilation/kernel.py",
     } <= files
+
+
+def test_imports_are_remembered_until_the_file_changes(
+    root: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("WILDSCAV_CACHE_DIR", str(tmp_path / "cache"))
+    file = root / "game/systems/motion.py"
+    write(file, "from game.body import GRAVITY\n")
+    sources._remembered.cache_clear()
+    found = digest(file)
+    sources._remembered.cache_clear()
+    with monkeypatch.context() as patch:
+        patch.delattr("ast.parse")
+        assert digest(file) == found
+    write(file, "from game.view import LIGHT\n")
+    assert digest(file) != found
+    assert sources.imported_files(file) == (root / "game/view.py",)
+    sources._remembered.cache_clear()

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.elementary_functions import arctangent, cosine, sine, wrap
-from wildscav_engine.compilation.array_tables import pass_as_table
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
+from wildscav_engine.compilation.passed_tables import pass_as_table
 from wildscav_engine.geometry.linked_grid import Squares, column_of, row_of, squares_around
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT, intersect_solid, make_ray, raycast
 from wildscav_engine.geometry.terrain import ground_at
