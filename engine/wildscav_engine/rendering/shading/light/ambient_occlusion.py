@@ -23,6 +23,7 @@ LEAST_HEIGHT = 0.5 * LEAST_RISE  # m above a surface per m to the side below whi
 NONE, ONE = np.float32(0.0), np.float32(1.0)
 RISE, SQUARE_OF_RISE = np.float32(LEAST_RISE), np.float32(LEAST_RISE * LEAST_RISE)
 WIDTH, SQUARE_OF_WIDTH = np.float32(1.0 / (2.0 * REACH)), np.float32(4.0 * REACH * REACH)
+APART = np.float32(2.0 * REACH)  # m, from where on nothing occludes
 ALMOST = 0.98  # for rounding
 NOWHERE = 1e15  # m, the depth of a pixel whose ray hits nothing
 # Four straight beside the pixel, then four diagonally; the others are itself, so that loops vectorize evenly.
@@ -210,7 +211,8 @@ def _rises_at(
     aside, above = _aside(here, column), _above(here, row)
     depth = depths[nonnegative(row), nonnegative(column)]
     height, _ = height_and_square(here, 0, depth, aside, above)
-    return np.int32(height >= least) & np.int32(height > steep * max(abs(aside), abs(above)))
+    is_high = np.int32(height >= least) & np.int32(height > steep * max(abs(aside), abs(above)))
+    return is_high & _is_close(here.depth[0], depth)
 
 
 @disjoint_kernel
@@ -369,9 +371,15 @@ def _aside(span: Span, column: int) -> np.float32:
 def _rises(
     span: Span, column: int, depth: np.float32, aside: np.float32, above: np.float32, least: np.float32
 ) -> np.int32:
-    """Return 1 if another pixel, so far aside and above, is higher than ``least`` times the depth of one."""
+    """Return 1 if what another pixel shows is close, and higher than ``least`` times the depth of one."""
     height, _ = height_and_square(span, column, depth, aside, above)
-    return np.int32(height > least * span.depth[column])
+    return np.int32(height > least * span.depth[column]) & _is_close(span.depth[column], depth)
+
+
+@inlined_kernel
+def _is_close(depth: np.float32, other: np.float32) -> np.int32:
+    """Return 1 unless two depths alone show that neither place can occlude the other."""
+    return np.int32(abs(other - depth) < APART)
 
 
 @disjoint_kernel
