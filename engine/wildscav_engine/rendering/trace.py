@@ -110,7 +110,7 @@ def trace_static(parts: Workspace, camera: Camera, with_water: bool, buffer: Hit
 def trace_moving(parts: Workspace, others: Shapes, camera: Camera, viewer: int, buffer: HitBuffer) -> None:
     """Trace moving solids in an image whose static world has been traced."""
     statics = parts.solids.obbs.shape[0]
-    trace_moving_solids(others, statics, camera, viewer, parts.scratch.outside, buffer)
+    trace_moving_solids(others, statics, camera, viewer, parts.scratch.planes, buffer)
 
 
 @inlined_kernel

@@ -147,7 +147,13 @@ def rows_of(match: "MatchView", seats: Sequence[int]) -> NDArray[np.int64]:
     for seat in seats:
         if not 0 <= seat < match.seats:
             raise ValueError(f"there is no seat {seat}; the seats are 0 to {match.seats - 1}")
-    return np.array(seats, np.int64)
+    return _row_of(int(seats[0])) if len(seats) == 1 else np.array(seats, np.int64)
+
+
+@functools.lru_cache(maxsize=1024)
+def _row_of(seat: int) -> NDArray[np.int64]:
+    """Return a single seat as a row index, which nobody changes."""
+    return np.array([seat])
 
 
 def _choices(kind: object) -> tuple[object, ...]:

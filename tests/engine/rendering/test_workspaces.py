@@ -40,9 +40,9 @@ def test_scenes_of_about_one_size_share_scratch_buffers_that_suffice_for_each() 
     first, second, third = (each.workspaces.of(each.arrays, SMALL).arrays for each in (one, other, large))
     assert first.scratch.queue is second.scratch.queue
     assert third.scratch.queue is not first.scratch.queue
-    assert len(third.scratch.shown) >= len(large.arrays.blocks.spans)
+    assert len(third.scratch.shown) >= len(large.arrays.blocks.lowest)
     assert len(first.scratch.done) > len(one.arrays.solids.obbs)
-    assert len(first.scratch.outside) >= np.diff(one.arrays.solids.face_start).max()
+    assert len(first.scratch.planes) >= np.diff(one.arrays.solids.face_start).max()
 
 
 def test_small_images_of_two_maps_in_one_call_are_those_of_each_alone() -> None:

@@ -9,23 +9,22 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.kernel import inlined_kernel, kernel
+from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel
 from wildscav_engine.rendering.tracing.frustum import Camera, Rectangle
-from wildscav_engine.rendering.tracing.scene_arrays import GROUP, LANES
+from wildscav_engine.rendering.tracing.scene_arrays import LANES
 
 NEAR = 1.0  # m ahead; nearer boxes are projected in float64
 NEAR_RADII = 1.0 / 16.0  # of its radius, up to which a large box counts as near, because it is rounded more
 ROUNDED = 2e-5  # of the tangent, greatest rounding error for boxes that are not near
 SLACK = 1e-2  # m and pixels, greatest other rounding error
-# Tangents to the right are limited to those of the image and so much beyond; the greatest, about 2000, are
-# rounded by less. Sums of absolute values limit them: with ``min`` and ``max``, or in a function of its own,
-# the loops over boxes and cells would not vectorize, and images would take up to a half longer.
-BESIDE = 1e-2
+BESIDE = (
+    1e-2  # tangents to the right beyond those of the image up to which columns curve, lest they come back
+)
 NEVER_SEEN = -1e30  # m, the radius of an absent box
-# An array holds a group of boxes and, from these offsets, their projections: first and last columns and rows
-# of pixels; m to the nearest corner ahead; whether a box may be visible; and whether it is near.
-FIRST, LAST, TOP, BOTTOM, NEAREST, SHOWN, IS_NEAR = (GROUP + LANES * row for row in range(7))
-PROJECTED_GROUP = GROUP + 7 * LANES
+# The projections of a group of boxes have, from these offsets: first and last columns and rows of pixels; m
+# to the nearest corner ahead; whether a box may be visible; and whether it is near.
+FIRST, LAST, TOP, BOTTOM, NEAREST, SHOWN, IS_NEAR = (LANES * row for row in range(7))
+PROJECTED_GROUP = 7 * LANES
 
 
 class Float32Camera(NamedTuple):
@@ -82,6 +81,13 @@ def to_float32(camera: Camera) -> Float32Camera:
 
 
 @inlined_kernel
+def curved_up_to(camera: Float32Camera) -> np.float32:
+    """Return the square of the tangent up to which columns curve; beyond it, they are at equal distances."""
+    limit = camera.half_width + np.float32(BESIDE)
+    return limit * limit
+
+
+@inlined_kernel
 def sphere_may_show(
     camera: Float32Camera, right: np.float32, above: np.float32, ahead: np.float32, radius: np.float32
 ) -> bool:
@@ -92,16 +98,21 @@ def sphere_may_show(
     return bool(max(sideways, beyond, -ahead - radius, ahead - camera.far - radius) <= np.float32(0.0))
 
 
-@kernel
+@disjoint_kernel
 def project_boxes(
-    east: np.float32, up: np.float32, north: np.float32, camera: Float32Camera, boxes: NDArray[np.float32]
+    east: np.float32,
+    up: np.float32,
+    north: np.float32,
+    camera: Float32Camera,
+    boxes: NDArray[np.float32],
+    projected: NDArray[np.float32],
 ) -> None:
     """Project eight boxes onto an image.
 
     Args:
         east: float32 m, from the camera to the origin of the boxes; so up and north.
-        boxes: (PROJECTED_GROUP,) a group, see ``Blocks``, followed by its projections, which are written. One
-            array holds both, so that the compiler need not expect two arrays to overlap and can vectorize.
+        boxes: (GROUP,) a group, see ``Blocks``.
+        projected: (PROJECTED_GROUP,) written.
     """
     sin_yaw, cos_yaw, sin_pitch, cos_pitch = (
         camera.sin_yaw,
@@ -109,8 +120,7 @@ def project_boxes(
         camera.sin_pitch,
         camera.cos_pitch,
     )
-    zero, one, a_half = np.float32(0.0), np.float32(1.0), np.float32(0.5)
-    limit = camera.half_width + np.float32(BESIDE)
+    zero, one, limit = np.float32(0.0), np.float32(1.0), curved_up_to(camera)
     near, near_radii = np.float32(NEAR), np.float32(NEAR_RADII)
     for lane in range(LANES):
         x, y, z = east + boxes[lane], up + boxes[LANES + lane], north + boxes[2 * LANES + lane]
@@ -140,12 +150,10 @@ def project_boxes(
         d0, d1, d2, d3 = (y0 - rise) * b0, (y1 - rise) * b1, (y2 - rise) * b2, (y3 - rise) * b3
         highest = max(u0, u1, u2, u3, d0, d1, d2, d3)
         lowest = min(u0, u1, u2, u3, d0, d1, d2, d3)
-        least = a_half * (abs(least + limit) - abs(least - limit))
-        first = max(zero, np.ceil(camera.left + least * (camera.scale + camera.curve * least * least)))
-        most = a_half * (abs(most + limit) - abs(most - limit))
-        last = min(
-            camera.last_column, np.floor(camera.right + most * (camera.scale + camera.curve * most * most))
-        )
+        least *= camera.scale + camera.curve * min(least * least, limit)
+        most *= camera.scale + camera.curve * min(most * most, limit)
+        first = max(zero, np.ceil(camera.left + least))
+        last = min(camera.last_column, np.floor(camera.right + most))
         top = max(zero, np.ceil(camera.top - (highest * camera.scale_up + abs(highest) * camera.spread)))
         bottom = min(
             camera.last_row,
@@ -154,37 +162,37 @@ def project_boxes(
         is_near = nearest <= max(near, near_radii * radius)
         has_pixels = (first <= last) & (top <= bottom)
         shows = sphere_may_show(camera, right, above, ahead, radius)
-        boxes[FIRST + lane], boxes[LAST + lane] = first, last
-        boxes[TOP + lane], boxes[BOTTOM + lane] = top, bottom
-        boxes[NEAREST + lane] = nearest
-        boxes[SHOWN + lane] = np.float32(shows & (is_near | has_pixels))
-        boxes[IS_NEAR + lane] = np.float32(is_near)
+        projected[FIRST + lane], projected[LAST + lane] = first, last
+        projected[TOP + lane], projected[BOTTOM + lane] = top, bottom
+        projected[NEAREST + lane] = nearest
+        projected[SHOWN + lane] = np.float32(shows & (is_near | has_pixels))
+        projected[IS_NEAR + lane] = np.float32(is_near)
 
 
 @inlined_kernel
-def is_shown(boxes: NDArray[np.float32], lane: int) -> bool:
+def is_shown(projected: NDArray[np.float32], lane: int) -> bool:
     """Return whether a box may be visible."""
-    return bool(boxes[SHOWN + lane] > np.float32(0.0))
+    return bool(projected[SHOWN + lane] > np.float32(0.0))
 
 
 @inlined_kernel
-def is_near(boxes: NDArray[np.float32], lane: int) -> bool:
+def is_near(projected: NDArray[np.float32], lane: int) -> bool:
     """Return whether a box that may be visible still has to be projected in float64."""
-    return bool(boxes[IS_NEAR + lane] > np.float32(0.0))
+    return bool(projected[IS_NEAR + lane] > np.float32(0.0))
 
 
 @inlined_kernel
-def pixels_at(boxes: NDArray[np.float32], lane: int) -> Rectangle:
+def pixels_at(projected: NDArray[np.float32], lane: int) -> Rectangle:
     """Return the pixels of a box that may be visible and is not near."""
     return Rectangle(
-        int(boxes[FIRST + lane]),
-        int(boxes[LAST + lane]) + 1,
-        int(boxes[TOP + lane]),
-        int(boxes[BOTTOM + lane]) + 1,
+        int(projected[FIRST + lane]),
+        int(projected[LAST + lane]) + 1,
+        int(projected[TOP + lane]),
+        int(projected[BOTTOM + lane]) + 1,
     )
 
 
 @inlined_kernel
-def distance_at(boxes: NDArray[np.float32], lane: int) -> float:
+def distance_at(projected: NDArray[np.float32], lane: int) -> float:
     """Return a lower bound in m on how far ahead a box is."""
-    return float(boxes[NEAREST + lane]) * (1.0 - ROUNDED) - SLACK
+    return float(projected[NEAREST + lane]) * (1.0 - ROUNDED) - SLACK

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.geometry.world import BLOCK, CELL
 from wildscav_engine.rendering.tracing.coarse_projection import (
-    NEVER_SEEN,
     PROJECTED_GROUP,
     Float32Camera,
     distance_at,
@@ -61,10 +60,10 @@ class Scratch(NamedTuple):
     """Scratch buffers for tracing an image."""
 
     projection: NDArray[np.float32]  # see ``trace_terrain``
-    # (4, PROJECTED_GROUP): the grounds of eight blocks, their members, their waters, and eight members
-    boxes: NDArray[np.float32]
-    outside: NDArray[np.float64]  # m, distance of the eye from each face of a solid
-    shown: NDArray[np.float32]  # (B,) 1 if a block of a row may be visible, else 0
+    boxes: NDArray[np.float32]  # (3, GROUP) the grounds of eight blocks, their members, and their waters
+    projected: NDArray[np.float32]  # (4, PROJECTED_GROUP) the same projected, and eight members
+    planes: NDArray[np.float64]  # (F, 4) the faces of a solid
+    shown: NDArray[np.float32]  # (B + 8,) 1 if a block of a row may be visible, else 0
     # (4, B) rows and columns of the blocks that may be visible; then the same from near to far
     queue: NDArray[np.int64]
     rings: NDArray[np.int64]  # (B + 2,) where the blocks of each ring around the eye start in that order
@@ -75,14 +74,15 @@ class Scratch(NamedTuple):
 
 def allocate_scratch(blocks: int, solids: int, most_faces: int) -> Scratch:
     """Return scratch buffers for the images of a scene with these numbers of blocks and solids."""
-    boxes = np.zeros((4, PROJECTED_GROUP), np.float32)
+    boxes = np.zeros((3, GROUP), np.float32)
     # All blocks have the same half edges: half a side to the east, and half a side to the north.
-    boxes[:3, 4 * LANES : 5 * LANES] = boxes[:3, 7 * LANES : 8 * LANES] = SIDE / 2
+    boxes[:, 4 * LANES : 5 * LANES] = boxes[:, 7 * LANES : 8 * LANES] = SIDE / 2
     return Scratch(
         allocate_projection(),
         boxes,
-        np.empty(most_faces),
-        np.empty(blocks, np.float32),
+        np.zeros((4, PROJECTED_GROUP), np.float32),
+        np.empty((most_faces, 4)),
+        np.empty(blocks + LANES, np.float32),
         np.empty((4, blocks + 1), np.int64),
         np.empty(blocks + 2, np.int64),
         np.empty(BLOCK * BLOCK + 1, np.int64),
@@ -92,7 +92,7 @@ def allocate_scratch(blocks: int, solids: int, most_faces: int) -> Scratch:
 
 @kernel
 def trace_moving_solids(
-    moving: Shapes, others: int, camera: Camera, viewer: int, outside: NDArray[np.float64], buffer: HitBuffer
+    moving: Shapes, others: int, camera: Camera, viewer: int, planes: NDArray[np.float64], buffer: HitBuffer
 ) -> None:
     """Intersect the rays of an image with the moving solids.
 
@@ -100,6 +100,7 @@ def trace_moving_solids(
         moving: The moving solids; those that the viewer owns are left out.
         others: Number of the world's solids, which are counted before these.
         viewer: The owner of the solids that this camera does not see.
+        planes: A scratch buffer, see ``trace_solid``.
     """
     for solid in range(moving.obbs.shape[0]):
         box = moving.obbs[solid]
@@ -108,7 +109,7 @@ def trace_moving_solids(
             pixels = pixels_of(camera, outline)
             # The distance along a ray is never less than the depth ahead.
             if pixels.left < pixels.right and reaches_beyond(buffer, pixels, outline.nearest):
-                trace_solid(moving, solid, others + solid, pixels, camera, outside, buffer)
+                trace_solid(moving, solid, others + solid, pixels, camera, planes, buffer)
 
 
 @kernel
@@ -158,14 +159,18 @@ def _trace_blocks(
             break
         ring = apart
         square = _square_at(blocks, r, c, camera)
-        ground = _pixels_of_layer(square, GROUND, item % LANES, camera, scratch, buffer)
+        nearest = _distance_to(square)
+        if nearest > camera.far:
+            continue
+        ground = _pixels_of_layer(nearest, GROUND, item % LANES, camera, scratch, buffer)
         if ground.left < ground.right:
-            trace_terrain(blocks, square, camera, camera32, scratch.projection, scratch.cells, buffer)
-        members = _pixels_of_layer(square, MEMBERS, item % LANES, camera, scratch, buffer)
+            may_be_near = is_near(scratch.projected[GROUND], item % LANES)
+            trace_terrain(blocks, square, may_be_near, camera, camera32, scratch.projection, buffer)
+        members = _pixels_of_layer(nearest, MEMBERS, item % LANES, camera, scratch, buffer)
         if members.left < members.right:
             _trace_members(blocks, solids, square, camera, camera32, scratch, buffer)
         if with_water:
-            water = _pixels_of_layer(square, WATER, item % LANES, camera, scratch, buffer)
+            water = _pixels_of_layer(nearest, WATER, item % LANES, camera, scratch, buffer)
             if water.left < water.right:
                 trace_water(blocks, square, camera, buffer)
 
@@ -196,7 +201,7 @@ def _queue_blocks(
     count = 0
     for r in range(south, north + 1):
         first = r * columns + west
-        last = first + east - west + 1
+        last = first + (east - west + LANES) // LANES * LANES  # whole vectors
         _note_shown(
             blocks.middles[first:last],
             blocks.radii[first:last],
@@ -279,37 +284,39 @@ def _place_blocks(
     scratch: Scratch,
 ) -> None:
     """Project the first layers of up to eight blocks of the queue onto the image."""
+    height = np.float32(camera.y)
     for lane in range(count):
         square = _square_at(blocks, scratch.queue[2, first + lane], scratch.queue[3, first + lane], camera)
+        east, north = np.float32(square.east + SIDE / 2), np.float32(square.north + SIDE / 2)
+        block = blocks.layers[square.block]
         for layer in range(layers):
             boxes = scratch.boxes[layer]
-            low, high = blocks.spans[square.block, 2 * layer], blocks.spans[square.block, 2 * layer + 1]
-            has_any = low <= high
-            half = 0.5 * (high - low) if has_any else 0.0
-            boxes[lane] = square.east + SIDE / 2
-            boxes[LANES + lane] = 0.5 * (low + high) - camera.y if has_any else 0.0
-            boxes[2 * LANES + lane] = square.north + SIDE / 2
-            boxes[3 * LANES + lane] = half
-            boxes[8 * LANES + lane] = np.sqrt(0.5 * SIDE * SIDE + half * half) if has_any else NEVER_SEEN
+            boxes[lane], boxes[2 * LANES + lane] = east, north
+            boxes[LANES + lane] = block[3 * layer] - height
+            boxes[3 * LANES + lane], boxes[8 * LANES + lane] = block[3 * layer + 1], block[3 * layer + 2]
     zero = np.float32(0.0)
     for layer in range(layers):
-        project_boxes(zero, zero, zero, camera32, scratch.boxes[layer])
+        project_boxes(zero, zero, zero, camera32, scratch.boxes[layer], scratch.projected[layer])
+
+
+@inlined_kernel
+def _distance_to(square: Square) -> float:
+    """Return how far away the nearest point of a block is, in m on the level."""
+    east, north = max(0.0, square.east, -square.east - SIDE), max(0.0, square.north, -square.north - SIDE)
+    return float(np.sqrt(east * east + north * north))
 
 
 @inlined_kernel
 def _pixels_of_layer(
-    square: Square, layer: int, lane: int, camera: Camera, scratch: Scratch, buffer: HitBuffer
+    nearest: float, layer: int, lane: int, camera: Camera, scratch: Scratch, buffer: HitBuffer
 ) -> Rectangle:
-    """Return the pixels that a layer of a block may cover; none if all have nearer hits."""
-    none = Rectangle(0, 0, 0, 0)
-    if not is_shown(scratch.boxes[layer], lane):
+    """Return the pixels that a layer of a block may cover; none if all have hits nearer than the block."""
+    none, projected = Rectangle(0, 0, 0, 0), scratch.projected[layer]
+    if not is_shown(projected, lane):
         return none
-    pixels = pixels_at(scratch.boxes[layer], lane)
-    if is_near(scratch.boxes[layer], lane):
-        pixels = Rectangle(0, camera.width, 0, camera.height)
-    east, north = max(0.0, square.east, -square.east - SIDE), max(0.0, square.north, -square.north - SIDE)
-    nearest = np.sqrt(east * east + north * north)
-    return pixels if nearest <= camera.far and reaches_beyond(buffer, pixels, nearest) else none
+    whole = Rectangle(0, camera.width, 0, camera.height)
+    pixels = whole if is_near(projected, lane) else pixels_at(projected, lane)
+    return pixels if reaches_beyond(buffer, pixels, nearest) else none
 
 
 @kernel
@@ -323,14 +330,12 @@ def _trace_members(
     buffer: HitBuffer,
 ) -> None:
     """Trace the solids that reach into a block."""
-    boxes, image = scratch.boxes[WATER + 1], scratch.done[0]
+    boxes, image = scratch.projected[WATER + 1], scratch.done[0]
     east, north = np.float32(square.east), np.float32(square.north)
-    up = np.float32(blocks.spans[square.block, 0] - camera.y)
+    up = np.float32(blocks.lowest[square.block] - camera.y)
     first, last = blocks.group_start[square.block], blocks.group_start[square.block + 1]
     for group in range(nonnegative(first), nonnegative(last)):
-        for number in range(GROUP):
-            boxes[number] = blocks.groups[group, number]
-        project_boxes(east, up, north, camera32, boxes)
+        project_boxes(east, up, north, camera32, blocks.groups[group], boxes)
         count = 0
         for lane in range(LANES):
             scratch.cells[nonnegative(count)] = lane
@@ -345,4 +350,4 @@ def _trace_members(
                 outline = outline_of_box(camera, solids.obbs[solid])
                 pixels, nearest = pixels_of(camera, outline), outline.nearest
             if pixels.left < pixels.right and reaches_beyond(buffer, pixels, nearest):
-                trace_solid(solids, solid, solid, pixels, camera, scratch.outside, buffer)
+                trace_solid(solids, solid, solid, pixels, camera, scratch.planes, buffer)

@@ -84,6 +84,13 @@ def nonnegative(number: int) -> int:
 
 
 @inlined_kernel
+def lowest_bit(bits: int) -> int:
+    """Return the number of the lowest of the 64 bits of a number that are set: the exponent of its value."""
+    value = np.float64(bits & -bits)
+    return int(((value.view(np.int64) >> 52) & 0x7FF) - 1023)
+
+
+@inlined_kernel
 def camera_at(
     eye: NDArray[np.float64],
     yaw: float,

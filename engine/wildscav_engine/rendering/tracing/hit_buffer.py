@@ -1,6 +1,6 @@
 """The hit buffer of one image: its rays, and the nearest hit of each so far."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,14 +11,16 @@ from wildscav_engine.rendering.tracing.frustum import Camera, Rectangle, nonnega
 # What a ray hit is encoded as one number: the index of a solid; NOTHING; or below that, alternately the
 # triangles of the terrain (numbered twice the cell, plus one for the north-western) and the cells of water.
 NOTHING = -1
+GREATEST: Any = np.int32(2**31 - 2)  # number of a code
 FEW = 256  # rays; an image with at most this many is processed as one strip
-RAYS_PER_VECTOR = 8  # rays that a processor intersects at once, at most
+MOST_AT_ONCE = 8  # rays that a processor intersects
 
 
 class HitBuffer(NamedTuple):
     """The N rays of one image, row after row, and their nearest hits so far."""
 
     width: int  # of a row
+    at_once: int  # see ``ImageArrays``
     east: NDArray[np.float64]  # (N,) unit vectors of the rays
     up: NDArray[np.float64]
     north: NDArray[np.float64]
@@ -37,10 +39,11 @@ class ImageArrays(NamedTuple):
 
     rays: NDArray[np.float64]  # (7, N) all of a ``HitBuffer`` that there is for each of them but its codes
     met: NDArray[np.int32]  # (N,)
+    at_once: NDArray[np.int64]  # (1,) the rays that the processor intersects at once, a power of two
     strips: NDArray[np.float64]  # (3, strip) for the rays processed together: of a row, or of a small image
 
 
-def allocate_image(height: int, width: int, half_width: float) -> ImageArrays:
+def allocate_image(height: int, width: int, half_width: float, at_once: int = MOST_AT_ONCE) -> ImageArrays:
     """Return the arrays for an image, with what does not depend on the pose of the camera."""
     rays = np.empty((7, height, width))
     pixel = 2.0 * half_width / width
@@ -48,8 +51,9 @@ def allocate_image(height: int, width: int, half_width: float) -> ImageArrays:
     above = ((height * 0.5 - np.arange(height) - 0.5) * pixel)[:, None]
     rays[4] = 1.0 / np.sqrt(1.0 + above * above + right * right)
     rays[5], rays[6] = right, above
-    strips = np.empty((3, max(width + RAYS_PER_VECTOR, min(height * width, FEW))))
-    return ImageArrays(rays.reshape(7, height * width), np.empty(height * width, np.int32), strips)
+    strips = np.empty((3, max(width + MOST_AT_ONCE, min(height * width, FEW))))
+    met = np.empty(height * width, np.int32)
+    return ImageArrays(rays.reshape(7, height * width), met, np.array([at_once]), strips)
 
 
 @inlined_kernel
@@ -58,6 +62,7 @@ def hit_buffer_in(width: int, image: ImageArrays) -> HitBuffer:
     rays, strips = image.rays, image.strips
     return HitBuffer(
         width,
+        image.at_once[0],
         rays[0],
         rays[1],
         rays[2],
@@ -146,20 +151,30 @@ def end_at_edges(
 
 
 @inlined_kernel
-def even_count(buffer: HitBuffer, pixels: Rectangle) -> int:
-    """Return how many rays of each row to process for some pixels: whole groups of RAYS_PER_VECTOR.
+def nearer_of(distance: float, met: int, distance_before: float, met_before: int) -> tuple[float, int]:
+    """Return the nearer of two hits, in m and as codes.
+
+    Store the result whether it has changed or not. To store the numbers of only some rays of a vector takes
+    several times as long on many processors, and the compiler does so if it sees that the others are
+    written back as they were read. So these pass through functions that change no distance and no code.
+    """
+    kept, met_kept = abs(distance_before), min(met_before, GREATEST)
+    return min(distance, kept), met if distance < kept else met_kept
+
+
+@inlined_kernel
+def whole_vectors(buffer: HitBuffer, count: int) -> int:
+    """Return how many successive rays to process for some of them: whole vectors.
 
     The processor computes a group as fast as one ray. Any rays left over would be computed one by one, which
     takes longer than the few further rays of the image that the last group contains.
     """
-    return int(
-        min(buffer.met.shape[0], -(-(pixels.right - pixels.left) // RAYS_PER_VECTOR) * RAYS_PER_VECTOR)
-    )
+    return int(min(buffer.met.shape[0], (count + buffer.at_once - 1) & -buffer.at_once))
 
 
 @inlined_kernel
 def start_in_row(buffer: HitBuffer, pixels: Rectangle, row: int, count: int) -> int:
-    """Return the first of ``even_count`` rays that contain those of some pixels in a row."""
+    """Return the first of ``whole_vectors`` of rays that contain those of some pixels in a row."""
     return nonnegative(min(row * buffer.width + pixels.left, buffer.met.shape[0] - count))
 
 

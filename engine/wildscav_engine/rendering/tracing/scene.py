@@ -76,11 +76,12 @@ def scene_of(world: World) -> Scene:
     more = ((0, 0), (0, SQUARE - CORNERS * CORNERS))
     heights = np.pad(_in_blocks(world, world.heights, CORNERS), more, mode="edge")
     group_start, grouped = _in_groups(start, place[members])
-    middles, radii = _bounding_spheres(spans)
+    middles, radii = (np.pad(part, (0, LANES)) for part in _bounding_spheres(spans))
     blocks = Blocks(
         heights,
         _in_blocks(world, world.water, BLOCK),
-        spans,
+        spans[:, 0].copy(),
+        _layers_of(spans),
         world.corner,
         group_start,
         np.maximum(grouped, 0),
@@ -116,6 +117,16 @@ def _bounding_spheres(spans: NDArray[np.float64]) -> tuple[NDArray[np.float32], 
     low, high = np.minimum(spans[:, 0], spans[:, 2]), spans[:, 1::2].max(axis=1)
     radius = np.sqrt(0.5 * (BLOCK * CELL) ** 2 + 0.25 * (high - low) ** 2)
     return (0.5 * (low + high)).astype(np.float32), _rounded_up(radius)
+
+
+def _layers_of(spans: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Return (B, 9) the boxes around the layers of blocks; see ``Blocks``."""
+    low, high = spans[:, 0::2], spans[:, 1::2]
+    has_any = low <= high
+    low, high = np.where(has_any, low, 0.0), np.where(has_any, high, 0.0)
+    half = 0.5 * (high - low)
+    radii = np.where(has_any, _rounded_up(np.sqrt(0.5 * (BLOCK * CELL) ** 2 + half**2)), NEVER_SEEN)
+    return np.stack([0.5 * (low + high), half, radii], axis=2).reshape(len(spans), 9).astype(np.float32)
 
 
 def _rounded_up(radii: NDArray[np.float64]) -> NDArray[np.float32]:

@@ -33,13 +33,15 @@ class Blocks(NamedTuple):
 
     heights: NDArray[np.float64]  # (B, 96) m, of the 81 corners of a block's cells, row after row
     water: NDArray[np.float64]  # (B, 64) m, of a block's cells, -inf where dry
-    spans: NDArray[np.float64]  # (B, 6) m, lowest and highest ground, members, and water; inf, -inf for none
+    lowest: NDArray[np.float64]  # (B,) m, the lowest ground
+    layers: NDArray[np.float32]  # (B, 9) m, of boxes around a block's ground, its members and its water: the
+    # height of the middle, half the height, and the radius
     edges: NDArray[np.float64]  # (2,) m, x and z of the map's south-western corner
     group_start: NDArray[np.int64]  # (B + 1,) where each block's groups start
     members: NDArray[np.int64]  # (G * 8,) solids
     rises: NDArray[np.float32]  # (B, 96) m, heights above the lowest ground of their block
-    middles: NDArray[np.float32]  # (B,) m, height of the middle of a block's contents
-    radii: NDArray[np.float32]  # (B,) m, radius of a sphere around them
+    middles: NDArray[np.float32]  # (B + 8,) m, height of the middle of a block's contents; then padding
+    radii: NDArray[np.float32]  # (B + 8,) m, radius of a sphere around them
     groups: NDArray[np.float32]  # (G, 72) m: of eight boxes, x, y, z of their middles from the block's
     # south-western corner at its lowest ground, half their heights, x and z of two half edges, their radii
     extent: NDArray[np.int64]  # (3,) rows and columns of cells, and 1 if a solid reaches beyond the map

@@ -1,15 +1,16 @@
 """Workspaces for tracing images, cached because allocating one takes longer than tracing a small image."""
 
+import functools
 import threading
 from collections.abc import Callable, Hashable
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar, cast
 
 import numpy as np
 
 from wildscav_engine.compilation.array_tables import Addresses, addresses_of, reader
-from wildscav_engine.compilation.kernel import inlined_kernel
+from wildscav_engine.compilation.kernel import PLAIN, inlined_kernel
 from wildscav_engine.rendering.tracing.front_to_back import Scratch, allocate_scratch
-from wildscav_engine.rendering.tracing.hit_buffer import ImageArrays, allocate_image
+from wildscav_engine.rendering.tracing.hit_buffer import MOST_AT_ONCE, ImageArrays, allocate_image
 from wildscav_engine.rendering.tracing.scene_arrays import Blocks, SceneArrays, Shapes
 
 Made = TypeVar("Made")
@@ -76,7 +77,7 @@ class WorkspaceTable:
 def allocate_workspace(scene: SceneArrays, size: Size, image: ImageArrays) -> WorkspaceTable:
     """Return a workspace for images of a size."""
     most_faces = int(np.diff(scene.solids.face_start).max(initial=0))
-    sizes = len(scene.blocks.spans), len(scene.solids.obbs), max(most_faces, size.most_faces)
+    sizes = len(scene.blocks.lowest), len(scene.solids.obbs), max(most_faces, size.most_faces)
     rounded = tuple(1 << size.bit_length() for size in sizes)
     scratch = scratches.get(rounded, lambda: allocate_scratch(*rounded))
     return WorkspaceTable(Workspace(*scene, image, scratch))
@@ -86,8 +87,9 @@ _ROWS, _INTEGERS, _FLOATS = np.zeros((0, 1)), np.zeros(0, np.int64), np.zeros(0,
 _read_solids = reader(Shapes(_ROWS, _INTEGERS, _ROWS, _INTEGERS, _INTEGERS))
 _read_blocks = reader(
     Blocks(
-        *(_ROWS, _ROWS, _ROWS, np.zeros(2), _INTEGERS, _INTEGERS, np.zeros((0, 1), np.float32)),
-        *(_FLOATS, _FLOATS, np.zeros((0, 1), np.float32), _INTEGERS, np.zeros(0, np.int8)),
+        *(_ROWS, _ROWS, np.zeros(0), np.zeros((0, 1), np.float32), np.zeros(2), _INTEGERS, _INTEGERS),
+        *(np.zeros((0, 1), np.float32), _FLOATS, _FLOATS, np.zeros((0, 1), np.float32)),
+        *(_INTEGERS, np.zeros(0, np.int8)),
     )
 )
 _read_image = reader(allocate_image(1, 1, 1.0))
@@ -108,6 +110,27 @@ def read_workspace(table: Addresses) -> Workspace:
     )
 
 
+def new_image(shape: tuple[int, int, float]) -> ImageArrays:
+    """Return the arrays for images of a height, width and half width."""
+    return allocate_image(*shape, rays_at_once())
+
+
+@functools.cache
+def rays_at_once() -> int:
+    """Return how many rays the processor intersects at once: how many float64 the compiler puts in a vector.
+
+    It uses vectors of 512 bits on processors of AMD that have them, and of 256 bits on all others.
+    """
+    if PLAIN:
+        return MOST_AT_ONCE
+    from llvmlite import binding
+    from numba.core import config
+
+    settings, host = cast(Any, config), cast(Any, binding)
+    name = settings.CPU_NAME or host.get_host_cpu_name()
+    return 8 if name.startswith("znver") and int(name.removeprefix("znver")) >= 4 else 4
+
+
 class Workspaces(LatestOfThread):
     """The cached workspaces of one scene, separate for each thread."""
 
@@ -125,6 +148,6 @@ class Workspaces(LatestOfThread):
         if size.height * size.width > LARGEST_CACHED:
             # The workspace keeps its solids alive, so no others have their id.
             key = size, id(scene.solids)
-            return latest_large.get(key, lambda: allocate_workspace(scene, size, allocate_image(*shape)))
-        image = images.get(shape, lambda: allocate_image(*shape))
+            return latest_large.get(key, lambda: allocate_workspace(scene, size, new_image(shape)))
+        image = images.get(shape, lambda: new_image(shape))
         return self.get(size, lambda: allocate_workspace(scene, size, image))
