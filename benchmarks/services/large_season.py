@@ -3,10 +3,10 @@
 from collections.abc import Iterator
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
-from sqlalchemy import insert
+from sqlalchemy import case, insert, select
 from sqlalchemy.orm import Session
 from tests.leaderboard.results_made import made_result
 
@@ -15,6 +15,7 @@ from wildscav_leaderboard.accounts.service import add_account, new_token, open_w
 from wildscav_leaderboard.boards.matchmaking import ladder_match
 from wildscav_leaderboard.conductor.editions import begin_editions
 from wildscav_leaderboard.conductor.models import PLAY, Attempt
+from wildscav_leaderboard.database.base import Base
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import FINISHED, LADDER, SUITE, Match, MatchResult, MatchSeat
 from wildscav_leaderboard.seasons.editions import digest_of
@@ -24,8 +25,7 @@ from wildscav_leaderboard.seasons.settings import SETTINGS_FILE
 from wildscav_leaderboard.submissions.models import Submission, Transition
 from wildscav_leaderboard.teams.models import Member, Team
 
-SUBMISSIONS, PER_TEAM = 1000, 2
-SUITE_MATCHES, LADDER_MATCHES, SEATS = 90, 10_000, 4
+PER_TEAM, SEATS = 2, 4
 AT_A_TIME = 1000  # rows inserted at once
 SETTINGS = """
 name = "large"
@@ -76,7 +76,24 @@ match = {{ time_limit = 4, seats = ["submission", "fighter"] }}
 """
 
 
-def make_large_season(folder: Path, port: int) -> tuple[Season, str, str]:
+class Size(NamedTuple):
+    """How large a season is."""
+
+    submissions: int
+    suite_matches: int  # of each submission
+    ladder_matches: int  # of all submissions together; even
+    copies: int = 1  # how often all these matches are there
+
+    @property
+    def matches(self) -> int:
+        """The number of matches before they are copied."""
+        return self.submissions * self.suite_matches + self.ladder_matches
+
+
+LARGE = Size(1000, 90, 10_000)
+
+
+def make_large_season(folder: Path, port: int, size: Size = LARGE) -> tuple[Season, str, str]:
     """Make a season in a new folder; return it with a token and a cookie of a team's member."""
     folder.mkdir(parents=True)
     now = datetime.now(UTC)
@@ -88,7 +105,7 @@ def make_large_season(folder: Path, port: int) -> tuple[Season, str, str]:
         seats=SEATS,
     )
     (folder / SETTINGS_FILE).write_text(settings)
-    (folder / "small.toml").write_text(SUITE_FILE.format(matches=SUITE_MATCHES))
+    (folder / "small.toml").write_text(SUITE_FILE.format(matches=size.suite_matches * size.copies))
     for name in (SECRET_FILE, FINAL_SECRET_FILE):
         (folder / name).write_bytes(new_secret())
     season = Season.open(folder)
@@ -97,16 +114,18 @@ def make_large_season(folder: Path, port: int) -> tuple[Season, str, str]:
     with database.writing() as session:
         begin_editions(session, season, now)
         season = in_force(session, season)
-        token, cookie = _add_people(session, now)
-        entrants = _add_submissions(session, now)
-    _add_matches(database, season, entrants, now)
+        token, cookie = _add_people(session, size, now)
+        entrants = _add_submissions(session, size, now)
+    _add_matches(database, season, size, entrants, now)
+    for copy in range(1, size.copies):
+        _copy_matches(database, size, copy)
     database.close()
     return season, token, cookie
 
 
-def _add_people(session: Session, now: datetime) -> tuple[str, str]:
+def _add_people(session: Session, size: Size, now: datetime) -> tuple[str, str]:
     """Add all teams, each with one member; return a token and a cookie of the first team's."""
-    teams = SUBMISSIONS // PER_TEAM
+    teams = size.submissions // PER_TEAM
     first = add_account(session, "member-1", "no hash", "competitor", now)
     for number in range(2, teams + 1):
         add_account(session, f"member-{number}", "no hash", "competitor", now)
@@ -116,11 +135,11 @@ def _add_people(session: Session, now: datetime) -> tuple[str, str]:
     return new_token(session, first, "benchmark", now), open_web_session(session, first, now)[0]
 
 
-def _add_submissions(session: Session, now: datetime) -> list[str]:
+def _add_submissions(session: Session, size: Size, now: datetime) -> list[str]:
     """Add active submissions; return their entrants."""
     path = ("submitted", "queued", "building", "validating", "active")
     found = []
-    for number in range(SUBMISSIONS):
+    for number in range(size.submissions):
         created = now - timedelta(days=20, seconds=-60 * number)
         submission = Submission(
             team_id=1 + number // PER_TEAM,
@@ -147,13 +166,13 @@ def _add_submissions(session: Session, now: datetime) -> list[str]:
     return found
 
 
-def _add_matches(database: Database, season: Season, entrants: list[str], now: datetime) -> None:
+def _add_matches(database: Database, season: Season, size: Size, entrants: list[str], now: datetime) -> None:
     """Add all matches with their seats, attempts and results."""
     digests = {track: digest_of(edition.conditions) for track, edition in season.editions.items()}
     skill = np.random.default_rng(0)
     strengths = skill.normal(0.0, 10.0, len(entrants))
     rows: list[tuple[dict[str, Any], ...]] = []
-    for number, (match, seats) in enumerate(_matches(season, entrants), 1):
+    for number, (match, seats) in enumerate(_matches(season, size, entrants), 1):
         at = now - timedelta(days=10) + timedelta(seconds=5 * number)
         for seat in seats:
             seat.match_id = number
@@ -196,7 +215,7 @@ def _add_matches(database: Database, season: Season, entrants: list[str], now: d
         _insert(database, rows)
 
 
-def _matches(season: Season, entrants: list[str]) -> Iterator[tuple[Match, list[MatchSeat]]]:
+def _matches(season: Season, size: Size, entrants: list[str]) -> Iterator[tuple[Match, list[MatchSeat]]]:
     """Yield all matches with their seats."""
     now = datetime.now(UTC)
 
@@ -204,13 +223,13 @@ def _matches(season: Season, entrants: list[str]) -> Iterator[tuple[Match, list[
         about = {"kind": kind, "track": track, "number": number, "group_id": group, "spec": spec}
         return Match(**about, edition_id=season.numbers[track], created=now, since=now)
 
-    for place, spec in enumerate(season.suite_matches["navigation"]):
+    for place, spec in enumerate(season.suite_matches["navigation"][: size.suite_matches]):
         dumped = spec.model_dump(mode="json")
         for group, entrant in enumerate(entrants, 1):
             match = made(SUITE, "navigation", place, group, dumped)
             yield match, [MatchSeat(match_id=0, seat=0, submission_id=group, entrant=entrant)]
     suite, draw = season.suite("battle"), np.random.default_rng(1)
-    for number in range(0, LADDER_MATCHES, 2):
+    for number in range(0, size.ladder_matches, 2):
         met = draw.choice(len(entrants), SEATS, replace=False)
         names = {entrants[one]: int(one) + 1 for one in met}
         for turn in range(2):
@@ -233,3 +252,20 @@ def _insert(database: Database, rows: list[tuple[dict[str, Any], ...]]) -> None:
         session.execute(insert(MatchSeat), [seat for row in rows for seat in row[1:-2]])
         session.execute(insert(Attempt), [row[-2] for row in rows])
         session.execute(insert(MatchResult), [row[-1] for row in rows])
+
+
+def _copy_matches(database: Database, size: Size, copy: int) -> None:
+    """Add all matches of the season once more, with other numbers."""
+    more = copy * size.matches
+    in_a_copy = case((Match.kind == SUITE, size.suite_matches), else_=size.ladder_matches)
+    changed: dict[type[Base], dict[str, Any]] = {
+        Match: {"id": Match.id + more, "number": Match.number + copy * in_a_copy},
+        MatchSeat: {"match_id": MatchSeat.match_id + more},
+        Attempt: {"id": Attempt.id + more, "match_id": Attempt.match_id + more},
+        MatchResult: {"match_id": MatchResult.match_id + more, "attempt_id": MatchResult.attempt_id + more},
+    }
+    with database.writing() as session:
+        for table, values in changed.items():
+            columns = {column.key: column for column in table.__table__.columns} | values
+            first = (table.id if table in {Match, Attempt} else table.match_id) <= size.matches
+            session.execute(insert(table).from_select(list(columns), select(*columns.values()).where(first)))

@@ -60,7 +60,8 @@ async def _ask(
                     return
                 await asyncio.sleep(max(0.0, start - time.perf_counter()))
                 writer.write(request)
-                status, load.size = await _read_answer(reader)
+                status, body = await read_answer(reader)
+                load.size = len(body)
                 load.latencies.append(time.perf_counter() - start)
                 load.failures += status != 200
         finally:
@@ -71,9 +72,8 @@ async def _ask(
     return load
 
 
-async def _read_answer(reader: asyncio.StreamReader) -> tuple[int, int]:
-    """Read an answer; return its status and the size of its body."""
+async def read_answer(reader: asyncio.StreamReader) -> tuple[int, bytes]:
+    """Read an answer; return its status and its body."""
     head = await reader.readuntil(b"\r\n\r\n")
     size = int(head.lower().partition(b"content-length: ")[2].split(b"\r\n")[0])
-    await reader.readexactly(size)
-    return int(head.split(b" ", 2)[1]), size
+    return int(head.split(b" ", 2)[1]), await reader.readexactly(size)

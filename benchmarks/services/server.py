@@ -60,7 +60,7 @@ async def play_matches(folder: Path, seats: int, count: int = 1) -> list[tuple[H
     matches = [
         await server.host(match_spec(seats), names=["walker"] * seats, clock=PATIENT) for _ in range(count)
     ]
-    agents = [await _agent(address, token) for hosted in matches for token in hosted.tokens.values()]
+    agents = [await start_agent(address, token) for hosted in matches for token in hosted.tokens.values()]
     outcomes = [await hosted.finished() for hosted in matches]
     await asyncio.gather(*(agent.wait() for agent in agents))
     await server.stop()
@@ -73,7 +73,8 @@ async def play_matches(folder: Path, seats: int, count: int = 1) -> list[tuple[H
     ]
 
 
-async def _agent(address: str, token: str) -> asyncio.subprocess.Process:
+async def start_agent(address: str, token: str) -> asyncio.subprocess.Process:
+    """Start the process of an agent that walks in a circle."""
     return await asyncio.create_subprocess_exec(
         *(sys.executable, "-m", "wildscav.sdk", "walker:Walker"),
         cwd=HERE,
@@ -160,7 +161,7 @@ async def play_shared(folder: Path, count: int) -> float:
         arena = ArenaStub(channel)
         matches = [await arena.HostMatch(HostMatchRequest(spec_json=spec)) for _ in range(count)]
         started = time.perf_counter()
-        agents = [await _agent(decode_seat_address(one, address), one.seat_tokens[0]) for one in matches]
+        agents = [await start_agent(decode_seat_address(one, address), one.seat_tokens[0]) for one in matches]
         await asyncio.gather(*(agent.wait() for agent in agents))
         seconds = time.perf_counter() - started
         answers = [await arena.GetMatch(GetMatchRequest(match_id=one.match_id)) for one in matches]

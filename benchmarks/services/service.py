@@ -68,13 +68,13 @@ def main(
         season, token, cookie = _season(place)
         figures = _refreshing(season)
         port = season.settings.web.port
-        stack.enter_context(_served(season, "conductor"))
-        web = stack.enter_context(_served(season, "web"))
+        stack.enter_context(served(season, "conductor"))
+        web = stack.enter_context(served(season, "web"))
         peer = stack.enter_context(_hello())
-        _wait(f"http://127.0.0.1:{port}/ready")
-        _wait(f"http://127.0.0.1:{peer}/")
+        wait_for(f"http://127.0.0.1:{port}/ready")
+        wait_for(f"http://127.0.0.1:{peer}/")
         _wait_for_conductor(season)
-        (server,) = _children(web.pid)
+        (server,) = children_of(web.pid)
         hello = ask(peer, "/", seconds=seconds, connections=CONNECTIONS, rate=None)
         figures.append(Figure("bare FastAPI route: sustained", hello.rate, "requests/s"))
         for name, path in PAGES.items():
@@ -90,7 +90,7 @@ def _season(place: Path) -> tuple[Season, str, str]:
     if kept.exists():
         token, cookie = kept.read_text().splitlines()
         return Season.open(place / "season"), token, cookie
-    season, token, cookie = large_season.make_large_season(place / "season", _free_port())
+    season, token, cookie = large_season.make_large_season(place / "season", free_port())
     kept.write_text(f"{token}\n{cookie}\n")
     return season, token, cookie
 
@@ -107,7 +107,7 @@ def _refreshing(season: Season) -> list[Figure]:
     with database.reading() as session:
         results = session.scalar(select(func.count()).select_from(MatchResult)) or 0
         board = read_board(session, "navigation")
-    if board is None or len(board.rows) != large_season.SUBMISSIONS // large_season.PER_TEAM:
+    if board is None or len(board.rows) != large_season.LARGE.submissions // large_season.PER_TEAM:
         raise RuntimeError("the board lacks rows")
     database.close()
     return [Figure("results", results, ""), *figures]
@@ -118,9 +118,9 @@ def _page(
 ) -> list[Figure]:
     ask(port, path, seconds=1.0, connections=1, rate=None, cookie=cookie)  # first come caches
     steady = ask(port, path, seconds=seconds, connections=CONNECTIONS, rate=RATE, cookie=cookie)
-    before = _processor_time(server)
+    before = processor_time(server)
     most = ask(port, path, seconds=seconds, connections=CONNECTIONS, rate=None, cookie=cookie)
-    used = 1000.0 * (_processor_time(server) - before) / len(most.latencies)
+    used = 1000.0 * (processor_time(server) - before) / len(most.latencies)
     if steady.failures or most.failures:
         raise RuntimeError(f"{path} was not answered")
     ratio, size = f"{most.rate / hello.rate:.2f} of the bare route", f"{most.size:,} bytes"
@@ -174,7 +174,7 @@ def _upload(port: int, token: str, process: int, archive: Path) -> Figure:
     )
 
 
-def _processor_time(process: int) -> float:
+def processor_time(process: int) -> float:
     """Return the processor time that a process has used, s."""
     fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
@@ -187,7 +187,8 @@ def _memory(process: int) -> float:
 
 
 @contextmanager
-def _served(season: Season, part: str) -> Iterator[subprocess.Popen[bytes]]:
+def served(season: Season, part: str) -> Iterator[subprocess.Popen[bytes]]:
+    """Serve a part of a season, ``web`` or ``conductor``, in processes of its own."""
     program = Path(sys.executable).with_name("wildscav")
     command = [str(program), "season", "serve", str(season.folder), f"--{part}"]
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
@@ -199,7 +200,7 @@ def _served(season: Season, part: str) -> Iterator[subprocess.Popen[bytes]]:
 
 @contextmanager
 def _hello() -> Iterator[int]:
-    port = _free_port()
+    port = free_port()
     with subprocess.Popen([sys.executable, "-c", HELLO, str(port)]) as process:
         try:
             yield port
@@ -207,7 +208,8 @@ def _hello() -> Iterator[int]:
             process.send_signal(signal.SIGTERM)
 
 
-def _wait(address: str) -> None:
+def wait_for(address: str) -> None:
+    """Wait until a server answers."""
     until = time.monotonic() + START
     while time.monotonic() < until:
         try:
@@ -229,13 +231,14 @@ def _wait_for_conductor(season: Season) -> None:
     raise TimeoutError("nobody conducts the season")
 
 
-def _children(process: int) -> list[int]:
-    """Return the processes that a process started with Python, the web server's among them."""
+def children_of(process: int, program: bytes = b"spawn_main") -> list[int]:
+    """Return the processes that a process started with a program in Python, such as the web server."""
     found = Path(f"/proc/{process}/task/{process}/children").read_text().split()
-    return [int(one) for one in found if b"spawn_main" in Path(f"/proc/{one}/cmdline").read_bytes()]
+    return [int(one) for one in found if program in Path(f"/proc/{one}/cmdline").read_bytes()]
 
 
-def _free_port() -> int:
+def free_port() -> int:
+    """Return a port of this machine that nothing listens at."""
     with socket.socket() as found:
         found.bind(("127.0.0.1", 0))
         return int(found.getsockname()[1])

@@ -15,7 +15,7 @@ from threading import Thread
 from types import TracebackType
 from typing import IO, TypeVar, cast
 
-from wildscav_engine.compilation.cache_folders import cache_root
+from wildscav_engine.compilation.cache_root import cache_root
 from wildscav_engine.compilation.locks import Lock
 from wildscav_engine.compilation.notice import MapNotice
 from wildscav_engine.maps.cache import load_cached, path_of, store
