@@ -51,12 +51,13 @@ def layout_of(config: EnvConfig) -> Layout:
     """Return the layout of the rows of an environment."""
     start = np.full(PARTS, -1, np.int64)
     groups, column = [], 0
-    for part in parts_of(TRACKS[config.track], config.version):
+    kinds, parts = groups_of(config.version), parts_of(TRACKS[config.track], config.version)
+    for part in sorted(parts, key=lambda part: kinds[part].name):  # as in flat observations
         start[part] = column
-        name, columns = groups_of(config.version)[part]
-        width = len(columns)
-        groups.append((name, column, column + width))
-        column += width
+        column += len(kinds[part].columns)
+    for part in parts:
+        first = int(start[part])
+        groups.append((kinds[part].name, first, first + len(kinds[part].columns)))
     for part, width in (
         (Part.OUTCOME, len(OUTCOME)),
         (Part.EVENTS, len(EVENTS)),

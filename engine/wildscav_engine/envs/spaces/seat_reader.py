@@ -10,7 +10,7 @@ from wildscav_engine.compilation.array_tables import ArrayTable
 from wildscav_engine.envs.settings.config import EnvConfig
 from wildscav_engine.envs.spaces.columns import Part
 from wildscav_engine.envs.spaces.features import allocate_row_workspace, write_rows
-from wildscav_engine.envs.spaces.flattening import Flattener
+from wildscav_engine.envs.spaces.flattening import Flattener, Run, write_flat
 from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
 from wildscav_engine.envs.spaces.observation import (
     Observation,
@@ -57,7 +57,11 @@ class SeatReader:
             (name, slice(first, last) if part == (0, 0) else (..., slice(first, last)))
             for name, first, last in self.layout.groups
         ]
-        self._flattener = Flattener(readings_space(config), config.version) if config.flat else None
+        self._runs: list[Run] = []  # of flat observations
+        if config.flat:
+            flattener = Flattener(readings_space(config), config.version)
+            self._runs = flattener.runs(self.layout.groups)
+            self._flat_shape = (matches, len(seats), *flattener.space.shape)
         terms = RewardSum(config.reward_weights).term_arrays
         self._weights = terms.weight  # of matches that start from now on
         workspace = allocate_row_workspace(matches, len(config.seats), seats, self.layout.start, terms)
@@ -122,10 +126,11 @@ class SeatReader:
         self._workspace, self._next_workspace = self._next_workspace, self._workspace
         if self._sensors is not None:
             self._sensors.begin(batch, view, readings)
-        if self._flattener is not None:
+        if self._runs:
             self.finish_reading()
-            found = {name: rows[..., first:last] for name, first, last in self.layout.groups} | readings
-            return self._flattener.flatten(found, axes=2)[self._part], rows
+            flat = np.empty(self._flat_shape, np.float32)
+            write_flat(self._runs, rows, readings, flat)
+            return flat[self._part], rows
         kept = rows[self._part]
         observation = {name: kept[group] for name, group in self._groups}
         for name, reading in readings.items():
