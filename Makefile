@@ -7,7 +7,7 @@ RELEASES ?=
 PART ?= tests/engine tests/platform
 # What Python runs the tests with: .ci/tests runs those that failed once more.
 PYTEST ?= -m pytest
-BENCHMARKS := scaling speed.compile speed.environments speed.legacy speed.maps speed.processes speed.rays speed.steps \
+BENCHMARKS := speed.compile speed.environments speed.legacy speed.maps speed.processes speed.rays speed.steps \
 	speed.vector_sensors \
 	services.executor services.server services.service strength.ratings strength.schedule
 .DEFAULT_GOAL := help

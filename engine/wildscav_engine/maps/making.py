@@ -24,6 +24,7 @@ from wildscav_engine.maps.generate import generate_map
 from wildscav_engine.parallel.threads import cores
 from wildscav_engine.specs.map_spec import MapSpec
 
+THREAD = "wildscav-maps"  # the name of each thread that serves another process
 WORTH = 3.0  # s of work for each further process: twice as long as it takes to start
 
 Choices = Sequence[MapSpec]  # specs to try in turn; the first that can be generated is the map
@@ -87,7 +88,7 @@ class _Process:
             [sys.executable, "-m", __name__], stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, text=True
         )
         self._has_begun = False
-        self._thread = Thread(target=self._hand_out, args=(maps, left), daemon=True)
+        self._thread = Thread(target=self._hand_out, args=(maps, left), name=THREAD, daemon=True)
         self._thread.start()
 
     def _hand_out(self, maps: Mapping[int, Choices], left: deque[int]) -> None:

@@ -129,7 +129,11 @@ class MapPool:
         numbers = dict.fromkeys(word % len(self) for word in words)
         maps = {number: self.specs(number) for number in numbers if number not in self._made}
         make_maps(
-            {number: specs for number, specs in maps.items() if not path_of(specs[0]).exists()},
+            {
+                number: specs
+                for number, specs in maps.items()
+                if not any(path_of(spec).exists() for spec in specs)
+            },
             self.__getitem__,
         )
 

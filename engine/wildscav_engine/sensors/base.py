@@ -35,6 +35,9 @@ if TYPE_CHECKING:
 CONFIG = ConfigDict(extra="forbid", allow_inf_nan=False)
 
 
+Sight = Literal["none", "own", "all"]
+
+
 class Column(NamedTuple):
     """One number of a sensor reading or of a learner's observation."""
 
@@ -96,6 +99,8 @@ class StateSensor(Sensor):
     """
 
     scalars: ClassVar[tuple[Column, ...]]
+    # Which agents' sight a reading of some seats needs; environments do not find out what others see.
+    sight: ClassVar[Sight] = "all"
 
     @property
     def columns(self) -> tuple[Column, ...]:
@@ -116,7 +121,7 @@ class StateSensor(Sensor):
 
         Args:
             state: The state of B matches.
-            seen: What each agent of them sees now.
+            seen: What the agents of them see now, as far as ``sight`` says.
             seats: The numbers of the seats, which all matches have.
         """
 

@@ -8,14 +8,14 @@ and the tables of the documentation. In environments, one call reads it for all 
 import functools
 from abc import abstractmethod
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.kernel import kernel_beside
-from wildscav_engine.sensors.base import StateSensor
+from wildscav_engine.sensors.base import Sight, StateSensor
 from wildscav_engine.simulation.state import Agents, Matches, agents_at, matches_at
 
 if TYPE_CHECKING:
@@ -28,6 +28,8 @@ Write = Callable[[Agents, Matches, int, int, NDArray[np.float32]], None]
 
 class ScalarSensor(StateSensor):
     """A few numbers about an agent."""
+
+    sight: ClassVar[Sight] = "none"
 
     @staticmethod
     @abstractmethod

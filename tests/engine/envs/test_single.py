@@ -252,3 +252,10 @@ def test_nothing_is_shown_unless_asked_for() -> None:
 
 def test_editors_know_every_option() -> None:
     assert EnvOptions.__annotations__.keys() == EnvConfig.model_fields.keys() - {"track"} | {"preset"}
+
+
+def test_environments_check_by_themselves_that_they_were_reset() -> None:
+    env = gymnasium.make(env_id("navigation"), **options("navigation", action_mode="box"))
+    assert env is env.unwrapped
+    with pytest.raises(RuntimeError, match="reset the environment first"):
+        env.step(env.action_space.sample())

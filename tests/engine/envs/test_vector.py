@@ -26,10 +26,12 @@ from wildscav_engine.rendering.hits import allocate_hits
 from wildscav_engine.rendering.images import trace
 from wildscav_engine.rendering.tracing.solids import Solids
 from wildscav_engine.sensors import SENSORS, ColorCamera, Lidar, SegmentationCamera, parse_sensors
-from wildscav_engine.sensors.base import Sensor, sensor
+from wildscav_engine.sensors.base import Column, Sensor, StateSensor, sensor
 from wildscav_engine.sensors.optics.dynamic_objects import dynamic_objects_of
 from wildscav_engine.sensors.optics.pinhole import PinholeCamera
 from wildscav_engine.simulation.match_view import MatchView
+from wildscav_engine.simulation.state import State
+from wildscav_engine.simulation.systems.visibility import Seen
 
 SMALL_SENSORS = {"depth": {"width": 4, "height": 3}, "visible_agents": {}}
 ENVS = 3
@@ -206,6 +208,50 @@ def test_images_of_many_matches_show_each_learner_what_it_sees_in_its_own(
         views = [arena.arena.view(match) for match in range(3)]
         assert np.stack([sensor.read(view, [0, 1]) for view in views]).tobytes() == images.tobytes()
         images = arena.step(arena.action_space.sample())[0][name]
+
+
+@sensor
+class Watchers(StateSensor):
+    """A sensor from another package that asks what others see: how many see each seat."""
+
+    name: ClassVar[str] = "watchers"
+    title: ClassVar[str] = "how many see the agent"
+    scalars: ClassVar[tuple[Column, ...]] = (Column("watchers", "", 0, 999, "how many see the agent"),)
+
+    def read_batch(self, state: State, seen: Seen, seats: NDArray[np.int64]) -> NDArray[np.float32]:
+        return np.array([[[(match == seat).sum()] for seat in seats] for match in seen.agents], np.float32)
+
+
+def test_a_sensor_may_ask_what_other_seats_see(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(SENSORS._made, Watchers.name, Watchers)
+    monkeypatch.setattr(SENSORS, "_built_in", {**SENSORS._built_in, Watchers.name: "its:Watchers"})
+    env = VectorArena("battle", 3, **options("battle", sensors={Watchers.name: {}}, action_mode="box"))
+    env.reset(seed=1)
+    env.action_space.seed(1)
+    counted = 0.0
+    for _ in range(20):
+        observation: Any = env.step(env.action_space.sample())[0]
+        matches = [Watchers().read(env.arena.view(match), [0])[0] for match in range(3)]
+        assert observation[Watchers.name].tobytes() == np.stack(matches).tobytes()
+        counted += observation[Watchers.name].sum()
+    assert counted > 0
+
+
+@pytest.mark.parametrize("flat", [False, True])
+@pytest.mark.parametrize("threads", [1, 2])
+def test_observations_stay_what_they_were(flat: bool, threads: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("wildscav_engine.sensors.optics.image_sensor.MIN_THREAD_TIME", 1)
+    sensors = {"depth": {"width": 4, "height": 3}, "camera": {"width": 8, "height": 6}}
+    more = {"sensors": sensors, "action_mode": "box", "threads": threads, "flat": flat}
+    env = VectorArena("battle", 3, **options("battle", **more))
+    kept = [env.reset(seed=3)[0]]
+    env.action_space.seed(1)
+    told = [digest(kept[0])]
+    for _ in range(5):
+        kept.append(env.step(env.action_space.sample())[0])
+        told.append(digest(kept[-1]))
+    assert [digest(observation) for observation in kept] == told
+    assert len({repr(one) for one in told}) == 6
 
 
 def unpickled(env: Any) -> Any:

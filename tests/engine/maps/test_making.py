@@ -32,7 +32,6 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, compiled: None) -> P
 def test_the_maps_of_other_processes_are_the_same(monkeypatch: pytest.MonkeyPatch, folder: Path) -> None:
     monkeypatch.setattr(making, "WORTH", 1e-9)
     here: list[int] = []
-    threads = threading.active_count()
 
     def make(number: int) -> None:
         """Leave some maps to others."""
@@ -48,7 +47,7 @@ def test_the_maps_of_other_processes_are_the_same(monkeypatch: pytest.MonkeyPatc
     kept = cache.load_cached(MAPS[5][0])
     assert kept is not None
     assert kept.digest == generate_map(MAPS[5][0].config, 5).digest
-    assert threading.active_count() == threads
+    assert making.THREAD not in [thread.name for thread in threading.enumerate()]
 
 
 @pytest.mark.parametrize(
@@ -73,10 +72,9 @@ def test_maps_are_made_here_alone(
 def test_after_an_error_no_other_process_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(making, "WORTH", 1e-9)
     pool = MapPool(7, [*MAPS.values(), [CROWDED]][::-1].__getitem__)
-    threads = threading.active_count()
     with pytest.raises(MapError, match="houses is 50"):
         pool.prepare([3, 4, 0, 1])
-    assert threading.active_count() == threads
+    assert making.THREAD not in [thread.name for thread in threading.enumerate()]
     assert not pool.is_made
 
 

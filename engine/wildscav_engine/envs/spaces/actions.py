@@ -191,11 +191,11 @@ def _decode_box(values: NDArray[Any], flags: NDArray[np.int64], turn: float, loo
         for place in range(values.shape[1]):
             if not -1.0 <= values[row, place] <= 1.0:
                 return False
-        east, north = float(values[row, 0]), float(values[row, 1])
+        east, north = np.float64(values[row, 0]), np.float64(values[row, 1])
         rows[row, DIRECTION] = arctangent(east, north)
         rows[row, SPEED] = MAX_WALK_SPEED * min(1.0, np.sqrt(east * east + north * north))
-        rows[row, TURN] = turn * float(values[row, 2])
-        rows[row, LOOK] = look * float(values[row, 3])
+        rows[row, TURN] = turn * values[row, 2]
+        rows[row, LOOK] = look * values[row, 3]
         for place in range(flags.shape[0]):
             rows[row, flags[place]] = 1.0 if values[row, 4 + place] > 0.0 else 0.0
     return True

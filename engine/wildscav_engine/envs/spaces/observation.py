@@ -28,6 +28,7 @@ from wildscav_engine.tracks import TRACKS
 if TYPE_CHECKING:
     from wildscav_engine.maps.game_map import GameMap
     from wildscav_engine.simulation.batch import Batch
+    from wildscav_engine.simulation.systems.visibility import Seen
 
 Readings = dict[str, NDArray[Any]]  # by names of groups and sensors
 Observation = Readings | NDArray[np.float32]  # the latter if the environment is flat
@@ -155,10 +156,16 @@ class SensorReader:
             self._begin_together(batch, found)
         for name, sensor in self._others.items():
             if isinstance(sensor, StateSensor):
-                found[name] = sensor.read_batch(batch.state, batch.seen_by(self._seats), self._rows)
+                found[name] = sensor.read_batch(batch.state, self._seen(batch, sensor.sight), self._rows)
                 continue
             readings = self._read_each(sensor, [view(match) for match in range(len(batch.specs))])
             found[name] = readings[0][np.newaxis] if len(readings) == 1 else np.stack(readings)
+
+    def _seen(self, batch: "Batch", sight: str) -> "Seen":
+        """Return what agents see, up to date as far as a sensor needs it; see ``StateSensor.sight``."""
+        if sight == "all":
+            return batch.seen
+        return batch.seen_by(self._seats if sight == "own" else (), self._threads)
 
     def finish(self) -> None:
         """Render the images that no other thread has begun with, and wait for those."""
@@ -174,6 +181,7 @@ class SensorReader:
                 readings[match] = sensor.read(matches[match], self._seats)
             return True
 
+        _ = matches[0].seen  # in advance, because all threads would do it
         least = len(matches)
         if isinstance(sensor, ImageSensor):
             least = -(-sensor.min_images_per_thread // len(self._seats))

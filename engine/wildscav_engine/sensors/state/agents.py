@@ -8,7 +8,7 @@ from pydantic import Field
 
 from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.sensors.base import Column, StateSensor, sensor
+from wildscav_engine.sensors.base import Column, Sight, StateSensor, sensor
 from wildscav_engine.simulation.state import Agents, agents_at, matches_at
 from wildscav_engine.simulation.systems.visibility import AGENT_LIMIT, insert_nearest
 
@@ -56,6 +56,7 @@ class VisibleAgents(StateSensor):
     """
 
     name: ClassVar[str] = "visible_agents"
+    sight: ClassVar[Sight] = "own"
     title: ClassVar[str] = (
         "agents in sight: present, seat, team, position from the soles, m, distance, m, velocity, m/s, "
         "yaw, degrees, health, hp, invincible"
@@ -110,6 +111,7 @@ class Teammates(StateSensor):
     """
 
     name: ClassVar[str] = "teammates"
+    sight: ClassVar[Sight] = "none"
     title: ClassVar[str] = (
         "teammates: present, seat, position from the soles, m, distance, m, velocity, m/s, yaw, degrees, "
         "health, hp, invincible, supplies"

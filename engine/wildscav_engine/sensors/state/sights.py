@@ -16,7 +16,7 @@ from pydantic import Field
 from wildscav_engine.arithmetic.elementary_functions import arctangent, cosine, logarithm, wrap
 from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.sensors.base import Column, StateSensor, sensor
+from wildscav_engine.sensors.base import Column, Sight, StateSensor, sensor
 from wildscav_engine.simulation.state import agents_at
 from wildscav_engine.simulation.systems.visibility import AGENT_LIMIT
 from wildscav_engine.specs.body import BODY_RADIUS, EYE_HEIGHT
@@ -34,6 +34,7 @@ class Sights(StateSensor):
     """The nearest enemies in sight, relative to the view."""
 
     name: ClassVar[str] = "sights"
+    sight: ClassVar[Sight] = "own"
     title: ClassVar[str] = (
         "enemies in sight: present; right of and below the view, now and soon, and half width, ln degrees; "
         "faces, of 1; log distance, ln m; health, hp; invincible"

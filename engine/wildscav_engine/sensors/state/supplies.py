@@ -9,7 +9,7 @@ from pydantic import Field
 from wildscav_engine.arithmetic.elementary_functions import logarithm
 from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.sensors.base import Column, StateSensor, sensor
+from wildscav_engine.sensors.base import Column, Sight, StateSensor, sensor
 from wildscav_engine.sensors.state.places import write_direction
 from wildscav_engine.simulation.state import agents_at, supplies_at
 from wildscav_engine.simulation.systems.visibility import SUPPLY_LIMIT
@@ -33,6 +33,7 @@ class NearbySupplies(StateSensor):
     """
 
     name: ClassVar[str] = "nearby_supplies"
+    sight: ClassVar[Sight] = "own"
     title: ClassVar[str] = "nearby supply boxes: present, quantity, position from the soles, m, distance, m"
 
     range: Annotated[float, Field(gt=0, le=200)] = 20.0  # m
@@ -102,6 +103,7 @@ class ToSupplies(StateSensor):
     """
 
     name: ClassVar[str] = "to_supplies"
+    sight: ClassVar[Sight] = "own"
     title: ClassVar[str] = (
         "the ways to the boxes most worth a walk: present; right, ahead, of 1; up, m; log distance, ln m; "
         "log quantity"

@@ -107,6 +107,17 @@ def test_whole_numbers_may_be_floats(mode: str, action: Any) -> None:
     assert decoded("navigation", mode, np.float32(action)) == decoded("navigation", mode, whole)
 
 
+def test_numbers_of_a_box_are_decoded_alike_whatever_their_type() -> None:
+    chosen = action_mode(EnvConfig(track="battle", action_mode="box"))
+    actions = np.random.default_rng(0).uniform(-1, 1, (200, 8)).astype(np.float32)
+    found = []
+    for given in (actions, actions.astype(np.float64), actions.tolist(), np.asfortranarray(actions)):
+        rows = np.zeros((200, FIELDS), np.float32)
+        chosen.decode(given, np.zeros(200), rows, (200,))
+        found.append(rows.tobytes())
+    assert found == [found[0]] * 4
+
+
 @pytest.mark.parametrize("mode", MODES)
 def test_many_actions_are_decoded_as_each_is_alone(mode: str) -> None:
     from gymnasium.vector.utils import batch_space, iterate

@@ -4,9 +4,25 @@ import numpy as np
 import pytest
 from tests.builders import act, box, flat_world, make_match, place
 
+from wildscav_engine.arithmetic.elementary_functions import arctangent
+from wildscav_engine.geometry.rays import sight_is_clear
+from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import Kind, Solid
+from wildscav_engine.maps import generate_map
 from wildscav_engine.simulation.match import Match
+from wildscav_engine.simulation.systems.visibility import (
+    ASPECT,
+    AXIS_POINTS,
+    SIDE,
+    SIDE_HEIGHT,
+    Eye,
+    sees_body,
+)
+from wildscav_engine.specs.body import EYE_HEIGHT
+from wildscav_engine.specs.map_spec import MapConfig
 from wildscav_engine.specs.rules import Rules
+
+HILLS = generate_map(MapConfig(size=100, houses=2, relief=2.0, ruggedness=1.0), 3).world
 
 
 def watch(
@@ -36,6 +52,30 @@ def watch(
 )
 def test_the_view_is_a_frustum(position: tuple[float, float, float], seen: bool) -> None:
     assert watch(position) == seen
+
+
+def in_sight(eye: Eye, x: float, y: float, z: float) -> bool:
+    """Whether a point is in the vertical view with a clear line of sight."""
+    pitch = arctangent(eye.y - y, np.hypot(x - eye.x, z - eye.z))
+    is_level = abs(pitch - eye.pitch) <= eye.view_angle * ASPECT * 0.5
+    return bool(is_level and sight_is_clear(HILLS, eye.x, eye.y, eye.z, x, y, z))
+
+
+def test_on_hills_a_body_is_seen_where_any_of_its_points_is() -> None:
+    random, found = np.random.default_rng(0), []
+    for _ in range(3000):
+        (x, z), (to_x, to_z) = random.uniform(-45, 45, (2, 2))
+        y, to_y = (float(ground_at(HILLS, *place).height) for place in ((x, z), (to_x, to_z)))
+        dx, dz = to_x - x, to_z - z
+        # Looks straight at the body, so that all of its points are between left and right.
+        eye = Eye(x, y + EYE_HEIGHT, z, arctangent(dx, dz), random.uniform(-20, 20), 90.0)
+        level = np.hypot(dx, dz)
+        points = [(to_x, to_y + height, to_z) for height in AXIS_POINTS]
+        sides = (-SIDE / level, SIDE / level)
+        points += [(to_x + side * dz, to_y + SIDE_HEIGHT, to_z - side * dx) for side in sides]
+        found.append(sees_body(HILLS, eye, to_x, to_y, to_z))
+        assert found[-1] == any(in_sight(eye, *point) for point in points)
+    assert 300 < sum(found) < 2700
 
 
 def test_looking_at_the_sky_hides_the_ground() -> None:
