@@ -76,8 +76,8 @@ def panels(curves: dict[str, Any]) -> tuple[Panel, ...]:
             "spectators",
             "spectators of a live match",
             "ms",
-            {"delay": ("until a move is seen", 1000), "answer": ("a question", 1000)},
-            f"limit: one process, {asked:.0f} questions/s",
+            {"delay": ("until a move is seen", 1000), "answer": ("a request", 1000)},
+            f"limit: one process, {asked:.0f} requests/s",
             across=0.4 * asked,
         ),
         Panel(
