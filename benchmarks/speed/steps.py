@@ -1,4 +1,4 @@
-"""Steps a second of the engine and its environments, with threads and processes, with and without depth."""
+"""Steps a second of the engine, with threads and processes; ``environments.py`` measures environments."""
 
 import functools
 import itertools
@@ -284,31 +284,6 @@ def _steps_in_turn(match: Match, actions: np.ndarray, steps: int = 500) -> float
     return steps / (time.process_time() - started)
 
 
-def env_figure(depth: bool) -> Figure:
-    """Measure one Gymnasium environment as ``gymnasium.make`` gives it, actions drawn beforehand."""
-    env = gymnasium.make(ENV, **env_options(depth))
-    env.action_space.seed(0)
-    actions = [env.action_space.sample() for _ in range(256)]
-    env.reset(seed=0)
-    make_pool(env.unwrapped.arena)
-
-    def step(number: int) -> None:
-        _, _, terminated, truncated, _ = env.step(actions[number % 256])
-        if terminated or truncated:
-            env.reset()
-
-    rate = steps_per_second(step, 1, 2000)
-    return Figure(f"one Gymnasium env, {seen(depth)}", rate, "steps/s", "resets included")
-
-
-def vector_figure(envs: int, depth: bool) -> Figure:
-    """Measure a vector environment, its resets over a pool of 64 maps included."""
-    vector = vector_env(envs, env_options(depth))
-    actions = [vector.action_space.sample() for _ in range(8)]
-    rate = steps_per_second(lambda number: vector.step(actions[number % 8]), envs, 400)
-    return Figure(f"vector env, {envs} × 1, {seen(depth)}", rate, "agent-steps/s", "resets included")
-
-
 def opponents_figures() -> list[Figure]:
     """Measure battles of one learner against nine robots, and what nine seats of one policy take more."""
     rates = []
@@ -388,10 +363,6 @@ def main(json_file: JsonFile = None) -> None:
         match_figure("one match, 1 agent", "submission"),
         match_figure("one match, 10 agents", *["submission"] * 10),
         *robots_figures(),
-        env_figure(depth=True),
-        env_figure(depth=False),
-        vector_figure(64, depth=True),
-        vector_figure(64, depth=False),
         *opponents_figures(),
         lists_figure("Battle", {}),
         lists_figure("Gathering", {"teammates": ("gatherer",) * 3}),

@@ -126,7 +126,7 @@ class SensorReader:
             if isinstance(sensor, ImageSensor) and (_reads_many(sensor) or _sees_map_only(sensor))
         }
         self._others = {name: sensor for name, sensor in sensors.items() if name not in self._together}
-        self._seats, self._poses, self._threads = list(seats), poses, threads
+        self._seats, self._threads = list(seats), threads
         self._rows = np.array(self._seats, np.int64)
         self._shown = ShownMaps([])  # the map of every seat that is read
         self._begun: list[SharedWork] = []
