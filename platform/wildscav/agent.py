@@ -136,6 +136,12 @@ class MatchInfo:
     respawns: bool = True  # whether the dead come back; if not, they are out of the match (royale)
     supply_goal: int = 0  # what a team must carry to end the match, 0 for no goal (gathering)
     frames_per_second: int = 50  # of game time
+    senses: str = "original"  # what is told of others and boxes: "original", "sighted" or "pixels"
+    turn_speed: float = 9000.0  # degrees/s, of yaw and of pitch at most; 9000: any turn in one frame
+    spread: float = 0.0  # degrees a shot is off at most, for an agent that stands still
+    recoil: float = 0.0  # degrees a shot raises the view, for an agent that stands still
+    walking_sway: float = 0.0  # how many times more spread and recoil there are at 10 m/s
+    turning_sway: float = 0.0  # how many times more spread and recoil there are at a turn of 100 degrees/s
 
     @property
     def step_time(self) -> float:
@@ -149,9 +155,9 @@ class VisibleAgent(NamedTuple):
     seat: int  # 0 to seats - 1
     team: int  # an enemy's, if it is not one's own
     position: Vector  # m, soles of its feet
-    velocity: Vector  # m/s
+    velocity: Vector  # m/s; 0 if the senses are not "original"
     yaw: float  # degrees in (-180, 180]
-    health: int  # hp, above 0
+    health: int  # hp, above 0; 0 if the senses are not "original"
     invincible: bool  # takes no damage, for a while after a respawn
 
 

@@ -134,6 +134,7 @@ class MatchServer:
             ValueError: The number of names is not the number of seats, a seat with sensors or an address is
                 not a submission's, or the server does not listen at an address.
         """
+        from wildscav_engine.sensors import allowed_sensors
         from wildscav_engine.specs.match_spec import SUBMISSION
 
         numbers = [number for number, filled_by in enumerate(spec.seats) if filled_by == SUBMISSION]
@@ -145,7 +146,7 @@ class MatchServer:
         clock = (clock or Clock()).fitted(spec)
         seats = []
         for number in numbers:
-            wanted = parse_sensors((sensors or {}).get(number, {}))
+            wanted = allowed_sensors(parse_sensors((sensors or {}).get(number, {})), spec.rules.senses)
             seats.append(Seat(number, secrets.token_urlsafe(24), clock.bank(), wanted))
         # In a thread, so that other matches play on while the map is made.
         match = await asyncio.get_running_loop().run_in_executor(

@@ -46,6 +46,7 @@ class Stream(IntEnum):
     ZONE = 22
     MAP_POOL = 23
     HOT_SPOT = 24
+    SPREAD = 25
     COUNTRY = 30
     HIDING = 31
 

@@ -1,6 +1,7 @@
 """The sensors of agents: images in ``optics``, numbers in ``state``. ``extensions.py`` lists them."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from wildscav_engine.extensions import Registry
 from wildscav_engine.sensors.base import Sensor
@@ -14,6 +15,7 @@ from wildscav_engine.sensors.state.places import Compass, HotSpotSensor, ToHotSp
 from wildscav_engine.sensors.state.safe_zone import SafeZone
 from wildscav_engine.sensors.state.sights import Sights
 from wildscav_engine.sensors.state.supplies import NearbySupplies, ToSupplies
+from wildscav_engine.specs.rules import Senses
 
 SENSORS: Registry[type[Sensor]] = Registry("wildscav.sensors")
 
@@ -35,6 +37,7 @@ __all__ = [
     "ToSupplies",
     "ToWaves",
     "VisibleAgents",
+    "allowed_sensors",
     "parse_sensor",
     "parse_sensors",
 ]
@@ -66,3 +69,17 @@ def parse_sensors(wanted: Mapping[str, Mapping[str, object]]) -> dict[str, Senso
         parts = ", ".join(f"{name} {count:,}" for name, count in rays.items())
         raise ValueError(f"the sensors take too many rays per step ({parts}); together at most {MAX_RAYS:,}")
     return sensors
+
+
+def allowed_sensors(sensors: Mapping[str, Sensor], senses: int) -> dict[str, Sensor]:
+    """Return the sensors of a seat as the rule ``senses`` allows them.
+
+    A LIDAR sees all around, so it shows agents and boxes only with the original senses. Lists need no change:
+    they contain what ``visibility.py`` finds in sight.
+    """
+    return {
+        name: replace(sensor, moving=False)
+        if isinstance(sensor, Lidar) and senses != Senses.ORIGINAL
+        else sensor
+        for name, sensor in sensors.items()
+    }

@@ -15,6 +15,7 @@ from wildscav_engine.simulation.robots.decide import decide
 from wildscav_engine.simulation.robots.skill import skill_of
 from wildscav_engine.simulation.state import NOBODY, Agents, Matches, Supplies
 from wildscav_engine.simulation.systems.agent_grid import index_agents, others_near
+from wildscav_engine.simulation.systems.aim import turn_of
 from wildscav_engine.simulation.systems.damage import apply_damage, equip, respawn_agents
 from wildscav_engine.simulation.systems.elimination import rank_teams
 from wildscav_engine.simulation.systems.endings import (
@@ -197,9 +198,9 @@ def _turn_and_move(
     if agents.health[seat] <= 0:
         return
     action = actions[seat]
-    agents.yaw[seat] = wrap(agents.yaw[seat] + np.float64(action[Field.TURN]))
-    pitch = agents.pitch[seat] + np.float64(action[Field.LOOK])
-    agents.pitch[seat] = min(90.0, max(-90.0, pitch))
+    turn, look = turn_of(action, rules)
+    agents.yaw[seat] = wrap(agents.yaw[seat] + turn)
+    agents.pitch[seat] = min(90.0, max(-90.0, agents.pitch[seat] + look))
     position = agents.position[seat]
     others = agents.near[: others_near(world, agents, matches, match, seat)]
     moved = move_by(

@@ -4,6 +4,7 @@ Body and motion limits are not here. They are constants of the engine (``body.py
 places of a map depend on them.
 """
 
+from enum import IntEnum
 from typing import Annotated, Any, NamedTuple
 
 from pydantic import BeforeValidator, Field, PlainSerializer, TypeAdapter
@@ -12,6 +13,24 @@ from wildscav_engine.compilation.kernel import kernel
 
 FRAMES_PER_SECOND = 50
 FRAME = 1.0 / FRAMES_PER_SECOND  # s
+AT_ONCE = 180.0 * FRAMES_PER_SECOND  # degrees/s, a turn that faces any direction in one frame
+
+
+class Senses(IntEnum):
+    """What agents are told about other agents and supply boxes, apart from what their images show."""
+
+    ORIGINAL = 0  # agents in sight with velocity, health and invincibility; boxes nearby, behind walls too
+    SIGHTED = 1  # agents and boxes in sight, without what no eye can tell
+    PIXELS = 2  # neither: images and the agent's own state alone
+
+
+def _senses_by_name(value: Any) -> Any:
+    names = [senses.name.lower() for senses in Senses]
+    if isinstance(value, Senses) or (type(value) is int and 0 <= value < len(names)):
+        return int(value)
+    if value not in names:
+        raise ValueError(f"{value!r} are no senses; the senses are {', '.join(names)}")
+    return names.index(value)
 
 
 class Rules(NamedTuple):
@@ -39,6 +58,13 @@ class Rules(NamedTuple):
     view_angle: Annotated[float, Field(gt=0, lt=180)] = 90.0  # degrees horizontally, 9/16 of that vertically
     # Goals
     target_distance: Annotated[float, Field(gt=0, le=20)] = 1.0  # m, from the soles to the target
+    # Added after the first release: a spec contains these only where they differ from the defaults.
+    senses: Annotated[int, BeforeValidator(_senses_by_name)] = int(Senses.ORIGINAL)  # in specs by name
+    turn_speed: Annotated[float, Field(gt=0, le=AT_ONCE)] = AT_ONCE  # degrees/s, of yaw and of pitch
+    spread: Annotated[float, Field(ge=0, le=45)] = 0.0  # degrees a shot is off at most, standing still
+    recoil: Annotated[float, Field(ge=0, le=45)] = 0.0  # degrees a shot raises the view, standing still
+    walking_sway: Annotated[float, Field(ge=0, le=100)] = 0.0  # how many times more of both at 10 m/s
+    turning_sway: Annotated[float, Field(ge=0, le=100)] = 0.0  # how many times more of both at 100 °/s
 
 
 def _from_mapping(value: Any) -> Any:
@@ -52,8 +78,21 @@ def _from_mapping(value: Any) -> Any:
     return value
 
 
+def _to_mapping(rules: Rules) -> dict[str, Any]:
+    """Return all rules of the first release, and those added later that differ from their defaults.
+
+    So the specs, digests and records of matches without them are what they were.
+    """
+    table: dict[str, Any] = rules._asdict()
+    for name in ADDED:
+        if table[name] == Rules._field_defaults[name]:
+            del table[name]
+    return table | ({"senses": Senses(rules.senses).name.lower()} if "senses" in table else {})
+
+
+ADDED = Rules._fields[Rules._fields.index("senses") :]
 # Rules as a field of a spec: a table in TOML and JSON, a NamedTuple in the kernels.
-RulesField = Annotated[Rules, BeforeValidator(_from_mapping), PlainSerializer(lambda rules: rules._asdict())]
+RulesField = Annotated[Rules, BeforeValidator(_from_mapping), PlainSerializer(_to_mapping)]
 RULES = TypeAdapter(RulesField)
 
 

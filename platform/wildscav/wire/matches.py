@@ -68,7 +68,10 @@ _SAME = (
     *("seed", "step_budget", "time_bank", "target_distance", "pick_up_distance", "supply_sight"),
     *("respawns", "supply_goal"),
     *("clip_size", "start_health"),
+    *("senses", "turn_speed", "spread", "recoil", "walking_sway", "turning_sway"),
 )
+# What holds on a server that is too old to say so.
+_UNTOLD = {name: MatchInfo.__dataclass_fields__[name].default for name in ("senses", "turn_speed")}
 
 
 def _vector(value: Vector) -> VectorMessage:
@@ -85,7 +88,7 @@ def decode_match_info(message: MatchInfoMessage) -> MatchInfo:
             SupplyWave(wave.time, (wave.center_x, wave.center_z), wave.radius)
             for wave in message.supply_waves
         ),
-        **same,
+        **same | {name: value for name, value in _UNTOLD.items() if not same[name]},
     )
 
 

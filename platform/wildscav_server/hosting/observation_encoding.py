@@ -98,6 +98,7 @@ STEP, FRAMES, TIME_BANK = _numbers(Observation, "step", "frame", "time_bank")
 CAN_PICK_UP, TARGET, TEAM_SUPPLIES = _numbers(Observation, "can_pick_up", "target", "team_supplies")
 AGENTS, SUPPLY_BOXES = _numbers(Observation, "agents", "supply_boxes")
 (SEAT,) = _numbers(VisibleAgent, "seat")
+CONDITION = tuple(_numbers(VisibleAgent, "velocity", "health"))
 ID, POSITION, QUANTITY = _numbers(SupplyBox, "id", "position", "quantity")
 
 
@@ -176,12 +177,14 @@ def put_fact(
 
 
 @kernel
-def put_agent(out: NDArray[np.uint8], at: int, agents: Agents, seat: int) -> int:
-    """Write a ``VisibleAgent``."""
+def put_agent(out: NDArray[np.uint8], at: int, agents: Agents, seat: int, with_condition: bool) -> int:
+    """Write a ``VisibleAgent``, with or without its velocity and its health."""
     start = _put_key(out, at, AGENTS, MESSAGE) + 1
     at, values = start, other_facts(agents, seat)
     for row in range(OTHER.shape[0]):
         field, kind, place = OTHER[row, 0], OTHER[row, 1], OTHER[row, 2]
+        if field in CONDITION and not with_condition:
+            continue
         if kind != Kind.OTHER:
             at = put_fact(out, at, field, kind, values, place)
         elif field == SEAT:
@@ -223,7 +226,7 @@ def put_other(
         return put_number(out, at, field, seen.can_pick_up[seat])
     if field == AGENTS:
         for place in range(seen.agent_count[seat]):
-            at = put_agent(out, at, agents, seen.agents[seat, place])
+            at = put_agent(out, at, agents, seen.agents[seat, place], seen.tells_condition[seat])
     elif field == SUPPLY_BOXES:
         for place in range(seen.supply_count[seat]):
             at = put_box(out, at, supplies, seen.supplies[seat, place])

@@ -55,7 +55,7 @@ def match_info(match: "Match", seat: int, clock: Clock) -> MatchInfo:
 
 def info_from(spec: "MatchSpec", start: "StartInfo", seat: int, clock: Clock) -> MatchInfo:
     """Return the match info of a seat from the spec of its match and what it knows before the first step."""
-    from wildscav_engine.specs.rules import FRAMES_PER_SECOND
+    from wildscav_engine.specs.rules import FRAMES_PER_SECOND, Senses
     from wildscav_engine.tracks import TRACKS
 
     equipment = spec.equipment_of(seat)
@@ -81,4 +81,10 @@ def info_from(spec: "MatchSpec", start: "StartInfo", seat: int, clock: Clock) ->
         start_health=equipment.health,
         respawns=TRACKS[spec.track].respawns,
         supply_goal=spec.supply_goal or 0,
+        senses=Senses(spec.rules.senses).name.lower(),
+        turn_speed=spec.rules.turn_speed,
+        spread=spec.rules.spread,
+        recoil=spec.rules.recoil,
+        walking_sway=spec.rules.walking_sway,
+        turning_sway=spec.rules.turning_sway,
     )

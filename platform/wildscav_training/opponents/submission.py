@@ -19,7 +19,7 @@ from wildscav.sdk.submission_folder import MANIFEST, load_agent_class
 from wildscav.terminal.suggestions import did_you_mean
 from wildscav.wire.actions import decode_action, encode_action
 from wildscav_engine.envs import SeatController
-from wildscav_engine.sensors import parse_sensors
+from wildscav_engine.sensors import allowed_sensors, parse_sensors
 from wildscav_server.hosting.manifest import Manifest, read_manifest
 from wildscav_server.time_limits import Clock
 from wildscav_training.opponents.seat_messages import Indices, decode_for_agent, seat_info, seat_observations
@@ -114,9 +114,10 @@ class SubmissionOpponent(SeatController):
         encoded = seat_observations(batch, matches, seats, banks)
         outside = [column for column in range(len(ACTION_FIELDS)) if column not in batch.track.fields]
         rows = np.zeros((len(seats), len(ACTION_FIELDS)), np.float32)
+        sensors = allowed_sensors(self._sensors, batch.rules.senses)
         with self._modules:
             for index, (match, seat) in enumerate(pairs):
-                observation = decode_for_agent(encoded[index], self._sensors, batch, match, seat)
+                observation = decode_for_agent(encoded[index], sensors, batch, match, seat)
                 agent = self._agents[match, seat]
                 answer = self._call("act", match, seat, agent.act, observation)
                 message = encode_action(observation.step, check_action(agent, answer))

@@ -8,12 +8,13 @@ from pydantic import AfterValidator, Field, ValidationError, field_validator, mo
 from wildscav_engine.envs.registry import VERSION, Version
 from wildscav_engine.envs.settings.players import ActionMode, Player, Sampler, read_entry, seat_entry
 from wildscav_engine.maps.pools import Level, Split
-from wildscav_engine.sensors import Sensor, parse_sensors
+from wildscav_engine.sensors import Sensor, allowed_sensors, parse_sensors
+from wildscav_engine.sensors.base import StateSensor
 from wildscav_engine.specs.actions import Field as ActionField
 from wildscav_engine.specs.base import Spec
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec, Position
-from wildscav_engine.specs.rules import Rules, RulesField
+from wildscav_engine.specs.rules import Rules, RulesField, Senses
 from wildscav_engine.specs.supply_config import SupplyConfig
 from wildscav_engine.specs.validation import one_line
 from wildscav_engine.specs.zone_config import ZoneConfig
@@ -141,14 +142,21 @@ class EnvConfig(Spec):
         Raises:
             ValueError: A sensor is invalid.
         """
+        senses = self.rules.senses
         if self.sensors is not None:
-            return parse_sensors(self.sensors)
+            chosen = allowed_sensors(parse_sensors(self.sensors), senses)
+            if senses == Senses.PIXELS and (lists := sorted(set(chosen) - set(_without_lists(chosen)))):
+                raise ValueError(
+                    f"sensors.{lists[0]} lists what is in sight, which the senses 'pixels' never tell"
+                )
+            return chosen
         teams = self.match_spec().team_of_seats
         mates = max(teams.count(teams[seat]) for seat in range(self.agents)) - 1
         additional: dict[str, dict[str, Any]] = {"hot_spot": {}} if self._has_hot_spot() else {}
         if mates:
             additional["teammates"] = {"limit": min(mates, MAX_TEAMMATES)}
-        return parse_sensors(TRACKS[self.track].sensors | additional)
+        default = parse_sensors(TRACKS[self.track].sensors | additional)
+        return _without_lists(default) if senses == Senses.PIXELS else default
 
     def _has_hot_spot(self) -> bool:
         """Return whether there is a hot spot in the environment's matches."""
@@ -170,6 +178,15 @@ class EnvConfig(Spec):
             time_limit=TRACKS[self.track].time_limit if self.time_limit is None else self.time_limit,
             **{name: getattr(self, name) for name in OF_MATCHES},
         )
+
+
+def _without_lists(sensors: Mapping[str, Sensor]) -> dict[str, Sensor]:
+    """Return the sensors that need no list of what is in sight."""
+    return {
+        name: sensor
+        for name, sensor in sensors.items()
+        if not isinstance(sensor, StateSensor) or sensor.sight == "none"
+    }
 
 
 # What the spec of a match has as it is here.

@@ -32,16 +32,22 @@ MOTION_COLUMNS = (
 
 
 @kernel
-def _write_other(agents: Agents, match: int, seat: int, other: int, row: NDArray[np.float32]) -> None:
-    """Write (10,) ``MOTION_COLUMNS`` of another seat, its health, and whether it is invincible."""
+def _write_other(
+    agents: Agents, match: int, seat: int, other: int, with_condition: bool, row: NDArray[np.float32]
+) -> None:
+    """Write (10,) ``MOTION_COLUMNS`` of another seat, its health, and whether it is invincible.
+
+    Without its condition, its velocity and its health stay as they are in the row: 0.
+    """
     own, there = agents.position[match, seat], agents.position[match, other]
     x, y, z = there[0] - own[0], there[1] - own[1], there[2] - own[2]
     row[0], row[1], row[2] = x, y, z
     row[3] = np.sqrt(x * x + y * y + z * z)
-    for axis in range(3):
-        row[4 + axis] = agents.velocity[match, other, axis]
+    if with_condition:
+        for axis in range(3):
+            row[4 + axis] = agents.velocity[match, other, axis]
+        row[8] = agents.health[match, other]
     row[7] = agents.yaw[match, other]
-    row[8] = agents.health[match, other]
     row[9] = agents.invincible_left[match, other] > 0
 
 
@@ -52,7 +58,8 @@ class VisibleAgents(StateSensor):
     Each row describes one agent, nearest first. Its columns are 1; its seat; its team; its position relative
     to the agent's soles in the axes of the world (x east, y up, z north, m); its distance (m); its velocity
     (x, y, z, m/s); its yaw (degrees in (-180, 180], 0 looks along +z, clockwise); its health (hp); and 1 if
-    it is invincible. Unused rows are 0. ``visibility.py`` decides which agents are in sight.
+    it is invincible. Unused rows are 0. ``visibility.py`` decides which agents are in sight. Velocity and
+    health are 0 unless the rule ``senses`` is ``original``.
     """
 
     name: ClassVar[str] = "visible_agents"
@@ -75,7 +82,8 @@ class VisibleAgents(StateSensor):
     def read_batch(self, state: "State", seen: "Seen", seats: NDArray[np.int64]) -> NDArray[np.float32]:
         """Return (B, len(seats), limit, 13)."""
         readings = np.zeros((len(seen.agents), len(seats), self.limit, len(self.scalars)), np.float32)
-        _write_agents(seen.agents, seen.agent_count, state.tables[0].addresses, seats, readings)
+        table = state.tables[0].addresses
+        _write_agents(seen.agents, seen.agent_count, seen.tells_condition, table, seats, readings)
         return readings
 
 
@@ -83,13 +91,14 @@ class VisibleAgents(StateSensor):
 def _write_agents(
     others: NDArray[np.int32],
     count: NDArray[np.int32],
+    tells_condition: NDArray[np.bool_],
     table: Addresses,
     seats: NDArray[np.int64],
     readings: NDArray[np.float32],
 ) -> None:
     """Write what some seats, (S,), of all matches see of other agents, into zeros (B, S, limit, columns).
 
-    ``others`` and ``count`` are as in ``Seen``, and the table is that of the agents.
+    ``others``, ``count`` and ``tells_condition`` are as in ``Seen``, and the table is that of the agents.
     """
     agents = agents_at(table)
     for match in range(readings.shape[0]):
@@ -98,7 +107,7 @@ def _write_agents(
             for place in range(min(readings.shape[2], count[match, seat])):
                 other, row = others[match, seat, place], readings[match, reader, place]
                 row[0], row[1], row[2] = 1.0, other, agents.team[match, other]
-                _write_other(agents, match, seat, other, row[3:13])
+                _write_other(agents, match, seat, other, tells_condition[match, seat], row[3:13])
 
 
 @sensor
@@ -164,7 +173,7 @@ def _write_teammates(
             for place in range(count):
                 mate, row = nearest[place], readings[match, reader, place]
                 row[0], row[1] = 1.0, mate
-                _write_other(agents, match, seat, mate, row[2:12])
+                _write_other(agents, match, seat, mate, True, row[2:12])
                 row[12] = agents.supplies[match, mate]
 
 

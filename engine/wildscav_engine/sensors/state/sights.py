@@ -4,7 +4,8 @@ Each row describes one enemy, nearest first: 1; how far its chest is to the righ
 how far below, now and after ``lead`` seconds if both keep their velocities; half the width of its body; the
 cosine of how far it looks past the agent; the logarithm of its distance; its health (hp); and 1 if it is
 invincible. Angles are sign(a) · ln(1 + |a|) with a in degrees, so that a network can tell 1° from 2° as well
-as 30° from 60°. Unused rows are 0. ``visibility.py`` decides which agents are in sight.
+as 30° from 60°. Unused rows are 0. ``visibility.py`` decides which agents are in sight. Unless the rule
+``senses`` is ``original``, the health is 0, and the enemy counts as standing still.
 """
 
 from typing import TYPE_CHECKING, Annotated, ClassVar
@@ -59,7 +60,8 @@ class Sights(StateSensor):
         """Return (B, len(seats), limit, 10)."""
         readings = np.zeros((len(seen.agents), len(seats), self.limit, len(self.scalars)), np.float32)
         table = state.tables[0].addresses
-        _write_sights(seen.agents, seen.agent_count, table, seats, self.lead, readings)
+        sight = seen.agents, seen.agent_count, seen.tells_condition
+        _write_sights(*sight, table, seats, self.lead, readings)
         return readings
 
 
@@ -67,6 +69,7 @@ class Sights(StateSensor):
 def _write_sights(
     others: NDArray[np.int32],
     count: NDArray[np.int32],
+    tells_condition: NDArray[np.bool_],
     table: Addresses,
     seats: NDArray[np.int64],
     lead: float,
@@ -74,7 +77,7 @@ def _write_sights(
 ) -> None:
     """Write what some seats, (S,), of all matches see of their enemies, into zeros (B, S, limit, columns).
 
-    ``others`` and ``count`` are as in ``Seen``, the table is that of the agents, and ``lead`` is in s.
+    The first three are as in ``Seen``, the table is that of the agents, and ``lead`` is in s.
     """
     agents = agents_at(table)
     team, yaw, pitch = agents.team, agents.yaw, agents.pitch
@@ -93,13 +96,17 @@ def _write_sights(
                 row[0] = 1.0
                 _write_angles(x, y, z, yaw[match, seat], pitch[match, seat], row[1:3])
                 own, there = agents.velocity[match, seat], agents.velocity[match, other]
-                soon_x, soon_z = x + (there[0] - own[0]) * lead, z + (there[2] - own[2]) * lead
-                soon_y = y + (there[1] - own[1]) * lead
+                known = 1.0 if tells_condition[match, seat] else 0.0
+                soon_x, soon_z = (
+                    x + (there[0] * known - own[0]) * lead,
+                    z + (there[2] * known - own[2]) * lead,
+                )
+                soon_y = y + (there[1] * known - own[1]) * lead
                 _write_angles(soon_x, soon_y, soon_z, yaw[match, seat], pitch[match, seat], row[3:5])
                 row[5] = signed_logarithm(arctangent(BODY_RADIUS, level))
                 row[6] = cosine(yaw[match, other] - arctangent(-x, -z))
                 row[7] = logarithm(1.0 + np.sqrt(level * level + y * y))
-                row[8] = agents.health[match, other]
+                row[8] = agents.health[match, other] * known
                 row[9] = agents.invincible_left[match, other] > 0
 
 

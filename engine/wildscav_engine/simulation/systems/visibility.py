@@ -26,7 +26,7 @@ from wildscav_engine.simulation.state import (
 from wildscav_engine.simulation.systems.agent_grid import AgentGrid, agent_grid_of, index_agents
 from wildscav_engine.simulation.systems.supplies import is_present, squared_distance_to_box, squares_of_boxes
 from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS, EYE_HEIGHT
-from wildscav_engine.specs.rules import Rules
+from wildscav_engine.specs.rules import Rules, Senses
 
 AGENT_LIMIT = 16  # agents in one observation
 SUPPLY_LIMIT = 32  # supply boxes in one observation
@@ -34,6 +34,7 @@ ASPECT = 9.0 / 16.0  # vertical over horizontal view angle
 AXIS_POINTS = (0.95 * BODY_HEIGHT, 0.6 * BODY_HEIGHT, 0.2 * BODY_HEIGHT)  # m above the soles
 SIDE_HEIGHT = 0.7 * BODY_HEIGHT  # m above the soles, of the points at the left and right side
 SIDE = 0.8 * BODY_RADIUS  # m from the axis to those points
+BOX_TOP = 0.4  # m above its place, the point of a box that must be in sight
 SLACK = 0.01  # m, more than the rounding error of the edges of squares
 BURIED = 1e-6  # m below the ground, where rounding cannot put what is above it
 
@@ -50,6 +51,7 @@ class Seen(NamedTuple):
     # m², of those
     supply_distance_squared: Annotated[NDArray[np.float64], Axes(Extent.SEATS, (SUPPLY_LIMIT,))]
     can_pick_up: Flag  # whether a box is in reach
+    tells_condition: Flag  # whether the velocities and the health of those agents are known, too
 
 
 def allocate_seen(matches: int, seats: int) -> Seen:
@@ -78,19 +80,21 @@ def find_seen(
     seen.agent_count[seat] = 0
     seen.supply_count[seat] = 0
     seen.can_pick_up[seat] = False
+    seen.tells_condition[seat] = rules.senses == Senses.ORIGINAL
     for place in range(AGENT_LIMIT):
         seen.agents[seat, place], seen.agent_distance_squared[seat, place] = NOBODY, 0.0
     for place in range(SUPPLY_LIMIT):
         seen.supplies[seat, place], seen.supply_distance_squared[seat, place] = -1, 0.0
     if not agents.present[seat] or agents.health[seat] <= 0:
         return
-    if agents.health.shape[0] > 1:
+    # Robots have no eyes but these.
+    has_lists = rules.senses != Senses.PIXELS or agents.robot[seat] != 0
+    if agents.health.shape[0] > 1 and has_lists:
         grid = agent_grid_of(world, agents, matches, match)
         _see_agents(world, agents, grid, seat, rules.view_angle, seen)
     if supplies.quantity.shape[0] > 0:
-        _see_supplies(
-            world, agents, supplies, matches.box_squares[match], seat, matches.frame[match], rules, seen
-        )
+        heads, frame = matches.box_squares[match], matches.frame[match]
+        _see_supplies(world, agents, supplies, heads, seat, frame, has_lists, rules, seen)
 
 
 @inlined_kernel
@@ -289,9 +293,17 @@ def _see_supplies(
     heads: NDArray[np.int32],
     seat: int,
     frame: int,
+    has_lists: bool,
     rules: Rules,
     seen: Seen,
 ) -> None:
+    """List the nearest boxes, and find out whether one is in reach, which an agent can feel.
+
+    Args:
+        heads: (squares,) slot + 1 of the first box in each square, 0 = none.
+        frame: The present frame.
+        has_lists: Whether boxes are listed at all.
+    """
     sight = rules.supply_sight * rules.supply_sight
     reach = rules.pick_up_distance * rules.pick_up_distance
     squares = squares_of_boxes(world)
@@ -303,15 +315,32 @@ def _see_supplies(
             while slot >= 0:
                 distance = squared_distance_to_box(agents, supplies, seat, slot)
                 if distance <= sight and is_present(supplies, slot, frame):
-                    seen.supply_count[seat] = insert_nearest(
-                        distance,
-                        slot,
-                        seen.supply_count[seat],
-                        seen.supply_distance_squared[seat],
-                        seen.supplies[seat],
-                    )
                     seen.can_pick_up[seat] |= distance <= reach
+                    if has_lists and _is_box_listed(world, agents, supplies, seat, slot, rules):
+                        keys, items = seen.supply_distance_squared[seat], seen.supplies[seat]
+                        count = seen.supply_count[seat]
+                        seen.supply_count[seat] = insert_nearest(distance, slot, count, keys, items)
                 slot = supplies.next_in_square[slot] - 1
+
+
+@inlined_kernel
+def _is_box_listed(
+    world: World, agents: Agents, supplies: Supplies, seat: int, slot: int, rules: Rules
+) -> bool:
+    """Return whether a box nearby is listed: always, or only if its top is in sight."""
+    if rules.senses == Senses.ORIGINAL:
+        return True
+    x, y, z = supplies.position[slot, 0], supplies.position[slot, 1], supplies.position[slot, 2]
+    return sees_point(world, eye_of(agents, seat, rules.view_angle), x, y + BOX_TOP, z)
+
+
+@kernel
+def sees_point(world: World, eye: Eye, x: float, y: float, z: float) -> bool:
+    """Return whether a point is in view with a clear line of sight."""
+    dx, dz = x - eye.x, z - eye.z
+    if (dx != 0.0 or dz != 0.0) and abs(wrap(arctangent(dx, dz) - eye.yaw)) > eye.view_angle * 0.5:
+        return False
+    return _sees_point(world, eye, x, y, z, NOTHING_HIT, 0.0)[0]
 
 
 @inlined_kernel

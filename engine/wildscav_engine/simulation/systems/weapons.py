@@ -3,13 +3,13 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.geometry.linked_grid import columns_along, row_of
 from wildscav_engine.geometry.rays import raycast
 from wildscav_engine.geometry.world import World
 from wildscav_engine.simulation.state import NOBODY, Agents, Matches
 from wildscav_engine.simulation.systems.agent_grid import LAG, AgentGrid, agent_grid_of
+from wildscav_engine.simulation.systems.aim import direction_of_shot, kick, sway_of
 from wildscav_engine.specs.actions import Field
 from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS, EYE_HEIGHT
 from wildscav_engine.specs.rules import Rules, frames
@@ -72,7 +72,7 @@ def shoot(
     for turn in range(agents.turns.shape[0]):
         seat = agents.turns[turn]
         if actions[seat, Field.SHOOT] != 0.0 and can_fire(agents, seat):
-            _fire(world, agents, matches, match, seat, rules)
+            _fire(world, agents, matches, match, seat, sway_of(agents, seat, actions[seat], rules), rules)
 
 
 @inlined_kernel
@@ -83,13 +83,19 @@ def can_fire(agents: Agents, seat: int) -> bool:
 
 
 @kernel
-def _fire(world: World, agents: Agents, matches: Matches, match: int, seat: int, rules: Rules) -> None:
+def _fire(
+    world: World, agents: Agents, matches: Matches, match: int, seat: int, sway: float, rules: Rules
+) -> None:
     agents.clip[seat] -= 1
     agents.fire_left[seat] = frames(rules.fire_interval)
     agents.fired[seat] = True
     agents.shots[seat] += 1
     grid = agent_grid_of(world, agents, matches, match)
-    victim = _hit_by_shot(world, agents, grid, seat, rules.bullet_range)
+    seed, frame = matches.seed[match], matches.frame[match]
+    spread = rules.spread * sway
+    direction = direction_of_shot(agents.yaw[seat], agents.pitch[seat], spread, seed, frame, seat)
+    victim = _hit_by_shot(world, agents, grid, seat, direction, rules.bullet_range)
+    kick(agents, seat, rules.recoil * sway, seed, frame)
     if victim != NOBODY and agents.team[victim] != agents.team[seat]:
         agents.hits[seat] += 1
         agents.hit_seat[seat] = victim
@@ -99,17 +105,21 @@ def _fire(world: World, agents: Agents, matches: Matches, match: int, seat: int,
 
 
 @inlined_kernel
-def _hit_by_shot(world: World, agents: Agents, grid: AgentGrid, shooter: int, bullet_range: float) -> int:
+def _hit_by_shot(
+    world: World,
+    agents: Agents,
+    grid: AgentGrid,
+    shooter: int,
+    direction: tuple[float, float, float],
+    bullet_range: float,
+) -> int:
     """Return the seat that a shot hits, or NOBODY, and write where the shot ends."""
     eye_x = agents.position[shooter, 0]
     eye_y = agents.position[shooter, 1] + EYE_HEIGHT
     eye_z = agents.position[shooter, 2]
-    level = cosine(agents.pitch[shooter])
-    dx = sine(agents.yaw[shooter]) * level
-    dy = -sine(agents.pitch[shooter])
-    dz = cosine(agents.yaw[shooter]) * level
+    dx, dy, dz = direction
     far = min(bullet_range, raycast(world, eye_x, eye_y, eye_z, dx, dy, dz, bullet_range).distance)
-    distance, victim = first_body(agents, grid, shooter, (eye_x, eye_y, eye_z), (dx, dy, dz), far)
+    distance, victim = first_body(agents, grid, shooter, (eye_x, eye_y, eye_z), direction, far)
     agents.shot_end[shooter, 0] = eye_x + dx * distance
     agents.shot_end[shooter, 1] = eye_y + dy * distance
     agents.shot_end[shooter, 2] = eye_z + dz * distance
