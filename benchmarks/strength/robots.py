@@ -23,7 +23,7 @@ from wildscav_engine.specs.actions import no_actions
 from wildscav_engine.specs.map_spec import MapConfig
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.seats import shuffled
-from wildscav_evaluator.suites.wild import battle, gathering, meeting_ground, royale
+from wildscav_evaluator.suites.wild import WILD, meeting_ground
 
 MAPS = 20  # of each kind
 TOGETHER = 40  # matches in a batch
@@ -70,6 +70,9 @@ COUNTRIES: dict[str, Callable[[RandomStream], MapConfig]] = {
     "normal": level_country("normal"),
     "hard": level_country("hard"),
 }
+
+
+gathering, battle, royale = (WILD.tracks[track].draw for track in ("gathering", "battle", "royale"))
 
 
 def levels(kind: str) -> tuple[str, str, str]:

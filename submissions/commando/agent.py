@@ -2,13 +2,14 @@
 
 from wildscav import Action, Agent, MatchInfo, Observation, Vector, VisibleAgent
 from wildscav.geometry import direction_to, flat_distance
-from wildscav.skills.aiming import Aim, aim_at, enemies_in_sight, look_around, velocity_of
+from wildscav.skills.aiming import Aim, Lookout, aim_at, look_around, max_turn_of, velocity_of
 from wildscav.skills.fighting import (
     Dodging,
     cover_from,
     fighting_action,
     has_much_to_lose,
     quiet_place,
+    steady,
     would_lose,
 )
 from wildscav.skills.gathering import Gathering
@@ -29,7 +30,7 @@ class Commando(Agent):
         self.match = match
         self.is_armed = match.track != "gathering"  # where nobody shoots, it only gathers
         self.gathering = Gathering(match)
-        self.dodging = Dodging(match)
+        self.dodging, self.lookout = Dodging(match), Lookout(match)
         self.met: list[Vector] = []  # where enemies were, lately
         self.quiet: Vector | None = None  # where it lies low
 
@@ -39,8 +40,10 @@ class Commando(Agent):
         if not observation.alive:
             return Action()
         self.dodging.look(observation)
-        enemies = enemies_in_sight(observation, self.match.team) if self.is_armed else []
+        enemies = self.lookout.enemies(observation) if self.is_armed else []
         walk = self.walk(observation, enemies)
+        if enemies:
+            walk = steady(self.match, observation, enemies[0], walk)
         aim = self.aim(observation, enemies, walk)
         return fighting_action(observation, self.match, walk, aim, bool(enemies))
 
@@ -86,4 +89,5 @@ class Commando(Agent):
         frames = self.match.frames_per_action
         if not enemies:
             return look_around(observation, frames)
-        return aim_at(observation, enemies[0], velocity_of(walk.direction, walk.speed), frames)
+        own = velocity_of(walk.direction, walk.speed)
+        return aim_at(observation, enemies[0], own, frames, max_turn_of(self.match))

@@ -4,10 +4,11 @@ from wildscav import Action, Agent, MatchInfo, Observation, Vector, VisibleAgent
 from wildscav.geometry import direction_to, flat_distance
 from wildscav.skills.aiming import (
     Aim,
+    Lookout,
     Thrift,
     aim_at,
-    enemies_in_sight,
     look_around,
+    max_turn_of,
     threats_first,
     velocity_of,
 )
@@ -29,7 +30,7 @@ class Survivor(Agent):
         """Get ready for a match."""
         self.match = match
         self.gathering = Gathering(match, EARLY)
-        self.dodging = Dodging(match)
+        self.dodging, self.lookout = Dodging(match), Lookout(match)
         self.thrift = Thrift()
         self.enemy: Vector | None = None  # where the most dangerous one was seen last
         self.enemy_at = -100.0  # s, when
@@ -42,7 +43,7 @@ class Survivor(Agent):
             return Action()
         self.dodging.look(observation)
         self.thrift.look(observation)
-        enemies = threats_first(observation, enemies_in_sight(observation, self.match.team))
+        enemies = threats_first(observation, self.lookout.enemies(observation))
         if enemies:
             self.enemy, self.enemy_at = enemies[0].position, observation.time
         walk = self.walk(observation, enemies)
@@ -97,5 +98,6 @@ class Survivor(Agent):
         frames = self.match.frames_per_action
         if not enemies:
             return look_around(observation, frames)
-        aim = aim_at(observation, enemies[0], velocity_of(walk.direction, walk.speed), frames)
+        own = velocity_of(walk.direction, walk.speed)
+        aim = aim_at(observation, enemies[0], own, frames, max_turn_of(self.match))
         return aim._replace(shoot=aim.shoot and self.thrift.may_shoot(observation, enemies[0]))

@@ -14,7 +14,7 @@ from wildscav_engine.simulation.systems.damage import RESPAWN_DISTANCE
 from wildscav_engine.simulation.systems.visibility import AGENT_LIMIT, ASPECT, SUPPLY_LIMIT
 from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS, EYE_HEIGHT
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_engine.specs.rules import FRAMES_PER_SECOND, Rules
+from wildscav_engine.specs.rules import FRAMES_PER_SECOND, NAMED, Rules, Senses
 from wildscav_engine.specs.supply_config import HotSpot, SupplyConfig, SupplyWave
 from wildscav_engine.tracks import TRACKS
 from wildscav_engine.tracks.rewards import REWARD_TERMS
@@ -53,13 +53,27 @@ def shown(value: float | tuple[int, int]) -> str:
 def test_every_rule_that_can_be_changed_is_told_with_its_default(rule: str) -> None:
     row = ROWS[rule]
     holder, field = row["where"].strip("`").split(".")
-    assert row["value"] == shown(getattr(HOLDERS[holder], field))
+    value = getattr(HOLDERS[holder], field)
+    assert row["value"] == (Senses(value).name.lower() if field == "senses" else shown(value))
 
 
 @pytest.mark.parametrize("rule", CONSTANTS)
 def test_every_constant_is_told_as_it_is(rule: str) -> None:
     assert ROWS[rule]["where"] == "constant"
     assert ROWS[rule]["value"] == shown(CONSTANTS[rule])
+
+
+def test_the_fair_rules_are_told() -> None:
+    told = re.findall(
+        r"^\| ((?:`\w+`(?:, )?)+) \| (\w[\w.]*)[^|]* \|$", PAGE.partition("### Fair rules")[2], re.M
+    )
+    numbers = {name: value for names, value in told for name in re.findall(r"`(\w+)`", names)}
+    rules = NAMED["fair"]
+    changed = {name: value for name, value in rules._asdict().items() if value != getattr(Rules(), name)}
+    changed["senses"] = Senses(rules.senses).name.lower()
+    assert {name: numbers[name] for name in changed} == {
+        name: value if name == "senses" else shown(value) for name, value in changed.items()
+    }
 
 
 @pytest.mark.parametrize("section", ["start_health", "shot_damage", "supply_loss", "pick_up_distance"])

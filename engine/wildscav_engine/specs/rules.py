@@ -5,7 +5,7 @@ places of a map depend on them.
 """
 
 from enum import IntEnum
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import BeforeValidator, Field, PlainSerializer, TypeAdapter
 
@@ -67,8 +67,30 @@ class Rules(NamedTuple):
     turning_sway: Annotated[float, Field(ge=0, le=100)] = 0.0  # how many times more of both at 100 °/s
 
 
+ADDED = Rules._fields[Rules._fields.index("senses") :]
+# Rules by name. They stay as they are: other ones get another name.
+NAMED = {
+    "original": Rules(),
+    # An eye instead of lists through walls, a body that turns in half a second, and shots that go where they
+    # are aimed only if the agent slows down: what a person and a camera can do as well.
+    "fair": Rules(
+        senses=int(Senses.SIGHTED),
+        turn_speed=360.0,
+        spread=0.5,
+        recoil=0.5,
+        walking_sway=9.0,
+        turning_sway=2.0,
+    ),
+}
+RulesName = Literal["original", "fair"]
+
+
 def _from_mapping(value: Any) -> Any:
-    """Accept a table that holds only the rules that differ from the defaults."""
+    """Accept the name of rules, and a table that holds only the rules that differ from the defaults."""
+    if isinstance(value, str):
+        if value not in NAMED:
+            raise ValueError(f"no rules are called {value!r}; allowed are {', '.join(NAMED)}, or a table")
+        return NAMED[value]
     if isinstance(value, dict):
         unknown = sorted(set(value) - set(Rules._fields))
         if unknown:
@@ -90,7 +112,6 @@ def _to_mapping(rules: Rules) -> dict[str, Any]:
     return table | ({"senses": Senses(rules.senses).name.lower()} if "senses" in table else {})
 
 
-ADDED = Rules._fields[Rules._fields.index("senses") :]
 # Rules as a field of a spec: a table in TOML and JSON, a NamedTuple in the kernels.
 RulesField = Annotated[Rules, BeforeValidator(_from_mapping), PlainSerializer(_to_mapping)]
 RULES = TypeAdapter(RulesField)

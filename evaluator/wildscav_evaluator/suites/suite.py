@@ -107,6 +107,7 @@ SUITES: Registry[Suite] = Registry(
         "quick": "wildscav_evaluator.suites.quick:QUICK",
         "official": "wildscav_evaluator.suites.official:OFFICIAL",
         "wild": "wildscav_evaluator.suites.wild:WILD",
+        "fair": "wildscav_evaluator.suites.wild:FAIR",
     },
     check_suite,
 )

@@ -1,10 +1,15 @@
-"""The suite of hard country: what rules of thumb cannot solve, and fights that cannot be avoided."""
+"""The suite of hard country: what rules of thumb cannot solve, and fights that cannot be avoided.
+
+The suite ``fair`` has the same gatherings and fights by rules that a person and a camera can keep up with.
+"""
+
+from collections.abc import Callable
 
 from wildscav_engine.arithmetic.random_numbers import RandomStream
 from wildscav_engine.maps.pools import LEVELS
 from wildscav_engine.specs.map_spec import MapConfig
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
-from wildscav_engine.specs.rules import Rules
+from wildscav_engine.specs.rules import NAMED, Rules
 from wildscav_engine.specs.supply_config import HotSpot, SupplyConfig, SupplyWave
 from wildscav_evaluator.seats import battle_seats, shuffled
 from wildscav_evaluator.suites.match_drawing import capture, choose, navigation
@@ -15,6 +20,8 @@ FIGHT_TIME = 180.0  # s
 ROBOTS = 9
 # Rounds for a whole match, and more to win and to lose by a death than by default.
 RULES = Rules(spare_ammo=300, respawn_time=45.0, invincible_time=2.0, supply_loss=1.0)
+# No single death decides: it costs half of what is carried, and a twelfth of the time.
+FAIR_RULES = NAMED["fair"]._replace(spare_ammo=300, respawn_time=15.0, invincible_time=2.0, supply_loss=0.5)
 FEW_BOXES = SupplyWave(center=(0.0, 0.0), radius=60.0, outdoor_richness=4.0, indoor_richness=5.0)
 
 
@@ -51,26 +58,37 @@ def moving_supplies(dice: RandomStream) -> SupplyConfig:
     return SupplyConfig(waves=(FEW_BOXES,), spacing=5.0, outdoor_quantity=(1, 3), hot_spot=hot_spot)
 
 
-def gathering(dice: RandomStream) -> MatchSpec:
-    """Draw a match of one submission against gatherers around the hot spot."""
-    seats = shuffled(dice, (SUBMISSION, *("gatherer",) * 5))
-    return MatchSpec(track="gathering", time_limit=FIGHT_TIME, seats=seats, supplies=moving_supplies(dice))
+def gathering(rules: Rules) -> Callable[[RandomStream], MatchSpec]:
+    """Return a function that draws matches of one submission against gatherers around the hot spot."""
+
+    def draw(dice: RandomStream) -> MatchSpec:
+        seats = shuffled(dice, (SUBMISSION, *("gatherer",) * 5))
+        supplies = moving_supplies(dice)
+        return MatchSpec(
+            track="gathering", time_limit=FIGHT_TIME, seats=seats, supplies=supplies, rules=rules
+        )
+
+    return draw
 
 
-def battle(dice: RandomStream) -> MatchSpec:
-    """Draw a battle of one submission against fighters and gatherers, each on its own."""
-    return _fight("battle", dice)
+def fight(track: str, rules: Rules) -> Callable[[RandomStream], MatchSpec]:
+    """Return a function that draws matches of one submission against fighters and gatherers."""
+
+    def draw(dice: RandomStream) -> MatchSpec:
+        supplies = moving_supplies(dice)
+        seats = battle_seats(dice, ROBOTS)
+        return MatchSpec(track=track, time_limit=FIGHT_TIME, seats=seats, supplies=supplies, rules=rules)
+
+    return draw
 
 
-def royale(dice: RandomStream) -> MatchSpec:
-    """Draw a royale of one submission against fighters and gatherers, each on its own."""
-    return _fight("royale", dice)
-
-
-def _fight(track: str, dice: RandomStream) -> MatchSpec:
-    supplies = moving_supplies(dice)
-    seats = battle_seats(dice, ROBOTS)
-    return MatchSpec(track=track, time_limit=FIGHT_TIME, seats=seats, supplies=supplies, rules=RULES)
+def meetings(gathering_rules: Rules, fighting_rules: Rules) -> dict[str, TrackSettings]:
+    """Return the tracks on which agents meet at the hot spot, by given rules."""
+    return {
+        "gathering": TrackSettings(maps=10, episodes=2, draw=gathering(gathering_rules)),
+        "battle": TrackSettings(maps=10, episodes=2, draw=fight("battle", fighting_rules)),
+        "royale": TrackSettings(maps=10, episodes=2, draw=fight("royale", fighting_rules)),
+    }
 
 
 WILD = Suite(
@@ -80,8 +98,12 @@ WILD = Suite(
     tracks={
         "navigation": TrackSettings(maps=25, episodes=4, draw=navigation(TIME_LIMIT), map_config=expert_map),
         "capture": TrackSettings(maps=25, episodes=4, draw=capture(TIME_LIMIT, 3), map_config=expert_map),
-        "gathering": TrackSettings(maps=10, episodes=2, draw=gathering),
-        "battle": TrackSettings(maps=10, episodes=2, draw=battle),
-        "royale": TrackSettings(maps=10, episodes=2, draw=royale),
+        **meetings(Rules(), RULES),
     },
+)
+FAIR = Suite(
+    name="fair",
+    title="gatherings and fights as in wild, seen by eyes, with bodies that turn and aim as a person can",
+    map_config=meeting_ground,
+    tracks=meetings(NAMED["fair"], FAIR_RULES),
 )

@@ -3,18 +3,18 @@
 import math
 from typing import NamedTuple
 
-from wildscav.agent import Observation, Vector, VisibleAgent
+from wildscav.agent import MatchInfo, Observation, Vector, VisibleAgent
 from wildscav.geometry import BODY_HEIGHT, BODY_RADIUS, direction_to, flat_distance, moved, pitch_to, turn_to
 
-MAX_TURN = 36.0  # degrees per frame: half a turn in a step of 5 frames; the game has no limit
+MAX_TURN = 36.0  # degrees per frame: half a turn in a step of 5 frames
 SCAN_TURN = 9.0  # degrees per frame, to look around
 TURN_ROUND = 110.0  # degrees in a step, to find an enemy that was felt and is not in sight
 SURE_SHOT = 0.8  # of the body: the largest aiming error for a shot
 AIM_HEIGHT = 1.3  # m above the soles: chests are seen over more than middles are
 LOOKS_AT = 20.0  # degrees off an agent, within which an enemy may be aiming at it
 FRAMES_PER_SECOND = 50
-
-
+FASTEST = 12.0  # m/s, above the fastest walk: who moved faster has died and respawned
+MEMORY = 0.25  # s between two sights of an enemy from which its velocity follows
 MISSES = 3  # rounds in a row that one enemy may cost
 PAUSE = 3.0  # s without fire at an enemy that was missed so often
 
@@ -32,6 +32,33 @@ def enemies_in_sight(observation: Observation, team: int) -> list[VisibleAgent]:
     return [agent for agent in observation.agents if agent.team != team and not agent.invincible]
 
 
+class Lookout:
+    """Watches the enemies in sight, and estimates their velocities where nobody tells them."""
+
+    def __init__(self, match: MatchInfo) -> None:
+        self.team, self.is_told = match.team, match.senses == "original"
+        self.last: dict[int, tuple[float, Vector]] = {}  # when and where each was seen, by seat
+
+    def enemies(self, observation: Observation) -> list[VisibleAgent]:
+        """Return the enemies in sight that can be hurt, nearest first; call it in every step."""
+        enemies = enemies_in_sight(observation, self.team)
+        if self.is_told:
+            return enemies
+        moving = [enemy._replace(velocity=self._velocity(observation.time, enemy)) for enemy in enemies]
+        self.last |= {enemy.seat: (observation.time, enemy.position) for enemy in enemies}
+        return moving
+
+    def _velocity(self, now: float, enemy: VisibleAgent) -> Vector:
+        """Return the mean velocity since an enemy was last seen; none if that was long ago."""
+        before, (x, y, z) = self.last.get(enemy.seat, (now, enemy.position))
+        passed = now - before
+        if not 0.0 < passed <= MEMORY:
+            return (0.0, 0.0, 0.0)
+        here = enemy.position
+        velocity = ((here[0] - x) / passed, (here[1] - y) / passed, (here[2] - z) / passed)
+        return velocity if math.hypot(velocity[0], velocity[2]) <= FASTEST else (0.0, 0.0, 0.0)
+
+
 def threats_first(observation: Observation, enemies: list[VisibleAgent]) -> list[VisibleAgent]:
     """Return enemies by their danger: who has just hit the agent, then who looks at it, then who is near."""
 
@@ -42,7 +69,13 @@ def threats_first(observation: Observation, enemies: list[VisibleAgent]) -> list
     return sorted(enemies, key=harmlessness)
 
 
-def aim_at(observation: Observation, enemy: VisibleAgent, own_velocity: Vector, frames: int) -> Aim:
+def aim_at(
+    observation: Observation,
+    enemy: VisibleAgent,
+    own_velocity: Vector,
+    frames: int,
+    max_turn: float = MAX_TURN,
+) -> Aim:
     """Turn to where an enemy will be after this step, as seen from where the agent will be.
 
     It shoots if it hits from the first frame to the last.
@@ -52,10 +85,11 @@ def aim_at(observation: Observation, enemy: VisibleAgent, own_velocity: Vector, 
         enemy: The enemy to aim at.
         own_velocity: The velocity at which the agent will walk in this step, m/s.
         frames: Frames in a step.
+        max_turn: Degrees per frame that the rules allow, as ``max_turn_of`` says.
     """
     last = _view_of(observation, enemy, own_velocity, frames)
-    turn = _limited(turn_to(observation.yaw, last.direction) / frames)
-    look = _limited((last.pitch - observation.pitch) / frames)
+    turn = _limited(turn_to(observation.yaw, last.direction) / frames, max_turn)
+    look = _limited((last.pitch - observation.pitch) / frames, max_turn)
     return Aim(turn, look, will_hit(observation, enemy, own_velocity, frames, turn, look))
 
 
@@ -146,5 +180,10 @@ def _view_of(observation: Observation, enemy: VisibleAgent, own_velocity: Vector
     )
 
 
-def _limited(turn: float) -> float:
-    return max(-MAX_TURN, min(MAX_TURN, turn))
+def max_turn_of(match: MatchInfo) -> float:
+    """Return the fastest useful turn that the rules of a match allow, degrees per frame."""
+    return min(MAX_TURN, match.turn_speed / match.frames_per_second)
+
+
+def _limited(turn: float, max_turn: float = MAX_TURN) -> float:
+    return max(-max_turn, min(max_turn, turn))

@@ -5,7 +5,15 @@ from collections.abc import Sequence
 from itertools import product
 
 from wildscav.agent import Action, MatchInfo, Observation, Vector, VisibleAgent
-from wildscav.geometry import BODY_HEIGHT, EYE_HEIGHT, direction_to, flat_distance, moved, turn_to
+from wildscav.geometry import (
+    BODY_HEIGHT,
+    BODY_RADIUS,
+    EYE_HEIGHT,
+    direction_to,
+    flat_distance,
+    moved,
+    turn_to,
+)
 from wildscav.skills.aiming import Aim
 from wildscav.skills.surroundings import Surroundings
 from wildscav.skills.walking import FULL_SPEED, Walk
@@ -23,6 +31,8 @@ COVER_STEPS = (3.0, 6.0, 9.0)  # m to the places that are considered
 COVER_TURN = 30.0  # degrees between their directions
 ALONG = 0.5  # of the speed, at most, along the line of fire while weaving
 BACK = 0.6  # of the way across, by which a step back is shorter if the goal is across the line of fire
+STEADY = 1.0  # half widths of an enemy over which shots at it may be spread
+CREEP = 1.0  # m/s, the slowest walk while shooting
 PROBE = 0.5  # m between the points of a line of sight that are checked
 
 
@@ -66,7 +76,10 @@ def would_lose(observation: Observation, enemies: Sequence[VisibleAgent], start_
     near = [enemy for enemy in enemies if flat_distance(observation.position, enemy.position) < NEAR]
     if len(near) >= OUTNUMBERED:
         return True
-    return observation.health <= WEAK * start_health and observation.health < enemies[0].health
+    # An enemy whose health nobody tells is taken for unhurt.
+    return observation.health <= WEAK * start_health and observation.health < (
+        enemies[0].health or start_health
+    )
 
 
 def has_much_to_lose(observation: Observation, match: MatchInfo) -> bool:
@@ -94,6 +107,23 @@ def quiet_place(match: MatchInfo, observation: Observation, enemies: Sequence[Ve
             - 0.5 * flat_distance(place, observation.position)
         ),
     )
+
+
+def steady(match: MatchInfo, observation: Observation, enemy: VisibleAgent, walk: Walk) -> Walk:
+    """Return a walk no faster than lets shots at an enemy fall on its body, where walking spreads them.
+
+    Args:
+        match: What is known of the match.
+        observation: The current observation.
+        enemy: The enemy to shoot at.
+        walk: How the agent would walk otherwise.
+    """
+    if match.spread * match.walking_sway == 0.0:
+        return walk
+    way = max(flat_distance(observation.position, enemy.position), 0.1)
+    half_width = math.degrees(math.atan2(BODY_RADIUS, way))
+    sway = (STEADY * half_width / match.spread - 1.0) / match.walking_sway
+    return walk._replace(speed=min(walk.speed, max(CREEP, FULL_SPEED * sway)))
 
 
 class Dodging:

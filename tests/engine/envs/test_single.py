@@ -15,8 +15,9 @@ from wildscav_engine.envs.single import SingleEnv
 from wildscav_engine.envs.spaces.actions import MODES
 from wildscav_engine.envs.spaces.columns import EVENTS
 from wildscav_engine.rendering.palette import of_seat
-from wildscav_engine.sensors import SENSORS
+from wildscav_engine.sensors import SENSORS, Lidar
 from wildscav_engine.specs.map_spec import MapConfig
+from wildscav_engine.specs.rules import NAMED
 from wildscav_engine.tracks import TRACKS
 
 TINY = {"depth": {"width": 4, "height": 3}, "camera": {"width": 8, "height": 6}, "lidar": {"azimuths": 8}}
@@ -164,12 +165,36 @@ def test_pieces_of_maps_for_testing_are_unseen_in_training_if_wished(
             "preset 'paper-capture' is for the track 'capture', not for 'navigation'",
         ),
         ({"agents": 2}, "must be 1; use parallel_env"),
+        ({"rules": "unfair"}, "rules: no rules are called 'unfair'; allowed are original, fair"),
     ],
 )
 def test_wrong_options_are_refused_in_one_line(wrong: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message) as raised:
         SingleEnv("navigation", **wrong)
     assert "\n" not in str(raised.value)
+
+
+def test_who_sees_pixels_alone_gets_no_lists() -> None:
+    rules = {"senses": "pixels"}
+    env = SingleEnv("battle", map=SMALL, rules=rules, opponents=("fighter",) * 3)
+    observation, _ = env.reset(seed=1)
+    assert "depth" in observation
+    assert not {"visible_agents", "nearby_supplies"} & set(observation)
+    for _ in range(20):
+        observation, *_ = env.step(env.action_space.sample())
+        assert not observation["to_box"].any()
+        assert not observation["to_enemy"].any()
+    with pytest.raises(ValueError, match="sensors.sights lists what is in sight, which the senses 'pixels'"):
+        SingleEnv("battle", map=SMALL, rules=rules, sensors={"sights": {}, "teammates": {}, "depth": {}})
+
+
+def test_fair_rules_may_be_named() -> None:
+    env = SingleEnv(
+        "battle", map=SMALL, rules="fair", opponents=("fighter",), sensors={"lidar": {"moving": True}}
+    )
+    assert env.arena.template.rules == NAMED["fair"]
+    assert env.arena.config.read_sensors()["lidar"] == Lidar()
+    check_env(env, skip_render_check=True)
 
 
 def test_an_unknown_option_is_refused_as_python_refuses_unknown_arguments() -> None:

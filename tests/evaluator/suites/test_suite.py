@@ -143,7 +143,7 @@ def test_wild_ways_lead_through_mazes_to_hidden_targets(track: str) -> None:
 
 
 def test_an_unknown_suite_or_track_is_named_with_those_that_there_are() -> None:
-    with pytest.raises(ValueError, match="no suite 'slow'; the suites are quick, official, wild"):
+    with pytest.raises(ValueError, match="no suite 'slow'; the suites are quick, official, wild, fair"):
         suite("navigation", "slow", 0)
     with pytest.raises(ValueError, match="no track 'fishing'; it has navigation"):
         suite("fishing", "quick", 0)

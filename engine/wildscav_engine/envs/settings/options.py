@@ -13,7 +13,7 @@ from wildscav_engine.envs.settings.players import ActionMode, Player, Policy, Sa
 from wildscav_engine.maps.pools import Level, Split
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import Position
-from wildscav_engine.specs.rules import Rules
+from wildscav_engine.specs.rules import Rules, RulesName
 from wildscav_engine.specs.supply_config import SupplyConfig
 from wildscav_engine.specs.zone_config import ZoneConfig
 
@@ -51,7 +51,7 @@ class EnvOptions(EpisodeOptions, total=False):
     teams: Sequence[int] | None
     # Duration and rules
     frames_per_action: int
-    rules: Rules | Table
+    rules: Rules | RulesName | Table
     # Observations and actions
     version: Version
     sensors: Mapping[str, Table] | None

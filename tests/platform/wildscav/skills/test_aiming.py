@@ -3,14 +3,16 @@
 import math
 
 import pytest
-from tests.platform.wildscav.skills.observations import NOWHERE, enemy, seen
+from tests.platform.wildscav.skills.observations import NOWHERE, enemy, match_info, seen
 
 from wildscav.skills.aiming import (
     MAX_TURN,
+    Lookout,
     Thrift,
     aim_at,
     enemies_in_sight,
     look_around,
+    max_turn_of,
     threats_first,
     velocity_of,
     will_hit,
@@ -111,3 +113,29 @@ def test_rounds_are_saved_on_an_enemy_that_they_miss(
 
     assert thrift.may_shoot(seen(time=time), target) is shoots
     assert thrift.may_shoot(seen(time=time), enemy((0.0, 0.0, 10.0), seat=2))
+
+
+def watched(*steps: tuple[float, tuple[float, float, float]], senses: str = "sighted") -> tuple[float, ...]:
+    """The velocity that an enemy has for who has seen it at some times in some places, the last one now."""
+    lookout, enemies = Lookout(match_info(senses=senses)), []
+    for time, place in steps:
+        enemies = lookout.enemies(seen(time=time, agents=(enemy(place, velocity=(0.0, 0.0, 9.0)),)))
+    return enemies[0].velocity
+
+
+def test_who_is_not_told_velocities_sees_them() -> None:
+    before = (1.0, (0.0, 0.0, 10.0))
+    assert watched(before, (1.1, (0.5, 0.0, 10.0))) == pytest.approx((5.0, 0.0, 0.0))
+    assert watched(before, (1.1, (0.5, 0.0, 10.0)), senses="original") == (0.0, 0.0, 9.0)
+    assert watched(before) == NOWHERE
+    assert watched(before, (2.0, (0.5, 0.0, 10.0))) == NOWHERE, "too long ago"
+    assert watched(before, (1.1, (5.0, 0.0, 10.0))) == NOWHERE, "it has respawned"
+
+
+def test_nobody_plans_a_turn_that_the_rules_cut_off() -> None:
+    limit = max_turn_of(match_info(turn_speed=360.0))
+    aim = aim_at(seen(yaw=180.0), enemy((0.0, 0.0, 10.0)), NOWHERE, FRAMES, limit)
+
+    assert limit == pytest.approx(7.2)
+    assert abs(aim.turn) == pytest.approx(7.2)
+    assert max_turn_of(match_info()) == MAX_TURN

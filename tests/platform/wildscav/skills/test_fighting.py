@@ -14,11 +14,13 @@ from wildscav.skills.fighting import (
     has_much_to_lose,
     is_hidden,
     quiet_place,
+    steady,
     wants_reload,
     weave,
     would_lose,
 )
 from wildscav.skills.surroundings import Rings, Surroundings
+from wildscav.skills.walking import Walk
 
 ENEMY = (0.0, 0.0, 20.0)
 
@@ -46,6 +48,7 @@ def test_reloads(changes: dict[str, Any], in_sight: bool, reloads: bool) -> None
         ({"reloading": True}, 20, 1, True),
         ({"health": 40}, 60, 1, True),  # weak, and the weaker one
         ({"health": 40}, 20, 1, False),
+        ({"health": 40}, 0, 1, True),  # nobody tells the enemy's health, so it may be unhurt
         ({}, 100, 3, True),  # outnumbered
     ],
 )
@@ -73,6 +76,24 @@ def walled() -> Surroundings:
     for x in np.arange(2.0, 6.0, 0.15):
         surroundings.block((float(x), 0.0, 1.5))
     return surroundings
+
+
+@pytest.mark.parametrize(
+    ("rules", "way", "speed"),
+    [
+        ({}, 20.0, 10.0),  # shots go where they are aimed
+        ({"spread": 0.5, "walking_sway": 9.0}, 20.0, 1.75),  # 1.29° to each side: 2.58 times the spread
+        ({"spread": 0.5, "walking_sway": 9.0}, 5.0, 10.0),
+        ({"spread": 0.5, "walking_sway": 9.0}, 200.0, 1.0),
+    ],
+)
+def test_where_walking_spreads_shots_it_walks_as_fast_as_they_still_hit(
+    rules: dict[str, Any], way: float, speed: float
+) -> None:
+    walk = steady(match_info(**rules), seen(), enemy((0.0, 0.0, way)), Walk(90.0, 10.0))
+
+    assert walk.direction == 90.0
+    assert walk.speed == pytest.approx(speed, abs=0.01)
 
 
 def test_cover_is_a_place_that_a_wall_hides() -> None:
