@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from wildscav.cli.shared_options import RulesOption
 from wildscav.system.output_folders import check_folder
 
 if TYPE_CHECKING:
@@ -44,6 +45,7 @@ def human(
         float | None,
         typer.Option(help="Seconds of game time. Default: the track's.", min=1, max=3600, show_default=False),
     ] = None,
+    rules: RulesOption = "original",
     host: Annotated[str, typer.Option(help="Address that the page is served on.")] = "127.0.0.1",
     port: Annotated[int, typer.Option(help="Its port; 0 for any free one.", min=0, max=65535)] = 0,
     public_url: Annotated[
@@ -68,7 +70,7 @@ def human(
     check_folder("--records", records)
     public = None if public_url is None else checked_public_url(public_url)
     names = None if opponents is None else [name.strip() for name in opponents.split(",") if name.strip()]
-    plan = make_plan(track, map_id, seed, names, time_limit, people)
+    plan = make_plan(track, map_id, seed, names, time_limit, people, rules)
     with preparing(console):
         prepare(plan)
     with contextlib.suppress(KeyboardInterrupt):

@@ -16,6 +16,7 @@ from wildscav_engine.record import RecordError, check_recordable
 from wildscav_engine.simulation.robots.decide import ROBOTS
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
+from wildscav_engine.specs.rules import RULES
 from wildscav_engine.specs.validation import one_line
 from wildscav_engine.tracks import TRACKS
 from wildscav_server.hosting.manifest import read_manifest
@@ -102,6 +103,7 @@ def make_plan(
     opponents: Sequence[str] | None,
     time_limit: float | None,
     people: int = 1,
+    rules: str = "original",
 ) -> Plan:
     """Return the plan of a match in which people have the first seats.
 
@@ -113,6 +115,7 @@ def make_plan(
             more people.
         time_limit: s of game time; None for the track's.
         people: How many people can play.
+        rules: The name of rules.
 
     Raises:
         UserError: Such a match is not possible.
@@ -131,6 +134,7 @@ def make_plan(
             seats=(*(SUBMISSION,) * people, *filled_by),
             time_limit=TRACKS[track].time_limit if time_limit is None else time_limit,
             frames_per_action=FRAMES_PER_ACTION,
+            rules=RULES.validate_python(rules),
         )
         check_recordable(spec)
     except ValidationError as error:

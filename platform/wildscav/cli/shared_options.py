@@ -32,6 +32,16 @@ AsJson = Annotated[
     ),
 ]
 
+RulesOption = Annotated[
+    str,
+    typer.Option(
+        "--rules",
+        help="original, or fair: agents see with eyes alone, turn in half a second, and shoot well only if "
+        "they slow down.",
+        metavar="NAME",
+    ),
+]
+
 
 def named_in(registry: Callable[[], Collection[str]]) -> dict[str, Any]:
     """Return settings of an option that takes a name from a registry, which is imported when it is needed."""

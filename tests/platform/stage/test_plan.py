@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from wildscav.errors import UserError
+from wildscav_engine.specs.rules import NAMED
 from wildscav_stage.plan import make_plan, numbered
 
 HOMING = Path(__file__).parents[3] / "submissions" / "homing"
@@ -63,6 +64,13 @@ def test_a_robot_plays_for_each_person_who_is_not_here() -> None:
 )
 def test_no_two_seats_have_the_same_name(names: list[str], numbered_names: tuple[str, ...]) -> None:
     assert numbered(names) == numbered_names
+
+
+def test_people_may_play_by_fair_rules() -> None:
+    plan = make_plan("battle", None, 0, None, None, rules="fair")
+    assert plan.spec.rules == NAMED["fair"]
+    with pytest.raises(UserError, match="no rules are called 'unfair'; allowed are original, fair"):
+        make_plan("battle", None, 0, None, None, rules="unfair")
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from wildscav.cli.shared_options import AsJson
+from wildscav.cli.shared_options import AsJson, RulesOption
 from wildscav.errors import UserError, describe
 from wildscav.system.output_folders import check_folder
 from wildscav_evaluator.cli.options.evaluation import Submissions
@@ -37,6 +37,7 @@ def play(
         ),
     ] = None,
     time_limit: Annotated[float, typer.Option(help="Seconds of game time.", min=0.1, max=86_400)] = 60.0,
+    rules: RulesOption = "original",
     record: Annotated[Path | None, typer.Option(help="Save the record of the match to this file.")] = None,
     replay: Annotated[
         Path | None, typer.Option(help="Render the match as a Rerun recording to this file (.rrd).")
@@ -62,6 +63,7 @@ def play(
         size=size,
         seed=seed,
         time_limit=time_limit,
+        rules=rules,
     )
     runs_in, loaded = chosen_sandbox(sandbox, loaded)
     try:

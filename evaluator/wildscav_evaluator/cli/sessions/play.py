@@ -20,7 +20,7 @@ from wildscav_engine.simulation.match import MatchSetupError
 from wildscav_engine.specs.actions import Field
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
-from wildscav_engine.specs.rules import FRAMES_PER_SECOND
+from wildscav_engine.specs.rules import FRAMES_PER_SECOND, RULES
 from wildscav_engine.specs.validation import one_line
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.cli.options.tournament import MAX_SEATS, robots_asked
@@ -68,6 +68,7 @@ def make_spec(
     size: int,
     seed: int,
     time_limit: float,
+    rules: str,
 ) -> MatchSpec:
     """Return the spec of a match; the submissions have the first seats, robots the others.
 
@@ -87,6 +88,7 @@ def make_spec(
             seed=seed,
             seats=(SUBMISSION,) * submissions + filled_by,
             time_limit=time_limit,
+            rules=RULES.validate_python(rules),
         )
     except ValidationError as error:
         raise UserError(f"such a match is not possible: {one_line(error)}", exit_code=2) from error
