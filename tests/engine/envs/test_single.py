@@ -184,7 +184,7 @@ def test_who_sees_pixels_alone_gets_no_lists() -> None:
         observation, *_ = env.step(env.action_space.sample())
         assert not observation["to_box"].any()
         assert not observation["to_enemy"].any()
-    with pytest.raises(ValueError, match=r"sensors\.sights lists what is in sight, which the senses 'pixels'"):
+    with pytest.raises(ValueError, match=r"sensors\.sights lists what is in sight, which the senses"):
         SingleEnv("battle", map=SMALL, rules=rules, sensors={"sights": {}, "teammates": {}, "depth": {}})
 
 
