@@ -65,7 +65,7 @@ def play_step(
     for seat in range(actions.shape[0]):
         action = actions[seat]
         _resolve_action(
-            world, agents, supplies, matches, match, seen, seat, frames_per_action, allowed, action
+            world, agents, supplies, matches, match, seen, seat, frames_per_action, allowed, rules, action
         )
     for _ in range(frames_per_action):
         if not matches.over[match]:
@@ -158,6 +158,7 @@ def _resolve_action(
     seat: int,
     frames_per_action: int,
     allowed: NDArray[np.bool_],
+    rules: Rules,
     action: NDArray[np.float32],
 ) -> None:
     """Replace an action row by what is played: a robot's choice, or the valid part of what was sent."""
@@ -168,7 +169,19 @@ def _resolve_action(
             frame, seed = matches.frame[match], matches.seed[match]
             skill = skill_of(agents.robot[seat])
             situation = Situation(
-                agents, supplies, seen, seat, seed, frame, frames_per_action, matches, match, skill, world
+                agents,
+                supplies,
+                seen,
+                seat,
+                seed,
+                frame,
+                frames_per_action,
+                matches,
+                match,
+                skill,
+                world,
+                rules.spread,
+                rules.walking_sway,
             )
             decide(situation, action)
     valid = agents.present[seat]

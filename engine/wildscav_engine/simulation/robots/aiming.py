@@ -7,12 +7,13 @@ from wildscav_engine.arithmetic.elementary_functions import arctangent, wrap
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.simulation.robots.base import Situation, random_in, turn_toward, walk_toward
 from wildscav_engine.simulation.state import NOBODY
-from wildscav_engine.specs.actions import Field
-from wildscav_engine.specs.body import EYE_HEIGHT
+from wildscav_engine.specs.actions import MAX_WALK_SPEED, Field
+from wildscav_engine.specs.body import BODY_RADIUS, EYE_HEIGHT
 
 AIM_HEIGHT = 1.0  # m above the enemy's soles
 PITCH_ERROR = 1 / 3  # of the skill's aim error
 LOW_CLIP = 5  # rounds; with fewer and no enemy in sight, it reloads
+CREEP = 1.0  # m/s, its slowest walk around an enemy
 CIRCLE_SIDE = 80.0  # degrees between the way around an enemy and the way to it
 
 
@@ -62,7 +63,20 @@ def aim_and_fire(now: Situation, enemy: int, action: NDArray[np.float32]) -> flo
 
 
 @kernel
-def circle(now: Situation, yaw: float, action: NDArray[np.float32]) -> None:
-    """Circle around an enemy in a compass direction, to be harder to hit."""
+def circle(now: Situation, enemy: int, yaw: float, action: NDArray[np.float32]) -> None:
+    """Circle around an enemy in a compass direction, to be harder to hit, as fast as shots still hit."""
     side = CIRCLE_SIDE if (now.frame // 100 + now.seat) % 2 == 0 else -CIRCLE_SIDE
-    walk_toward(now, yaw + side, now.skill.wander_speed, action)
+    walk_toward(now, yaw + side, _steady_speed(now, enemy), action)
+
+
+@kernel
+def _steady_speed(now: Situation, enemy: int) -> float:
+    """Return the speed at which a robot circles, m/s: less where its walk would spread its shots too far."""
+    fastest = now.skill.wander_speed
+    if now.spread * now.walking_sway == 0.0:
+        return fastest
+    here, there = now.agents.position[now.seat], now.agents.position[enemy]
+    dx, dz = there[0] - here[0], there[2] - here[2]
+    half_width = arctangent(BODY_RADIUS, np.sqrt(dx * dx + dz * dz))
+    sway = (now.skill.steadiness * half_width / now.spread - 1.0) / now.walking_sway
+    return float(min(fastest, max(CREEP, MAX_WALK_SPEED * sway)))

@@ -67,6 +67,8 @@ class Situation(NamedTuple):
     match: int
     skill: Skill
     world: World
+    spread: float  # degrees, of its shots when it stands still
+    walking_sway: float  # how many times more when it walks at full speed
 
 
 Act = Callable[[Situation, NDArray[np.float32]], None]

@@ -35,7 +35,7 @@ def fight(now: Situation, action: NDArray[np.float32]) -> None:
     if leaves_fight(now, enemy):
         take_cover(now, enemy, action)
     else:
-        circle(now, yaw, action)
+        circle(now, enemy, yaw, action)
     action[Field.PICK_UP] = 1.0
 
 

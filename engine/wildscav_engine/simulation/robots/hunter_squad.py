@@ -53,7 +53,7 @@ def hunt(now: Situation, action: NDArray[np.float32]) -> None:
     prey = _prey(now, leader)
     enemy = prey if prey != NOBODY and _sees(now, now.seat, prey) else nearest_enemy(now)
     if enemy != NOBODY:
-        circle(now, aim_and_fire(now, enemy, action), action)
+        circle(now, enemy, aim_and_fire(now, enemy, action), action)
         action[Field.PICK_UP] = 1.0
         return
     reload_low_clip(now, action)

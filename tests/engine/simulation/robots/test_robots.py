@@ -2,17 +2,17 @@
 
 import numpy as np
 import pytest
-from tests.builders import flat_world, map_from
+from tests.builders import flat_world, map_from, place
 
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.robots.decide import ROBOTS
-from wildscav_engine.specs.actions import FIELDS
+from wildscav_engine.specs.actions import FIELDS, Field
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_engine.specs.rules import Rules
+from wildscav_engine.specs.rules import NAMED, Rules
 from wildscav_engine.specs.zone_config import ZoneConfig, ZonePhase
 
 
@@ -76,12 +76,35 @@ def test_robots_have_numbers_of_their_own() -> None:
     assert 0 not in numbers  # that is a submission
 
 
-def duel(one: str, other: str, matches: int) -> list[int]:
+@pytest.mark.parametrize(
+    ("robot", "far", "near"),
+    [
+        ("fighter-easy", 3.0, 3.0),  # so slow that its walk hardly matters
+        ("fighter", 4.6, 6.0),  # two halves of the enemy may be missed
+        ("fighter-hard", 1.8, 7.0),
+    ],
+)
+def test_robots_circle_as_fast_as_their_shots_still_hit(robot: str, far: float, near: float) -> None:
+    """At 20 m half of an enemy is 1.29° wide: 2.58 times the spread of the fair rules."""
+    for rules, distance, speed in (
+        (NAMED["fair"], 20.0, far),
+        (NAMED["fair"], 4.0, near),
+        (Rules(), 20.0, near),
+    ):
+        spec = MatchSpec(track="battle", seats=(robot, "submission"), rules=rules)
+        match = Match(spec, map_from(flat_world(80)))
+        place(match, 0, (0, 0, 0))
+        place(match, 1, (0, 0, distance))
+        match.step()
+        assert match.actions_played[0][0, Field.WALK_SPEED] == pytest.approx(speed, abs=0.1)
+
+
+def duel(one: str, other: str, matches: int, rules: Rules) -> list[int]:
     """Return how often each of two fighters on open ground killed the other."""
     world = map_from(flat_world())
     kills = np.zeros(2, int)
     for seed in range(matches):
-        rules = Rules(respawn_time=1, invincible_time=1, spare_ammo=10_000)
+        rules = rules._replace(respawn_time=1, invincible_time=1, spare_ammo=10_000)
         seats = (one, other) if seed % 2 else (other, one)
         spec = MatchSpec(track="battle", map=world.spec, seed=seed, seats=seats, time_limit=60, rules=rules)
         match = Match(spec, world)
@@ -90,9 +113,10 @@ def duel(one: str, other: str, matches: int) -> list[int]:
     return kills.tolist()
 
 
+@pytest.mark.parametrize("rules", NAMED)
 @pytest.mark.parametrize(("better", "worse"), [("fighter", "fighter-easy"), ("fighter-hard", "fighter")])
-def test_a_better_fighter_kills_more_often_than_it_dies(better: str, worse: str) -> None:
-    wins, losses = duel(better, worse, 20)
+def test_a_better_fighter_kills_more_often_than_it_dies(better: str, worse: str, rules: str) -> None:
+    wins, losses = duel(better, worse, 20, NAMED[rules])
     assert wins > 1.1 * losses
 
 
