@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from wildscav_engine.envs.league import League
     from wildscav_engine.envs.parallel import ParallelArena, aec_env, parallel_env
     from wildscav_engine.envs.settings.config import EnvConfig
+    from wildscav_engine.envs.settings.functions import Learners
     from wildscav_engine.envs.settings.options import EnvOptions, EpisodeOptions
     from wildscav_engine.envs.settings.players import PolicyOpponent, Sampler, SeatController, StatefulPolicy
     from wildscav_engine.envs.settings.presets import PRESETS
@@ -26,6 +27,7 @@ _MODULES = {
     "EnvConfig": "settings.config",
     "EnvOptions": "settings.options",
     "EpisodeOptions": "settings.options",
+    "Learners": "settings.functions",
     "League": "league",
     "PolicyOpponent": "settings.players",
     "Sampler": "settings.players",
@@ -52,6 +54,7 @@ __all__ = [
     "FlatActions",
     "FlatObservations",
     "League",
+    "Learners",
     "PolicyOpponent",
     "Sampler",
     "SeatController",

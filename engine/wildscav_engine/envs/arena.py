@@ -53,7 +53,7 @@ class Arena:
         self.learners = range(config.agents)
         slow = self.track.slow_metrics if config.all_metrics else ()
         self.metrics = tuple(metric.name for metric in self.track.metrics + slow)
-        self.terms = tuple(config.reward_weights)
+        self.terms = (*config.reward_weights, *config.reward_functions)
         self.opponents = OpponentManager(config, matches)
         self.batch: Batch | None = None
         self._views: dict[int, MatchInBatch] = {}

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, Field, ValidationError, field_validator, model_validator
 
 from wildscav_engine.envs.registry import VERSION, Version
+from wildscav_engine.envs.settings.functions import checked_observers, checked_rewards
 from wildscav_engine.envs.settings.players import ActionMode, Player, Sampler, read_entry, seat_entry
 from wildscav_engine.maps.pools import Level, Split
 from wildscav_engine.sensors import Sensor, parse_sensors
@@ -25,6 +26,9 @@ RenderView = Literal["eyes", "behind", "top"]
 Width = Annotated[int, Field(ge=16, le=1920)]  # pixels
 Height = Annotated[int, Field(ge=16, le=1080)]  # pixels
 PlayerEntry = Annotated[Any, AfterValidator(read_entry)]  # becomes a ``Player`` or a ``Sampler``
+# By name; see ``settings/functions.py``.
+RewardFunctions = Annotated[dict[str, Any], AfterValidator(checked_rewards)]
+Observers = Annotated[dict[str, Any], AfterValidator(checked_observers)]
 
 MAX_TEAMMATES = 7  # in the default observations of a learner, the nearest ones
 
@@ -59,6 +63,8 @@ class EnvConfig(Spec):
     version: Version = VERSION  # of the observations: the number after v in ids
     sensors: dict[str, dict[str, Any]] | None = None  # by name, with options; None: the track's default
     rewards: dict[str, float] | None = None  # weights by the names of terms; None: the track's default
+    reward_functions: RewardFunctions = Field(default_factory=dict)  # terms of your own, by name
+    observers: Observers = Field(default_factory=dict)  # observations of your own, by name
     action_mode: ActionMode = "dict"
     flat: bool = False  # one row of numbers instead of a Dict, for observations and infos
     all_metrics: bool = False  # in infos: also those that take long to measure, such as SPL
