@@ -9,6 +9,7 @@ from wildscav_engine.envs.registry import register, register_several
 
 if TYPE_CHECKING:
     from wildscav_engine.envs.batched import BatchedArena
+    from wildscav_engine.envs.curriculum import AdaptiveOptions, Curriculum
     from wildscav_engine.envs.description import describe
     from wildscav_engine.envs.league import League
     from wildscav_engine.envs.parallel import ParallelArena, aec_env, parallel_env
@@ -23,7 +24,9 @@ if TYPE_CHECKING:
     from wildscav_engine.envs.wrappers import FlatActions, FlatObservations
 
 _MODULES = {
+    "AdaptiveOptions": "curriculum",
     "BatchedArena": "batched",
+    "Curriculum": "curriculum",
     "EnvConfig": "settings.config",
     "EnvOptions": "settings.options",
     "EpisodeOptions": "settings.options",
@@ -47,7 +50,9 @@ _MODULES = {
 
 __all__ = [
     "PRESETS",
+    "AdaptiveOptions",
     "BatchedArena",
+    "Curriculum",
     "EnvConfig",
     "EnvOptions",
     "EpisodeOptions",

@@ -57,7 +57,7 @@ class OneMatch(Changeable):
         episodes = self._episodes
         if seed is not None or episodes is None:
             episodes = Episodes(first_seed if seed is None else seed)
-        self.arena.start({0: episodes}, options)
+        self.arena.start({0: episodes}, {0: options})
         self._episodes = episodes
 
     def _begin(self) -> tuple[Any, dict[str, Any]]:

@@ -1,6 +1,6 @@
 """All options of an environment in one immutable object."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Field, ValidationError, field_validator, model_validator
@@ -8,6 +8,7 @@ from pydantic import AfterValidator, Field, ValidationError, field_validator, mo
 from wildscav_engine.envs.registry import VERSION, Version
 from wildscav_engine.envs.settings.functions import checked_observers, checked_rewards
 from wildscav_engine.envs.settings.players import ActionMode, Player, Sampler, read_entry, seat_entry
+from wildscav_engine.envs.settings.suggestions import did_you_mean
 from wildscav_engine.maps.pools import Level, Split
 from wildscav_engine.sensors import Sensor, parse_sensors
 from wildscav_engine.specs.actions import Field as ActionField
@@ -204,8 +205,9 @@ def change_config(config: EnvConfig, changes: Mapping[str, Any]) -> EnvConfig:
         ValueError: An option cannot change, or its value is invalid; the message is one line.
     """
     if fixed := sorted(changes.keys() - set(CHANGEABLE)):
+        hint = "" if fixed[0] in EnvConfig.model_fields else did_you_mean(fixed[0], CHANGEABLE)
         raise ValueError(
-            f"{fixed[0]} cannot change between episodes; these options can: {', '.join(CHANGEABLE)}"
+            f"{fixed[0]} cannot change between episodes{hint}; these options can: {', '.join(CHANGEABLE)}"
         )
     changed = with_changes(config, changes)
     if changed.read_sensors() != config.read_sensors():
@@ -232,13 +234,23 @@ def config_of_episode(config: EnvConfig, options: Mapping[str, Any]) -> EnvConfi
     Raises:
         ValueError: There is no such option of a reset, or its value is invalid; the message is one line.
     """
-    if not isinstance(options, Mapping):
-        raise ValueError(f"options is {options!r}, must be a dictionary with some of {', '.join(ONCE)}")
-    if unknown := sorted(map(str, options.keys() - set(ONCE))):
-        raise ValueError(f"a reset has no option {unknown[0]!r}; its options are {', '.join(ONCE)}")
+    check_reset(options, ONCE)
     changed = with_changes(config, {**options, **({"starts": None} if "start" in options else {})})
     is_random = changed.map is None or isinstance(changed.map, MapConfig)
     return changed.model_copy(update={"unseen": config.unseen and is_random})
+
+
+def check_reset(options: Any, known: Sequence[str]) -> None:
+    """Check that the options of a reset are a dictionary of known ones.
+
+    Raises:
+        ValueError: They are not; the message is one line that names the known ones.
+    """
+    if not isinstance(options, Mapping):
+        raise ValueError(f"options is {options!r}, must be a dictionary with some of {', '.join(known)}")
+    if unknown := sorted(map(str, options.keys() - set(known))):
+        hint = did_you_mean(unknown[0], known)
+        raise ValueError(f"a reset has no option {unknown[0]!r}{hint}; its options are {', '.join(known)}")
 
 
 def with_changes(config: EnvConfig, changes: Mapping[str, Any]) -> EnvConfig:
@@ -266,9 +278,12 @@ def read_config(track: str, options: Mapping[str, Any], **defaults: Any) -> EnvC
     base = {} if preset is None else preset_options(preset, track)
     unknown = sorted(given.keys() - set(EnvConfig.model_fields))
     if unknown:
-        known = ", ".join(name for name in EnvConfig.model_fields if name != "track")
+        known = ["preset", *(name for name in EnvConfig.model_fields if name != "track")]
+        hint = did_you_mean(unknown[0], known)
         # The message is Python's own, because some trainers probe which arguments an environment accepts.
-        raise TypeError(f"unexpected keyword argument {unknown[0]!r}; the options are preset, {known}")
+        raise TypeError(
+            f"unexpected keyword argument {unknown[0]!r}{hint}; the options are {', '.join(known)}"
+        )
     try:
         return EnvConfig(**{**defaults, **base, **given, "track": track})
     except ValidationError as error:

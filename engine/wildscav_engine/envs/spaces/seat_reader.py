@@ -64,7 +64,7 @@ class SeatReader:
             self._runs = flattener.runs(self.layout.groups)
             self._flat_shape = (matches, len(seats), *flattener.space.shape)
         terms = RewardSum(config.reward_weights).term_arrays
-        self._weights = terms.weight  # of matches that start from now on
+        self._weights = np.tile(terms.weight, (matches, 1))  # of matches that start from now on
         workspace = allocate_row_workspace(matches, len(config.seats), seats, self.layout.start, terms)
         self.done, self._is_new = workspace.done, workspace.is_new
         self.terminated, self.truncated, self.rewards = (
@@ -91,13 +91,13 @@ class SeatReader:
             self._sensors.set_maps(batch.maps)
         if self._functions is not None:
             self._functions.begin(rows)
-        self._weights_of_matches[list(rows)] = self._weights
+        self._weights_of_matches[list(rows)] = self._weights[list(rows)]
         self.done[list(rows)] = False
         self._is_new[list(rows)] = True
 
-    def set_rewards(self, weights: Mapping[str, float]) -> None:
-        """Set the weights of the same reward terms for the matches that start from now on."""
-        self._weights = RewardSum(weights).term_arrays.weight
+    def set_rewards(self, match: int, weights: Mapping[str, float]) -> None:
+        """Set the weights of the same reward terms for what starts in a row from now on."""
+        self._weights[match] = list(weights.values())
 
     def read(
         self, batch: "Batch", view: Callable[[int], MatchInBatch]
