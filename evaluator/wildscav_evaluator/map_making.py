@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from wildscav.errors import UserError
-from wildscav.terminal.console import console, counted, progress_bar
+from wildscav.terminal.console import console, counted, print_json, progress_bar
 from wildscav_engine.maps.cache import (
     LIMIT,
     SIZE_LIMIT,
@@ -83,7 +83,7 @@ def make_maps(choices: Iterable[Choices], executor: Executor) -> Iterator[MadeMa
         yield made
 
 
-def run_make_maps(choices: Sequence[Choices], executor: Executor) -> None:
+def run_make_maps(choices: Sequence[Choices], executor: Executor, *, as_json: bool = False) -> None:
     """Make the maps that are not cached yet, and say how many and how large they are.
 
     Raises:
@@ -102,6 +102,9 @@ def run_make_maps(choices: Sequence[Choices], executor: Executor) -> None:
         except KeyboardInterrupt:
             raise UserError(f"interrupted: {made:,} of {counted(len(missing), 'map')} made", 130) from None
     console.print(f"made {counted(made, 'map')}, {size / 1e6:,.0f} MB, in {folder()}")
+    if as_json:
+        cached = len(choices) - len(missing)
+        print_json({"made": made, "cached": cached, "bytes": size, "folder": str(folder())})
 
 
 def make_map(specs: Choices) -> MadeMap:

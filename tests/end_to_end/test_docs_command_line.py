@@ -67,6 +67,7 @@ def test_the_documents_have_the_fields_told(tmp_path: Path) -> None:
     assert [row["submission"] for row in one["rows"]] == ["homing", "my-agent"]
 
     assert names(document("map", "info", 101)) == TOLD["map info"]
+    assert names(document("map", "make", "--level", "easy", "--count", 1)) == TOLD["map make"]
     make_season_folder(tmp_path / "season", "spring", None, days=10)
     attempts = {field.name for field in fields(Attempt)}
     assert names(document("season", "status", tmp_path / "season")) | attempts == TOLD["season status"]

@@ -22,6 +22,7 @@ def test_the_code_of_the_page_works(tmp_path: Path) -> None:
     assert run_code(code, tmp_path).splitlines() == [
         "['body', 'depth', 'position', 'target', 'time', 'to_target', 'velocity', 'view'] (10, 10)",
         "['agent_0', 'agent_1', 'agent_2', 'agent_3'] (1, 13)",
+        "(8, 1) (8,)",
         "(8, 10, 10) (8,)",
         "(4, 48) ('submission', 'submission', 'submission', 'submission', 'fighter')",
         "True bytes",

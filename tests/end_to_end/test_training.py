@@ -3,6 +3,9 @@
 import copy
 import math
 import re
+import runpy
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -166,8 +169,34 @@ def test_the_monitor_of_stable_baselines_keeps_metrics_and_passes_options_on() -
     for info in infos:
         assert info["episode"]["metrics"].keys() == set(vector.vector.arena.metrics)
         assert info["episode"]["reward_terms"].keys() == {"target_reached"}
-    with pytest.raises(ValueError, match="share their options"):
-        envs.set_options([{"start_range": 2.0}, {"start_range": 3.0}])
+    with pytest.raises(ValueError, match=r"^start_range: Input should be greater"):
+        envs.set_options([{"time_limit": 0.2}, {"start_range": -3.0}])
+    envs.set_options([{"start_range": 2.0}, {"time_limit": 0.2}])
+    envs.reset()
+    assert [envs.step(np.zeros((2, 5), np.float32))[2].tolist() for _ in range(2)][-1] == [False, True]
+
+
+def test_the_curriculum_of_the_page_begins_with_its_first_stage() -> None:
+    (code,) = [text for text in BLOCKS if "AdaptiveOptions" in text]
+    names = run(code.replace('level="easy"', "map=TINY"), {"TINY": TINY})
+    assert names["infos"]["stage"].tolist() == [0] * 16
+
+
+def test_the_example_of_level_replay_plays_the_levels_from_which_there_is_most_to_learn() -> None:
+    pytest.importorskip("stable_baselines3")
+    example = Path(__file__).parents[2] / "docs" / "examples" / "level_replay.py"
+    names = runpy.run_path(str(example))
+    levels = names["Levels"](4)
+    assert levels.draw() in range(4)
+    levels.update(np.array([[0, 2], [0, 2]]), np.array([[0.1, -2.0], [-0.1, 1.0]], np.float32))
+    assert levels.scores[[0, 2]].tolist() == pytest.approx([0.1, 1.5])
+    chances = levels.chances()  # 0.9 by rank, of which the second gets (1 / 2) ** 10; 0.1 by age
+    assert chances.tolist() == pytest.approx([0.9 / 1025 + 0.05, 0.9 * 1024 / 1025 + 0.05])
+    done = subprocess.run(
+        [sys.executable, str(example), "--steps", "8192", "--levels", "8"], capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    assert re.match(r"[4-8] levels played; \d+% of the last episodes succeeded\nlevel ", done.stdout)
 
 
 def test_gymnasiums_wrapper_makes_tensors_of_a_vector() -> None:

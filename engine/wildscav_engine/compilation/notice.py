@@ -101,7 +101,7 @@ class Notice:
 
 
 class MapNotice:
-    """Reports how many maps of a start are made, in a terminal or to a callback."""
+    """Reports how many maps of a start are made: often in a terminal or to a callback, else twice."""
 
     def __init__(self, maps: int) -> None:
         self._maps, self._began = maps, time.monotonic()
@@ -109,10 +109,14 @@ class MapNotice:
 
     def report(self, made: int) -> None:
         """Report the current progress."""
-        seconds = time.monotonic() - self._began
+        seconds, is_due = time.monotonic() - self._began, False
         if notice.callback is not None:
             notice.callback(Progress(0, seconds, made == self._maps, f"{made}/{self._maps}"))
-        elif seconds >= (MOMENT if self._printed_at is None else self._printed_at + PAUSE):
+        elif self._printed_at is None:
+            is_due = seconds >= MOMENT
+        else:
+            is_due = sys.stderr is not None and sys.stderr.isatty() and seconds >= self._printed_at + PAUSE
+        if is_due and made < self._maps:
             self._printed_at = seconds
             self._print(f"made {made} of {self._maps} maps, which are kept for the next time")
 
@@ -122,7 +126,7 @@ class MapNotice:
             self._print(f"made {self._maps} maps, after {time.monotonic() - self._began:.0f} s")
 
     def _print(self, text: str) -> None:
-        if not os.environ.get(QUIET) and sys.stderr is not None and sys.stderr.isatty():
+        if not os.environ.get(QUIET) and sys.stderr is not None:
             _print(text)
 
 

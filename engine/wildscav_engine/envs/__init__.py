@@ -9,10 +9,12 @@ from wildscav_engine.envs.registry import register, register_several
 
 if TYPE_CHECKING:
     from wildscav_engine.envs.batched import BatchedArena
+    from wildscav_engine.envs.curriculum import AdaptiveOptions, Curriculum
     from wildscav_engine.envs.description import describe
     from wildscav_engine.envs.league import League
     from wildscav_engine.envs.parallel import ParallelArena, aec_env, parallel_env
     from wildscav_engine.envs.settings.config import EnvConfig
+    from wildscav_engine.envs.settings.functions import Learners
     from wildscav_engine.envs.settings.options import EnvOptions, EpisodeOptions
     from wildscav_engine.envs.settings.players import PolicyOpponent, Sampler, SeatController, StatefulPolicy
     from wildscav_engine.envs.settings.presets import PRESETS
@@ -22,10 +24,13 @@ if TYPE_CHECKING:
     from wildscav_engine.envs.wrappers import FlatActions, FlatObservations
 
 _MODULES = {
+    "AdaptiveOptions": "curriculum",
     "BatchedArena": "batched",
+    "Curriculum": "curriculum",
     "EnvConfig": "settings.config",
     "EnvOptions": "settings.options",
     "EpisodeOptions": "settings.options",
+    "Learners": "settings.functions",
     "League": "league",
     "PolicyOpponent": "settings.players",
     "Sampler": "settings.players",
@@ -45,13 +50,16 @@ _MODULES = {
 
 __all__ = [
     "PRESETS",
+    "AdaptiveOptions",
     "BatchedArena",
+    "Curriculum",
     "EnvConfig",
     "EnvOptions",
     "EpisodeOptions",
     "FlatActions",
     "FlatObservations",
     "League",
+    "Learners",
     "PolicyOpponent",
     "Sampler",
     "SeatController",

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.envs.opponents.manager import OpponentManager
 from wildscav_engine.envs.settings.config import EnvConfig, change_config
-from wildscav_engine.envs.settings.episodes import Episodes, Plan, next_episodes
+from wildscav_engine.envs.settings.episodes import Episodes, Plan, next_episodes, read_rows
 from wildscav_engine.envs.settings.options import EpisodeOptions
 from wildscav_engine.envs.spaces.action_mode import Axes
 from wildscav_engine.envs.spaces.actions import action_mode
@@ -48,12 +48,12 @@ class Arena:
             ValueError: The settings of the maps or of an opponent are invalid.
         """
         self.config, self.matches, self.track = config, matches, TRACKS[config.track]
-        self._plan = Plan(config)
+        self._plans = [Plan(config)] * matches  # of the next episodes
         self.mode = action_mode(config)
         self.learners = range(config.agents)
         slow = self.track.slow_metrics if config.all_metrics else ()
         self.metrics = tuple(metric.name for metric in self.track.metrics + slow)
-        self.terms = tuple(config.reward_weights)
+        self.terms = (*config.reward_weights, *config.reward_functions)
         self.opponents = OpponentManager(config, matches)
         self.batch: Batch | None = None
         self._views: dict[int, MatchInBatch] = {}
@@ -70,40 +70,51 @@ class Arena:
 
     @property
     def template(self) -> MatchSpec:
-        """The spec of new matches, apart from seed and map."""
-        return self._plan.template
+        """The spec of new matches, apart from seed and map; of the first row if rows differ."""
+        return self._plans[0].template
 
     @property
     def pool(self) -> MapPool:
-        """The maps on which new matches are played."""
-        return self._plan.pool
+        """The maps on which new matches are played; those of the first row if rows differ."""
+        return self._plans[0].pool
 
-    def set_options(self, changes: Mapping[str, Any]) -> EnvConfig:
-        """Change options of the matches that start from now on, and return all options.
+    def set_options(self, changes: Mapping[str, Any], rows: Sequence[int] | None = None) -> EnvConfig:
+        """Change options of the matches that start from now on, and return those of the environment.
+
+        Args:
+            changes: The new values by name.
+            rows: The rows that change; None for all, and then those of the environment change, too.
 
         Raises:
-            ValueError: An option cannot change, or its value is invalid.
+            ValueError: An option cannot change, its value is invalid, or there is no such row.
         """
-        config = change_config(self.config, changes)
-        self._plan = Plan(config, None if changes.keys() & OF_POOL else self.pool)
-        self._reader.set_rewards(config.reward_weights)
+        chosen = range(self.matches) if rows is None else read_rows(rows, self.matches)
+        before = {id(plan): plan for plan in (self._plans[row] for row in chosen)}
+        after = {}
+        for key, plan in before.items():
+            pool = None if changes.keys() & OF_POOL else plan.pool
+            after[key] = Plan(change_config(plan.config, changes), pool)
+        config = change_config(self.config, changes) if rows is None else self.config
+        for row in chosen:
+            self._plans[row] = after[id(self._plans[row])]
+            self._reader.set_rewards(row, self._plans[row].config.reward_weights)
         self.config = config
         return config
 
-    def start(self, sequences: Mapping[int, Episodes], options: Mapping[str, Any] | None = None) -> None:
+    def start(self, sequences: Mapping[int, Episodes], options: Mapping[int, Any] | None = None) -> None:
         """Start the next episode of each row's sequence; the first call must be for all rows.
 
         If it fails, nothing has changed: neither the matches nor which episode is the next one.
 
         Args:
             sequences: The sequence of episodes of each row.
-            options: The options of a reset, for these episodes only; see ``config_of_episode``.
+            options: The options of a reset by row, for these episodes only; see ``config_of_episode``.
 
         Raises:
             ValueError: An option is invalid, or a match cannot be set up.
         """
-        plan, rows = self._plan.once(options), list(sequences)
-        episodes = next_episodes(sequences.values(), plan)
+        rows = list(sequences)
+        episodes = next_episodes(sequences.values(), self._plans_once(rows, options or {}))
         specs = self.opponents.choose(rows, [episode.spec for episode in episodes])
         maps = [episode.game_map for episode in episodes]
         if self.batch is None:
@@ -113,6 +124,17 @@ class Arena:
         self._update_after_restart(rows)
         for each in sequences.values():
             each.number += 1
+
+    def _plans_once(self, rows: Sequence[int], options: Mapping[int, Any]) -> list[Plan]:
+        """Return the plans of some rows with the options of a reset."""
+        plans: dict[tuple[int, int], Plan] = {}
+        keys = []
+        for row in rows:
+            plan, own = self._plans[row], options.get(row)
+            keys.append((id(plan), id(own)))
+            if keys[-1] not in plans:
+                plans[keys[-1]] = plan.once(own)
+        return [plans[key] for key in keys]
 
     def _update_after_restart(self, rows: Sequence[int]) -> None:
         """Update everything that depends on the matches in some rows, which are new."""

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from wildscav_engine.envs.arena import Arena, ArenaOutput, Changeable
 from wildscav_engine.envs.saving import load, save
-from wildscav_engine.envs.settings.config import EnvConfig, read_config
-from wildscav_engine.envs.settings.episodes import Episodes, read_mask, read_seeds
-from wildscav_engine.envs.settings.options import EnvOptions
+from wildscav_engine.envs.settings.config import ONCE, EnvConfig, check_reset, read_config
+from wildscav_engine.envs.settings.episodes import Episodes, read_each, read_mask, read_seeds
+from wildscav_engine.envs.settings.options import EnvOptions, EpisodeOptions
 from wildscav_engine.envs.spaces.action_mode import Axes
 from wildscav_engine.envs.spaces.observation import Observation, observation_space
 from wildscav_engine.tracks import TRACKS
@@ -56,6 +56,7 @@ class Autoreset:
         first_seed: int,
         mask: Flags | None = None,
         options: Mapping[str, Any] | None = None,
+        also: Sequence[str] = (),
     ) -> ArenaOutput:
         """Start the next episode in some rows, or in all.
 
@@ -63,13 +64,19 @@ class Autoreset:
             seeds: (B,) the seeds of the rows; None to continue the present sequence of episodes.
             first_seed: The seed of the first row if there are no episodes yet; the others count on from it.
             mask: (B,) the rows; None for all.
-            options: Those of ``Arena.start``, which lists the errors.
+            options: Those of ``config_of_episode`` for all rows, and ``each`` as ``read_each`` says.
+
+        Raises:
+            ValueError: As ``Arena.start``, or an option is unknown.
         """
+        if options is not None:
+            check_reset(options, (*ONCE, "each", *also))
+        own = dict(enumerate(read_each(options or {}, self.arena.matches)))
         every = range(self.arena.matches)
         rows = every if mask is None or self.arena.batch is None else np.flatnonzero(mask).tolist()
         begun = self._episodes or [Episodes(first_seed + row) for row in every]
         new = {row: Episodes(seed) for row in rows if (seed := seeds[row]) is not None}
-        self.arena.start({row: new.get(row, begun[row]) for row in rows}, options)
+        self.arena.start({row: new.get(row, begun[row]) for row in rows}, own)
         self._episodes = [new.get(row, begun[row]) for row in every]
         self.ended[list(rows)] = False
         return self.arena.read()
@@ -146,6 +153,18 @@ class ManyMatches(Changeable):
 
     _autoreset: Autoreset
 
+    def set_options(self, *, rows: Sequence[int] | None = None, **changes: Unpack[EpisodeOptions]) -> None:
+        """Change options from the next episode on of each match, in some rows or in all.
+
+        Args:
+            rows: The numbers of the rows; None for all.
+            changes: As in environments of one match.
+
+        Raises:
+            ValueError: An option cannot change, its value is invalid, or a row does not exist.
+        """
+        self.config = self.arena.set_options(changes, rows)
+
     def get_state(self, row: int) -> bytes:
         """Return one match and its sequence of episodes as bytes, which a single environment can restore.
 
@@ -213,7 +232,8 @@ class BatchedArena(ManyMatches):
             seed: The seed of the first match, from which the others count on; or a list of all seeds. None
                 continues the present sequences.
             mask: (B,) bool, which matches to reset; None for all.
-            options: ``start``, ``start_range``, ``target`` and ``map`` of these episodes only.
+            options: ``start``, ``start_range``, ``target`` and ``map`` of these episodes only; and ``each``,
+                a list with such options for each row.
 
         Returns:
             The observation, by name (B, L, …).

@@ -32,7 +32,12 @@ def describe(config: EnvConfig) -> dict[str, Any]:
         in the order of flat rows, each with its name, shape, dtype, scale (the divisors of its numbers in
         flat rows), and the columns of a group or the options of a sensor; and ``actions``, as returned by
         ``ActionMode.describe``.
+
+    Raises:
+        ValueError: There are observers, which agents without the engine cannot have.
     """
+    if config.observers:
+        raise ValueError(f"the observers {', '.join(config.observers)} need the engine: an agent has none")
     sensors = config.read_sensors()
     columns = {
         group.name: [column.name for column in group.columns] for group in groups_of(config.version).values()

@@ -135,7 +135,7 @@ class ParallelArena(OneMatch, ParallelEnv[str, Observation, Any]):
     def _set_actions(self, actions: dict[str, Any]) -> None:
         check_names(actions, self.agents)
         arena = self.arena
-        arena.actions[:] = 0.0
+        arena.actions[:, : arena.config.agents] = 0.0
         batch = arena.batch
         if batch is None:
             raise RuntimeError("there is no episode: reset the environment first")

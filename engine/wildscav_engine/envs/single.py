@@ -1,6 +1,7 @@
 """The Gymnasium environment for one learner."""
 
 from collections.abc import Mapping
+from copy import deepcopy
 from typing import Any, Self, Unpack
 
 import gymnasium
@@ -56,7 +57,7 @@ class OneMatch(Changeable):
         episodes = self._episodes
         if seed is not None or episodes is None:
             episodes = Episodes(first_seed if seed is None else seed)
-        self.arena.start({0: episodes}, options)
+        self.arena.start({0: episodes}, {0: options})
         self._episodes = episodes
 
     def _begin(self) -> tuple[Any, dict[str, Any]]:
@@ -72,9 +73,11 @@ class OneMatch(Changeable):
     def fork(self) -> Self:
         """Return an independent environment in the same state.
 
-        With the same actions, both continue identically. The copy has no render mode.
+        With the same actions, both continue identically. The copy has no render mode, and copies of reward
+        functions and observers that are objects: their memory is no part of the state.
         """
-        other = type(self)(self.config.track, **(self._options | {"render_mode": None}))  # type: ignore[call-arg]
+        own = {name: deepcopy(self._options.get(name, {})) for name in ("reward_functions", "observers")}
+        other = type(self)(self.config.track, **(self._options | own | {"render_mode": None}))  # type: ignore[call-arg]
         other.set_state(self.get_state())
         return other
 

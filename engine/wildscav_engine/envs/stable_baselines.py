@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 
+from wildscav_engine.envs.settings.config import change_config
 from wildscav_engine.envs.settings.options import EnvOptions
 from wildscav_engine.envs.spaces.columns import EVENTS
 from wildscav_engine.envs.vector import VectorArena
@@ -46,15 +47,18 @@ class StableVector(VecEnv):
         """Change options from the next episode of each environment on, until they are changed again.
 
         Args:
-            options: The fields of ``EpisodeOptions`` as a dictionary; or a list of equal dictionaries.
+            options: The fields of ``EpisodeOptions`` as a dictionary; or one for each environment.
 
         Raises:
-            ValueError: An option cannot change, its value is invalid, or the environments are to differ.
+            ValueError: An option cannot change, or its value is invalid; nothing has changed.
         """
-        chosen = options if isinstance(options, list) else [options or {}]
-        if any(one != chosen[0] for one in chosen):
-            raise ValueError("the environments share their options: give one dictionary")
-        self.vector.set_options(**chosen[0])
+        if not isinstance(options, list):
+            return self.vector.set_options(**(options or {}))
+        for one in options:
+            change_config(self.vector.config, one)  # before any row changes
+        for row, one in enumerate(options):
+            self.vector.set_options(rows=[row], **one)
+        return None
 
     def step_async(self, actions: NDArray[Any]) -> None:
         """Store the next actions."""

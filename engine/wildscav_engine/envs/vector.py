@@ -72,7 +72,8 @@ class VectorArena(ManyMatches, VectorEnv[Observation, Any, NDArray[Any]]):
 
         Args:
             seed: The seed of the first environment, from which the others count on; or a list of all seeds.
-            options: ``reset_mask``, (N,) bool, the environments to reset; and the options of a single one.
+            options: ``reset_mask``, (N,) bool, the environments to reset; the options of a single one; and
+                ``each``, a list with such options for each row.
 
         Raises:
             ValueError: A seed, the mask or an option is invalid; nothing has changed.
@@ -84,7 +85,7 @@ class VectorArena(ManyMatches, VectorEnv[Observation, Any, NDArray[Any]]):
             given.pop("reset_mask", None)
         chosen = self._all_rows if mask is None else read_mask(mask, self.num_envs, "reset_mask")
         first_seed = (self.np_random_seed or 0) if seeds[0] is None else seeds[0]
-        output = self._autoreset.reset(seeds, first_seed, chosen, given)
+        output = self._autoreset.reset(seeds, first_seed, chosen, given, ("reset_mask",))
         super().reset(seed=seeds[0])
         self._show()
         return output.observation, self._infos(output.rows, (), np.zeros((0, 1, 0)), chosen)

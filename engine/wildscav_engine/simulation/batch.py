@@ -63,6 +63,7 @@ class Batch:
         self._bank = MapBank([*self.maps, *pool])
         self._rows = np.arange(len(self.specs))
         self._no_actions = no_actions(len(self.specs) * seats).reshape(len(self.specs), seats, FIELDS)
+        self.played: NDArray[np.float32] = self._no_actions  # (B, A, FIELDS) the actions of the last step
         self._open_matches(self._rows)
 
     @property
@@ -114,6 +115,7 @@ class Batch:
     def play(self, actions: NDArray[np.float32], threads: int = 1) -> None:
         """Do the same as ``step`` without checks, and replace the actions by those that were played."""
         self._seen_now.clear()
+        self.played = actions
         if threads == 1:
             self._play(self._rows, actions)
         else:

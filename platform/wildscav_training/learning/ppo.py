@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from wildscav_engine.envs.batched import BatchedArena, Outcome
-from wildscav_training.learning.curriculum import Curriculum
+from wildscav_engine.envs.curriculum import Curriculum
 from wildscav_training.learning.environment import APART, ROOM, make_env, mean_of, sizes_of
 from wildscav_training.learning.self_play import SelfPlay
 from wildscav_training.learning.settings import TrainingSettings
@@ -145,7 +145,7 @@ class PPO:
             UserError: The environment cannot be made, or has actions or observations of another kind.
         """
         self.settings, self._given = settings, settings.hyperparameters
-        self.curriculum = Curriculum(settings.curriculum)
+        self.curriculum = Curriculum(len(settings.curriculum) + 1)
         self.opponents = SelfPlay(settings.opposition, settings.seed)
         self._make_env()
         self.choices = Choices(sizes_of(self.env))
@@ -180,8 +180,8 @@ class PPO:
         return {**figures, "stage": float(self.curriculum.stage)}
 
     def _make_env(self) -> None:
-        start_range, others = self.curriculum.start_range, self.opponents.options
-        self.env = make_env(self.settings, self._given.matches, start_range, **others)
+        start_range = (*self.settings.curriculum, None)[self.curriculum.stage]
+        self.env = make_env(self.settings, self._given.matches, start_range, **self.opponents.options)
 
     def _begin_stage(self, part: int = 0) -> None:
         first = self.settings.seed * APART + self.curriculum.stage * ROOM + part

@@ -53,7 +53,7 @@ def test_every_kind_has_the_newest_observations_and_ids_those_of_their_number(ki
 
 
 SEED = "must be a whole number, 0 or more$"
-OPTIONS = "its options are start, start_range, target, map$"
+OPTIONS = "its options are start, start_range, target, map(, each)?(, reset_mask)?$"
 OUTSIDE = "at x = 0.0, z = 99.0: outside the map"
 
 
@@ -66,12 +66,13 @@ OUTSIDE = "at x = 0.0, z = 99.0: outside the map"
         ({"seed": "7"}, f"^seed is '7', {SEED}"),
         (
             {"options": {"taget": (0, 0, 0)}},
-            f"^a reset has no option 'taget'; {OPTIONS}",
+            rf"^a reset has no option 'taget' \(did you mean 'target'\?\); {OPTIONS}",
         ),
         (
             {"options": {"level": "easy"}},
             f"^a reset has no option 'level'; {OPTIONS}",
         ),
+        ({"options": {3: 4}}, f"^a reset has no option '3'; {OPTIONS}"),
         ({"options": [1]}, r"^options is \[1\], must be a dictionary with some of start, start_range"),
         (
             {"options": {"map": "abc"}},

@@ -169,3 +169,52 @@ def test_a_hot_spot_comes_and_goes_only_where_sensors_are_named() -> None:
     assert not env.reset(seed=1)[0]["hot_spot"].any()
     env.set_options(supplies=moving)
     assert env.reset(seed=1)[0]["hot_spot"].any()
+
+
+@pytest.mark.parametrize("make", [VectorArena, BatchedArena])
+def test_rows_have_options_of_their_own(make: Any) -> None:
+    made = options("navigation", **BARE, agents=1, rewards={"step": 1.0})
+    envs = make("navigation", 3, **made)
+    envs.set_options(rows=[0, 2], map=OPEN, start_range=4.0, rewards={"step": 2.0})
+    envs.set_options(rows=[2], time_limit=0.4)
+    envs.set_options(split="test")  # all rows, whatever else they have
+    own: dict[str, Any] = made | {"map": OPEN, "start_range": 4.0, "rewards": {"step": 2.0}, "split": "test"}
+    singles = [
+        SingleEnv("navigation", **one) for one in (own, made | {"split": "test"}, own | {"time_limit": 0.4})
+    ]
+    seen = envs.reset(seed=5)
+    seen = seen[0] if make is VectorArena else seen
+    shape = (3,) if make is VectorArena else (3, 1)
+    for row, env in enumerate(singles):
+        np.testing.assert_array_equal(seen["target"][row].reshape(-1), env.reset(seed=5 + row)[0]["target"])
+    for _ in range(4):
+        _, rewards, _, truncated, *_ = envs.step(np.tile(np.array([0, 0, 3, 2, 0]), (*shape, 1)))
+        assert rewards.reshape(-1).tolist() == [2.0, 1.0, 2.0]
+    assert truncated.reshape(-1).tolist() == [False, False, True]
+    assert (envs.config.map, envs.config.split) == (SMALL, "test")
+    with pytest.raises(ValueError, match=r"^rows is \[3\], must be a list of numbers from 0 to 2$"):
+        envs.set_options(rows=[3], map=OPEN)
+
+
+@pytest.mark.parametrize("make", [VectorArena, BatchedArena])
+def test_a_reset_takes_options_for_each_row(make: Any) -> None:
+    envs = make("navigation", 3, **options("navigation", **BARE, agents=1))
+    each = [{"map": OPEN}, None, {"start_range": 2.0, "map": (101, 102)}]
+    envs.reset(seed=5, options={"each": each, "start_range": 9.0})
+    wanted = [{"map": OPEN, "start_range": 9.0}, {"start_range": 9.0}, each[2]]
+    single = SingleEnv("navigation", **options("navigation", **BARE))
+    for row, one in enumerate(wanted):
+        single.reset(seed=5 + row, options=one)
+        assert envs.arena.batch.specs[row] == single.arena.batch.specs[0]  # type: ignore[union-attr]
+    before = [envs.get_state(row) for row in range(3)]
+    for wrong, message in (
+        ([{}], r"^each is \[\{\}\], must be a list of 3 dictionaries, one for each row$"),
+        (
+            [{}, {"taget": 1}, {}],
+            r"^a reset has no option 'taget' \(did you mean 'target'\?\); its options are",
+        ),
+        ([{}, {"map": 1000}, {}], "^map: id is 1000"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            envs.reset(options={"each": wrong})
+        assert [envs.get_state(row) for row in range(3)] == before

@@ -78,19 +78,19 @@ def test_after_an_error_no_other_process_is_left(monkeypatch: pytest.MonkeyPatch
     assert not pool.is_made
 
 
-def test_a_person_at_a_terminal_is_told_how_many_are_made(
+def test_people_who_wait_are_told_how_many_are_made(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(notice, "MOMENT", 0.0)
+    monkeypatch.setattr(notice, "PAUSE", 0.0)
+    lines = [f"wildscav: made {made} of 6 maps, which are kept for the next time" for made in range(1, 6)]
+    end = "wildscav: made 6 maps, after 0 s"
     making.make_maps(MAPS, lambda _: None)
-    assert capsys.readouterr().err == ""  # a pipe
+    assert capsys.readouterr().err.splitlines() == [lines[0], end]  # a pipe, such as that of a notebook
 
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
     making.make_maps(MAPS, lambda _: None)
-    assert capsys.readouterr().err.splitlines() == [
-        "wildscav: made 1 of 6 maps, which are kept for the next time",
-        "wildscav: made 6 maps, after 0 s",
-    ]
+    assert capsys.readouterr().err.splitlines() == [*lines, end]
     shown: list[notice.Progress] = []
     with notice.progress_callback(shown.append):
         making.make_maps(MAPS, lambda _: None)

@@ -39,7 +39,7 @@ def settings_of(config: EnvConfig, opponent: PolicyOpponent) -> Settings:
     }
     # Its rewards are of no interest.
     try:
-        changed = with_changes(config, {"rewards": {}, **own})
+        changed = with_changes(config, {"rewards": {}, "reward_functions": {}, **own})
     except ValueError as error:
         raise ValueError(f"the opponent {opponent.name!r}: {error}") from None
     return Settings(changed, action_mode(changed), f"{changed.flat} {changed.read_sensors()}")

@@ -1,12 +1,14 @@
 """All options of an environment in one immutable object."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Field, ValidationError, field_validator, model_validator
 
 from wildscav_engine.envs.registry import VERSION, Version
+from wildscav_engine.envs.settings.functions import checked_observers, checked_rewards
 from wildscav_engine.envs.settings.players import ActionMode, Player, Sampler, read_entry, seat_entry
+from wildscav_engine.envs.settings.suggestions import did_you_mean
 from wildscav_engine.maps.pools import Level, Split
 from wildscav_engine.sensors import Sensor, allowed_sensors, parse_sensors
 from wildscav_engine.sensors.base import StateSensor
@@ -26,6 +28,9 @@ RenderView = Literal["eyes", "behind", "top"]
 Width = Annotated[int, Field(ge=16, le=1920)]  # pixels
 Height = Annotated[int, Field(ge=16, le=1080)]  # pixels
 PlayerEntry = Annotated[Any, AfterValidator(read_entry)]  # becomes a ``Player`` or a ``Sampler``
+# By name; see ``settings/functions.py``.
+RewardFunctions = Annotated[dict[str, Any], AfterValidator(checked_rewards)]
+Observers = Annotated[dict[str, Any], AfterValidator(checked_observers)]
 
 MAX_TEAMMATES = 7  # in the default observations of a learner, the nearest ones
 
@@ -60,6 +65,8 @@ class EnvConfig(Spec):
     version: Version = VERSION  # of the observations: the number after v in ids
     sensors: dict[str, dict[str, Any]] | None = None  # by name, with options; None: the track's default
     rewards: dict[str, float] | None = None  # weights by the names of terms; None: the track's default
+    reward_functions: RewardFunctions = Field(default_factory=dict)  # terms of your own, by name
+    observers: Observers = Field(default_factory=dict)  # observations of your own, by name
     action_mode: ActionMode = "dict"
     flat: bool = False  # one row of numbers instead of a Dict, for observations and infos
     all_metrics: bool = False  # in infos: also those that take long to measure, such as SPL
@@ -215,8 +222,9 @@ def change_config(config: EnvConfig, changes: Mapping[str, Any]) -> EnvConfig:
         ValueError: An option cannot change, or its value is invalid; the message is one line.
     """
     if fixed := sorted(changes.keys() - set(CHANGEABLE)):
+        hint = "" if fixed[0] in EnvConfig.model_fields else did_you_mean(fixed[0], CHANGEABLE)
         raise ValueError(
-            f"{fixed[0]} cannot change between episodes; these options can: {', '.join(CHANGEABLE)}"
+            f"{fixed[0]} cannot change between episodes{hint}; these options can: {', '.join(CHANGEABLE)}"
         )
     changed = with_changes(config, changes)
     if changed.read_sensors() != config.read_sensors():
@@ -243,13 +251,23 @@ def config_of_episode(config: EnvConfig, options: Mapping[str, Any]) -> EnvConfi
     Raises:
         ValueError: There is no such option of a reset, or its value is invalid; the message is one line.
     """
-    if not isinstance(options, Mapping):
-        raise ValueError(f"options is {options!r}, must be a dictionary with some of {', '.join(ONCE)}")
-    if unknown := sorted(map(str, options.keys() - set(ONCE))):
-        raise ValueError(f"a reset has no option {unknown[0]!r}; its options are {', '.join(ONCE)}")
+    check_reset(options, ONCE)
     changed = with_changes(config, {**options, **({"starts": None} if "start" in options else {})})
     is_random = changed.map is None or isinstance(changed.map, MapConfig)
     return changed.model_copy(update={"unseen": config.unseen and is_random})
+
+
+def check_reset(options: Any, known: Sequence[str]) -> None:
+    """Check that the options of a reset are a dictionary of known ones.
+
+    Raises:
+        ValueError: They are not; the message is one line that names the known ones.
+    """
+    if not isinstance(options, Mapping):
+        raise ValueError(f"options is {options!r}, must be a dictionary with some of {', '.join(known)}")
+    if unknown := sorted(map(str, options.keys() - set(known))):
+        hint = did_you_mean(unknown[0], known)
+        raise ValueError(f"a reset has no option {unknown[0]!r}{hint}; its options are {', '.join(known)}")
 
 
 def with_changes(config: EnvConfig, changes: Mapping[str, Any]) -> EnvConfig:
@@ -277,9 +295,12 @@ def read_config(track: str, options: Mapping[str, Any], **defaults: Any) -> EnvC
     base = {} if preset is None else preset_options(preset, track)
     unknown = sorted(given.keys() - set(EnvConfig.model_fields))
     if unknown:
-        known = ", ".join(name for name in EnvConfig.model_fields if name != "track")
+        known = ["preset", *(name for name in EnvConfig.model_fields if name != "track")]
+        hint = did_you_mean(unknown[0], known)
         # The message is Python's own, because some trainers probe which arguments an environment accepts.
-        raise TypeError(f"unexpected keyword argument {unknown[0]!r}; the options are preset, {known}")
+        raise TypeError(
+            f"unexpected keyword argument {unknown[0]!r}{hint}; the options are {', '.join(known)}"
+        )
     try:
         return EnvConfig(**{**defaults, **base, **given, "track": track})
     except ValidationError as error:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.random_numbers import philox
-from wildscav_engine.envs.settings.config import EnvConfig, config_of_episode
+from wildscav_engine.envs.settings.config import ONCE, EnvConfig, check_reset, config_of_episode
 from wildscav_engine.maps import MapError
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.maps.pools import PARITY, MapPool, numbered_maps, random_maps
@@ -103,15 +103,51 @@ class Episodes:
         return int(first), int(second)
 
 
-def next_episodes(sequences: Collection[Episodes], plan: Plan) -> list[Episode]:
-    """Return the next episode of each sequence; maps that several need are made at once.
+def next_episodes(sequences: Collection[Episodes], plans: Sequence[Plan]) -> list[Episode]:
+    """Return the next episode of each sequence by its plan; maps that several need are made at once.
 
     Raises:
         MapError: A map cannot be made.
     """
-    if len(sequences) > 1 and not plan.pool.is_made:
-        plan.pool.prepare(each.draw()[1] for each in sequences)
-    return [each.next(plan) for each in sequences]
+    if len(sequences) > 1:
+        for pool in {id(plan.pool): plan.pool for plan in plans}.values():
+            if not pool.is_made:
+                pairs = zip(sequences, plans, strict=True)
+                pool.prepare(each.draw()[1] for each, plan in pairs if plan.pool is pool)
+    return [each.next(plan) for each, plan in zip(sequences, plans, strict=True)]
+
+
+def read_each(options: Any, rows: int) -> list[Mapping[str, Any]]:
+    """Return the options of a reset for each row: those in ``each`` take precedence over those beside it.
+
+    Raises:
+        ValueError: ``each`` is no list with a dictionary, or None, for each row.
+    """
+    if "each" not in options:
+        return [options] * rows
+    each = options["each"]
+    if not isinstance(each, list | tuple) or len(each) != rows:
+        raise ValueError(f"each is {each!r}, must be a list of {rows} dictionaries, one for each row")
+    common = {name: value for name, value in options.items() if name != "each"}
+    for one in each:
+        if one is not None:
+            check_reset(one, ONCE)
+    return [{**common, **(one or {})} for one in each]
+
+
+def read_rows(rows: Any, count: int) -> list[int]:
+    """Return the numbers of some rows.
+
+    Raises:
+        ValueError: They are not a sequence of numbers from 0 to below ``count``.
+    """
+    try:
+        numbers = [operator.index(row) for row in rows]
+    except TypeError:
+        numbers = [-1]
+    if not all(0 <= number < count for number in numbers):
+        raise ValueError(f"rows is {rows!r}, must be a list of numbers from 0 to {count - 1}")
+    return numbers
 
 
 def read_seed(seed: Any) -> int:

@@ -9,6 +9,7 @@ from typing import Any, TypedDict
 
 from wildscav_engine.envs.registry import Version
 from wildscav_engine.envs.settings.config import RenderMode, RenderView
+from wildscav_engine.envs.settings.functions import Observer, RewardFunction
 from wildscav_engine.envs.settings.players import ActionMode, Player, Policy, Sampler, StatefulPolicy
 from wildscav_engine.maps.pools import Level, Split
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
@@ -52,9 +53,11 @@ class EnvOptions(EpisodeOptions, total=False):
     # Duration and rules
     frames_per_action: int
     rules: Rules | RulesName | Table
-    # Observations and actions
+    # Observations, actions and rewards
     version: Version
     sensors: Mapping[str, Table] | None
+    observers: Mapping[str, Observer]
+    reward_functions: Mapping[str, RewardFunction]
     action_mode: ActionMode
     flat: bool
     all_metrics: bool

@@ -13,7 +13,6 @@ import inspect
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from pathlib import Path
 from random import Random
 from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeAlias
@@ -21,6 +20,7 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from wildscav_engine.envs.settings.suggestions import did_you_mean
 from wildscav_engine.extensions import Registry
 from wildscav_engine.specs.match_spec import SUBMISSION, RobotName
 
@@ -218,9 +218,9 @@ def _checked_robot(name: str) -> str:
             f"there is no robot {name!r}; a submission is given as "
             f"wildscav_training.opponents.submission({name!r})"
         )
-    near = get_close_matches(name, robots, n=2)
-    hint = f" (did you mean {' or '.join(map(repr, near))}?)" if near else ""
-    raise ValueError(f"there is no robot {name!r}{hint}; the robots are {', '.join(robots)}")
+    raise ValueError(
+        f"there is no robot {name!r}{did_you_mean(name, robots)}; the robots are {', '.join(robots)}"
+    )
 
 
 def seat_entry(player: object) -> str:

@@ -62,7 +62,7 @@ def layout_of(config: EnvConfig) -> Layout:
     for part, width in (
         (Part.OUTCOME, len(OUTCOME)),
         (Part.EVENTS, len(EVENTS)),
-        (Part.TERMS, len(config.reward_weights)),
+        (Part.TERMS, len(config.reward_weights) + len(config.reward_functions)),
     ):
         start[part] = column
         column += width
@@ -84,7 +84,11 @@ def part_of(observation: Observation, index: Any) -> Observation:
 
 
 def readings_space(config: EnvConfig) -> Dict:
-    """Return the space of one learner's readings by name."""
+    """Return the space of one learner's readings by name.
+
+    Raises:
+        ValueError: An observer has the name of a group or of a sensor.
+    """
     spaces: dict[str, Space[Any]] = {}
     for part in parts_of(TRACKS[config.track], config.version):
         name, columns = groups_of(config.version)[part]
@@ -93,6 +97,10 @@ def readings_space(config: EnvConfig) -> Dict:
         spaces[name] = Box(low, high, dtype=np.float32)
     for name, sensor in config.read_sensors().items():
         spaces[name] = _bounded(sensor.space)
+    for name, observer in config.observers.items():
+        if name in spaces:
+            raise ValueError(f"observers: {name!r} is already part of the observation: choose another name")
+        spaces[name] = _bounded(observer.space)
     return Dict(spaces)
 
 

@@ -11,6 +11,7 @@ from wildscav_engine.envs.settings.config import EnvConfig
 from wildscav_engine.envs.spaces.columns import Part
 from wildscav_engine.envs.spaces.features import allocate_row_workspace, write_rows
 from wildscav_engine.envs.spaces.flattening import Flattener, Run, write_flat
+from wildscav_engine.envs.spaces.function_reader import FunctionReader
 from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
 from wildscav_engine.envs.spaces.observation import (
     Observation,
@@ -63,7 +64,7 @@ class SeatReader:
             self._runs = flattener.runs(self.layout.groups)
             self._flat_shape = (matches, len(seats), *flattener.space.shape)
         terms = RewardSum(config.reward_weights).term_arrays
-        self._weights = terms.weight  # of matches that start from now on
+        self._weights = np.tile(terms.weight, (matches, 1))  # of matches that start from now on
         workspace = allocate_row_workspace(matches, len(config.seats), seats, self.layout.start, terms)
         self.done, self._is_new = workspace.done, workspace.is_new
         self.terminated, self.truncated, self.rewards = (
@@ -75,6 +76,8 @@ class SeatReader:
         poses = workspace.eyes, workspace.yaws, workspace.pitches
         sensors = config.read_sensors()
         self._sensors = SensorReader(sensors, seats, poses, config.threads) if sensors else None
+        has_functions = config.reward_functions or config.observers
+        self._functions = FunctionReader(config, seats, matches, self.layout) if has_functions else None
         # The facts after one step are those before the next, so the two arrays swap roles.
         self._workspace, self._next_workspace = (
             ArrayTable(workspace),
@@ -86,13 +89,15 @@ class SeatReader:
         """Note that some rows of the batch contain new matches."""
         if self._sensors is not None:
             self._sensors.set_maps(batch.maps)
-        self._weights_of_matches[list(rows)] = self._weights
+        if self._functions is not None:
+            self._functions.begin(rows)
+        self._weights_of_matches[list(rows)] = self._weights[list(rows)]
         self.done[list(rows)] = False
         self._is_new[list(rows)] = True
 
-    def set_rewards(self, weights: Mapping[str, float]) -> None:
-        """Set the weights of the same reward terms for the matches that start from now on."""
-        self._weights = RewardSum(weights).term_arrays.weight
+    def set_rewards(self, match: int, weights: Mapping[str, float]) -> None:
+        """Set the weights of the same reward terms for what starts in a row from now on."""
+        self._weights[match] = list(weights.values())
 
     def read(
         self, batch: "Batch", view: Callable[[int], MatchInBatch]
@@ -122,10 +127,13 @@ class SeatReader:
         readings: Readings = {}
         if self._needs_seen:
             batch.seen_by(self._seats, self._threads)
+        was_done = None if self._functions is None else self.done.copy()
         self.ended = write_rows(batch.table, self._workspace.addresses, rows)
         self._workspace, self._next_workspace = self._next_workspace, self._workspace
         if self._sensors is not None:
             self._sensors.begin(batch, view, readings)
+        if self._functions is not None and was_done is not None:
+            self._functions.read(batch, was_done, rows, self.rewards, readings)
         if self._runs:
             self.finish_reading()
             flat = np.empty(self._flat_shape, np.float32)

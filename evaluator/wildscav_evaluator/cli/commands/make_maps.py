@@ -4,6 +4,7 @@ from typing import Annotated, Literal
 
 import typer
 
+from wildscav.cli.shared_options import AsJson
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.options.evaluation import SecretOption, SeedOption
 from wildscav_evaluator.cli.options.running import AddressOption, ExecutorOption, executor_of
@@ -41,6 +42,7 @@ def make_maps(
     ] = None,
     executor: ExecutorOption = "local",
     address: AddressOption = None,
+    as_json: AsJson = False,
 ) -> None:
     """Make many maps at once and cache them on this machine, so that training or an evaluation need not wait.
 
@@ -64,4 +66,4 @@ def make_maps(
     else:
         choices = choices_of_suite(find_suite(str(suite)), track or [], first)
     with executor_of(executor, address, workers) as machines:
-        run_make_maps(choices, machines)
+        run_make_maps(choices, machines, as_json=as_json)

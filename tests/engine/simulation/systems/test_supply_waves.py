@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from tests.builders import RICH, WILD, act, flat_world, make_match, map_from, place
 
 from wildscav_engine.geometry.terrain import water_at
@@ -179,11 +180,15 @@ def meadow() -> GameMap:
 def boxes_at(game_map: GameMap, spacing: float, richness: float = 50.0) -> int:
     """How many boxes a wave puts outdoors that is as hot all over the map."""
     wave = SupplyWave(center=(0.0, 0.0), radius=1000.0, outdoor_richness=richness, indoor_richness=0.0)
+    return len(boxes_of(game_map, wave, spacing))
+
+
+def boxes_of(game_map: GameMap, wave: SupplyWave, spacing: float, seed: int = 0) -> NDArray[np.float32]:
+    """Where the boxes of a wave are, (N, 3) m."""
     config = SupplyConfig(waves=(wave,), spacing=spacing)
-    match = Match(
-        MatchSpec(track="gathering", map=game_map.spec, seats=("walker",), supplies=config), game_map
-    )
-    return int((match.state.supplies.quantity > 0).sum())
+    spec = MatchSpec(track="gathering", map=game_map.spec, seats=("walker",), supplies=config, seed=seed)
+    supplies = Match(spec, game_map).state.supplies
+    return supplies.position[0][supplies.quantity[0] > 0]
 
 
 @pytest.mark.parametrize("spacing", [1.0, 1.5, 2.0, 3.0, 4.0])
@@ -193,6 +198,25 @@ def test_boxes_are_as_dense_as_the_grid(meadow: GameMap, spacing: float) -> None
 
     assert share_of_ground > 0.8
     assert boxes_at(meadow, spacing) == pytest.approx(expected, rel=0.15)
+
+
+@pytest.mark.parametrize("spacing", [4.0, 5.0, 10.0, 20.0])
+def test_boxes_thin_out_with_the_distance_as_the_rules_say(meadow: GameMap, spacing: float) -> None:
+    """A place in each square has a box with the probability richness · exp(-d² / 2r²), here r = 20 m."""
+    wave = SupplyWave(center=(10.0, -5.0), radius=20.0, outdoor_richness=50.0, indoor_richness=0.0)
+    places = meadow.ground_points if spacing <= 4.0 else meadow.outdoor
+    squares = np.floor(places[:, [0, 2]] / spacing)
+    _, first = np.unique(squares, axis=0, return_index=True)
+    away, rings = np.hypot(places[first, 0] - 10.0, places[first, 2] + 5.0), (0.0, 15.0, 30.0, 45.0, 100.0)
+    chance = 0.5 * np.exp(-(away**2) / (2.0 * 20.0**2))
+    expected, spread = (
+        np.histogram(away, rings, weights=one)[0] for one in (chance, chance * (1.0 - chance))
+    )
+    counts, seeds = np.zeros(len(rings) - 1), 60
+    for seed in range(seeds):
+        boxes = boxes_of(meadow, wave, spacing, seed)
+        counts += np.histogram(np.hypot(boxes[:, 0] - 10.0, boxes[:, 2] + 5.0), rings)[0]
+    assert (np.abs(counts - seeds * expected) < 4.0 * np.sqrt(seeds * spread)).all(), (counts, expected)
 
 
 def test_a_grid_wider_than_the_places_lie_apart_needs_no_others(meadow: GameMap) -> None:

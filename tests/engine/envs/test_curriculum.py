@@ -1,0 +1,104 @@
+"""The next stage begins after a whole window of episodes, if enough of them were successes."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.engine.envs.common import OPEN, options
+
+from wildscav_engine.envs import AdaptiveOptions, Curriculum, VectorArena
+from wildscav_engine.envs.curriculum import WINDOW
+
+
+def test_without_further_stages_there_is_the_task_alone() -> None:
+    curriculum = Curriculum(1)
+    curriculum.record([1.0] * 2 * WINDOW)
+    assert not curriculum.advance()
+    assert curriculum.stage == 0
+
+
+@pytest.mark.parametrize(
+    ("successes", "failures", "stage"),
+    [
+        (WINDOW - 1, 0, 1),  # all succeeded, but too few have ended
+        (103, 25, 2),  # 80.5 %
+        (102, 26, 1),  # 79.7 %
+        (26, 102, 1),  # 20.3 %
+        (25, 103, 0),  # 19.5 %
+    ],
+)
+def test_a_stage_is_over_at_eighty_percent_and_begins_again_at_twenty(
+    successes: int, failures: int, stage: int
+) -> None:
+    for down, expected in ((0.2, stage), (None, max(stage, 1))):
+        curriculum = Curriculum(3, down=down)
+        curriculum.restore({"stage": 1, "results": []})
+        curriculum.record([1.0] * successes + [0.0] * failures)
+        assert curriculum.advance() == (expected != 1)
+        assert curriculum.stage == expected
+
+
+def test_old_episodes_are_forgotten_and_a_new_stage_starts_to_count_anew() -> None:
+    curriculum = Curriculum(2)
+    curriculum.record([0.0] * WINDOW)
+    curriculum.record([1.0] * WINDOW)
+    assert curriculum.advance()
+    assert curriculum.state() == {"stage": 1, "results": []}
+
+
+def test_it_continues_from_its_state() -> None:
+    before = Curriculum(3)
+    before.record([1.0] * WINDOW)
+    before.advance()
+    before.record([1.0] * (WINDOW - 1))
+    after = Curriculum(3)
+    after.restore(before.state())
+    after.record([1.0])
+    assert after.advance()
+    assert after.stage == 2
+
+
+STAGES: list[dict[str, Any]] = [{"time_limit": 0.2}, {"time_limit": 0.4, "start_range": 3.0}, {}]
+MADE = options("navigation", sensors={}, action_mode="baseline", map=OPEN, time_limit=0.8)
+
+
+# Two successes lead on. In the next-step mode, every second step begins an episode; in the same-step mode,
+# what begins together with a stage does not count.
+@pytest.mark.parametrize("flat", [False, True])
+@pytest.mark.parametrize(
+    ("mode", "stages"),
+    [("SameStep", [0, 1, 1, 1, 2, 2, 2]), ("NextStep", [0, 0, 1, 1, 1, 1, 2])],
+)
+def test_rows_go_their_own_ways(mode: str, stages: list[int], flat: bool) -> None:
+    arena = VectorArena("navigation", 2, autoreset_mode=mode, **MADE, flat=flat)
+    envs = AdaptiveOptions(arena, STAGES, window=2)
+    arena.set_options(target=(0.0, 0.0, 0.0))
+    arena.set_options(rows=[0], start=(0.0, 0.0, 0.0))  # in the target: it succeeds at once
+    arena.set_options(rows=[1], start=(18.0, 0.0, 0.0))  # it stands still far away
+    envs.reset(seed=1)
+    told = [envs.step(np.zeros(2, int))[-1]["stage"].tolist() for _ in stages]
+    assert told == [[stage, 0] for stage in stages]
+    arena.reset(options={"start": (18.0, 0.0, 0.0)})
+    ends = [arena.step(np.zeros(2, int))[3].tolist() for _ in range(8)]
+    assert [column.index(True) + 1 for column in zip(*ends, strict=True)] == [8, 2]  # steps of 0.1 s
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"metric": "supplies"}, "^metric is 'supplies'; the metrics are time, used_time"),
+        (
+            {"stages": [{}, {"levle": "easy"}]},
+            r"^levle cannot change between episodes \(did you mean 'level'",
+        ),
+        ({"stages": [{}, {"level": "simple"}]}, "^level: Input should be"),
+        ({"stages": []}, "^there are 0 stages"),
+        ({"down": 0.9}, "^down is 0.9 and up is 0.8, must be less$"),
+    ],
+)
+def test_wrong_stages_are_refused_and_change_nothing(wrong: dict[str, Any], message: str) -> None:
+    arena = VectorArena("navigation", 2, **MADE)
+    before = arena.config
+    with pytest.raises(ValueError, match=message):
+        AdaptiveOptions(arena, **{"stages": STAGES, **wrong})
+    assert arena.config == before
