@@ -155,6 +155,7 @@ def _add_submissions(session: Session, size: Size, now: datetime) -> list[str]:
             created=created,
             state="active",
             since=created + timedelta(seconds=40),
+            playing=["navigation", "battle"],
         )
         session.add(submission)
         session.flush()

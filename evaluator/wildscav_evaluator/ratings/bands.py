@@ -56,7 +56,8 @@ def significantly_better(fit: Fit) -> NDArray[np.bool_]:
     comparable = fit.groups[:, np.newaxis] == fit.groups
     pairs = (int(comparable.sum()) - len(fit.names)) // 2
     games = np.minimum(fit.games[:, np.newaxis], fit.games)
-    width = student_quantile(np.maximum(games, 2), (1.0 - CONFIDENCE) / max(pairs, 1))
+    widths = student_quantile(np.maximum(fit.games, 2), (1.0 - CONFIDENCE) / max(pairs, 1))
+    width = np.maximum(widths[:, np.newaxis], widths)  # that of fewer games
     variances = np.diag(fit.covariance)
     errors = np.sqrt(np.maximum(variances[:, np.newaxis] + variances - 2.0 * fit.covariance, 0.0))
     differences = fit.ratings[:, np.newaxis] - fit.ratings

@@ -1,11 +1,11 @@
 """The results of every two entrants against each other, and the record of each entrant."""
 
 import math
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from wildscav_evaluator.ratings.matches import RatedMatch, mean_places, pairings
+from wildscav_evaluator.ratings.matches import RatedMatch, mean_places, pairings, points_of
 
 
 @dataclass(frozen=True)
@@ -57,26 +57,30 @@ class EntrantRecord:
 
 def entrant_records(matches: Iterable[RatedMatch]) -> dict[str, EntrantRecord]:
     """Return the record of each entrant that played, by name."""
-    places: dict[str, list[float]] = {}
-    points: dict[str, list[float]] = {}
-    wins, shared = Counter[str](), Counter[str]()
+    played, wins, shared, compared = Counter[str](), Counter[str](), Counter[str](), Counter[str]()
+    places, points = defaultdict[str, float](float), defaultdict[str, float](float)
     for match in matches:
-        means = mean_places(match.places)
-        for team, place, mean in zip(match.teams, match.places, means, strict=True):
-            if place == min(match.places):
-                (wins if mean == 1.0 else shared).update(team)
+        best, entrants = min(match.places), len(match.entrants)
+        for team, place, mean in zip(match.teams, match.places, mean_places(match.places), strict=True):
+            won = sum(
+                len(other) * points_of(place, theirs)
+                for other, theirs in zip(match.teams, match.places, strict=True)
+                if other is not team
+            )
             for name in team:
-                places.setdefault(name, []).append(mean)
-        for one in pairings(match):
-            points.setdefault(one.first, []).append(one.points)
-            points.setdefault(one.second, []).append(1.0 - one.points)
+                played[name] += 1
+                places[name] += mean
+                points[name] += won
+                compared[name] += entrants - len(team)
+                if place == best:
+                    (wins if mean == 1.0 else shared)[name] += 1
     return {
         name: EntrantRecord(
-            matches=len(own),
+            matches=played[name],
             wins=wins[name],
             shared_wins=shared[name],
-            mean_place=math.fsum(own) / len(own),
-            share=math.fsum(points[name]) / len(points[name]),
+            mean_place=places[name] / played[name],
+            share=points[name] / compared[name],
         )
-        for name, own in sorted(places.items())
+        for name in sorted(played)
     }

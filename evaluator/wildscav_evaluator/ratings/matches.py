@@ -1,8 +1,10 @@
 """A finished match among named entrants, and the comparisons of pairs that follow from its places."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import combinations
+from typing import NamedTuple
 
 
 @dataclass(frozen=True, order=True)
@@ -32,8 +34,7 @@ class RatedMatch:
         return tuple(name for team in self.teams for name in team)
 
 
-@dataclass(frozen=True)
-class Pairing:
+class Pairing(NamedTuple):
     """The result of one entrant against another one in a match."""
 
     first: str
@@ -55,12 +56,13 @@ def points_of(place: int, other: int) -> float:
     return 0.5 if place == other else float(place < other)
 
 
-def mean_places(places: Sequence[int]) -> list[float]:
+@lru_cache(maxsize=10_000)  # few orders of few teams are possible
+def mean_places(places: tuple[int, ...]) -> tuple[float, ...]:
     """Return the places with each tie replaced by the mean of the places that it covers.
 
     Two teams that tie for the first of three places have 1.5 each, and the last one has 3.
     """
-    return [
+    return tuple(
         sum(other < place for other in places) + (sum(other == place for other in places) + 1) / 2
         for place in places
-    ]
+    )

@@ -9,16 +9,14 @@ the lower end of the interval is, so that luck in a few matches leads nobody to 
 
 from collections.abc import Sequence
 from datetime import datetime
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from wildscav_evaluator.output.results import MetricInfo
 from wildscav_evaluator.ratings.bands import FEWEST_GAMES, significantly_better
-from wildscav_evaluator.ratings.fit import AVERAGE, DECIMALS, Fit, fit
+from wildscav_evaluator.ratings.fit import AVERAGE, DECIMALS
 from wildscav_evaluator.ratings.head_to_head import EntrantRecord, entrant_records
-from wildscav_evaluator.ratings.matches import RatedMatch
 from wildscav_evaluator.resampling import CONFIDENCE, student_quantile
 from wildscav_leaderboard.boards.documents import Entry, LadderBoard, LadderRow
 from wildscav_leaderboard.boards.ladders import Played
@@ -50,22 +48,16 @@ class Rating(NamedTuple):
         return self.mean if self.is_settled else self.low
 
 
-@lru_cache(maxsize=16)
-def fitted(matches: tuple[RatedMatch, ...]) -> Fit:
-    """Return the ratings that follow from some matches, at least one."""
-    return fit(matches)
-
-
-def ratings_of(matches: tuple[RatedMatch, ...], interval: float) -> dict[str, Rating]:
+def ratings_of(played: Played, interval: float) -> dict[str, Rating]:
     """Return the rating of everyone who played, by name.
 
     Args:
-        matches: The matches of a ladder that count.
+        played: The matches of a ladder.
         interval: The width at which a rating is settled.
     """
-    if not matches:
+    if not played.matches:
         return {}
-    found = fitted(matches)
+    found = played.fit
     widths = found.deviations * student_quantile(np.maximum(found.games, 2), 1.0 - CONFIDENCE)
     settled = (found.games >= FEWEST_GAMES) & (2.0 * widths <= interval)
     values = (found.ratings, found.deviations, found.ratings - widths, found.ratings + widths)
@@ -96,7 +88,7 @@ def ladder_board(
         enough: When an entrant has played enough.
         updated: When the last result arrived.
     """
-    ratings, records = ratings_of(played.matches, enough.interval), entrant_records(played.matches)
+    ratings, records = ratings_of(played, enough.interval), entrant_records(played.matches)
     unrated = Rating()
 
     def key(one: Entry) -> tuple[bool, float, int, str]:
@@ -107,7 +99,7 @@ def ladder_board(
     for one in sorted(entrants, key=key):
         first.setdefault(one.team or f"robot:{one.name}", one)
     names = [one.entrant for one in entrants if one.entrant in records]
-    ranks = _ranks(played.matches, names, [one.entrant for one in first.values() if one.entrant in records])
+    ranks = _ranks(played, names, [one.entrant for one in first.values() if one.entrant in records])
     rows = [
         _row(
             one,
@@ -130,13 +122,11 @@ def ladder_board(
     )
 
 
-def _ranks(
-    matches: tuple[RatedMatch, ...], names: Sequence[str], shown: Sequence[str]
-) -> dict[str, tuple[int, int]]:
+def _ranks(played: Played, names: Sequence[str], shown: Sequence[str]) -> dict[str, tuple[int, int]]:
     """Return the best and the worst rank of those that are shown, of all names that are compared."""
     if not shown:
         return {}
-    compared = fitted(matches).among(names)
+    compared = played.fit.among(names)
     better = significantly_better(compared)
     rows = [compared.names.index(name) for name in shown]
     return dict(zip(shown, rank_ranges(better[np.ix_(rows, rows)]), strict=True))

@@ -2,9 +2,12 @@
 
 A board is computed when results arrive, and stored as a document, so that showing it reads one row. Before
 the freeze the public and the hidden board are equal; after it the public one stays as it is.
+
+Computing a board may take seconds, and there is one writer at a time. So the conductor computes boards in a
+session that reads (``compute``), and then stores those that nothing has changed meanwhile (``store``).
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from datetime import datetime, timedelta
 from hashlib import blake2b
 from typing import Any, NamedTuple
@@ -62,53 +65,125 @@ def _write_final(session: Session, final: Final, now: datetime) -> None:
     season_state.write_state(session, season_state.FINALIZED, value, now)
 
 
+class Computed(NamedTuple):
+    """A board that was computed, and not stored yet."""
+
+    mark: dict[str, Any]  # changes whenever the board may have changed
+    board: SuiteBoard | LadderBoard
+    document: dict[str, Any]  # the board as it is stored
+
+
 def refresh(session: Session, season: Season, now: datetime, scores: SuiteScores | None = None) -> list[str]:
-    """Bring the boards up to date; return the tracks whose boards changed.
+    """Bring the boards up to date in one session; return the tracks whose boards changed.
 
     Args:
-        session: A writing session.
+        session: A writing session, which is held for as long as this computes.
         season: The season.
         now: The time.
         scores: The results that were read before, so that only new ones are read.
     """
-    season = in_force(session, season)
+    while apply_results(session, season):
+        pass
+    return store(session, season, compute(session, season, now, scores or SuiteScores()))
+
+
+def apply_results(session: Session, season: Season) -> int:
+    """Apply the next results of ladders, up to so many; return how many there were."""
+    editions = in_force(session, season).editions
+    tracks = [track for track, one in editions.items() if one.settings.mode == "ladder"]
+    return sum(ladders.apply_matches(session, track) for track in tracks)
+
+
+def compute(session: Session, season: Season, now: datetime, scores: SuiteScores) -> dict[str, Computed]:
+    """Compute the boards that are out of date, by the names of their marks.
+
+    Args:
+        session: A session; one that reads may take however long it likes.
+        season: The season.
+        now: The time.
+        scores: The results that were read before, so that only new ones are read.
+    """
     # A board says that it counts whatever arrived until its time, so it is never earlier than that.
     now = max(now, last_arrival(session) or now)
-    final, scores = _read_final(session), scores or SuiteScores()
-    changed, entrants = [], _who_takes_part(session)
-    for track, edition in season.editions.items():
-        if edition.settings.mode == "ladder":
-            ladders.apply_matches(session, track)
-        if final is not None and track not in final.conditions:
-            continue  # it was added to the settings after the end
-        conditions = edition.conditions if final is None else final.conditions[track]
-        settings = season.track(track)
-        enough = [settings.interval, settings.matches] if settings.mode == "ladder" else []
-        frozen = season_state.is_frozen(session)
-        state = {"final": final is not None, "frozen": frozen, "enough": enough, "entrants": entrants}
-        mark = {**_mark(session, track, conditions), **state}
-        if not _is_new(session, f"board:{track}", mark, now):
+    found = {}
+    for one in _out_of_date(session, season):
+        board = _board(session, one, now, scores)
+        found[one.name] = Computed(one.mark, board, board.model_dump(mode="json"))
+    return found
+
+
+def store(session: Session, season: Season, computed: Mapping[str, Computed]) -> list[str]:
+    """Store boards; return the tracks whose boards changed.
+
+    A board of which something has changed since it was computed is left for the next time.
+
+    Args:
+        session: A writing session.
+        season: The season.
+        computed: What ``compute`` returned.
+    """
+    changed = []
+    for one in _out_of_date(session, season) if computed else ():
+        found = computed.get(one.name)
+        if found is None or found.mark != one.mark:
             continue
-        rules = _Rules(track, settings, edition.metrics, edition.matches, conditions)
-        board = _board(session, rules, entered(session, track), now, final, scores)
-        _store(session, board, now, (HIDDEN,) if frozen else (HIDDEN, PUBLIC))
-        _add_points(session, board, now)
-        changed.append(track)
-    _refresh_earlier(session, season, now, scores)
+        season_state.write_state(session, one.name, one.mark, found.board.updated)
+        for audience in one.audiences:
+            _store(session, found, audience)
+        if one.edition is None:
+            _add_points(session, found.board)
+            changed.append(one.rules.track)
     session.flush()
     return changed
 
 
-def _is_new(session: Session, name: str, mark: dict[str, Any], now: datetime) -> bool:
-    """Note the mark of a board; return whether it has changed."""
-    if season_state.read_state(session, name) == mark:
-        return False
-    season_state.write_state(session, name, mark, now)
-    return True
+class _Rules(NamedTuple):
+    """What a board is made by."""
+
+    track: str
+    settings: TrackSettings
+    metrics: tuple[MetricInfo, ...]
+    planned: int  # matches of a suite
+    conditions: Conditions
 
 
-def _refresh_earlier(session: Session, season: Season, now: datetime, scores: SuiteScores) -> None:
-    """Bring the boards of earlier editions up to date, whose last matches may still end."""
+class _OutOfDate(NamedTuple):
+    """A board that does not count everything that it should."""
+
+    name: str  # of its mark in the season's state
+    mark: dict[str, Any]
+    rules: _Rules
+    audiences: tuple[str, ...]
+    final: Final | None = None
+    edition: int | None = None  # an earlier one, whose board it is
+
+
+def _out_of_date(session: Session, season: Season) -> list[_OutOfDate]:
+    """Return the boards whose marks have changed."""
+    season = in_force(session, season)
+    found = (*_current(session, season), *_earlier(session, season))
+    return [one for one in found if season_state.read_state(session, one.name) != one.mark]
+
+
+def _current(session: Session, season: Season) -> Iterator[_OutOfDate]:
+    """Yield the boards of the editions that are in force."""
+    final, frozen, entrants = _read_final(session), season_state.is_frozen(session), _who_takes_part(session)
+    for track, edition in season.editions.items():
+        if final is not None and track not in final.conditions:
+            continue  # it was added to the settings after the end
+        conditions = edition.conditions if final is None else final.conditions[track]
+        settings = season.track(track)
+        state = {"final": final is not None, "frozen": frozen, "entrants": entrants}
+        if settings.mode == "ladder":
+            enough = [settings.interval, settings.matches]
+            state |= {"enough": enough, "applied": ladders.version_of(session, track)}
+        mark = {**_mark(session, track, conditions), **state}
+        rules = _Rules(track, settings, edition.metrics, edition.matches, conditions)
+        yield _OutOfDate(f"board:{track}", mark, rules, (HIDDEN,) if frozen else (HIDDEN, PUBLIC), final)
+
+
+def _earlier(session: Session, season: Season) -> Iterator[_OutOfDate]:
+    """Yield the boards of earlier editions, whose last matches may still end."""
     if shown_until(session, None) is not None:
         return
     counted = select(Match.edition_id, func.count()).where(Match.state == FINISHED, ~Match.decides)
@@ -116,28 +191,9 @@ def _refresh_earlier(session: Session, season: Season, now: datetime, scores: Su
     played = counted.where(*earlier).group_by(Match.edition_id)
     for number, count in session.execute(played).all():
         row = session.get_one(EditionRow, number)
-        if _is_new(session, f"board:{row.track}:{number}", {"results": count}, now):
-            edition = Edition.model_validate(row.document)
-            rules = _Rules(row.track, edition.settings, edition.metrics, edition.matches, edition.conditions)
-            board = _board(session, rules, _entered_before(session, row.id), now, None, scores)
-            _store(session, board, now, (audience_of(row.id),))
-
-
-def read_ahead(session: Session, season: Season, now: datetime, scores: SuiteScores) -> None:
-    """Read all results, and compute what follows, so that the first ``refresh`` is as quick as others.
-
-    Args:
-        session: A session that reads, for however long.
-        season: The season.
-        now: The time.
-        scores: What is read.
-    """
-    if _read_final(session) is not None:
-        return
-    for track, edition in in_force(session, season).editions.items():
-        if edition.settings.mode == "suite":
-            rules = _Rules(track, edition.settings, edition.metrics, edition.matches, edition.conditions)
-            _board(session, rules, entered(session, track), now, None, scores)
+        name, edition = f"board:{row.track}:{number}", Edition.model_validate(row.document)
+        rules = _Rules(row.track, edition.settings, edition.metrics, edition.matches, edition.conditions)
+        yield _OutOfDate(name, {"results": count}, rules, (audience_of(row.id),), edition=row.id)
 
 
 def after_boards(session: Session, now: datetime) -> datetime:
@@ -172,21 +228,18 @@ def _who_takes_part(session: Session) -> str:
     return blake2b(repr(found.all()).encode(), digest_size=16).hexdigest()
 
 
-def _store(
-    session: Session, board: SuiteBoard | LadderBoard, now: datetime, audiences: Iterable[str]
-) -> None:
-    document = board.model_dump(mode="json")
-    for audience in audiences:
-        found = session.get(Board, (board.track, audience))
-        if found is None:
-            session.add(Board(track=board.track, audience=audience, updated=now, document=document))
-        else:
-            # Never the same time twice, so that whoever kept a board can tell that there is another one.
-            found.updated = max(now, found.updated + timedelta(microseconds=1))
-            found.document = document
+def _store(session: Session, computed: Computed, audience: str) -> None:
+    track, updated = computed.board.track, computed.board.updated
+    found = session.get(Board, (track, audience))
+    if found is None:
+        session.add(Board(track=track, audience=audience, updated=updated, document=computed.document))
+    else:
+        # Never the same time twice, so that whoever kept a board can tell that there is another one.
+        found.updated = max(updated, found.updated + timedelta(microseconds=1))
+        found.document = computed.document
 
 
-def _add_points(session: Session, board: SuiteBoard | LadderBoard, now: datetime) -> None:
+def _add_points(session: Session, board: SuiteBoard | LadderBoard) -> None:
     """Add a point to the history of every submission whose place changed."""
     last = _last_points(session, board.track)
     for row in board.rows:
@@ -203,7 +256,7 @@ def _add_points(session: Session, board: SuiteBoard | LadderBoard, now: datetime
             BoardPoint(
                 track=board.track,
                 submission_id=row.submission,
-                at=now,
+                at=board.updated,
                 rank=row.rank,
                 last_rank=row.last_rank,
                 score=score,
@@ -255,38 +308,23 @@ def _entered_before(session: Session, edition: int) -> list[tuple[Submission, Te
     return [(one, team) for one, team in session.execute(wanted)]
 
 
-class _Rules(NamedTuple):
-    """What a board is made by."""
-
-    track: str
-    settings: TrackSettings
-    metrics: tuple[MetricInfo, ...]
-    planned: int  # matches of a suite
-    conditions: Conditions
-
-
-def _board(
-    session: Session,
-    rules: _Rules,
-    entered: Sequence[tuple[Submission, Team]],
-    now: datetime,
-    final: Final | None,
-    scores: SuiteScores,
-) -> SuiteBoard | LadderBoard:
+def _board(session: Session, one: _OutOfDate, now: datetime, scores: SuiteScores) -> SuiteBoard | LadderBoard:
+    rules, final = one.rules, one.final
+    own = entered(session, rules.track) if one.edition is None else _entered_before(session, one.edition)
     if final is not None and rules.track in final.field:
-        entered = [(one, team) for one, team in entered if one.id in final.field[rules.track]]
+        own = [(each, team) for each, team in own if each.id in final.field[rules.track]]
     if rules.settings.mode == "ladder":
-        return _ladder_board(session, rules, entered, now)
+        return _ladder_board(session, rules, own, now)
     kind = SUITE if final is None else FINAL
     played = scores.read(session, rules.track, kind, digest_of(rules.conditions))
     results = [
         SuiteResults(
-            entry=Entry.of(one, team.name, team.title),
+            entry=Entry.of(each, team.name, team.title),
             planned=rules.planned,
-            faults=played.faults_of(one.id),
-            metrics=played.metrics.get(one.id, {}),
+            faults=played.faults_of(each.id),
+            metrics=played.metrics.get(each.id, {}),
         )
-        for one, team in entered
+        for each, team in own
     ]
     return suite_board(rules.track, rules.conditions, rules.metrics, results, now)
 

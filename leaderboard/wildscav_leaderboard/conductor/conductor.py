@@ -13,14 +13,14 @@ from sqlalchemy.orm import Session
 from wildscav.errors import WildscavError, describe
 from wildscav_evaluator.executors import EXECUTORS, Executor, Node
 from wildscav_evaluator.matches.jobs import Heartbeat, Job, JobEvent, JobResult
-from wildscav_leaderboard.boards.service import read_ahead, refresh
+from wildscav_leaderboard.boards.service import apply_results, compute, store
 from wildscav_leaderboard.boards.suite_scores import SuiteScores
 from wildscav_leaderboard.conductor import lease, steps, work
 from wildscav_leaderboard.conductor.attempts import matches_begun
 from wildscav_leaderboard.conductor.editions import begin_editions
 from wildscav_leaderboard.conductor.lease import Holding, LeaseKeeper, LeaseLostError
 from wildscav_leaderboard.conductor.models import Attempt
-from wildscav_leaderboard.conductor.plans import plan_ladders
+from wildscav_leaderboard.conductor.plans import plan_ladders, rate_ladders
 from wildscav_leaderboard.conductor.validators import IDLE, Validators, now
 from wildscav_leaderboard.database.connection import Database, DatabaseError, clock
 from wildscav_leaderboard.matches.models import Match
@@ -35,7 +35,8 @@ from wildscav_leaderboard.webhooks.delivery import Deliverer
 from wildscav_server.monitoring.logs import Log, open_log
 
 BATCH = 4  # matches for each that runs at once; then those come first that have become urgent
-REFRESH_EVERY = 2.0  # s between two refreshes of the boards while matches are played
+REFRESH_EVERY = 2.0  # s between two refreshes of the boards while matches are played, at least
+BOARDS_SHARE = 0.1  # of the time that boards may take while matches are played
 LONGEST_PAUSE = 30.0  # s after errors in a row
 
 
@@ -79,7 +80,7 @@ class Conductor:
         self._log = log or open_log(None)
         self._holding = Holding("", 0)
         self._sandbox = ""
-        self._refreshed, self._scores = 0.0, SuiteScores()
+        self._due, self._scores = 0.0, SuiteScores()  # when the boards are, of the monotonic clock
         self._stopping = threading.Event()
 
     def stop(self) -> None:
@@ -135,8 +136,6 @@ class Conductor:
                 self._publish_nodes(session, executor)
                 for change in begin_editions(session, self.season, now()):
                     self._log.warning("edition_waits", track=change.track, reason=change.text)
-            with self.database.reading() as session:
-                read_ahead(session, self.season, now(), self._scores)
             self._broadcast = Broadcast(self.season.live)
             validators = stack.enter_context(
                 Validators(self.season, self.database, self._holding, self._sandbox, self._log)
@@ -203,6 +202,8 @@ class Conductor:
 
     def _play_batch(self, executor: Executor) -> bool:
         """Play the next matches; return whether there were any."""
+        with self.database.reading() as session:
+            rate_ladders(session, self.season)
         with self.database.writing() as session:
             plan_ladders(session, self.season, now())
             count = BATCH * executor.at_once
@@ -265,13 +266,28 @@ class Conductor:
         self._log.info("match_played", match=attempt.match_id, status=result.row.status)
 
     def _refresh(self, executor: Executor, *, at_once: bool = False) -> None:
-        """Bring boards and machines that are shown up to date, unless that was done a moment ago."""
-        if not at_once and time.monotonic() - self._refreshed < REFRESH_EVERY:
+        """Bring boards and machines that are shown up to date, unless that was done a moment ago.
+
+        Boards are computed while others may write, so that nobody waits for that.
+        """
+        started = time.monotonic()
+        if not at_once and started < self._due:
             return
+        while self._apply_results():
+            pass
+        with self.database.reading() as session:
+            computed = compute(session, self.season, now(), self._scores)
+        with self.database.writing() as session:
+            lease.check(session, self._holding)
+            store(session, self.season, computed)
+            self._publish_nodes(session, executor)
+        ended = time.monotonic()
+        self._due = ended + max(REFRESH_EVERY, (ended - started) / BOARDS_SHARE)
+
+    def _apply_results(self) -> int:
+        """Apply the next results of ladders, after a freeze that is due; return how many there were."""
         with self.database.writing() as session:
             lease.check(session, self._holding)
             if steps.freeze_when_due(session, self.season, now()):
                 self._log.info("boards_frozen")
-            refresh(session, self.season, now(), self._scores)
-            self._publish_nodes(session, executor)
-        self._refreshed = time.monotonic()
+            return apply_results(session, self.season)

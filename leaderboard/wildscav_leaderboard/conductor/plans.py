@@ -62,6 +62,18 @@ def ladders_want_matches(session: Session, season: Season) -> bool:
     return any(_next_game(season, one, _candidates(session, season, one)) for one in _rounds(session, season))
 
 
+def rate_ladders(session: Session, season: Season) -> None:
+    """Rate the entrants of all ladders, so that no session that writes after this one has to.
+
+    Args:
+        session: A session that reads.
+        season: The season.
+    """
+    season = in_force(session, season)
+    for one in _rounds(session, season):
+        _ratings(session, season, one)
+
+
 class _Round(NamedTuple):
     """What is played on a ladder now."""
 
@@ -119,12 +131,7 @@ def _next_game(
 
 def _candidates(session: Session, season: Season, one: _Round) -> dict[Candidate, int | None]:
     """Return all who may meet on a ladder, and the submission that each is."""
-    settings, edition = season.track(one.track), season.editions.get(one.track)
-    ratings = {}
-    if edition is not None:
-        conditions = edition.conditions if one.group == SEASON_ROUND else edition.final
-        played = played_on(session, one.track, digest_of(conditions))
-        ratings = ratings_of(played.matches, settings.interval)
+    settings, ratings = season.track(one.track), _ratings(session, season, one)
     counted = session.execute(
         select(MatchSeat.entrant, func.count())
         .join(Match, Match.id == MatchSeat.match_id)
@@ -144,3 +151,12 @@ def _candidates(session: Session, season: Season, one: _Round) -> dict[Candidate
         if one.field is None or each.id in one.field
     }
     return found | {candidate(robot_entrant(robot), None): None for robot in settings.robots}
+
+
+def _ratings(session: Session, season: Season, one: _Round) -> dict[str, Rating]:
+    edition = season.editions.get(one.track)
+    if edition is None:
+        return {}
+    conditions = edition.conditions if one.group == SEASON_ROUND else edition.final
+    played = played_on(session, one.track, digest_of(conditions))
+    return ratings_of(played, season.track(one.track).interval)

@@ -22,6 +22,7 @@ WRITERS = 0x57494C44  # number of the advisory lock that writers take in Postgre
 READERS = 10  # requests that read at a time, of the 15 connections that a process has
 KINDS = ("sqlite", "postgresql")
 KEPT = "kept"  # in the info of sessions that read: what follows from what was read, kept for the next ones
+COMMITTED = "committed"  # the same in the info of sessions that write, which keep nothing: they may be undone
 READ = "read"  # there as well: what the session has read, and need not read again
 
 Found = TypeVar("Found")
@@ -79,7 +80,12 @@ class Database:
         Raises:
             DatabaseError: The database cannot be reached, or another writer holds it too long.
         """
-        with self._reported(), Session(self._writers, expire_on_commit=False) as session, session.begin():
+        info = {COMMITTED: self._kept}
+        with (
+            self._reported(),
+            Session(self._writers, expire_on_commit=False, info=info) as session,
+            session.begin(),
+        ):
             yield session
 
     def upgrade(self) -> None:

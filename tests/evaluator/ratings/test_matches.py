@@ -32,7 +32,7 @@ def test_teammates_are_not_compared() -> None:
     ],
 )
 def test_ties_share_the_mean_of_their_places(places: tuple[int, ...], means: list[float]) -> None:
-    assert mean_places(places) == means
+    assert list(mean_places(places)) == means
 
 
 @pytest.mark.parametrize(

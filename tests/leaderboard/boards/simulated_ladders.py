@@ -51,7 +51,7 @@ def play_ladder(
     game = 0
     while True:
         if game % AHEAD == 0:
-            ratings = ratings_of(tuple(matches), enough.interval)
+            ratings = ratings_of(Played(tuple(matches)), enough.interval)
         found = [
             Candidate(
                 name,

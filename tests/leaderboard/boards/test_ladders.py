@@ -1,7 +1,9 @@
 """A ladder is applied in the order in which its matches were made, and compares what is comparable."""
 
 from collections.abc import Mapping
+from contextlib import suppress
 
+import pytest
 from sqlalchemy.orm import Session
 from tests.leaderboard.seasons_made import NOON
 
@@ -16,7 +18,8 @@ from wildscav_evaluator.output.results import (
     metric_infos,
 )
 from wildscav_evaluator.ratings.head_to_head import PairRecord, entrant_records
-from wildscav_leaderboard.boards.ladders import apply_matches, placed_match, played_on
+from wildscav_leaderboard.boards import ladders
+from wildscav_leaderboard.boards.ladders import Played, apply_matches, placed_match, played_on
 from wildscav_leaderboard.boards.meetings import Ladder, head_to_head, records_on
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import Match
@@ -167,3 +170,56 @@ def test_a_match_that_is_judged_again_counts_once_with_its_later_result(database
 
         assert wins(session) == {"robot:fox": 1, "robot:owl": 1}
         assert session.get_one(Match, first.id).superseded == NOON
+
+
+def test_what_was_read_of_a_ladder_is_kept_until_matches_are_applied(database: Database) -> None:
+    def read() -> Played:
+        with database.reading() as session:
+            return played_on(session, "royale", A)
+
+    with database.writing() as session:
+        first, second, third = (plan(session, number, "fox", "owl") for number in range(3))
+        end(session, first, {"fox": 1, "owl": 2})
+        apply_matches(session, "royale")
+    known = read()
+    assert read() is known
+    with suppress(KeyboardInterrupt), database.writing() as session:
+        assert played_on(session, "royale", A) is known, "with its fit"
+        end(session, session.get_one(Match, second.id), {"fox": 2, "owl": 1})
+        apply_matches(session, "royale")
+        assert len(played_on(session, "royale", A).matches) == 2
+        raise KeyboardInterrupt
+    assert read() is known, "what was never stored is not kept"
+
+    with database.writing() as session:
+        end(session, session.get_one(Match, second.id), {"fox": 1, "owl": 1}, broken="owl")
+        apply_matches(session, "royale")
+    more = read()
+    assert more.matches[:1] == known.matches
+    assert [match.places for match in more.matches] == [(1, 2), (1, 1)]
+    assert (known.faults["robot:owl"], more.faults["robot:owl"]) == (0, 1)
+
+    with database.writing() as session:
+        again = judge_again(session, session.get_one(Match, first.id), NOON)
+        assert again is not None
+        end(session, session.get_one(Match, third.id), {"fox": 1, "owl": 2})
+        end(session, again, {"fox": 2, "owl": 1})
+        apply_matches(session, "royale")
+    assert [match.places for match in read().matches] == [(1, 1), (1, 2), (2, 1)]
+
+
+def test_many_matches_are_applied_in_several_transactions(
+    database: Database, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(ladders, "AT_ONCE", 2)
+    with database.writing() as session:
+        planned = [plan(session, number, "fox", "owl") for number in range(6)]
+        for match in planned[1:4]:
+            void(match, NOON, "given up")
+        for match in (planned[0], *planned[4:]):
+            end(session, match, {"fox": 1, "owl": 2})
+    found = []
+    for _ in range(3):
+        with database.writing() as session:
+            found.append(apply_matches(session, "royale"))
+    assert found == [2, 1, 0]

@@ -1,22 +1,29 @@
 """A board that is brought up to date bit by bit is the one that is computed from everything."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
+from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 from tests.leaderboard.conductor.conducted import Conducted, conducting
 from tests.leaderboard.results_made import made_result
 from tests.leaderboard.seasons_made import make_season
 
+from wildscav_evaluator.executors.local import LocalExecutor
+from wildscav_evaluator.ratings.fit import Fit, fit
+from wildscav_evaluator.ratings.matches import RatedMatch
 from wildscav_leaderboard.accounts.service import Caller, known_account
+from wildscav_leaderboard.boards import ladders
 from wildscav_leaderboard.boards.documents import LadderBoard, LadderRow
 from wildscav_leaderboard.boards.kept import read_board
-from wildscav_leaderboard.boards.service import read_ahead, refresh
+from wildscav_leaderboard.boards.service import compute, refresh
 from wildscav_leaderboard.boards.suite_scores import SuiteScores
 from wildscav_leaderboard.conductor import steps
+from wildscav_leaderboard.conductor.conductor import Conductor
 from wildscav_leaderboard.conductor.models import Attempt
-from wildscav_leaderboard.conductor.plans import plan_ladders
+from wildscav_leaderboard.conductor.plans import plan_ladders, rate_ladders
+from wildscav_leaderboard.matches.models import FINISHED, Match
 from wildscav_leaderboard.matches.service import find_match, seats_of
 from wildscav_leaderboard.organizing.team_acts import do_team_act
 from wildscav_leaderboard.seasons import state as season_state
@@ -73,7 +80,7 @@ def test_results_that_arrive_after_a_clock_was_set_back(season: Conducted) -> No
     first, second, *_ = (attempt for attempt, _ in season.take_matches(4))
     season.write(lambda session: deliver(session, season, first, 10.0))
     with season.database.reading() as session:
-        read_ahead(session, season.season, season.now, scores)
+        compute(session, season.season, season.now, scores)
     season.wait(-3600)
     season.write(lambda session: deliver(session, season, second, 11.0))
     boards_agree(season, scores)
@@ -114,6 +121,81 @@ def test_a_board_follows_whose_a_submission_is(season: Conducted) -> None:
         "navigation",
         "battle",
     ]
+
+
+def play_ladder(season: Conducted) -> list[Attempt]:
+    """Let two submissions meet on the ladder; return the last attempt, which brings no result, in a list."""
+    for team in ("foxes", "owls"):
+        season.active(team, ("battle",))
+    season.write(lambda session: plan_ladders(session, season.season, season.now))
+    attempts = [attempt for attempt, match in season.take_matches(20) if match.track == "battle"]
+    for attempt in attempts[:-1]:
+        assert season.played(attempt)
+    return attempts[-1:]
+
+
+def ladder(season: Conducted) -> LadderBoard | None:
+    with season.database.reading() as session:
+        board = read_board(session, "battle")
+    assert board is None or isinstance(board, LadderBoard)
+    return board
+
+
+def test_a_match_is_recorded_while_the_conductor_computes_a_board(
+    season: Conducted, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    arriving = play_ladder(season)
+
+    def fit_slowly(matches: Sequence[RatedMatch]) -> Fit:
+        if arriving:
+            assert season.played(arriving.pop()), "nobody else may write meanwhile"
+        return fit(matches)
+
+    monkeypatch.setattr(ladders, "fit", fit_slowly)
+    conductor = Conductor(season.season, season.database)
+    conductor._holding = season.holding
+    with LocalExecutor(1) as executor:
+        conductor._refresh(executor, at_once=True)
+        assert ladder(season) is None, "a board that lacks a result is not stored with the mark of all"
+        conductor._refresh(executor, at_once=True)
+    board = ladder(season)
+    assert board is not None
+    with season.database.reading() as session:
+        played = session.scalar(select(func.count()).where(Match.track == "battle", Match.state == FINISHED))
+    assert board.applied == played
+
+
+def test_matches_are_planned_without_a_fit_in_the_transaction(
+    season: Conducted, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    play_ladder(season)
+    ladder_rows(season)
+    with season.database.reading() as session:
+        rate_ladders(session, season.season)
+    monkeypatch.setattr(ladders, "fit", None)
+    assert season.write(lambda session: plan_ladders(session, season.season, season.now)) > 0
+
+
+def test_boards_that_take_long_are_made_more_rarely(
+    season: Conducted, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock = [100.0]
+    made = []
+
+    def compute_slowly(*_: object) -> dict[str, object]:
+        made.append(clock[0])
+        clock[0] += 5.0
+        return {}
+
+    monkeypatch.setattr("wildscav_leaderboard.conductor.conductor.compute", compute_slowly)
+    monkeypatch.setattr("time.monotonic", lambda: clock[0])
+    conductor = Conductor(season.season, season.database)
+    conductor._holding = season.holding
+    with LocalExecutor(1) as executor:
+        for _ in range(90):
+            conductor._refresh(executor)
+            clock[0] += 1.0
+    assert made == [100.0, 155.0]
 
 
 def ladder_rows(season: Conducted) -> dict[int | None, LadderRow]:

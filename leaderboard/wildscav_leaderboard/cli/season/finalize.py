@@ -99,11 +99,14 @@ def _publish(season: "Season", database: "Database", out: Path, *, again: bool) 
 def _wait(season: "Season", database: "Database") -> None:
     """Wait for the end of the season, and show how far it is."""
     from wildscav_leaderboard.cli.season.acts import command_line
+    from wildscav_leaderboard.conductor.plans import rate_ladders
     from wildscav_leaderboard.organizing import finalizing
 
     shown = _Shown()
     with shown.progress:
         while True:
+            with database.reading() as session:
+                rate_ladders(session, season)
             with database.writing() as session:
                 state = finalizing.advance(session, season, command_line(), datetime.now(UTC))
             if state.stage == finalizing.DONE:
