@@ -7,9 +7,8 @@ import numba
 from numba.core import cgutils, types
 from numba.core.typing.templates import make_intrinsic_template
 
-from wildscav_engine.compilation.array_code import make_array, pack
-from wildscav_engine.compilation.table_columns import COLUMNS
-from wildscav_engine.compilation.table_type import passed_type, write_table
+from wildscav_engine.compilation.passed_tables import COLUMNS
+from wildscav_engine.compilation.table_type import make_array, pack, passed_type, write_table
 
 # Annotated as Any, because Numba's stubs do not contain them.
 typeof: Any = numba.typeof

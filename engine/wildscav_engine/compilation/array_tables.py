@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import PLAIN
-from wildscav_engine.compilation.table_columns import AXES
+from wildscav_engine.compilation.passed_tables import AXES
 
 # (F, 6) address, bytes per item, and shape of each array, padded with 1 to four axes.
 Addresses = NDArray[np.int64]

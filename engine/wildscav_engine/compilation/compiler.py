@@ -27,6 +27,7 @@ from wildscav_engine.compilation.linking import (
 )
 from wildscav_engine.compilation.locks import locked
 from wildscav_engine.compilation.notice import notice
+from wildscav_engine.compilation.shortcuts import shortcuts
 
 __all__ = ["compile_inner", "compile_outer", "global_compiler_lock", "typeof"]
 
@@ -58,10 +59,8 @@ def compile_outer(
     options = {"no_cfunc_wrapper": True, **options}
     name, file = "-".join(sorted(options)), _file_of(home)
     shipped = shipped_folder(file)
-    # Without reference counting, no second pass is needed to find references that can be removed.
-    linked = {} if options.get("_nrt", True) else {"pipeline_class": LinkedCompiler}
     cache = KernelCache(function, cache_folder(file) / name, shipped and shipped / name)
-    return _with_cache(njit(**EXACT_OPTIONS, **options, **linked)(function), cache)
+    return _with_cache(njit(pipeline_class=LinkedCompiler, **EXACT_OPTIONS, **options)(function), cache)
 
 
 def compile_inner(function: Function, home: Function, *, disjoint: bool = False, **options: bool) -> Any:
@@ -97,11 +96,14 @@ def _with_cache(dispatcher: Any, cache: KernelCache) -> Any:
     lock = Path(cache.cache_path) / f"{dispatcher.py_func.__qualname__}.lock"
 
     def compile_locked(signature: Any) -> Any:
+        if signature in dispatcher.overloads:
+            return dispatcher.overloads[signature].entry_point
         with (
             global_compiler_lock,
             notice.waiting(),
             locked(lock, lambda: notice.begin(0)),
             _rare_garbage_collection(),
+            shortcuts(),
         ):
             return compile_unlocked(signature)
 

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from numba.core import caching
+from numba.core.runtime import nrt
 
 from wildscav_engine.compilation.levels import levels, processor_of
 from wildscav_engine.compilation.notice import notice
@@ -24,6 +25,7 @@ NumbaCache: Any = caching.FunctionCache
 NumbaEntries: Any = caching.CompileResultCacheImpl
 NumbaLocator: Any = caching._CacheLocator
 CacheFile: Any = caching.IndexDataCacheFile
+rtsys: Any = nrt.rtsys
 
 DAMAGED = (OSError, EOFError, pickle.UnpicklingError)
 
@@ -84,11 +86,12 @@ class KernelCache(NumbaCache):  # type: ignore[misc]
         return found
 
     def _load(self, signature: Any, context: Any) -> Any:
+        rtsys.initialize(context)  # all that cached code needs of Numba, whose definitions take long to load
         with suppress(*DAMAGED):
             if found := self._load_shipped(signature, context):
                 return found
         try:
-            return super().load_overload(signature, context)
+            return self._load_overload(signature, context)
         except DAMAGED:
             with suppress(OSError):
                 self.flush()
@@ -98,7 +101,6 @@ class KernelCache(NumbaCache):  # type: ignore[misc]
         """Return the machine code that a wheel brings for a signature, or None."""
         if self._shipped is None:
             return None
-        context.refresh()
         _, (system, *_), function = self._index_key(signature, context.codegen())
         keys = ((signature, (system, *processor_of(level)), function) for level in levels())
         cached = next(filter(None, map(self._shipped.load, keys)), None)

@@ -8,6 +8,7 @@ machine code once.
 This relies on internals of Numba's compiler; ``pyproject.toml`` bounds Numba's version for that reason.
 """
 
+import functools
 from typing import Any
 
 from llvmlite import binding as llvm
@@ -63,6 +64,9 @@ class BitcodeLibrary(TableLibrary):
         self._raise_if_finalized()
         for library in self._linking_libraries:
             self._reload_init.update(library._reload_init)
+        for function in self._final_module.functions:
+            if not function.is_declaration and function.linkage == llvm.Linkage.external:
+                function.linkage = "linkonce_odr"
         self._finalize_dynamic_globals()
         self._finalized = True
 
@@ -72,28 +76,23 @@ class BitcodeLibrary(TableLibrary):
         return 0
 
     def _get_module_for_linking(self) -> Any:
-        """Return the code linked with everything that it calls, directly or indirectly."""
+        """Return the code linked with everything that it calls, for functions that are no kernels of ours."""
         self._ensure_finalized()
         if self._shared_module is None:
-            module = self._final_module.clone()
-            for library in _callees(self):
-                code = (
-                    library._final_module
-                    if type(library) is BitcodeLibrary
-                    else library._get_module_for_linking()
-                )
-                module.link_in(code, preserve=True)
-            for function in module.functions:
-                if not function.is_declaration and function.linkage == llvm.Linkage.external:
-                    function.linkage = "linkonce_odr"
-            self._shared_module = module
+            self._shared_module = self._final_module.clone()
+            _link_callees(self, self._shared_module)
         return self._shared_module
 
+    def bitcodes(self) -> list[bytes]:
+        """Return the code of the part, and that of all that it calls, each after all of its callers."""
+        return [_bitcode_of(library) for library in (self, *_callees(self))]
+
     @classmethod
-    def restore(cls, codegen: Any, name: str, bitcode: bytes) -> "BitcodeLibrary":
-        """Return a part from its cached bitcode, which includes everything that it calls."""
+    def restore(cls, codegen: Any, name: str, bitcodes: list[bytes]) -> "BitcodeLibrary":
+        """Return a part from its cached bitcode and that of all that it calls."""
         part = cls(codegen, name)
-        part._final_module = part._shared_module = parse_bitcode(bitcode)
+        part._final_module = parse_bitcode(bitcodes[0])
+        part._linking_libraries = [_restore_callee(codegen, bitcode) for bitcode in bitcodes[:0:-1]]
         part._finalized = True
         return part
 
@@ -128,6 +127,29 @@ def _callees(part: BitcodeLibrary) -> list[Any]:
     return list(found)[-2::-1]
 
 
+def _code_of(library: Any) -> Any:
+    """Return the code of a library, without what it calls if that is listed by itself."""
+    is_part = type(library) is BitcodeLibrary
+    return library._final_module if is_part else library._get_module_for_linking()
+
+
+def _link_callees(library: Any, module: Any) -> None:
+    """Link into a module everything that a library calls."""
+    for callee in _callees(library):
+        module.link_in(_code_of(callee), preserve=True)
+
+
+@functools.cache
+def _bitcode_of(library: Any) -> bytes:
+    return bytes(_code_of(library).as_bitcode())
+
+
+@functools.cache
+def _restore_callee(codegen: Any, bitcode: bytes) -> BitcodeLibrary:
+    """Return something that a cached part calls, once for all parts that call it."""
+    return BitcodeLibrary.restore(codegen, "", [bitcode])
+
+
 class LinkedLibrary(TableLibrary):
     """The code of a kernel that Python calls, linked with all parts that it calls."""
 
@@ -135,8 +157,16 @@ class LinkedLibrary(TableLibrary):
         super().__init__(*arguments)
         self.enable_object_caching()
 
+    def finalize(self) -> None:
+        """Link every part once, optimize the whole, and generate machine code."""
+        for library in self._linking_libraries:
+            self._reload_init.update(library._reload_init)
+        _link_callees(self, self._final_module)
+        self._linking_libraries.clear()
+        super().finalize()
+
     def _optimize_final_module(self) -> None:
-        """Optimize once. Numba does so twice to remove reference counting, of which there is none here.
+        """Optimize once. Numba does so twice, to remove more reference counting; kernels have hardly any.
 
         No other code can call the parts: the optimizer may drop them once they are inlined, and change their
         arguments. As their names are private, the loader does not take them for the same parts elsewhere.
@@ -189,6 +219,7 @@ class BitcodeCompiler(Compiler):  # type: ignore[misc]
         passes = builder.define_nopython_pipeline(self.state)
         passes.add_pass_after(self.first, typed_passes.AnnotateTypes)
         passes.finalize()
+        passes._ENFORCING = False  # it checks Numba's own passes, after each of them
         return [passes]
 
 
@@ -232,15 +263,15 @@ class BitcodeEntries(Entries):
         """Return what is cached."""
         library, function = result.library, result.fndesc
         function.typemap = function.calltypes = None  # large, and cannot be pickled
-        bitcode = library._get_module_for_linking().as_bitcode()
-        return library.name, bitcode, function, result.environment, result.signature, result.reload_init
+        bitcodes = library.bitcodes()
+        return library.name, bitcodes, function, result.environment, result.signature, result.reload_init
 
     def rebuild(self, target_context: Any, cached: tuple[Any, ...]) -> Any:
         """Return a compiled part from what was cached."""
-        name, bitcode, function, environment, signature, reload_init = cached
+        name, bitcodes, function, environment, signature, reload_init = cached
         for load in reload_init:
             load()
-        library = BitcodeLibrary.restore(target_context.codegen(), name, bitcode)
+        library = BitcodeLibrary.restore(target_context.codegen(), name, bitcodes)
         return compile_result(
             typing_context=target_context.typing_context,
             target_context=target_context,

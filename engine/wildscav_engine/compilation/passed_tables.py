@@ -1,8 +1,15 @@
-"""The classes of arrays that kernels pass to each other as tables; see ``table_type.py``."""
+"""Tables of arrays: their columns, and which classes kernels pass to each other as tables.
+
+For what they are, see ``array_tables.py`` and ``table_type.py``.
+"""
 
 from typing import TypeVar
 
 Class = TypeVar("Class")
+
+ADDRESS, ITEM, ROWS, LENGTH = 0, 1, 2, 3  # columns: of the first byte; bytes per item; the first two axes
+AXES = 4  # the largest number of axes of an array
+COLUMNS = 2 + AXES
 
 _passed: set[type] = set()
 

@@ -1,9 +1,9 @@
 """Compilation ahead of time: while the first map is generated, a second process compiles the simulation.
 
 Numba compiles each kernel when it is first called, one after another, on one processor core. With nothing
-compiled, that takes two minutes, and a second core can do half of the work. A kernel is locked while it is
-being compiled (see ``compiler.py``). A second process waits and then loads it from the cache on disk, so no
-kernel is compiled twice.
+compiled, that takes most of a minute, and a second core can do half of the work. A kernel is locked while it
+is being compiled (see ``compiler.py``). A second process waits and then loads it from the cache on disk, so
+no kernel is compiled twice.
 """
 
 import atexit

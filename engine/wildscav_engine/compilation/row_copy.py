@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.compilation.array_tables import Addresses, bytes_at
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.compilation.table_columns import ADDRESS, ITEM, LENGTH
+from wildscav_engine.compilation.passed_tables import ADDRESS, ITEM, LENGTH
 
 
 def fills_of(like: Any) -> NDArray[np.uint8]:

@@ -10,18 +10,19 @@ from typing import Any
 import llvmlite.ir
 import numba.core.cgutils
 import numba.core.datamodel
+import numba.np.arrayobj
 from numba.core import imputils, pythonapi, types
 from numba.core.typing import templates, typeof
 
-from wildscav_engine.compilation.array_code import pack
-from wildscav_engine.compilation.passed_tables import is_passed_as_table
-from wildscav_engine.compilation.table_columns import ADDRESS, COLUMNS, ROWS
+from wildscav_engine.compilation.passed_tables import ADDRESS, COLUMNS, ROWS, is_passed_as_table
 
 # Annotated as Any, because Numba has no types for them.
 ir: Any = llvmlite.ir
 cgutils: Any = numba.core.cgutils
 datamodel: Any = numba.core.datamodel
 Type: Any = types.Type
+make_array: Any = numba.np.arrayobj.make_array
+populate_array: Any = numba.np.arrayobj.populate_array
 array_type: Any = types.Array
 named_tuple: Any = types.NamedTuple
 NativeValue: Any = pythonapi.NativeValue
@@ -31,6 +32,19 @@ unbox: Any = pythonapi.unbox
 typeof_tuple: Any = typeof.typeof_impl.dispatch(tuple)
 
 ROW = ir.ArrayType(ir.IntType(64), COLUMNS)
+
+
+def pack(context: Any, builder: Any, kind: Any, address: Any, shape: list[Any]) -> Any:
+    """Return code for an array with a given address or pointer, and shape, without reference counting."""
+    array = make_array(kind)(context, builder)
+    itemsize = context.get_constant(types.intp, context.get_abi_sizeof(context.get_data_type(kind.dtype)))
+    strides = [itemsize]
+    for extent in reversed(shape[1:]):
+        strides.insert(0, builder.mul(strides[0], extent))
+    is_address = isinstance(address.type, ir.IntType)
+    data = builder.inttoptr(address, array.data.type) if is_address else address
+    populate_array(array, data=data, shape=shape, strides=strides, itemsize=itemsize, meminfo=None)
+    return array._getvalue()
 
 
 class TableType(Type):  # type: ignore[misc]

@@ -117,7 +117,8 @@ def ground_places(
             north = (row + uniform_in(0.15, 0.85, seed, STREAM, 1, row, 2 * column + 1)) * OUTDOOR_SPACING
             node = nodes[int(north + 0.5), int(east + 0.5)]
             if node >= 0 and _is_place(world, positions[node]):
-                places[found] = positions[node]
+                for axis in range(3):
+                    places[found, axis] = positions[node, axis]
                 found += 1
     return places[:found].copy()
 
@@ -227,7 +228,8 @@ def keep_apart(places: NDArray[np.float64], spacing: float) -> NDArray[np.float6
     for place in places:
         row, column = int((place[2] - south) / spacing), int((place[0] - west) / spacing)
         if not _is_crowded(kept, first, following, row, column, place, spacing):
-            kept[count] = place
+            for axis in range(3):
+                kept[count, axis] = place[axis]
             following[count], first[row, column] = first[row, column], count
             count += 1
     return kept[:count].copy()

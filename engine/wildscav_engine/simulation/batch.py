@@ -13,7 +13,12 @@ from wildscav_engine.maps import MapError, map_of
 from wildscav_engine.maps.bank import MapBank
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.parallel.threads import share
-from wildscav_engine.simulation.batch_kernels import BatchArrays, find_seen_in_batch, play_batch
+from wildscav_engine.simulation.batch_kernels import (
+    BatchArrays,
+    find_seen_in_batch,
+    play_batch,
+    play_batch_with_robots,
+)
 from wildscav_engine.simulation.setup.match_setup import MatchSetupError, place_match, plan_match, room_for
 from wildscav_engine.simulation.snapshot import Counts, History, check_size, decode, encode, map_for, write
 from wildscav_engine.simulation.state import State, allocate_state, copied, with_room
@@ -240,12 +245,15 @@ class Batch:
         return has_changed
 
     def _number_maps(self, rows: NDArray[np.int64]) -> None:
+        """Note where in the bank the maps of new matches are, and whether robots play in any match."""
+        self._has_robots = bool(self.state.agents.robot.any())
         for row in rows.tolist():
             self.state.matches.map_index[row] = self._bank.index_of(self.maps[row])
 
     def _play(self, rows: NDArray[np.int64], actions: NDArray[np.float32], *, is_reset: bool = False) -> bool:
         """Open the matches in some rows, or play one step of them; return True, as ``share`` expects."""
-        play_batch(self.table, rows, actions, self.frames_per_action, is_reset)
+        play = play_batch_with_robots if self._has_robots else play_batch
+        play(self.table, rows, actions, self.frames_per_action, is_reset)
         return True
 
     def _grow(self, slots: int, phases: int, places: int, waves: int) -> None:

@@ -9,7 +9,7 @@ from wildscav_engine.compilation.array_tables import Addresses, number_reader, r
 from wildscav_engine.compilation.kernel import kernel, specialize
 from wildscav_engine.maps.bank import world_at
 from wildscav_engine.simulation.state import allocate_state, matches_at
-from wildscav_engine.simulation.step import play_step
+from wildscav_engine.simulation.step import let_robots_decide, play_step, resolve_actions
 from wildscav_engine.simulation.systems.visibility import allocate_seen, find_seen_in_match
 from wildscav_engine.specs.rules import Rules
 
@@ -58,19 +58,48 @@ def play_batch(
         match = rows[index]
         if not matches.over[match]:
             seats = matches.seats[match]
-            play_step(
-                world_at(batch.bank[matches.map_index[match]]),
-                agents_of(batch.agents, match, seats),
-                supplies_of(batch.supplies, match, matches.slots[match]),
-                matches,
-                match,
-                seen_of(batch.seen, match, seats),
-                actions[match][:seats],
-                batch.allowed,
-                frames_per_action,
-                rules_from(batch.rules),
-                is_reset,
-            )
+            world = world_at(batch.bank[matches.map_index[match]])
+            agents = agents_of(batch.agents, match, seats)
+            supplies = supplies_of(batch.supplies, match, matches.slots[match])
+            played, rules = actions[match][:seats], rules_from(batch.rules)
+            if not is_reset:
+                resolve_actions(agents, played, batch.allowed)
+            play_step(world, agents, supplies, matches, match, played, frames_per_action, rules, is_reset)
+
+
+@kernel
+def play_batch_with_robots(
+    table: Addresses,
+    rows: NDArray[np.int64],
+    actions: NDArray[np.float32],
+    frames_per_action: int,
+    is_reset: bool,
+) -> None:
+    """Do the same as ``play_batch`` where robots play. Their code takes long to compile."""
+    batch = batch_at(table)
+    matches = matches_at(batch.matches)
+    for index in range(rows.shape[0]):
+        match = rows[index]
+        if not matches.over[match]:
+            seats = matches.seats[match]
+            world = world_at(batch.bank[matches.map_index[match]])
+            agents = agents_of(batch.agents, match, seats)
+            supplies = supplies_of(batch.supplies, match, matches.slots[match])
+            played, rules = actions[match][:seats], rules_from(batch.rules)
+            if not is_reset:
+                let_robots_decide(
+                    world,
+                    agents,
+                    supplies,
+                    matches,
+                    match,
+                    seen_of(batch.seen, match, seats),
+                    played,
+                    batch.allowed,
+                    frames_per_action,
+                    rules,
+                )
+            play_step(world, agents, supplies, matches, match, played, frames_per_action, rules, is_reset)
 
 
 @kernel

@@ -40,9 +40,7 @@ def play_step(
     supplies: Supplies,
     matches: Matches,
     match: int,
-    seen: Seen,
     actions: NDArray[np.float32],
-    allowed: NDArray[np.bool_],
     frames_per_action: int,
     rules: Rules,
     is_reset: bool,
@@ -51,27 +49,80 @@ def play_step(
 
     Args:
         matches: All matches.
-        seen: What the agents see. Only the rows of robots are updated, before they decide.
-        actions: (A, FIELDS). Replaced by the actions played: robots decide, and invalid rows do nothing.
-        allowed: (FIELDS,) the action set of the track.
+        actions: (A, FIELDS) from ``resolve_actions`` or ``let_robots_decide``.
         frames_per_action: The number of frames for which the actions are held.
         is_reset: Whether to begin the match instead of playing: equip the agents and index the boxes.
     """
     if is_reset:
         _begin(world, agents, supplies, matches, match)
         return
-    _update_seen_of_robots(world, agents, supplies, matches, match, rules, seen)
-    _clear_events(agents)
-    for seat in range(actions.shape[0]):
-        action = actions[seat]
-        _resolve_action(
-            world, agents, supplies, matches, match, seen, seat, frames_per_action, allowed, rules, action
-        )
     for _ in range(frames_per_action):
         if not matches.over[match]:
             play_frame(world, agents, supplies, matches, match, actions, rules)
     matches.step[match] += 1
     matches.digest[match] = digest_step(matches.digest[match], agents, actions, matches.frame[match])
+
+
+@inlined_kernel
+def resolve_actions(agents: Agents, actions: NDArray[np.float32], allowed: NDArray[np.bool_]) -> None:
+    """Replace the actions of a match without robots by those to be played: invalid rows do nothing.
+
+    Args:
+        actions: (A, FIELDS).
+        allowed: (FIELDS,) the action set of the track.
+    """
+    _clear_events(agents)
+    for seat in range(actions.shape[0]):
+        _resolve_action(agents, seat, allowed, actions[seat])
+
+
+@inlined_kernel
+def let_robots_decide(
+    world: World,
+    agents: Agents,
+    supplies: Supplies,
+    matches: Matches,
+    match: int,
+    seen: Seen,
+    actions: NDArray[np.float32],
+    allowed: NDArray[np.bool_],
+    frames_per_action: int,
+    rules: Rules,
+) -> None:
+    """Do the same as ``resolve_actions`` with robots, whose rows are replaced by what they decide.
+
+    Robots decide in the order of the seats, and see which way the agents before them are going to walk.
+
+    Args:
+        seen: What the agents see. Only the rows of robots are updated, before they decide.
+    """
+    _update_seen_of_robots(world, agents, supplies, matches, match, rules, seen)
+    _clear_events(agents)
+    for seat in range(actions.shape[0]):
+        action = actions[seat]
+        if agents.robot[seat] != 0:
+            for field in range(FIELDS):
+                action[field] = 0.0
+            if agents.health[seat] > 0:
+                frame, seed = matches.frame[match], matches.seed[match]
+                skill = skill_of(agents.robot[seat])
+                situation = Situation(
+                    agents,
+                    supplies,
+                    seen,
+                    seat,
+                    seed,
+                    frame,
+                    frames_per_action,
+                    matches,
+                    match,
+                    skill,
+                    world,
+                    rules.spread,
+                    rules.walking_sway,
+                )
+                decide(situation, action)
+        _resolve_action(agents, seat, allowed, action)
 
 
 @inlined_kernel
@@ -149,41 +200,9 @@ def _clear_events(agents: Agents) -> None:
 
 @inlined_kernel
 def _resolve_action(
-    world: World,
-    agents: Agents,
-    supplies: Supplies,
-    matches: Matches,
-    match: int,
-    seen: Seen,
-    seat: int,
-    frames_per_action: int,
-    allowed: NDArray[np.bool_],
-    rules: Rules,
-    action: NDArray[np.float32],
+    agents: Agents, seat: int, allowed: NDArray[np.bool_], action: NDArray[np.float32]
 ) -> None:
-    """Replace an action row by what is played: a robot's choice, or the valid part of what was sent."""
-    if agents.robot[seat] != 0:
-        for field in range(FIELDS):
-            action[field] = 0.0
-        if agents.health[seat] > 0:
-            frame, seed = matches.frame[match], matches.seed[match]
-            skill = skill_of(agents.robot[seat])
-            situation = Situation(
-                agents,
-                supplies,
-                seen,
-                seat,
-                seed,
-                frame,
-                frames_per_action,
-                matches,
-                match,
-                skill,
-                world,
-                rules.spread,
-                rules.walking_sway,
-            )
-            decide(situation, action)
+    """Replace an action row by its valid part, which is played."""
     valid = agents.present[seat]
     for field in range(FIELDS):
         if not allowed[field]:

@@ -81,6 +81,14 @@ def test_a_state_goes_back_and_forth_in_one_match() -> None:
     assert bytes_of(play(match, STEPS, 2 * STEPS)) == once
 
 
+def test_robots_of_a_state_play_where_there_were_none() -> None:
+    original = play(match_of("battle"), 0, STEPS)
+    alone = MatchSpec(track="battle", map=original.spec.map, seats=("submission",) * len(SEATS))
+    restored = Match(alone, MEADOW)
+    restored.set_state(original.get_state())
+    assert play(restored, STEPS, 2 * STEPS).digest == play(original, STEPS, 2 * STEPS).digest
+
+
 def test_a_row_of_a_batch_goes_on_in_another_batch_with_other_sizes() -> None:
     def spec(seed: int) -> MatchSpec:
         return MatchSpec(track="royale", seed=seed, seats=SEATS[: 2 + seed % 2])

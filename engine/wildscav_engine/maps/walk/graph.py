@@ -9,9 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from wildscav_engine.compilation.kernel import array_kernel, kernel
 from wildscav_engine.geometry.world import World
-from wildscav_engine.maps.walk.explore import NO_BODIES, add_ground, explore, join_diagonals
+from wildscav_engine.maps.walk.explore import NO_BODIES, add_ground
 from wildscav_engine.maps.walk.lattice import BORDER, DIRECTIONS, FINE, SPACING, Lattice, Nodes, make_lattice
-from wildscav_engine.maps.walk.leaps import Leaps, find_leaps
+from wildscav_engine.maps.walk.leaps import Leaps, explore_further
 from wildscav_engine.motion.collision import Bodies
 
 LAYERS = 2.0  # initial capacity, in nodes per lattice point in a house; tables grow when needed
@@ -170,14 +170,10 @@ def _no_leaps(capacity: int) -> Leaps:
 def _explore_all(world: World, lattice: Lattice, nodes: Nodes, leaps: Leaps) -> tuple[Nodes, Leaps]:
     """Find straight edges, diagonal edges and leaps from every node, until no new node is found."""
     body = Bodies(np.zeros((1, 3)), np.zeros(0, np.int32), 0)
-    walked = joined = leapt = 0
-    while leapt < nodes.found[0]:
+    explored = np.zeros(3, np.int64)
+    while explored[2] < nodes.found[0]:
         capacity = len(nodes.point)
-        walked = explore(world, NO_BODIES, lattice, nodes, walked, capacity)
-        if walked == nodes.found[0]:
-            joined = join_diagonals(world, NO_BODIES, lattice, nodes, joined, capacity)
-        if joined == nodes.found[0]:
-            leapt = find_leaps(world, body, lattice, nodes, leaps, leapt, (capacity, len(leaps.start)))
+        explore_further(world, NO_BODIES, body, lattice, nodes, leaps, explored)
         if nodes.found[0] + 2 * DIRECTIONS >= capacity:
             nodes = _with_capacity(nodes, capacity + capacity // 2)
         if leaps.found[0] + 2 * DIRECTIONS >= len(leaps.start):

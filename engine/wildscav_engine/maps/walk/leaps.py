@@ -16,7 +16,7 @@ from wildscav_engine.geometry.clearance import has_clearance, is_clear
 from wildscav_engine.geometry.sweep import sweep_world
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import World
-from wildscav_engine.maps.walk.explore import SIDE_CLEARANCE
+from wildscav_engine.maps.walk.explore import SIDE_CLEARANCE, explore, join_diagonals
 from wildscav_engine.maps.walk.lattice import (
     DIRECTIONS,
     EAST,
@@ -56,6 +56,32 @@ class Leaps(NamedTuple):
     end: NDArray[np.int32]  # (L,) node
     jump: NDArray[np.bool_]  # (L,) whether it begins with a jump
     found: NDArray[np.int64]  # (1,) L
+
+
+@kernel
+def explore_further(
+    world: World,
+    no_bodies: Bodies,
+    body: Bodies,
+    lattice: Lattice,
+    nodes: Nodes,
+    leaps: Leaps,
+    explored: NDArray[np.int64],
+) -> None:
+    """Find straight edges, then diagonal ones, then leaps, until the tables have to grow.
+
+    One kernel does all three, because they share most of the code to compile.
+
+    Args:
+        explored: (3,) the first node without each of them, updated.
+    """
+    capacity = len(nodes.point)
+    explored[0] = explore(world, no_bodies, lattice, nodes, explored[0], capacity)
+    if explored[0] == nodes.found[0]:
+        explored[1] = join_diagonals(world, no_bodies, lattice, nodes, explored[1], capacity)
+    if explored[1] == nodes.found[0]:
+        room = (capacity, len(leaps.start))
+        explored[2] = find_leaps(world, body, lattice, nodes, leaps, explored[2], room)
 
 
 @kernel
