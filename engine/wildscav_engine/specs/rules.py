@@ -65,6 +65,7 @@ class Rules(NamedTuple):
     recoil: Annotated[float, Field(ge=0, le=45)] = 0.0  # degrees a shot raises the view, standing still
     walking_sway: Annotated[float, Field(ge=0, le=100)] = 0.0  # how many times more of both at 10 m/s
     turning_sway: Annotated[float, Field(ge=0, le=100)] = 0.0  # how many times more of both at 100 °/s
+    bounty: Annotated[int, Field(ge=0, le=10_000)] = 0  # supplies that a kill brings besides what is dropped
 
 
 ADDED = Rules._fields[Rules._fields.index("senses") :]

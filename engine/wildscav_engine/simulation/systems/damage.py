@@ -51,8 +51,10 @@ def _damage_agent(
     if agents.health[seat] > 0:
         return
     agents.deaths[seat] += 1
-    if agents.hit_by_seat[seat] != NOBODY:
-        agents.kills[agents.hit_by_seat[seat]] += 1
+    killer = agents.hit_by_seat[seat]
+    if killer != NOBODY:
+        agents.kills[killer] += 1
+        agents.supplies[killer] += rules.bounty
     for axis in range(3):
         agents.velocity[seat, axis] = 0.0
     agents.reload_left[seat] = 0
