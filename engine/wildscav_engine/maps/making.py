@@ -18,7 +18,7 @@ from typing import IO, TypeVar, cast
 from wildscav_engine.compilation.cache_root import cache_root
 from wildscav_engine.compilation.locks import Lock
 from wildscav_engine.compilation.notice import MapNotice
-from wildscav_engine.maps.cache import load_cached, path_of, store
+from wildscav_engine.maps.cache import folder, load_cached, path_of, store
 from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.generate import generate_map
 from wildscav_engine.parallel.threads import cores
@@ -55,20 +55,22 @@ def make_maps(maps: Mapping[int, Choices], make: Callable[[int], object]) -> Non
     Raises:
         MapError: A map that was made here cannot be made. If other processes fail, their maps are not cached.
     """
-    left, notice = deque(maps), MapNotice(len(maps))
+    left, made, notice = deque(maps), list[int](), MapNotice(len(maps))
     with ExitStack() as processes:
         processes.callback(left.clear)
         for place, number in enumerate(_each(left.popleft)):
             started = time.monotonic()
             make(number)
-            notice.report(len(maps) - len(left))
+            made.append(number)
+            notice.report(len(made))
             if place == 1:  # the first map may have waited for kernels
-                _start_processes(processes, maps, left, (time.monotonic() - started) * len(left))
+                seconds = (time.monotonic() - started) * len(left)
+                _start_processes(processes, maps, left, made, seconds)
     notice.end()
 
 
 def _start_processes(
-    processes: ExitStack, maps: Mapping[int, Choices], left: deque[int], seconds: float
+    processes: ExitStack, maps: Mapping[int, Choices], left: deque[int], made: list[int], seconds: float
 ) -> None:
     """Start as many processes as are worth it for some seconds of work."""
     lock = Lock(cache_root() / "making.lock")
@@ -76,27 +78,30 @@ def _start_processes(
     with suppress(OSError):
         for _ in range(min(cores() - 1, int(seconds / WORTH))):
             if lock.take():
-                processes.enter_context(_Process(maps, left))
+                processes.enter_context(_Process(maps, left, made))
 
 
 class _Process:
     """Another process, which makes the last of the maps that are left, until none are."""
 
-    def __init__(self, maps: Mapping[int, Choices], left: deque[int]) -> None:
+    def __init__(self, maps: Mapping[int, Choices], left: deque[int], made: list[int]) -> None:
         pipe = subprocess.PIPE
         self._process = subprocess.Popen(
             [sys.executable, "-m", __name__], stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, text=True
         )
         self._has_begun = False
-        self._thread = Thread(target=self._hand_out, args=(maps, left), name=THREAD, daemon=True)
+        self._thread = Thread(target=self._hand_out, args=(maps, left, made), name=THREAD, daemon=True)
         self._thread.start()
 
-    def _hand_out(self, maps: Mapping[int, Choices], left: deque[int]) -> None:
-        """Whenever the process asks, give it the specs of a map."""
+    def _hand_out(self, maps: Mapping[int, Choices], left: deque[int], made: list[int]) -> None:
+        """Whenever the process asks, having made what it was given, give it the specs of a map."""
         numbers, requests = _each(left.pop), cast(IO[str], self._process.stdin)
+        number: int | None = None
         with suppress(OSError):
             while cast(IO[str], self._process.stdout).readline():
                 self._has_begun = True
+                if number is not None:
+                    made.append(number)
                 number = next(numbers, None)
                 if number is None:
                     return
@@ -118,6 +123,8 @@ class _Process:
             with suppress(OSError), self._process:
                 self._process.kill()
                 self._thread.join()
+            for part in folder().glob(f".*.{self._process.pid}.part"):
+                part.unlink(missing_ok=True)  # of a map that it was writing
 
 
 def _each(take: Callable[[], int]) -> Iterator[int]:

@@ -12,7 +12,7 @@ import grpc
 from google.protobuf.message import DecodeError
 
 from wildscav.proto import PROTOCOL_VERSION
-from wildscav.proto.match_pb2 import Action, ClientMessage, Join
+from wildscav.proto.match_pb2 import ClientMessage, Join
 from wildscav.wire.errors import ProtocolRefusalError, RefusalError
 from wildscav_server.hosting.hosted_match import HostedMatch
 from wildscav_server.hosting.reports import SeatStatus
@@ -185,10 +185,10 @@ async def _serve(reservation: Reservation, stream: Stream) -> None:
         if seat.gets_ready:
             await _read_ready(stream)
             match.ready(seat)
-        while (observation := await match.next_observation(seat)) is not None:
-            await stream.write(observation)
-            match.receive(seat, await _read_answer(seat, stream))
-        await stream.write(match.final_message(seat).SerializeToString())
+        exchange = _Exchange(match, seat, stream)
+        while (rest := await exchange.play()) is not None:
+            await stream.write(rest)
+        await stream.write(exchange.final)
     except asyncio.CancelledError:
         refusal = seat.refusal or stream.refusal
         if refusal is None:  # the connection was lost
@@ -226,20 +226,80 @@ async def _read_ready(stream: Stream) -> None:
         raise ProtocolRefusalError("PROTOCOL_ERROR", "after a Join with gets_ready, a Ready must follow")
 
 
-async def _read_answer(seat: Seat, stream: Stream) -> Action:
-    """Read the answer to a seat's last observation, dropping older ones."""
-    for _ in range(STALE_LIMIT):
-        message = await _read(stream)
+class _Exchange:
+    """The observations and answers of a seat that is ready.
+
+    An answer is taken in the turn of the event loop in which it arrives, and the next observation is sent if
+    it is there. The stream's task only waits meanwhile, since waking it would cost another turn.
+    """
+
+    def __init__(self, match: HostedMatch, seat: Seat, stream: Stream) -> None:
+        self._match, self._seat, self._stream = match, seat, stream
+        self._owes = False  # whether the seat has an observation that it has not answered
+        self._stale = 0  # old answers since the last observation
+        self._stopped: asyncio.Future[bytes | None]
+        self.final = b""  # the last message, once the match is over
+
+    async def play(self) -> bytes | None:
+        """Play on; return a message that must wait for the client, or None if the match is over.
+
+        Raises:
+            RefusalError: The client has violated the protocol.
+            StreamLostError: The client is gone.
+        """
+        self._stopped = asyncio.get_running_loop().create_future()
+        with self._stream.calling(self._go_on):
+            self._go_on()
+            try:
+                return await self._stopped
+            finally:
+                self._seat.wakes = None
+
+    def _go_on(self) -> None:
+        """Send and take what there is to send and to take."""
+        try:
+            while not self._stopped.done() and (self._take_answer() if self._owes else self._send()):
+                pass
+        except Exception as error:  # noqa: BLE001 - the task that serves the stream says what it means
+            if not self._stopped.done():
+                self._stopped.set_exception(error)
+
+    def _send(self) -> bool:
+        """Send the next observation, and return whether there was one that could be sent."""
+        final = self._match.final_message(self._seat)
+        if final is not None:
+            self.final = final.SerializeToString()
+            self._stopped.set_result(None)
+            return False
+        message = self._match.next_observation(self._seat)
+        if message is None:
+            self._seat.wakes = self._go_on
+            return False
+        self._owes, self._stale = True, 0
+        if not self._stream.write_at_once(message):
+            self._stopped.set_result(message)
+        return True
+
+    def _take_answer(self) -> bool:
+        """Take the answer to the last observation, or drop an older one; return whether there was one."""
+        content = self._stream.take()
+        if content is None:
+            return False
+        message = _parsed(content)
         if not message.HasField("action"):
             raise ProtocolRefusalError("PROTOCOL_ERROR", "after joining, every message must be an Action")
-        if message.action.step == seat.asked:
-            return message.action
-        if message.action.step > seat.asked:
-            raise ProtocolRefusalError(
-                "TOO_EARLY", f"answered step {message.action.step} before it was asked"
-            )
-        seat.conduct.dropped_actions += 1
-    raise ProtocolRefusalError("FLOOD", f"sent {STALE_LIMIT} old answers in one step")
+        step, asked = message.action.step, self._seat.asked
+        if step > asked:
+            raise ProtocolRefusalError("TOO_EARLY", f"answered step {step} before it was asked")
+        if step == asked:
+            self._owes = False
+            self._match.receive(self._seat, message.action)
+            return True
+        self._seat.conduct.dropped_actions += 1
+        self._stale += 1
+        if self._stale == STALE_LIMIT:
+            raise ProtocolRefusalError("FLOOD", f"sent {STALE_LIMIT} old answers in one step")
+        return True
 
 
 async def _read(stream: Stream) -> ClientMessage:
@@ -249,7 +309,11 @@ async def _read(stream: Stream) -> ClientMessage:
         ProtocolRefusalError: It is too large or invalid.
         StreamLostError: The stream has ended.
     """
+    return _parsed(await stream.read())
+
+
+def _parsed(content: bytes) -> ClientMessage:
     try:
-        return ClientMessage.FromString(await stream.read())
+        return ClientMessage.FromString(content)
     except DecodeError:
         raise ProtocolRefusalError("PROTOCOL_ERROR", "sent bytes that are not a ClientMessage") from None

@@ -151,18 +151,13 @@ class HostedMatch:
         self._all_launched.set()
         self._joined.set()
 
-    async def next_observation(self, seat: Seat) -> bytes | None:
-        """Wait for the next observation of a seat that owes no answer; None if the match is over."""
-        while seat.number not in self._final_messages:
-            observation = self._lockstep.observation_for(seat)
-            if observation is not None:
-                return observation
-            await seat.wait_for_message()
-        return None
+    def next_observation(self, seat: Seat) -> bytes | None:
+        """Return the next observation of a seat that owes no answer; None if it must wait for it."""
+        return self._lockstep.observation_for(seat)
 
-    def final_message(self, seat: Seat) -> ServerMessage:
-        """Return the last message to a seat, once the match is over."""
-        return self._final_messages[seat.number]
+    def final_message(self, seat: Seat) -> ServerMessage | None:
+        """Return the last message to a seat; None before the match is over."""
+        return self._final_messages.get(seat.number)
 
     def receive(self, seat: Seat, message: Action) -> None:
         """Receive a seat's answer to its last observation."""

@@ -5,10 +5,11 @@ match has answered, or when the time of all seats that have not is up. A seat th
 further observation until it does; then it gets that of the step that is open. So no messages pile up for a
 slow agent, and a stalled one blocks no buffer.
 
-The stream that receives the last answer closes the step: its task plays the step and opens the next one
-immediately, because another turn of the event loop would cost as much as the step itself. The observations
-of all seats are encoded at that moment. Each seat's stream then reads the seat's sensors and sends its
-message, one seat after another, so the first agents compute while the others are served.
+The stream that receives the last answer closes the step: where the answer is read, the step is played, the
+next one is opened, and the stream sends its observation, because another turn of the event loop would cost as
+much as the step itself. The observations of all seats are encoded at that moment. Each other stream reads its
+seat's sensors and sends its message in the next turn, one seat after another, so the first agents compute
+while the others are served.
 """
 
 import asyncio
@@ -182,10 +183,9 @@ class Lockstep:
 
     def _settle(self) -> None:
         """Close the step if no other seat is pending, or none of them has time left."""
-        now = self._time.now()
         if not self._pending:
             self._close()
-        elif now >= self._opened + self._clock.step_budget:
+        elif (now := self._time.now()) >= self._opened + self._clock.step_budget:
             self._close_or_wait(now)
 
     def _close_or_wait(self, now: float) -> None:

@@ -2,7 +2,7 @@
 
 import asyncio
 from array import array
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
@@ -50,26 +50,19 @@ class Seat:
         self.meter: WaitMeter | None = None  # of its agent's waits for a processor, if its host has one
         self.times = array("d")  # s, for each step
         self.notified = False  # whether its stream is about to fetch an observation
-        self._waiter: asyncio.Future[None] | None = None  # done when it is notified
+        self.wakes: Callable[[], None] | None = None  # called when it is notified; None: it owes an answer
 
     @property
     def present(self) -> bool:
         """Whether it has joined and is not gone."""
         return self.stream is not None and not self.gone
 
-    async def wait_for_message(self) -> None:
-        """Wait until there is a message for it."""
-        self._waiter = asyncio.get_running_loop().create_future()
-        try:
-            await self._waiter
-        finally:
-            self._waiter = None
-
     def notify(self) -> None:
         """Wake its stream because there is a message for it; does nothing if it owes an answer."""
-        if self._waiter is not None and not self._waiter.done():
+        if self.wakes is not None:
             self.notified = True
-            self._waiter.set_result(None)
+            asyncio.get_running_loop().call_soon(self.wakes)
+            self.wakes = None
 
     def dismiss(self, refusal: RefusalError) -> None:
         """End the seat's stream, if it has one, with a refusal."""

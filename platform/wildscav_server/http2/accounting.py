@@ -4,7 +4,15 @@ import asyncio
 import time
 from collections.abc import Callable
 
-from wildscav_server.http2.frames import FIRST_WINDOW, LARGEST_WINDOW, Code, FrameError, Kind, write_frame
+from wildscav_server.http2.frames import (
+    FIRST_WINDOW,
+    LARGEST_WINDOW,
+    Code,
+    FrameError,
+    Kind,
+    kind_name,
+    write_frame,
+)
 
 # The allowance of one connection, in frames that complete no message:
 UNKNOWN_ALLOWANCE = 400.0  # while its client is unknown
@@ -62,12 +70,12 @@ class Account:
 
     # The allowance.
 
-    def spend(self, cost: float, kind: str = "") -> None:
+    def spend(self, cost: float, kind: int | None = None) -> None:
         """Pay for a frame or for a read.
 
         Args:
             cost: The cost in frames.
-            kind: The kind of the frame; empty for a read.
+            kind: The kind of the frame; None for a read.
 
         Raises:
             FloodError: The allowance is used up.
@@ -78,9 +86,8 @@ class Account:
             self.refund((now - self._since) * REFILL_PER_SECOND)
             self._since = now
             if self._left < 0.0:
-                which = (
-                    f"carry no message (the last was {kind})" if kind else "carry no message, or in pieces"
-                )
+                last = None if kind is None else f"carry no message (the last was {kind_name(kind)})"
+                which = last or "carry no message, or in pieces"
                 raise FloodError(f"flooded its connection with frames that {which}")
 
     def refund(self, frames: float) -> None:

@@ -1,7 +1,7 @@
 """The frames of HTTP/2 (RFC 9113, sections 4 and 6): constants, writing and reading."""
 
 from collections.abc import Iterator
-from enum import IntEnum, IntFlag
+from enum import IntEnum
 from typing import NamedTuple
 
 from hpack import Encoder, NeverIndexedHeaderTuple
@@ -28,14 +28,17 @@ class Kind(IntEnum):
     CONTINUATION = 9
 
 
-class Flag(IntFlag):
-    """The flags of frames; the meaning of some depends on the kind."""
+class Flag(IntEnum):
+    """The flags of frames, as plain numbers; the meaning of some depends on the kind."""
 
     END_STREAM = 0x1
     ACK = 0x1
     END_HEADERS = 0x4
     PADDED = 0x8
     PRIORITY = 0x20
+
+
+PADDED_OR_PRIORITY = Flag.PADDED | Flag.PRIORITY
 
 
 class Code(IntEnum):
@@ -125,6 +128,8 @@ def without_padding(frame: Frame) -> bytes:
         FrameError: The frame is too short for its padding or priority.
     """
     payload, padding = frame.payload, 0
+    if not frame.flags & PADDED_OR_PRIORITY:
+        return payload
     if frame.flags & Flag.PADDED:
         if not payload:
             raise FrameError(Code.FRAME_SIZE_ERROR, "sent a padded frame without a length of padding")

@@ -126,7 +126,7 @@ class Session:
             raise FrameError(Code.PROTOCOL_ERROR, f"sent {kind_name(kind)} on a stream")
         if kind != Kind.DATA:  # which pays by itself, unless it completes a message
             cost = HEADERS_COST if kind == Kind.HEADERS else 1.0
-            self._account.spend(cost + len(frame.payload) // PAYLOAD_PER_FRAME, kind_name(kind))
+            self._account.spend(cost + len(frame.payload) // PAYLOAD_PER_FRAME, kind)
         take = self._take_kind.get(kind)
         if take is not None:  # unknown kinds are ignored
             take(frame)
@@ -151,7 +151,7 @@ class Session:
             if frame.flags & Flag.END_STREAM:
                 stream.half_close()
         if not complete:
-            self._account.spend(1.0, "DATA")
+            self._account.spend(1.0, Kind.DATA)
 
     def _has_begun(self, number: int) -> bool:
         """Return whether the client has opened or skipped the stream with a number."""

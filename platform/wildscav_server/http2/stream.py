@@ -4,7 +4,8 @@ import asyncio
 import base64
 import re
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any
 from urllib.parse import quote
 
@@ -49,6 +50,7 @@ class Stream:
         "_reader",
         "_received",
         "_released",
+        "_taken_by",
         "ended_by_client",
         "finished",
         "headers",
@@ -78,6 +80,7 @@ class Stream:
         self._part = bytearray()  # an incomplete message
         self._messages: deque[bytes] = deque()
         self._reader: asyncio.Future[None] | None = None  # done when there is something to read
+        self._taken_by: Callable[[], None] | None = None  # called instead, if the handler uses ``calling``
         self._received = self._released = 0  # bytes received, and those that the client may send again
         self._queued = 0  # bytes of the messages that wait to be read
 
@@ -94,20 +97,35 @@ class Stream:
             StreamLostError: The client sends no more.
             ProtocolRefusalError: A message is too large, or compressed.
         """
-        while not self._messages or self.refusal is not None:
-            if self.refusal is not None:
-                raise self.refusal
-            if self.ended_by_client:
-                raise StreamLostError
+        while (message := self.take()) is None:
             self._reader = asyncio.get_running_loop().create_future()
             try:
                 await self._reader
             finally:
                 self._reader = None
+        return message
+
+    def take(self) -> bytes | None:
+        """Return the next message if there is one; raises what ``read`` does."""
+        if self.refusal is not None:
+            raise self.refusal
+        if not self._messages:
+            if self.ended_by_client:
+                raise StreamLostError
+            return None
         message = self._messages.popleft()
         self._queued -= PREFIX + len(message)
         self._release_received()
         return message
+
+    @contextmanager
+    def calling(self, taken_by: Callable[[], None]) -> Iterator[None]:
+        """Call a function during the block, which must not raise, whenever there may be something to take."""
+        self._taken_by = taken_by
+        try:
+            yield
+        finally:
+            self._taken_by = None
 
     def _release_received(self) -> None:
         """Let the client send as much again as was received and is not queued."""
@@ -116,13 +134,28 @@ class Stream:
             self._released += size
             self._account.release_received(size, 0 if self.ended_by_client else self.number)
 
+    def write_at_once(self, message: bytes) -> bool:
+        """Send a message if that need not wait for the client, and return whether it was sent.
+
+        Raises:
+            StreamLostError: The client is gone.
+        """
+        account, size = self._account, PREFIX + len(message)
+        if self.finished:
+            raise StreamLostError
+        if account.full or size > min(MAX_PAYLOAD, self.window, account.window):
+            return False
+        account.refill(size, begins=True)
+        self._send(_prefixed(message))
+        return True
+
     async def write(self, message: bytes) -> None:
         """Send a message; returns when all of it is passed to the transport.
 
         Raises:
             StreamLostError: The client is gone.
         """
-        content = b"\0" + len(message).to_bytes(4, "big") + message
+        content = _prefixed(message)
         account, at = self._account, 0
         while at < len(content):
             if self.finished:
@@ -246,7 +279,9 @@ class Stream:
 
     def wake(self) -> None:
         """Wake the handler if it waits for a message."""
-        if self._reader is not None and not self._reader.done():
+        if self._taken_by is not None:
+            self._taken_by()
+        elif self._reader is not None and not self._reader.done():
             self._reader.set_result(None)
 
     def abort(self, refusal: RefusalError | None = None) -> None:
@@ -259,6 +294,10 @@ class Stream:
         self.refusal = self.refusal or refusal
         if self.task is not None:
             self.task.cancel()
+
+
+def _prefixed(message: bytes) -> bytes:
+    return b"\0" + len(message).to_bytes(4, "big") + message
 
 
 def parse_timeout(text: str) -> float | None:

@@ -1,9 +1,11 @@
 """Maps made at once are the same as one by one; other processes make some where it is worth it."""
 
+import subprocess
 import sys
 import threading
 import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -95,3 +97,44 @@ def test_people_who_wait_are_told_how_many_are_made(
     with notice.progress_callback(shown.append):
         making.make_maps(MAPS, lambda _: None)
     assert [progress.maps for progress in shown] == [f"{made}/6" for made in range(1, 7)]
+
+
+def other_process(monkeypatch: pytest.MonkeyPatch, folder: Path, code: str) -> None:
+    """Let another process, which has a half-written map, run some code in place of making maps."""
+    monkeypatch.setattr(making, "WORTH", 1e-9)
+    start = subprocess.Popen
+    folder.mkdir(exist_ok=True)
+
+    def started(_: object, **options: Any) -> Any:
+        process = start([sys.executable, "-c", code], **options)
+        (folder / f".0123.map.{process.pid}.part").write_bytes(b"half")
+        return process
+
+    monkeypatch.setattr("subprocess.Popen", started)
+
+
+def test_a_map_that_another_process_is_still_making_does_not_count(
+    monkeypatch: pytest.MonkeyPatch, folder: Path
+) -> None:
+    asked = folder / "asked"
+    other_process(monkeypatch, folder, f"print(flush=True); input(); open({str(asked)!r}, 'x')")
+    here: list[int] = []
+
+    def make(number: int) -> None:
+        here.append(number)
+        while len(here) == 3 and not asked.exists():
+            time.sleep(0.05)
+
+    shown: list[notice.Progress] = []
+    with notice.progress_callback(shown.append):
+        making.make_maps(MAPS, make)
+    assert here == [0, 1, 2, 3, 4]
+    assert [progress.maps for progress in shown] == [f"{made}/6" for made in range(1, 6)]
+
+
+def test_nothing_is_left_of_a_map_that_a_killed_process_was_writing(
+    monkeypatch: pytest.MonkeyPatch, folder: Path
+) -> None:
+    other_process(monkeypatch, folder, "import time; time.sleep(60)")
+    making.make_maps(MAPS, lambda _: None)
+    assert not list(folder.iterdir())

@@ -101,6 +101,41 @@ def test_an_observation_tells_the_state_of_the_engine(tmp_path: Path) -> None:
     serving(tmp_path, play)
 
 
+def test_a_step_of_one_agent_takes_one_turn_of_the_loop(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    turns, run_once = [0], asyncio.BaseEventLoop._run_once
+
+    def counted(loop: asyncio.BaseEventLoop) -> None:
+        turns[0] += 1
+        run_once(loop)
+
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec(seconds=20.0), clock=PATIENT)
+        agent = await start_agent("Walker", address, hosted.tokens[0])
+        outcome = await hosted.finished()
+        assert outcome.match.step_number == 200
+        assert await ended(agent) == (0, "")
+
+    monkeypatch.setattr(asyncio.BaseEventLoop, "_run_once", counted)
+    serving(tmp_path, play)
+    assert turns[0] < 300, "the start and the end included"
+
+
+def test_a_reading_larger_than_a_frame_is_sent_in_parts(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str) -> None:
+        hosted = await host(server, small_spec(), sensors={0: {"depth": {"width": 160, "height": 160}}})
+        async with connected(address) as seat:
+            await seat.join(hosted.tokens[0])
+            for step in range(4):
+                (depth,) = (await seat.read()).observation.tensors
+                assert len(np.frombuffer(depth.data, depth.dtype)) == 25_600
+                await seat.act(step)
+        hosted.cancel()
+
+    serving(tmp_path, play)
+
+
 def test_an_agent_reads_its_depth_map(tmp_path: Path) -> None:
     async def play(server: MatchServer, address: str) -> None:
         hosted = await host(server, small_spec(), sensors={0: {"depth": {"width": 8, "height": 5}}})
