@@ -99,12 +99,25 @@ def test_dropped_supplies_lie_where_the_agent_died_and_can_be_taken() -> None:
     assert match.state.agents.supplies[0, 0] == 5
 
 
-def test_supplies_are_conserved_in_a_whole_battle() -> None:
-    match = make_match(seats=1, world=None, rules=Rules())
+def test_a_kill_brings_a_bounty_besides_what_is_dropped() -> None:
+    match = duel(bounty=7)
+    match.state.supplies.quantity[:] = 0
+    match.state.agents.supplies[0] = 1, 10
+    act(match, 1, seat_0={"shoot": 1})
+    assert match.state.agents.supplies[0].tolist() == [8, 5]
+    assert match.state.agents.gained[0, 0] == 0
+    assert match.state.supplies.quantity.sum() == 5
+
+
+@pytest.mark.parametrize("bounty", [0, 20])
+def test_supplies_are_conserved_in_a_whole_battle(bounty: int) -> None:
+    match = make_match(seats=1, world=None, rules=Rules(bounty=bounty))
     spec = match.spec.model_copy(update={"seats": ("fighter",) * 6, "time_limit": 60.0, "seed": 4})
     battle = Match(spec, match.game_map)
     total = battle.state.supplies.quantity.sum()
     while not battle.over:
         battle.step()
-        assert battle.state.supplies.quantity.sum() + battle.state.agents.supplies.sum() == total
+        agents = battle.state.agents
+        paid = bounty * agents.kills.sum()
+        assert battle.state.supplies.quantity.sum() + agents.supplies.sum() == total + paid
     assert battle.state.agents.deaths.sum() > 0
