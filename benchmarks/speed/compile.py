@@ -1,4 +1,4 @@
-"""Time to the first depth map of a match, with empty caches and with compiled code and the map cached."""
+"""Time to the first depth map of one agent, with empty caches and with compiled code and the map cached."""
 
 import json
 import os
@@ -26,7 +26,7 @@ from wildscav_engine.simulation.match import Match
 from wildscav_engine.sensors import DepthCamera
 from wildscav_engine.specs.match_spec import MatchSpec
 done("import")
-spec = MatchSpec(track="battle", seats=("submission", "fighter"), time_limit=10)
+spec = MatchSpec(track="navigation", time_limit=10)
 game_map = map_of(spec.map)
 done("map")
 match = Match(spec, game_map)
