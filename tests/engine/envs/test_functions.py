@@ -107,7 +107,7 @@ def test_several_learners_are_asked_together_and_nothing_is_paid_after_the_end()
     trail = Trail()
     env = parallel_env("royale", **chosen, **own(observers={"trail": trail}))
     batch = BatchedArena("royale", 2, **chosen, **own())
-    one, _ = env.reset(seed=3)
+    env.reset(seed=3)
     batch.reset(seed=3)
     for _ in range(4):
         env.arena.batch.state.agents.eliminated[0, 2] = 5  # type: ignore[union-attr]
@@ -165,21 +165,13 @@ def test_states_and_forks_go_on_alike() -> None:
 
 
 def test_nothing_of_the_match_can_be_written() -> None:
-    def cheat(now: Learners) -> Any:
-        now.state.agents.position[0, 0] = 0.0
+    def near(now: Learners) -> Any:
+        assert now.maps[0].spec == now.specs[0].map
+        arrays = (*now.state.agents, *now.state.supplies, *now.state.matches, *now.seen)
+        assert not any(array.flags.writeable for array in arrays)
+        return now.of(now.seen.agent_count)
 
-    env = SingleEnv("navigation", **options("navigation", **PLAIN), reward_functions={"cheat": cheat})
-    with pytest.raises(ValueError, match="read-only"):
-        env.reset(seed=1)
-    seen = SingleEnv("battle", **options("battle", **PLAIN), reward_functions={"near": near})
-    seen.reset(seed=1)
-
-
-def near(now: Learners) -> Any:
-    """How many agents each learner sees; also asks for everything else there is."""
-    assert now.maps[0].spec == now.specs[0].map
-    assert not now.seen.agent_count.flags.writeable
-    return now.of(now.seen.agent_count)
+    SingleEnv("battle", **options("battle", **PLAIN), reward_functions={"near": near}).reset(seed=1)
 
 
 def test_processes_take_what_can_be_pickled() -> None:
@@ -223,7 +215,6 @@ class Fixed:
             Fixed(0.5),
             r"^the observer 'x' returned float64 of shape \(.,\), must be float32 of shape \(., 2\)$",
         ),
-        (Fixed("ab"), r"^the observer 'x' returned <U2 of shape \(.,\), must be float32"),
         (Fixed((1.0, float("nan"))), "^the observer 'x' returned a number that is not finite$"),
         (Fixed((1.0, 1e300)), "^the observer 'x' returned a number that is not finite$"),
         (Fixed((1.0, 1.5)), "^the observer 'x' returned a number outside its space, Box"),
