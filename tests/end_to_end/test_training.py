@@ -1,6 +1,7 @@
 """The trainers of ``docs/training.md`` take the environments as they are: its code trains, in small."""
 
 import copy
+import json
 import math
 import re
 import runpy
@@ -21,6 +22,7 @@ from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore")]
 
 TEXT = (Path(__file__).parents[2] / "docs" / "training.md").read_text("utf-8")
+EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
 BLOCKS = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
 NAVIGATION = "wildscav_engine.envs:WildScav/Navigation-v1"
 TINY = MapSpec(config=MapConfig(size=40, relief=0, water=0, houses=0, vegetation=0), seed=1)
@@ -184,7 +186,7 @@ def test_the_curriculum_of_the_page_begins_with_its_first_stage() -> None:
 
 def test_the_example_of_level_replay_plays_the_levels_from_which_there_is_most_to_learn() -> None:
     pytest.importorskip("stable_baselines3")
-    example = Path(__file__).parents[2] / "docs" / "examples" / "level_replay.py"
+    example = EXAMPLES / "level_replay.py"
     names = runpy.run_path(str(example))
     levels = names["Levels"](4)
     assert levels.draw() in range(4)
@@ -197,6 +199,21 @@ def test_the_example_of_level_replay_plays_the_levels_from_which_there_is_most_t
     )
     assert done.returncode == 0, done.stderr
     assert re.match(r"[4-8] levels played; \d+% of the last episodes succeeded\nlevel ", done.stdout)
+
+
+def test_the_notebook_runs_as_it_stands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("stable_baselines3")
+    notebook = json.loads((EXAMPLES / "first_experiment.ipynb").read_text("utf-8"))
+    cells = ["".join(cell["source"]) for cell in notebook["cells"] if cell["cell_type"] == "code"]
+    monkeypatch.chdir(tmp_path)
+    small = {"100_000": "5_000", '"time_limit": 30.0': '"map": TINY, "time_limit": 2.0', ', split="test"': ""}
+    names: dict[str, Any] = {"TINY": TINY}
+    for code in cells:
+        for long, short in small.items():
+            code = code.replace(long, short)  # noqa: PLW2901
+        run(code, names)
+    assert names["observation"].shape == names["env"].observation_space.shape
+    assert (tmp_path / "match.webp").stat().st_size > 0
 
 
 def test_gymnasiums_wrapper_makes_tensors_of_a_vector() -> None:

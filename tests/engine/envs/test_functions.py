@@ -1,5 +1,6 @@
 """Rewards and observations of a user's own: called once a step for all learners, the same in every kind."""
 
+import copy
 from typing import Any
 
 import gymnasium
@@ -38,7 +39,7 @@ class Trail:
         pairs = list(zip(now.matches.tolist(), now.seats.tolist(), strict=True))
         for pair, is_new in zip(pairs, now.is_new, strict=True):
             self.steps[pair] = 0 if is_new else self.steps[pair] + 1
-        return np.stack([[self.steps[pair] for pair in pairs], now.of(now.state.agents.position)[:, 0]], 1)
+        return np.stack([[self.steps[pair] for pair in pairs], now.of(now.state.agents.position)[:, 2]], 1)
 
 
 def own(**more: Any) -> dict[str, Any]:
@@ -49,12 +50,12 @@ def test_what_functions_pay_is_added_to_the_terms_and_told_by_name() -> None:
     env = SingleEnv("navigation", **options("navigation", **PLAIN, map=OPEN, rewards={"step": 2.0}), **own())
     seen, info = env.reset(seed=1)
     assert info["reward_terms"] == {"step": 0.0, "speed": 0.0}
-    assert seen["trail"].tolist() == [0.0, seen["position"][0]]
+    assert seen["trail"].tolist() == [0.0, seen["position"][2]]
     env.step(WALK)
     seen, reward, _, _, info = env.step(WALK)
     assert info["reward_terms"] == {"step": 2.0, "speed": 10.0}
     assert reward == 12.0
-    assert seen["trail"].tolist() == [2.0, seen["position"][0]]
+    assert seen["trail"].tolist() == [2.0, seen["position"][2]]
     assert env.observation_space.contains(seen)
 
 
@@ -107,7 +108,7 @@ def test_several_learners_are_asked_together_and_nothing_is_paid_after_the_end()
     trail = Trail()
     env = parallel_env("royale", **chosen, **own(observers={"trail": trail}))
     batch = BatchedArena("royale", 2, **chosen, **own())
-    one, _ = env.reset(seed=3)
+    env.reset(seed=3)
     batch.reset(seed=3)
     for _ in range(4):
         env.arena.batch.state.agents.eliminated[0, 2] = 5  # type: ignore[union-attr]
@@ -156,30 +157,23 @@ def test_states_and_forks_go_on_alike() -> None:
     env = SingleEnv("navigation", **chosen, observers={"trail": Trail()})
     env.reset(seed=1)
     env.step(WALK)
-    state, fork = env.get_state(), env.fork()
+    state, fork, twin = env.get_state(), env.fork(), copy.deepcopy(env)
+    told = [digest(one.step(WALK)) for one in (env, twin)]
+    assert told[0] == told[1]
+    env.set_state(state)
     (after, *rest), (other, *same) = env.step(WALK), fork.step(WALK)
-    assert (after.pop("trail")[0], other.pop("trail")[0]) == (2.0, 1.0)  # a memory is no part of a state
     assert digest([after, *rest]) == digest([other, *same])
-    again, _ = env.set_state(state)
-    assert again["trail"][0] == 0.0
+    assert after["trail"][0] == 1.0  # since the state was restored: a memory is no part of it
 
 
 def test_nothing_of_the_match_can_be_written() -> None:
-    def cheat(now: Learners) -> Any:
-        now.state.agents.position[0, 0] = 0.0
+    def near(now: Learners) -> Any:
+        assert now.maps[0].spec == now.specs[0].map
+        arrays = (*now.state.agents, *now.state.supplies, *now.state.matches, *now.seen)
+        assert not any(array.flags.writeable for array in arrays)
+        return now.of(now.seen.agent_count)
 
-    env = SingleEnv("navigation", **options("navigation", **PLAIN), reward_functions={"cheat": cheat})
-    with pytest.raises(ValueError, match="read-only"):
-        env.reset(seed=1)
-    seen = SingleEnv("battle", **options("battle", **PLAIN), reward_functions={"near": near})
-    seen.reset(seed=1)
-
-
-def near(now: Learners) -> Any:
-    """How many agents each learner sees; also asks for everything else there is."""
-    assert now.maps[0].spec == now.specs[0].map
-    assert not now.seen.agent_count.flags.writeable
-    return now.of(now.seen.agent_count)
+    SingleEnv("battle", **options("battle", **PLAIN), reward_functions={"near": near}).reset(seed=1)
 
 
 def test_processes_take_what_can_be_pickled() -> None:
@@ -223,7 +217,6 @@ class Fixed:
             Fixed(0.5),
             r"^the observer 'x' returned float64 of shape \(.,\), must be float32 of shape \(., 2\)$",
         ),
-        (Fixed("ab"), r"^the observer 'x' returned <U2 of shape \(.,\), must be float32"),
         (Fixed((1.0, float("nan"))), "^the observer 'x' returned a number that is not finite$"),
         (Fixed((1.0, 1e300)), "^the observer 'x' returned a number that is not finite$"),
         (Fixed((1.0, 1.5)), "^the observer 'x' returned a number outside its space, Box"),

@@ -4,9 +4,9 @@ They are given ``Learners`` and may read the whole state of the matches, so they
 """
 
 import inspect
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, TypeVar
 
 import numpy as np
 from gymnasium.spaces import Box
@@ -55,11 +55,8 @@ class Learners:
         return self._batch.specs
 
 
-class RewardFunction(Protocol):
-    """A reward of a user's own."""
-
-    def __call__(self, now: Learners, /) -> ArrayLike:
-        """Return (N,) the rewards of the step. What it returns for new learners does not count."""
+# Returns (N,) the rewards of the step; what it returns for new learners does not count.
+RewardFunction: TypeAlias = Callable[[Learners], ArrayLike]
 
 
 class Observer(Protocol):

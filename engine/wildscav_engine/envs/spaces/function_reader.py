@@ -38,6 +38,10 @@ class FunctionReader:
         self._last: Readings = {}
         self._states: tuple[State, State] | None = None  # of the batch, and its views for functions
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Copy and pickle everything but the views: those of a copy would be of other arrays."""
+        return {**vars(self), "_states": None}
+
     def begin(self, rows: Sequence[int]) -> None:
         """Note that some rows of the batch contain new matches."""
         self._is_new[list(rows)] = True
