@@ -20,8 +20,8 @@ FIGHT_TIME = 180.0  # s
 ROBOTS = 9
 # Rounds for a whole match, and more to win and to lose by a death than by default.
 RULES = Rules(spare_ammo=300, respawn_time=45.0, invincible_time=2.0, supply_loss=1.0)
-# No single death decides: it costs a quarter of what is carried, and a twelfth of the time. Kills count in the
-# score, so that it tells fighters apart: see ``benchmarks/strength/luck.py``.
+# No single death decides: it costs a quarter of what is carried, and a twelfth of the time. Kills count in
+# the score, so that it tells fighters apart: see ``benchmarks/strength/luck.py``.
 FAIR_RULES = NAMED["fair"]._replace(
     spare_ammo=300, respawn_time=15.0, invincible_time=2.0, supply_loss=0.25, bounty=20
 )
