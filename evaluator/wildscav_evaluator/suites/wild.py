@@ -1,7 +1,7 @@
 """The suite of hard country: what rules of thumb cannot solve, and fights that cannot be avoided."""
 
 from wildscav_engine.arithmetic.random_numbers import RandomStream
-from wildscav_engine.maps.pools import LEVELS
+from wildscav_engine.maps.levels import LEVELS
 from wildscav_engine.specs.map_spec import MapConfig
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.specs.rules import Rules

@@ -7,7 +7,8 @@ from pydantic import AfterValidator, Field, ValidationError, field_validator, mo
 
 from wildscav_engine.envs.registry import VERSION, Version
 from wildscav_engine.envs.settings.players import ActionMode, Player, Sampler, read_entry, seat_entry
-from wildscav_engine.maps.pools import Level, Split
+from wildscav_engine.maps.levels import Level
+from wildscav_engine.maps.pools import Split
 from wildscav_engine.sensors import Sensor, parse_sensors
 from wildscav_engine.specs.actions import Field as ActionField
 from wildscav_engine.specs.base import Spec
