@@ -6,7 +6,7 @@ plays the matches on maps of the level hard as ``wildscav dataset`` does, unless
 already, trains the network on nine episodes in ten, says how well it foretells what ``mapper`` does in the
 others, and writes it as a submission. Minari keeps its data sets in ``MINARI_DATASETS_PATH``. Afterwards,
 
-    python -m benchmarks.strength.baselines --where hard --agents homing,mapper,out/cloned-navigator
+    wildscav baselines homing mapper out/cloned-navigator --level hard
 
 measures it beside others.
 """

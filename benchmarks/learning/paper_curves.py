@@ -7,7 +7,8 @@ from typing import Any
 
 from benchmarks.learning.paper_table import PAPER
 from benchmarks.learning.result_files import results_in
-from benchmarks.strength.baselines import wilson
+
+from wildscav_training.trials import wilson
 
 COLUMNS = 3
 EPISODES = 50  # of a point of one run

@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.learning.result_files import results_in
-from benchmarks.strength.baselines import rate
+
+from wildscav_training.trials import rate
 
 # Success rate and episode length with its standard deviation, from the paper's table of navigation.
 PAPER = {

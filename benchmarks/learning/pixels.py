@@ -19,11 +19,11 @@ import numpy as np
 import torch
 import typer
 from benchmarks.learning.result_files import add, numbers, results_in
-from benchmarks.strength.baselines import rate
 from stable_baselines3 import PPO
 from stable_baselines3.common.vec_env import VecNormalize
 
 from wildscav_engine.envs import StableVector
+from wildscav_training.trials import rate
 
 RESULTS = Path(__file__).parent / "results" / "pixels"
 MATCHES, STEPS, EPISODES = 64, 160_000, 100

@@ -24,8 +24,8 @@ from wildscav_engine.maps.cache import load_cached, store
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.maps.ground.terrain import water_of_cells
 from wildscav_engine.maps.layout import Layout, lay_out
+from wildscav_engine.maps.levels import LEVELS
 from wildscav_engine.maps.locations import Places, choose_places
-from wildscav_engine.maps.pools import LEVELS
 from wildscav_engine.maps.walk import NavGraph, build_graph, find_path
 from wildscav_engine.specs.map_spec import MapConfig
 

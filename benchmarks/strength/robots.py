@@ -12,18 +12,18 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 import typer
-from benchmarks.strength.baselines import wilson
 
 from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream
 from wildscav_engine.maps import MapError, generate_map
 from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.maps.pools import LEVELS
+from wildscav_engine.maps.levels import LEVELS
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.specs.actions import no_actions
 from wildscav_engine.specs.map_spec import MapConfig
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.seats import shuffled
 from wildscav_evaluator.suites.wild import WILD, meeting_ground
+from wildscav_training.trials import wilson
 
 MAPS = 20  # of each kind
 TOGETHER = 40  # matches in a batch

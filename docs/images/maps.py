@@ -16,8 +16,8 @@ from wildscav_engine.maps import GameMap, generate_map
 from wildscav_engine.maps.country import plan_country
 from wildscav_engine.maps.country.wards import Barrier
 from wildscav_engine.maps.ground.terrain import make_terrain
+from wildscav_engine.maps.levels import LEVELS
 from wildscav_engine.maps.picture import draw_map
-from wildscav_engine.maps.pools import LEVELS
 from wildscav_engine.maps.viewpoints import standing_height
 from wildscav_engine.sensors import parse_sensors
 from wildscav_engine.specs.body import EYE_HEIGHT

@@ -16,7 +16,8 @@ from wildscav_engine.maps.cache import (
 )
 from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.generate import generate_map
-from wildscav_engine.maps.pools import Level, MapPool, Split, random_maps
+from wildscav_engine.maps.levels import Level
+from wildscav_engine.maps.pools import MapPool, Split, random_maps
 from wildscav_engine.specs.map_spec import MapSpec
 from wildscav_evaluator.executors import Executor
 from wildscav_evaluator.suites.suite import Suite

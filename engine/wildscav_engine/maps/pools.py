@@ -16,10 +16,10 @@ from wildscav_engine.arithmetic.random_numbers import Stream, philox
 from wildscav_engine.maps.cache import map_of, path_of, size_limit
 from wildscav_engine.maps.catalogue import map_spec
 from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.maps.levels import LEVELS, Level
 from wildscav_engine.maps.making import first_made, make_maps
-from wildscav_engine.specs.map_spec import Country, MapConfig, MapSpec
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 
-Level = Literal["easy", "normal", "hard", "expert"]
 Split = Literal["train", "test"]
 
 SIZE = 64  # maps in a pool by default
@@ -27,36 +27,6 @@ TRIES = 16  # seeds to try for each map of a pool, until its config fits
 MEMORY = 2_000_000_000  # bytes of the maps of a pool by default
 MEMORY_LIMIT = "WILDSCAV_MAP_MEMORY_MB"  # the environment variable with another limit
 PARITY: dict[Split, int] = {"train": 0, "test": 1}  # of the seeds of random maps
-
-LEVELS: dict[Level, MapConfig] = {
-    # Open and nearly flat: the target is visible from afar.
-    "easy": MapConfig(
-        size=100, relief=0.3, ruggedness=0.1, water=0.0, houses=2, storeys=(1, 1), vegetation=0.2
-    ),
-    "normal": MapConfig(size=200, houses=8),
-    # Streets between high houses, cliffs, lakes and woods.
-    "hard": MapConfig(
-        size=300,
-        relief=1.5,
-        ruggedness=0.8,
-        water=0.15,
-        houses=16,
-        density="high",
-        storeys=(1, 3),
-        vegetation=0.7,
-    ),
-    # Walled gardens, thickets, canyons, terraces and a town of narrow streets, with hidden targets.
-    "expert": MapConfig(
-        size=200,
-        relief=0.5,
-        ruggedness=0.2,
-        water=0.03,
-        houses=6,
-        storeys=(1, 3),
-        country=Country(),
-    ),
-}
-
 
 _POOLS: WeakValueDictionary[Hashable, "MapPool"] = WeakValueDictionary()  # those that somebody has
 

@@ -6,7 +6,7 @@ The suite ``fair`` has the same gatherings and fights by rules that a person and
 from collections.abc import Callable
 
 from wildscav_engine.arithmetic.random_numbers import RandomStream
-from wildscav_engine.maps.pools import LEVELS
+from wildscav_engine.maps.levels import LEVELS
 from wildscav_engine.specs.map_spec import MapConfig
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.specs.rules import NAMED, Rules

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from wildscav.cli.shared_options import AsJson
+from wildscav.cli.shared_options import AsJson, named_in
 from wildscav.errors import UserError
+from wildscav_training.cli.level_option import level_names
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -24,7 +25,7 @@ Preset = Annotated[
     str,
     typer.Option(help="Hyperparameters and environment: tuned (learns in few steps) or paper (the paper's)."),
 ]
-Level = Annotated[str | None, typer.Option(help="Random maps: easy, normal, hard or expert.")]
+Level = Annotated[str | None, typer.Option(help="Random maps of this level.", **named_in(level_names))]
 Map = Annotated[
     int | None, typer.Option("--map", help="A numbered map instead of random ones.", min=1, max=999)
 ]

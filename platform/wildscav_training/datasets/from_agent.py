@@ -1,21 +1,17 @@
 """Episodes that an agent plays in an environment, in this process."""
 
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from wildscav.errors import UserError
-from wildscav_engine.envs import SeatController
 from wildscav_engine.envs.settings.config import read_config
 from wildscav_engine.envs.settings.episodes import Episodes, Plan
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.specs.actions import no_actions
 from wildscav_training.datasets.episodes import Episode, Watcher, spaces_of
-from wildscav_training.opponents import Oracle, SubmissionOpponent, submission
-
-ORACLE = "oracle"
+from wildscav_training.opponents import named_agent
 
 
 class PlayedEpisodes:
@@ -42,8 +38,8 @@ class PlayedEpisodes:
         """Load the agent and check the options.
 
         Args:
-            agent: The folder of a submission, the name of a baseline, or "oracle". Its code runs with all
-                rights of this process.
+            agent: The folder of a submission, the name of a baseline, "oracle" or "straight". Its code runs
+                with all rights of this process.
             track: The track.
             options: Options of the environment.
             matches: The number of matches.
@@ -54,7 +50,7 @@ class PlayedEpisodes:
             UserError: There is no such agent, it does not play the track, or an option is wrong.
         """
         self.count, self.seed, self._together = matches, seed, together
-        self._controller = _controller(agent)
+        self._controller = named_agent(agent)
         try:
             self._controller.check(track)
             self.config = read_config(track, options)
@@ -88,15 +84,3 @@ class PlayedEpisodes:
             actions[seats] = self._controller.act(batch, match, seats)
             watcher.step(actions)
         return watcher
-
-
-def _controller(agent: str) -> SeatController:
-    """Return what plays an agent's seats.
-
-    Raises:
-        UserError: There is no such agent.
-    """
-    if agent == ORACLE and not Path(agent).exists():
-        return Oracle()
-    found: SubmissionOpponent = submission(agent)
-    return found

@@ -24,6 +24,16 @@ TARGET_TRACKS = ("navigation", "capture")
 STUCK = 10  # steps on the spot, after which it tries something else
 
 
+def check_has_target(name: str, track: str) -> None:
+    """Check that a track has a target, for an agent that needs one.
+
+    Raises:
+        ValueError: It has none.
+    """
+    if track not in TARGET_TRACKS:
+        raise ValueError(f"{name} plays {' and '.join(TARGET_TRACKS)}, not {track}")
+
+
 class Oracle(SeatController):
     """Follows the shortest path over the map's own graph; it knows the target of a capture, too.
 
@@ -42,8 +52,7 @@ class Oracle(SeatController):
         Raises:
             ValueError: It has none.
         """
-        if track not in TARGET_TRACKS:
-            raise ValueError(f"the oracle plays {' and '.join(TARGET_TRACKS)}, not {track}")
+        check_has_target("the oracle", track)
 
     def begin(self, batch: "Batch", matches: Indices, seats: Indices) -> None:
         """Search for the path of each seat. See ``SeatController.begin``.

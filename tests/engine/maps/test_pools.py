@@ -7,7 +7,8 @@ import weakref
 import pytest
 
 from wildscav_engine.maps import MapError
-from wildscav_engine.maps.pools import LEVELS, PARITY, MapPool, numbered_maps, random_maps
+from wildscav_engine.maps.levels import LEVELS
+from wildscav_engine.maps.pools import PARITY, MapPool, numbered_maps, random_maps
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 
 TINY = MapConfig(size=40, houses=0, vegetation=0.1)
@@ -79,11 +80,6 @@ def test_numbered_maps_make_a_pool() -> None:
     assert numbered_maps((103, 104)).specs(1)[0].seed == 104
     with pytest.raises(MapError, match="1 to 999"):
         numbered_maps((0,))
-
-
-def test_levels_are_of_growing_size_and_the_last_one_is_a_maze() -> None:
-    assert [config.size for config in LEVELS.values()] == [100, 200, 300, 200]
-    assert [level for level, config in LEVELS.items() if config.country] == ["expert"]
 
 
 def test_no_pool_has_a_map_that_evaluations_keep_for_themselves() -> None:

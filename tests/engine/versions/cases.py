@@ -15,7 +15,7 @@ from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import Kind, build_world
 from wildscav_engine.maps import GameMap, generate_map, map_spec
 from wildscav_engine.maps.base import Base, save_base
-from wildscav_engine.maps.pools import LEVELS
+from wildscav_engine.maps.levels import LEVELS
 from wildscav_engine.record.format import RecordError, decode, encode, record_of
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.actions import FIELDS

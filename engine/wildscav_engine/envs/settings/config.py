@@ -9,7 +9,8 @@ from wildscav_engine.envs.registry import VERSION, Version
 from wildscav_engine.envs.settings.functions import checked_observers, checked_rewards
 from wildscav_engine.envs.settings.players import ActionMode, Player, Sampler, read_entry, seat_entry
 from wildscav_engine.envs.settings.suggestions import did_you_mean
-from wildscav_engine.maps.pools import Level, Split
+from wildscav_engine.maps.levels import Level
+from wildscav_engine.maps.pools import Split
 from wildscav_engine.sensors import Sensor, allowed_sensors, parse_sensors
 from wildscav_engine.sensors.base import StateSensor
 from wildscav_engine.specs.actions import Field as ActionField

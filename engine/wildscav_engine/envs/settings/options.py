@@ -11,7 +11,8 @@ from wildscav_engine.envs.registry import Version
 from wildscav_engine.envs.settings.config import RenderMode, RenderView
 from wildscav_engine.envs.settings.functions import Observer, RewardFunction
 from wildscav_engine.envs.settings.players import ActionMode, Player, Policy, Sampler, StatefulPolicy
-from wildscav_engine.maps.pools import Level, Split
+from wildscav_engine.maps.levels import Level
+from wildscav_engine.maps.pools import Split
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import Position
 from wildscav_engine.specs.rules import Rules, RulesName

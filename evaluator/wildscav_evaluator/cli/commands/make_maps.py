@@ -1,19 +1,27 @@
 """The command ``wildscav map make``."""
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, cast
 
 import typer
 
-from wildscav.cli.shared_options import AsJson
+from wildscav.cli.shared_options import AsJson, named_in
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.options.evaluation import SecretOption, SeedOption
 from wildscav_evaluator.cli.options.running import AddressOption, ExecutorOption, executor_of
+from wildscav_training.cli.level_option import level_names
+
+if TYPE_CHECKING:
+    from wildscav_engine.maps.levels import Level
 
 
 def make_maps(
     level: Annotated[
-        Literal["easy", "normal", "hard", "expert"] | None,
-        typer.Option(help="Make a pool of maps of this level for environments.", show_default=False),
+        str | None,
+        typer.Option(
+            help="Make a pool of maps of this level for environments.",
+            show_default=False,
+            **named_in(level_names),
+        ),
     ] = None,
     count: Annotated[
         int | None,
@@ -62,7 +70,7 @@ def make_maps(
         raise UserError("--track is for suites (--suite); a pool serves all tracks", exit_code=2)
     first = suite_seed(seed, secret).value
     if level is not None:
-        choices = choices_of_pool(level, split or "train", first, count or 64, unseen=unseen)
+        choices = choices_of_pool(cast("Level", level), split or "train", first, count or 64, unseen=unseen)
     else:
         choices = choices_of_suite(find_suite(str(suite)), track or [], first)
     with executor_of(executor, address, workers) as machines:

@@ -3,7 +3,8 @@
 import pytest
 
 from wildscav_engine.maps.house import draw_house, draw_plan, is_unseen
-from wildscav_engine.maps.pools import LEVELS, random_maps
+from wildscav_engine.maps.levels import LEVELS
+from wildscav_engine.maps.pools import random_maps
 from wildscav_engine.specs.map_spec import Country, MapConfig
 
 STOREYS = (1, 3)

@@ -146,6 +146,8 @@ WRONG = [
     "train --preset paper --track battle",
     "train --level easy --map 101",
     "train --level simple",
+    "baselines --level simple",
+    "baselines mapper --track battle",
     "train --option flat",
     "train --option speed=3",
     "train --set entropy",

@@ -1,0 +1,163 @@
+"""The ladder of levels: what agents reach on each, and whether a level is harder than the one before.
+
+    python -m benchmarks.strength.levels --picture docs/images/levels.png
+
+plays the same matches on the test maps of a level with each agent, as ``wildscav baselines`` does, and with
+``tuned``: a policy that ``wildscav train`` trained on the level's maps for training. It adds what is not yet
+in the folder of results, and prints the tables of all that is there; with ``--agents ''`` it only does that.
+"""
+
+import itertools
+import math
+import statistics
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from benchmarks.learning.result_files import add, results_in
+from benchmarks.strength.baselines import said_of, way_of
+
+from wildscav.cli.init import write_files
+from wildscav.policy.networks import Choose
+from wildscav_engine.envs import SeatController
+from wildscav_engine.maps.levels import LEVELS, Level
+from wildscav_training.learning.run import train
+from wildscav_training.learning.settings import TrainingSettings, preset_settings
+from wildscav_training.learning.submission import policy_submission
+from wildscav_training.opponents import named_agent
+from wildscav_training.trials import half_width, matches_on, mean, play, rate, wilson
+
+RESULTS = Path(__file__).parents[1] / "learning" / "results" / "levels"
+TUNED = "tuned"  # the agent that is trained on each level
+AGENTS = (
+    *("straight", "homing", "navigator", "mapper"),
+    *("learned-navigator", "cloned-navigator", TUNED, "oracle"),
+)
+STEPS, TRAINING_MAPS, FRAMES = 1_000_000, 64, 15
+SCORES = {"success": rate, "spl": mean}
+
+Results = Mapping[tuple[str, str], Any]  # by level and agent
+
+
+def trained_on(level: Level, out: Path) -> SeatController:
+    """Return a policy as a submission; it is trained, or its training goes on, unless that is done."""
+    options = {"level": level, "random_maps": TRAINING_MAPS, "time_limit": 120, "frames_per_action": FRAMES}
+    hyperparameters, options = preset_settings("tuned", "navigation", options)
+    settings = TrainingSettings("navigation", options, STEPS, 0, hyperparameters)
+    run = out / level / "seed-0"
+    train(settings, run, lambda _: None, resume=True, episodes=1)
+    folder = run / "submission"
+    write_files(folder, policy_submission(run, settings, f"tuned-{level}", Choose.SAMPLED))
+    return named_agent(str(folder))
+
+
+def measured(level: Level, name: str, matches: int, out: Path) -> dict[str, Any]:
+    """Let an agent play, and return its scores in each match."""
+    agent = trained_on(level, out) if name == TUNED else named_agent(name)
+    trials = [play(agent, spec) for spec in matches_on("navigation", level, matches)]
+    scores = {score: [round(trial.metrics[score], 4) for trial in trials] for score in SCORES}
+    act_time = statistics.fmean(trial.act_time for trial in trials)
+    return {"level": level, "agent": name, "milliseconds": round(1000.0 * act_time, 2), **scores}
+
+
+def table(results: Results, score: str) -> str:
+    """Return what each agent reaches on each level, in Markdown."""
+    shown = SCORES[score]
+    lines = [
+        "",
+        f"| {score} | {' | '.join(f'`{agent}`' for agent in AGENTS)} |",
+        "|---" * (len(AGENTS) + 1) + "|",
+    ]
+    for level in LEVELS:
+        found = [results.get((level, agent)) for agent in AGENTS]
+        cells = ["" if one is None else shown(one[score]) for one in found]
+        lines.append(f"| {level} | {' | '.join(cells)} |")
+    return "\n".join(lines) + "\n"
+
+
+def fall(easier: Sequence[float], harder: Sequence[float], score: str) -> tuple[float, float, float]:
+    """Return how much lower a mean is on the harder level, with the 95 % interval.
+
+    Of rates, it is Newcombe's: "Interval estimation for the difference between independent proportions",
+    Statistics in Medicine 17 (1998), method 10.
+    """
+    first, second = statistics.fmean(easier), statistics.fmean(harder)
+    if score == "spl":
+        down = up = math.hypot(half_width(easier), half_width(harder))
+    else:
+        (low, high), (lowest, highest) = wilson(first, len(easier)), wilson(second, len(harder))
+        down, up = math.hypot(first - low, highest - second), math.hypot(high - first, second - lowest)
+    return first - second, first - second - down, first - second + up
+
+
+def steps_table(results: Results) -> str:
+    """Return how far agents fall from level to level where the interval excludes 0, in Markdown.
+
+    SPL is left out where success says it already.
+    """
+    lines = ["", "| from | to | falls |", "|---|---|---|"]
+    for easier, harder in itertools.pairwise(LEVELS):
+        falls = []
+        for agent in AGENTS[:-1]:
+            pair = results.get((easier, agent)), results.get((harder, agent))
+            for score in SCORES if None not in pair else ():
+                by, low, high = fall(*(one[score] for one in pair), score)
+                if low > 0.0 or high < 0.0:
+                    falls.append(f"`{agent}` {score} {by:.2f} ({low:.2f} to {high:.2f})")
+                    break
+        lines.append(f"| {easier} | {harder} | {', '.join(falls)} |")
+    return "\n".join(lines) + "\n"
+
+
+def draw(results: Results, picture: Path) -> None:
+    """Draw the success of each agent over the levels, with 95 % intervals."""
+    from matplotlib import pyplot as plt
+
+    figure, axes = plt.subplots(figsize=(8.0, 4.4), layout="constrained")
+    for agent, marker in zip(AGENTS, "x^vDsPo*", strict=True):
+        places = [place for place, level in enumerate(LEVELS) if (level, agent) in results]
+        found = [results[list(LEVELS)[place], agent]["success"] for place in places]
+        middles = [statistics.fmean(successes) for successes in found]
+        bounds = [wilson(middle, len(one)) for middle, one in zip(middles, found, strict=True)]
+        (line,) = axes.plot(places, [100.0 * each for each in middles], marker=marker, label=agent)
+        low, high = ([100.0 * bound[side] for bound in bounds] for side in (0, 1))
+        axes.fill_between(places, low, high, alpha=0.12, color=line.get_color(), linewidth=0)
+    axes.set_xticks(range(len(LEVELS)), LEVELS)
+    axes.set_ylabel("targets reached, %")
+    axes.set_ylim(-2, 102)
+    axes.grid(alpha=0.3)
+    figure.legend(loc="outside right center", fontsize=8, frameon=False)
+    figure.savefig(picture, dpi=110)
+
+
+def main(
+    levels: Annotated[str, typer.Option(help="Levels to play, separated by commas.")] = ",".join(LEVELS),
+    agents: Annotated[str, typer.Option(help="Agents to add, separated by commas.")] = ",".join(AGENTS),
+    matches: Annotated[int, typer.Option(help="Matches of each agent on a level.", min=2)] = 100,
+    out: Annotated[Path, typer.Option(help="Folder of the trainings.")] = Path("out/levels"),
+    picture: Annotated[Path | None, typer.Option(help="File for the picture.")] = None,
+    ways: Annotated[bool, typer.Option("--ways", help="Print the median way on each level.")] = False,
+) -> None:
+    """Play what is missing; print the tables."""
+    chosen: list[Any] = [level for level in LEVELS if level in levels.split(",")]
+    for level in chosen:
+        for name in filter(None, agents.split(",")):
+            add(
+                RESULTS / f"{level}-{name}.json",
+                lambda level=level, name=name: measured(level, name, matches, out),
+            )
+    results = {(one["level"], one["agent"]): one for one in results_in(RESULTS)}
+    for score in SCORES:
+        sys.stdout.write(table(results, score))
+    sys.stdout.write(steps_table(results))
+    for level in chosen if ways else ():
+        found = [way_of(spec) for spec in matches_on("navigation", level, matches)]
+        sys.stdout.write(f"{level}: {said_of(found)}\n")
+    if picture is not None:
+        draw(results, picture)
+
+
+if __name__ == "__main__":
+    typer.run(main)
