@@ -8,13 +8,12 @@ from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import takewhile
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sqlalchemy import delete, func, insert, select
 from sqlalchemy.orm import Session
 
 from wildscav_evaluator.output.results import MatchRow, metric_infos
-from wildscav_evaluator.ratings.fit import Fit, fit
 from wildscav_evaluator.ratings.matches import RatedMatch
 from wildscav_evaluator.tournaments.rated_matches import placing_metric
 from wildscav_leaderboard.boards.matchmaking import REPEATS
@@ -22,6 +21,9 @@ from wildscav_leaderboard.boards.models import LadderStep
 from wildscav_leaderboard.database.connection import COMMITTED, KEPT, clock
 from wildscav_leaderboard.matches.models import FINISHED, LADDER, VOID, Match, MatchResult
 from wildscav_leaderboard.seasons.state import read_state, write_state
+
+if TYPE_CHECKING:
+    from wildscav_evaluator.ratings.fit import Fit
 
 AT_ONCE = 1000  # matches that are applied in one transaction, at most
 
@@ -34,8 +36,10 @@ class Played:
     faults: Mapping[str, int] = field(default_factory=dict)  # of each entrant: matches with one in its seat
 
     @cached_property
-    def fit(self) -> Fit:
+    def fit(self) -> "Fit":
         """The ratings that follow from the matches, of which there is at least one."""
+        from wildscav_evaluator.ratings.fit import fit
+
         return fit(self.matches)
 
 

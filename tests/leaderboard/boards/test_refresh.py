@@ -14,7 +14,6 @@ from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_evaluator.ratings.fit import Fit, fit
 from wildscav_evaluator.ratings.matches import RatedMatch
 from wildscav_leaderboard.accounts.service import Caller, known_account
-from wildscav_leaderboard.boards import ladders
 from wildscav_leaderboard.boards.documents import LadderBoard, LadderRow
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.service import compute, refresh
@@ -151,7 +150,7 @@ def test_a_match_is_recorded_while_the_conductor_computes_a_board(
             assert season.played(arriving.pop()), "nobody else may write meanwhile"
         return fit(matches)
 
-    monkeypatch.setattr(ladders, "fit", fit_slowly)
+    monkeypatch.setattr("wildscav_evaluator.ratings.fit.fit", fit_slowly)
     conductor = Conductor(season.season, season.database)
     conductor._holding = season.holding
     with LocalExecutor(1) as executor:
@@ -172,7 +171,7 @@ def test_matches_are_planned_without_a_fit_in_the_transaction(
     ladder_rows(season)
     with season.database.reading() as session:
         rate_ladders(session, season.season)
-    monkeypatch.setattr(ladders, "fit", None)
+    monkeypatch.setattr("wildscav_evaluator.ratings.fit.fit", None)
     assert season.write(lambda session: plan_ladders(session, season.season, season.now)) > 0
 
 
