@@ -146,7 +146,7 @@ class MatchServer:
         clock = (clock or Clock()).fitted(spec)
         seats = []
         for number in numbers:
-            wanted = allowed_sensors(parse_sensors((sensors or {}).get(number, {})), spec.rules.senses)
+            wanted = allowed_sensors(parse_sensors((sensors or {}).get(number, {})), spec.rules)
             seats.append(Seat(number, secrets.token_urlsafe(24), clock.bank(), wanted))
         # In a thread, so that other matches play on while the map is made.
         match = await asyncio.get_running_loop().run_in_executor(

@@ -56,7 +56,7 @@ def _variables_in(instruction: Any, value: Any) -> list[Any]:
 
 
 def _decorator_of_parts(overloads: Any) -> Any:
-    """Return what compiles Numba's own functions: as parts, since nothing calls them but kernels."""
+    """Return what compiles Numba's own functions: as parts, which are linked into what calls them."""
     decorator = find_decorator(overloads)
     return lambda **options: decorator(pipeline_class=BitcodeCompiler, no_cfunc_wrapper=True, **options)
 

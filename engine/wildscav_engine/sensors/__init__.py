@@ -2,11 +2,14 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import lru_cache
+from typing import Any
 
 from wildscav_engine.extensions import Registry
 from wildscav_engine.sensors.base import Sensor
 from wildscav_engine.sensors.optics.camera import ColorCamera
 from wildscav_engine.sensors.optics.depth import DepthCamera
+from wildscav_engine.sensors.optics.image_sensor import ImageSensor
 from wildscav_engine.sensors.optics.lidar import Lidar
 from wildscav_engine.sensors.optics.normals import NormalCamera
 from wildscav_engine.sensors.optics.segmentation import SegmentationCamera
@@ -15,7 +18,7 @@ from wildscav_engine.sensors.state.places import Compass, HotSpotSensor, ToHotSp
 from wildscav_engine.sensors.state.safe_zone import SafeZone
 from wildscav_engine.sensors.state.sights import Sights
 from wildscav_engine.sensors.state.supplies import NearbySupplies, ToSupplies
-from wildscav_engine.specs.rules import Senses
+from wildscav_engine.specs.rules import Rules, Senses
 
 SENSORS: Registry[type[Sensor]] = Registry("wildscav.sensors")
 
@@ -71,15 +74,26 @@ def parse_sensors(wanted: Mapping[str, Mapping[str, object]]) -> dict[str, Senso
     return sensors
 
 
-def allowed_sensors(sensors: Mapping[str, Sensor], senses: int) -> dict[str, Sensor]:
+def allowed_sensors(sensors: Mapping[str, Sensor], rules: Rules) -> dict[str, Sensor]:
     """Return the sensors of a seat as the rule ``senses`` allows them.
 
-    A LIDAR sees all around, so it shows agents and boxes only with the original senses. Lists need no change:
-    they contain what ``visibility.py`` finds in sight.
+    Unless it is ``original``, images that show agents and boxes are no wider than the rule ``view_angle``, and
+    a LIDAR, which sees all around, shows none. Lists need no change: they contain what ``visibility.py`` finds.
     """
-    return {
-        name: replace(sensor, moving=False)
-        if isinstance(sensor, Lidar) and senses != Senses.ORIGINAL
-        else sensor
-        for name, sensor in sensors.items()
-    }
+    if rules.senses == Senses.ORIGINAL:
+        return dict(sensors)
+    return {name: _narrowed(sensor, rules.view_angle) for name, sensor in sensors.items()}
+
+
+@lru_cache(maxsize=256)
+def _narrowed(sensor: Sensor, view_angle: float) -> Sensor:
+    """Return a sensor that shows agents and boxes in view alone, the same one each time: it keeps its rays."""
+    if not isinstance(sensor, ImageSensor) or not sensor.sees_objects:
+        return sensor
+    if isinstance(sensor, Lidar):
+        return replace(sensor, moving=False)
+    if getattr(sensor, "field_of_view", 0.0) <= view_angle:
+        return sensor
+    image: Any = sensor
+    narrowed: Sensor = replace(image, field_of_view=view_angle)
+    return narrowed

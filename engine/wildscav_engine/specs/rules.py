@@ -20,8 +20,8 @@ class Senses(IntEnum):
     """What agents are told about other agents and supply boxes, apart from what their images show."""
 
     ORIGINAL = 0  # agents in sight with velocity, health and invincibility; boxes nearby, behind walls too
-    SIGHTED = 1  # agents and boxes in sight, without what no eye can tell
-    PIXELS = 2  # neither: images and the agent's own state alone
+    SIGHTED = 1  # agents and boxes in sight, without velocity and health
+    PIXELS = 2  # neither
 
 
 def _senses_by_name(value: Any) -> Any:

@@ -87,4 +87,5 @@ def info_from(spec: "MatchSpec", start: "StartInfo", seat: int, clock: Clock) ->
         recoil=spec.rules.recoil,
         walking_sway=spec.rules.walking_sway,
         turning_sway=spec.rules.turning_sway,
+        bounty=spec.rules.bounty,
     )

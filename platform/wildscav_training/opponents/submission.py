@@ -114,7 +114,7 @@ class SubmissionOpponent(SeatController):
         encoded = seat_observations(batch, matches, seats, banks)
         outside = [column for column in range(len(ACTION_FIELDS)) if column not in batch.track.fields]
         rows = np.zeros((len(seats), len(ACTION_FIELDS)), np.float32)
-        sensors = allowed_sensors(self._sensors, batch.rules.senses)
+        sensors = allowed_sensors(self._sensors, batch.rules)
         with self._modules:
             for index, (match, seat) in enumerate(pairs):
                 observation = decode_for_agent(encoded[index], sensors, batch, match, seat)

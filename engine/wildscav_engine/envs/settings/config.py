@@ -152,7 +152,7 @@ class EnvConfig(Spec):
         """
         senses = self.rules.senses
         if self.sensors is not None:
-            chosen = allowed_sensors(parse_sensors(self.sensors), senses)
+            chosen = allowed_sensors(parse_sensors(self.sensors), self.rules)
             if senses == Senses.PIXELS and (lists := sorted(set(chosen) - set(_without_lists(chosen)))):
                 raise ValueError(
                     f"sensors.{lists[0]} lists what is in sight, which the senses 'pixels' never tell"

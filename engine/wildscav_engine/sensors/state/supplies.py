@@ -28,8 +28,8 @@ class NearbySupplies(StateSensor):
 
     Each row describes one box, nearest first: 1, the supplies in it, its position relative to the agent's
     soles in the axes of the world (x east, y up, z north, m), and its distance (m). Unused rows are 0.
-    Obstacles do not hide boxes. Boxes farther away than the rule ``supply_sight`` are never listed, whatever
-    ``range`` is.
+    Obstacles do not hide boxes from the original ``senses``. Boxes farther away than the rule
+    ``supply_sight`` are never listed, whatever ``range`` is.
     """
 
     name: ClassVar[str] = "nearby_supplies"
@@ -95,7 +95,7 @@ class ToSupplies(StateSensor):
 
     Each row describes one box: 1; the direction there, a unit vector to the right of the yaw and along it;
     how far it is above the agent's soles (m); the logarithm of its distance; and that of the supplies in it.
-    Unused rows are 0. Obstacles do not hide boxes.
+    Unused rows are 0. Obstacles do not hide boxes from the original ``senses``.
 
     The first row has the box with the least effort relative to its worth, (s + d + 4 |h|) / q^w, where s is
     the option ``start_up``, d the horizontal distance (m), h the height (m), q the supplies in it, and w the

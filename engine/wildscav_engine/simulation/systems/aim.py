@@ -30,11 +30,15 @@ def turn_of(action: NDArray[np.float32], rules: Rules) -> tuple[float, float]:
 
 @inlined_kernel
 def sway_of(agents: Agents, seat: int, action: NDArray[np.float32], rules: Rules) -> float:
-    """Return by what factor a body's motion in this frame multiplies spread and recoil, at least 1."""
+    """Return by what factor a body's motion in this frame multiplies spread and recoil, at least 1.
+
+    Turns count as far as the view has moved: neither whole turns, nor looking beyond the zenith.
+    """
     east, north = agents.velocity[seat, 0], agents.velocity[seat, 2]
     walking = np.sqrt(east * east + north * north) / MAX_WALK_SPEED
     turn, look = turn_of(action, rules)
-    turning = min(AT_ONCE, np.sqrt(turn * turn + look * look) / FRAME) / SWAY_TURN
+    turn, look = wrap(turn), look if abs(agents.pitch[seat]) < 90.0 else 0.0
+    turning = np.sqrt(turn * turn + look * look) / FRAME / SWAY_TURN
     return float(1.0 + rules.walking_sway * walking + rules.turning_sway * turning)
 
 

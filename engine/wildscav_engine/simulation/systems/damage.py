@@ -13,6 +13,7 @@ from wildscav_engine.specs.body import BODY_RADIUS
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND, Rules, frames
 
 RESPAWN_TRIES = 16  # random places that are tried before one near another agent is accepted
+DIED = -1  # in place of the damage of an agent whose bounty has not been paid
 RESPAWN_DISTANCE = 4.0 * BODY_RADIUS  # m to other agents
 
 
@@ -32,6 +33,18 @@ def apply_damage(
         seat = agents.turns[turn]
         if agents.damage[seat] != 0:
             _damage_agent(world, agents, supplies, matches, match, seat, rules)
+    if rules.bounty > 0:
+        _pay_bounties(agents, rules.bounty)
+
+
+@kernel
+def _pay_bounties(agents: Agents, bounty: int) -> None:
+    """Pay for the deaths of a frame after the last one, so that it does not matter who died first."""
+    for seat in range(agents.damage.shape[0]):
+        if agents.damage[seat] == DIED:
+            agents.damage[seat] = 0
+            if agents.hit_by_seat[seat] != NOBODY:
+                agents.supplies[agents.hit_by_seat[seat]] += bounty
 
 
 @kernel
@@ -51,10 +64,9 @@ def _damage_agent(
     if agents.health[seat] > 0:
         return
     agents.deaths[seat] += 1
-    killer = agents.hit_by_seat[seat]
-    if killer != NOBODY:
-        agents.kills[killer] += 1
-        agents.supplies[killer] += rules.bounty
+    agents.damage[seat] = DIED if rules.bounty > 0 else 0
+    if agents.hit_by_seat[seat] != NOBODY:
+        agents.kills[agents.hit_by_seat[seat]] += 1
     for axis in range(3):
         agents.velocity[seat, axis] = 0.0
     agents.reload_left[seat] = 0

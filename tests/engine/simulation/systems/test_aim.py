@@ -98,6 +98,17 @@ def test_walking_and_turning_make_shots_less_sure(action: dict[str, float], fact
     assert 0.8 * 0.5 * factor < max(offs) <= 0.5 * factor * 1.02
 
 
+@pytest.mark.parametrize(("pitch", "action"), [(90, {"look": 5}), (-90, {"look": -5}), (0, {"turn": 360})])
+def test_a_view_that_does_not_move_does_not_sway(pitch: float, action: dict[str, float]) -> None:
+    match = shooter(Rules(spread=0.5, turning_sway=4.0))
+    place(match, 0, (0, 0, 0), pitch=pitch)
+    act(match, 1, seat_0={**SHOOT, **action})
+    agents = match.state.agents
+    way = agents.shot_end[0, 0] - agents.position[0, 0] - (0, 1.5, 0)
+    view = direction_of_shot(agents.yaw[0, 0], agents.pitch[0, 0], 0.0, 0, 0, 0)
+    assert way @ view / np.linalg.norm(way) >= np.cos(np.radians(0.51))
+
+
 def test_each_shot_raises_the_view() -> None:
     match = shooter(Rules(recoil=2.0))
     act(match, 3, seat_0=SHOOT)

@@ -109,6 +109,16 @@ def test_a_kill_brings_a_bounty_besides_what_is_dropped() -> None:
     assert match.state.supplies.quantity.sum() == 5
 
 
+def test_who_dies_first_in_a_frame_makes_no_difference_for_bounties() -> None:
+    for seed in range(4):
+        match = make_match(seats=2, seed=seed, rules=Rules(shot_damage=100, bounty=20, supply_loss=0.25))
+        place(match, 0, (0, 0, 0))
+        place(match, 1, (0, 0, 10), yaw=180)
+        match.state.agents.supplies[0] = 40
+        act(match, 1, seat_0={"shoot": 1}, seat_1={"shoot": 1})
+        assert match.state.agents.supplies[0].tolist() == [50, 50]
+
+
 @pytest.mark.parametrize("bounty", [0, 20])
 def test_supplies_are_conserved_in_a_whole_battle(bounty: int) -> None:
     match = make_match(seats=1, world=None, rules=Rules(bounty=bounty))

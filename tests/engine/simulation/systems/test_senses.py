@@ -5,14 +5,22 @@ from collections.abc import Sequence
 import pytest
 from tests.builders import act, box, flat_world, lay_boxes, make_match, place, seen_now
 
-from wildscav_engine.sensors import Lidar, NearbySupplies, Sights, VisibleAgents, allowed_sensors
+from wildscav_engine.sensors import (
+    DepthCamera,
+    Lidar,
+    NearbySupplies,
+    SegmentationCamera,
+    Sights,
+    VisibleAgents,
+    allowed_sensors,
+)
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.rules import Rules, Senses
 
 WALL = box((-3, 0, 5), (3, 3, 5.3))
 
 
-def meeting(senses: Senses, robot: str = "submission") -> Match:
+def meeting(senses: Senses) -> Match:
     """Seat 0 looks north at seat 1, which walks east at 2 m/s and has lost 30 of its 100 hp."""
     match = make_match(seats=2, rules=Rules(senses=senses))
     place(match, 0, (0, 0, 0))
@@ -76,7 +84,6 @@ def test_who_cannot_tell_velocities_aims_where_the_enemy_is() -> None:
 
 
 def test_robots_see_under_all_senses() -> None:
-    match = make_match(seats=2, rules=Rules(senses=Senses.PIXELS))
     for senses, told in ((Senses.PIXELS, [0, 1]), (Senses.SIGHTED, [1, 1])):
         match = meeting(senses)
         place(match, 1, (0, 0, 8), yaw=180)
@@ -84,12 +91,20 @@ def test_robots_see_under_all_senses() -> None:
         assert seen_now(match).agent_count[0].tolist() == told
 
 
-def test_no_lidar_feels_who_is_behind() -> None:
-    lidar = Lidar(channels=1, lowest=0, highest=0, azimuths=4, moving=True)
-    match = make_match(seats=2)
-    place(match, 0, (0, 0, 0))
-    place(match, 1, (0, 0, -4))
-    for senses in Senses:
-        allowed = allowed_sensors({"lidar": lidar, "boxes": NearbySupplies()}, senses)
-        assert (allowed["lidar"].read(match, [0])[0, 0, 2] < 5) == (senses == Senses.ORIGINAL)
-        assert allowed["boxes"] == NearbySupplies()
+@pytest.mark.parametrize("senses", Senses)
+def test_no_image_shows_who_is_out_of_view(senses: Senses) -> None:
+    """Seat 1 stands behind, and seat 2 62° to the right of a view that is 90° wide."""
+    match = make_match(seats=3)
+    for seat, there in enumerate(((0, 0, 0), (0, 0, -4), (7, 0, 3.7))):
+        place(match, seat, there)
+    wanted = {
+        "lidar": Lidar(channels=1, lowest=0, highest=0, azimuths=4, moving=True),
+        "segmentation": SegmentationCamera(64, 36, field_of_view=170, label="instance"),
+        "depth": DepthCamera(field_of_view=170),  # shows neither agents nor boxes
+        "boxes": NearbySupplies(),
+    }
+    allowed = allowed_sensors(wanted, Rules(senses=senses))
+    is_original = senses == Senses.ORIGINAL
+    assert (allowed["lidar"].read(match, [0])[0, 0, 2] < 5) == is_original
+    assert (10002 in allowed["segmentation"].read(match, [0])) == is_original
+    assert (allowed["depth"], allowed["boxes"]) == (wanted["depth"], wanted["boxes"])
