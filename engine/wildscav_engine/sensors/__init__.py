@@ -77,8 +77,8 @@ def parse_sensors(wanted: Mapping[str, Mapping[str, object]]) -> dict[str, Senso
 def allowed_sensors(sensors: Mapping[str, Sensor], rules: Rules) -> dict[str, Sensor]:
     """Return the sensors of a seat as the rule ``senses`` allows them.
 
-    Unless it is ``original``, images that show agents and boxes are no wider than the rule ``view_angle``, and
-    a LIDAR, which sees all around, shows none. Lists need no change: they contain what ``visibility.py`` finds.
+    Unless it is ``original``, images that show agents and boxes are no wider than the rule ``view_angle``,
+    and a LIDAR, which sees all around, shows none. Lists need no change: ``visibility.py`` fills them.
     """
     if rules.senses == Senses.ORIGINAL:
         return dict(sensors)
@@ -87,7 +87,7 @@ def allowed_sensors(sensors: Mapping[str, Sensor], rules: Rules) -> dict[str, Se
 
 @lru_cache(maxsize=256)
 def _narrowed(sensor: Sensor, view_angle: float) -> Sensor:
-    """Return a sensor that shows agents and boxes in view alone, the same one each time: it keeps its rays."""
+    """Return a sensor that shows agents and boxes in view alone: the same one each time, with its rays."""
     if not isinstance(sensor, ImageSensor) or not sensor.sees_objects:
         return sensor
     if isinstance(sensor, Lidar):
