@@ -171,9 +171,14 @@ def test_the_monitor_of_stable_baselines_keeps_metrics_and_passes_options_on() -
     for info in infos:
         assert info["episode"]["metrics"].keys() == set(vector.vector.arena.metrics)
         assert info["episode"]["reward_terms"].keys() == {"target_reached"}
-    with pytest.raises(ValueError, match=r"^start_range: Input should be greater"):
-        envs.set_options([{"time_limit": 0.2}, {"start_range": -3.0}])
-    envs.set_options([{"start_range": 2.0}, {"time_limit": 0.2}])
+    for wrong, message in (
+        ([{"time_limit": 0.2}, {"start_range": -3.0}], "^start_range: Input should be greater"),
+        ([{"time_limit": 0.2}, {"map": 10**7}], "^map: id is 10000000"),
+        ([{"time_limit": 0.2}], "^1 sets of options are given for 2 environments$"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            envs.set_options(wrong)
+    envs.set_options([None, {"time_limit": 0.2}])
     envs.reset()
     assert [envs.step(np.zeros((2, 5), np.float32))[2].tolist() for _ in range(2)][-1] == [False, True]
 

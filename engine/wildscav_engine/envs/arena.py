@@ -89,17 +89,30 @@ class Arena:
             ValueError: An option cannot change, its value is invalid, or there is no such row.
         """
         chosen = range(self.matches) if rows is None else read_rows(rows, self.matches)
-        before = {id(plan): plan for plan in (self._plans[row] for row in chosen)}
-        after = {}
-        for key, plan in before.items():
-            pool = None if changes.keys() & OF_POOL else plan.pool
-            after[key] = Plan(change_config(plan.config, changes), pool)
-        config = change_config(self.config, changes) if rows is None else self.config
-        for row in chosen:
-            self._plans[row] = after[id(self._plans[row])]
-            self._reader.set_rewards(row, self._plans[row].config.reward_weights)
-        self.config = config
-        return config
+        config = self.config
+        if rows is None or not chosen:  # without a row, nothing else checks the changes
+            config = change_config(config, changes)
+        self.set_each(dict.fromkeys(chosen, changes))
+        if rows is None:
+            self.config = config
+        return self.config
+
+    def set_each(self, changes: Mapping[int, Mapping[str, Any]]) -> None:
+        """Change options of the matches that start from now on, by row.
+
+        Raises:
+            ValueError: An option cannot change, or its value is invalid; nothing has changed.
+        """
+        plans: dict[tuple[int, int], Plan] = {}
+        keys = {row: (id(self._plans[row]), id(own)) for row, own in changes.items()}
+        for row, own in changes.items():
+            if keys[row] not in plans:
+                plan = self._plans[row]
+                pool = None if own.keys() & OF_POOL else plan.pool
+                plans[keys[row]] = Plan(change_config(plan.config, own), pool)
+        for row, key in keys.items():
+            self._plans[row] = plans[key]
+            self._reader.set_rewards(row, plans[key].config.reward_weights)
 
     def start(self, sequences: Mapping[int, Episodes], options: Mapping[int, Any] | None = None) -> None:
         """Start the next episode of each row's sequence; the first call must be for all rows.

@@ -9,6 +9,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv, VectorWrapper
 from numpy.typing import NDArray
 
 from wildscav_engine.envs.settings.config import change_config
+from wildscav_engine.envs.settings.episodes import Plan
 
 NEEDED = 0.8  # mean result that opens the next stage
 WINDOW = 128  # episodes that it is measured on
@@ -101,12 +102,17 @@ class AdaptiveOptions(VectorWrapper):
             down: To which mean a row goes down; None: never.
 
         Raises:
-            ValueError: The track has no such metric, or an option cannot change or is invalid.
+            ValueError: The environment is no ``VectorArena``, the track has no such metric, or an option
+                cannot change or is invalid.
         """
         super().__init__(env)
         unwrapped: Any = env.unwrapped
+        if not hasattr(unwrapped, "arena"):
+            raise ValueError(
+                f"env is of type {type(unwrapped).__name__}, must be a VectorArena, wrapped or not"
+            )
         self._arena_env = unwrapped
-        config, metrics = self._arena_env.config, self._arena_env.arena.metrics
+        config, metrics = unwrapped.config, unwrapped.arena.metrics
         if metric not in metrics:
             raise ValueError(f"metric is {metric!r}; the metrics are {', '.join(metrics)}")
         self._metric, self._column = metric, metrics.index(metric)
@@ -116,8 +122,14 @@ class AdaptiveOptions(VectorWrapper):
         self._is_same_step = unwrapped.autoreset_mode == AutoresetMode.SAME_STEP
         self._outdated = np.zeros(self.num_envs, np.bool_)  # episodes that began before the row changed
         for stage in self._stages:  # before anything changes
-            change_config(config, stage)
+            Plan(change_config(config, stage))
         self._arena_env.set_options(**self._stages[0])
+
+    def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Start new episodes, which count in the stages of their rows; see ``VectorArena.reset``."""
+        seen, infos = super().reset(seed=seed, options=options)
+        self._outdated[(options or {}).get("reset_mask", ...)] = False  # of all rows without a mask
+        return seen, infos | {"stage": self._stage_of_rows()}
 
     def step(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
         """Play a step; the rows that are due change their options."""
@@ -130,8 +142,10 @@ class AdaptiveOptions(VectorWrapper):
             self._outdated[ended] = False
             for row in np.flatnonzero(ended).tolist():
                 self._move(row)
-        infos["stage"] = np.array([curriculum.stage for curriculum in self.curricula])
-        return seen, rewards, terminated, truncated, infos
+        return seen, rewards, terminated, truncated, infos | {"stage": self._stage_of_rows()}
+
+    def _stage_of_rows(self) -> NDArray[Any]:
+        return np.array([curriculum.stage for curriculum in self.curricula])
 
     def _move(self, row: int) -> None:
         """Change the options of a row if that is due."""

@@ -76,7 +76,7 @@ class OneMatch(Changeable):
         With the same actions, both continue identically. The copy has no render mode, and copies of reward
         functions and observers that are objects: their memory is no part of the state.
         """
-        own = {name: deepcopy(self._options.get(name, {})) for name in ("reward_functions", "observers")}
+        own = deepcopy({name: self._options.get(name, {}) for name in ("reward_functions", "observers")})
         other = type(self)(self.config.track, **(self._options | own | {"render_mode": None}))  # type: ignore[call-arg]
         other.set_state(self.get_state())
         return other

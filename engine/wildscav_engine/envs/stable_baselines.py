@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 
-from wildscav_engine.envs.settings.config import change_config
 from wildscav_engine.envs.settings.options import EnvOptions
 from wildscav_engine.envs.spaces.columns import EVENTS
 from wildscav_engine.envs.vector import VectorArena
@@ -47,17 +46,18 @@ class StableVector(VecEnv):
         """Change options from the next episode of each environment on, until they are changed again.
 
         Args:
-            options: The fields of ``EpisodeOptions`` as a dictionary; or one for each environment.
+            options: The fields of ``EpisodeOptions`` as a dictionary; or a list of one, or None, for each
+                environment.
 
         Raises:
-            ValueError: An option cannot change, or its value is invalid; nothing has changed.
+            ValueError: An option cannot change, its value is invalid, or the list has another length; nothing
+                has changed.
         """
         if not isinstance(options, list):
             return self.vector.set_options(**(options or {}))
-        for one in options:
-            change_config(self.vector.config, one)  # before any row changes
-        for row, one in enumerate(options):
-            self.vector.set_options(rows=[row], **one)
+        if len(options) != self.num_envs:
+            raise ValueError(f"{len(options)} sets of options are given for {self.num_envs} environments")
+        self.vector.arena.set_each({row: one or {} for row, one in enumerate(options)})
         return None
 
     def step_async(self, actions: NDArray[Any]) -> None:

@@ -4,9 +4,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from gymnasium.vector import SyncVectorEnv
 from tests.engine.envs.common import OPEN, options
 
-from wildscav_engine.envs import AdaptiveOptions, Curriculum, VectorArena
+from wildscav_engine.envs import AdaptiveOptions, Curriculum, SingleEnv, VectorArena
 from wildscav_engine.envs.curriculum import WINDOW
 
 
@@ -71,12 +72,23 @@ def test_rows_go_their_own_ways(mode: str, stages: list[int], flat: bool) -> Non
     arena.set_options(target=(0.0, 0.0, 0.0))
     arena.set_options(rows=[0], start=(0.0, 0.0, 0.0))  # in the target: it succeeds at once
     arena.set_options(rows=[1], start=(18.0, 0.0, 0.0))  # it stands still far away
-    envs.reset(seed=1)
+    assert envs.reset(seed=1)[1]["stage"].tolist() == [0, 0]
     told = [envs.step(np.zeros(2, int))[-1]["stage"].tolist() for _ in stages]
     assert told == [[stage, 0] for stage in stages]
     arena.reset(options={"start": (18.0, 0.0, 0.0)})
     ends = [arena.step(np.zeros(2, int))[3].tolist() for _ in range(8)]
     assert [column.index(True) + 1 for column in zip(*ends, strict=True)] == [8, 2]  # steps of 0.1 s
+
+
+def test_an_episode_that_a_reset_begins_counts_in_the_new_stage() -> None:
+    arena = VectorArena("navigation", 2, autoreset_mode="SameStep", **MADE)
+    envs = AdaptiveOptions(arena, [{"time_limit": 0.2}] * 3, window=1)
+    arena.set_options(target=(0.0, 0.0, 0.0), start=(0.0, 0.0, 0.0))  # each step is a success
+    envs.reset(seed=1)
+    envs.step(np.zeros(2, int))
+    _, infos = envs.reset(options={"reset_mask": np.array([True, False])})
+    assert infos["stage"].tolist() == [1, 1]
+    assert envs.step(np.zeros(2, int))[-1]["stage"].tolist() == [2, 1]
 
 
 @pytest.mark.parametrize(
@@ -88,7 +100,12 @@ def test_rows_go_their_own_ways(mode: str, stages: list[int], flat: bool) -> Non
             r"^levle cannot change between episodes \(did you mean 'level'",
         ),
         ({"stages": [{}, {"level": "simple"}]}, "^level: Input should be"),
+        ({"stages": [{}, {"map": 10**7}]}, "^map: id is 10000000"),
         ({"stages": []}, "^there are 0 stages"),
+        (
+            {"env": SyncVectorEnv([lambda: SingleEnv("navigation", **MADE)])},
+            "^env is of type SyncVectorEnv, must be a VectorArena, wrapped or not$",
+        ),
         ({"down": 0.9}, "^down is 0.9 and up is 0.8, must be less$"),
     ],
 )
@@ -96,5 +113,5 @@ def test_wrong_stages_are_refused_and_change_nothing(wrong: dict[str, Any], mess
     arena = VectorArena("navigation", 2, **MADE)
     before = arena.config
     with pytest.raises(ValueError, match=message):
-        AdaptiveOptions(arena, **{"stages": STAGES, **wrong})
+        AdaptiveOptions(**{"env": arena, "stages": STAGES, **wrong})
     assert arena.config == before

@@ -166,6 +166,15 @@ def test_states_and_forks_go_on_alike() -> None:
     assert after["trail"][0] == 1.0  # since the state was restored: a memory is no part of it
 
 
+def test_a_fork_copies_an_object_that_pays_and_observes_once() -> None:
+    both = Fixed(0.5, Box(-1, 1, ()))
+    own = {"reward_functions": {"x": both}, "observers": {"x": both}}
+    env = SingleEnv("navigation", **options("navigation", **PLAIN), **own)
+    env.reset(seed=1)
+    config = env.fork().config
+    assert config.observers["x"] is config.reward_functions["x"] is not both
+
+
 def test_nothing_of_the_match_can_be_written() -> None:
     def near(now: Learners) -> Any:
         assert now.maps[0].spec == now.specs[0].map

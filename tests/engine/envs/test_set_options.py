@@ -195,8 +195,11 @@ def test_rows_have_options_of_their_own(make: Any) -> None:
         assert rewards.reshape(-1).tolist() == [2.0, 1.0, 2.0]
     assert truncated.reshape(-1).tolist() == [False, False, True]
     assert (envs.config.map, envs.config.split) == (SMALL, "test")
-    with pytest.raises(ValueError, match=r"^rows is \[3\], must be a list of numbers from 0 to 2$"):
-        envs.set_options(rows=[3], map=OPEN)
+    for rows in ([3], [True, False]):
+        with pytest.raises(ValueError, match=r"^rows is \[.*\], must be a list of numbers from 0 to 2$"):
+            envs.set_options(rows=rows, map=OPEN)
+    with pytest.raises(ValueError, match=r"^start_range: "):
+        envs.set_options(rows=[], start_range=-1.0)
 
 
 @pytest.mark.parametrize("make", [VectorArena, BatchedArena])

@@ -142,7 +142,7 @@ def read_rows(rows: Any, count: int) -> list[int]:
         ValueError: They are not a sequence of numbers from 0 to below ``count``.
     """
     try:
-        numbers = [operator.index(row) for row in rows]
+        numbers = [-1 if isinstance(row, bool) else operator.index(row) for row in rows]
     except TypeError:
         numbers = [-1]
     if not all(0 <= number < count for number in numbers):
