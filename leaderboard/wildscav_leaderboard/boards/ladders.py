@@ -25,7 +25,7 @@ from wildscav_leaderboard.seasons.state import read_state, write_state
 if TYPE_CHECKING:
     from wildscav_evaluator.ratings.fit import Fit
 
-AT_ONCE = 1000  # matches that are applied in one transaction, at most
+AT_ONCE = 1000  # matches that are applied in one transaction, at most, unless a ladder begins anew
 
 
 @dataclass(frozen=True)
@@ -105,14 +105,29 @@ def apply_matches(session: Session, track: str) -> int:
     """Apply the next matches that are over, in the order in which they were made; return how many are new.
 
     It stops at the first match that is not over, so that no later one is ever applied before it. Where a
-    result took the place of an earlier one, all matches of the track are applied again.
+    result took the place of an earlier one, all matches of the track are applied again, at once, so that no
+    reader sees a part of them.
     """
     begun = version_of(session, track)["begun"]
-    if _has_superseded(session, track):
+    if begins_anew := _has_superseded(session, track):
         session.execute(delete(LadderStep).where(LadderStep.track == track))
         begun += 1
     last = session.scalar(select(func.max(LadderStep.match_id)).where(LadderStep.track == track)) or 0
-    over = _matches_over(session, track, last)
+    count = 0
+    while over := _matches_over(session, track, last):
+        _apply(session, track, over)
+        last, count = over[-1], count + len(over)
+        if not begins_anew:
+            break
+    version = {"begun": begun, "last": last}
+    if version != version_of(session, track):
+        write_state(session, f"ladder:{track}", version, clock(session))
+        session.flush()
+    return count
+
+
+def _apply(session: Session, track: str, over: Sequence[int]) -> None:
+    """Add the places in matches to the ladder."""
     steps = []
     for result in session.scalars(select(MatchResult).where(MatchResult.match_id.in_(over))):
         row = MatchRow.model_validate(result.row)
@@ -130,11 +145,6 @@ def apply_matches(session: Session, track: str) -> int:
         ]
     if steps:
         session.execute(insert(LadderStep), steps)
-    version = {"begun": begun, "last": max([last, *over])}
-    if version != version_of(session, track):
-        write_state(session, f"ladder:{track}", version, clock(session))
-        session.flush()
-    return len(over)
 
 
 def _matches_over(session: Session, track: str, after: int) -> list[int]:

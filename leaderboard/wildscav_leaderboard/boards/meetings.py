@@ -9,6 +9,7 @@ from sqlalchemy.orm import Session
 from wildscav_evaluator.ratings.head_to_head import PairRecord
 from wildscav_evaluator.ratings.head_to_head import head_to_head as records_of
 from wildscav_evaluator.ratings.matches import RatedMatch
+from wildscav_leaderboard.boards.ladders import version_of
 from wildscav_leaderboard.boards.models import LadderStep
 from wildscav_leaderboard.database.connection import KEPT
 
@@ -73,8 +74,9 @@ def _counts(session: Session, track: str, conditions: str, applied: int | None) 
 
 
 def _last_match(session: Session, track: str, conditions: str, applied: int) -> int:
-    """Return the last one of the first matches of a ladder. It is kept, since their history never moves."""
-    kept, key = session.info.get(KEPT, {}), (LadderStep, track, conditions, applied)
+    """Return the last one of the first matches of a ladder. It is kept until the ladder begins anew."""
+    begun = version_of(session, track)["begun"]
+    kept, key = session.info.get(KEPT, {}), (LadderStep, track, conditions, applied, begun)
     last: int | None = kept.get(key)
     if last is None:
         steps = select(LadderStep.match_id).where(

@@ -84,7 +84,7 @@ def refresh(session: Session, season: Season, now: datetime, scores: SuiteScores
     """
     while apply_results(session, season):
         pass
-    return store(session, season, compute(session, season, now, scores or SuiteScores()))
+    return list(dict.fromkeys(store(session, season, compute(session, season, now, scores or SuiteScores()))))
 
 
 def apply_results(session: Session, season: Season) -> int:
@@ -113,7 +113,7 @@ def compute(session: Session, season: Season, now: datetime, scores: SuiteScores
 
 
 def store(session: Session, season: Season, computed: Mapping[str, Computed]) -> list[str]:
-    """Store boards; return the tracks whose boards changed.
+    """Store boards; return the track of each that was stored.
 
     A board of which something has changed since it was computed is left for the next time.
 
@@ -132,7 +132,7 @@ def store(session: Session, season: Season, computed: Mapping[str, Computed]) ->
             _store(session, found, audience)
         if one.edition is None:
             _add_points(session, found.board)
-            changed.append(one.rules.track)
+        changed.append(one.rules.track)
     session.flush()
     return changed
 
@@ -167,13 +167,13 @@ def _out_of_date(session: Session, season: Season) -> list[_OutOfDate]:
 
 def _current(session: Session, season: Season) -> Iterator[_OutOfDate]:
     """Yield the boards of the editions that are in force."""
-    final, frozen, entrants = _read_final(session), season_state.is_frozen(session), _who_takes_part(session)
+    final, frozen = _read_final(session), season_state.is_frozen(session)
     for track, edition in season.editions.items():
         if final is not None and track not in final.conditions:
             continue  # it was added to the settings after the end
         conditions = edition.conditions if final is None else final.conditions[track]
         settings = season.track(track)
-        state = {"final": final is not None, "frozen": frozen, "entrants": entrants}
+        state = {"final": final is not None, "frozen": frozen, "entrants": _who_takes_part(session, track)}
         if settings.mode == "ladder":
             enough = [settings.interval, settings.matches]
             state |= {"enough": enough, "applied": ladders.version_of(session, track)}
@@ -220,12 +220,13 @@ def _mark(session: Session, track: str, conditions: Conditions) -> dict[str, Any
     }
 
 
-def _who_takes_part(session: Session) -> str:
-    """Return a digest of the submissions that take part, where, and for which team."""
-    columns = (Submission.id, Submission.playing, Submission.since, Team.name, Team.title)
+def _who_takes_part(session: Session, track: str) -> str:
+    """Return a digest of the submissions that take part on a track, since when, and for which team."""
+    columns = (Submission.playing, Submission.id, Submission.since, Team.name, Team.title)
     wanted = select(*columns).join(Team, Team.id == Submission.team_id).order_by(Submission.id)
     found = session.execute(wanted.where(Submission.state == states.ACTIVE, Team.disqualified.is_(None)))
-    return blake2b(repr(found.all()).encode(), digest_size=16).hexdigest()
+    own = [tuple(one) for playing, *one in found if track in playing]
+    return blake2b(repr(own).encode(), digest_size=16).hexdigest()
 
 
 def _store(session: Session, computed: Computed, audience: str) -> None:

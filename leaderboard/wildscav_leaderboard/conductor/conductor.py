@@ -268,7 +268,8 @@ class Conductor:
     def _refresh(self, executor: Executor, *, at_once: bool = False) -> None:
         """Bring boards and machines that are shown up to date, unless that was done a moment ago.
 
-        Boards are computed while others may write, so that nobody waits for that.
+        Boards are computed while others may write, so that nobody waits for that. Those that others have made
+        out of date meanwhile follow soon.
         """
         started = time.monotonic()
         if not at_once and started < self._due:
@@ -279,10 +280,11 @@ class Conductor:
             computed = compute(session, self.season, now(), self._scores)
         with self.database.writing() as session:
             lease.check(session, self._holding)
-            store(session, self.season, computed)
+            stored = store(session, self.season, computed)
             self._publish_nodes(session, executor)
         ended = time.monotonic()
-        self._due = ended + max(REFRESH_EVERY, (ended - started) / BOARDS_SHARE)
+        rest = (ended - started) / BOARDS_SHARE if len(stored) == len(computed) else 0.0
+        self._due = ended + max(REFRESH_EVERY, rest)
 
     def _apply_results(self) -> int:
         """Apply the next results of ladders, after a freeze that is due; return how many there were."""

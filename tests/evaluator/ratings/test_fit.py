@@ -12,6 +12,7 @@ from scipy import optimize
 from scipy.special import expit
 from tests.evaluator.ratings.simulated_tournaments import simulated_tournament
 
+from wildscav.errors import WildscavError
 from wildscav_evaluator.ratings.fit import ELO, compare_entrants, fit
 from wildscav_evaluator.ratings.matches import RatedMatch, pairings
 
@@ -111,6 +112,12 @@ def test_a_match_of_teams_compares_each_member_with_each_opponent() -> None:
 def test_there_must_be_a_match() -> None:
     with pytest.raises(ValueError, match="no matches"):
         fit([])
+
+
+def test_ratings_that_do_not_converge_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("wildscav_evaluator.ratings.fit.MAX_ITERATIONS", 2)
+    with pytest.raises(WildscavError, match="do not converge within 2 iterations"):
+        fit(duels(["a>b"] * 20))
 
 
 def test_the_ratings_are_those_of_an_independent_maximization_of_the_likelihood() -> None:

@@ -223,3 +223,26 @@ def test_many_matches_are_applied_in_several_transactions(
         with database.writing() as session:
             found.append(apply_matches(session, "royale"))
     assert found == [2, 1, 0]
+
+
+def test_a_ladder_that_begins_anew_is_never_seen_in_part(
+    database: Database, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(ladders, "AT_ONCE", 1)
+
+    def first_meeting() -> PairRecord:
+        with database.reading() as session:
+            return records_on(session, [Ladder("royale", A, 1)], "robot:fox")["royale"]["robot:owl"]
+
+    with database.writing() as session:
+        first, *others = (plan(session, number, "fox", "owl") for number in range(3))
+        for match, (fox, owl) in zip((first, *others), ((1, 2), (2, 1), (2, 1)), strict=True):
+            end(session, match, {"fox": fox, "owl": owl})
+            apply_matches(session, "royale")
+    assert first_meeting() == PairRecord(wins=1)
+    with database.writing() as session:
+        again = judge_again(session, session.get_one(Match, first.id), NOON)
+        assert again is not None
+        end(session, again, {"fox": 1, "owl": 2})
+        assert apply_matches(session, "royale") == 3
+    assert first_meeting() == PairRecord(losses=1), "the match that is the first one now"
