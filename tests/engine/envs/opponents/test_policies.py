@@ -90,7 +90,11 @@ def test_a_policy_observes_and_does_what_a_learner_in_its_seat_would(flat: bool)
             (told,) = witness.told[asked:]
             assert digest(told) == digest(_seats(theirs, [1, 3]))
         flattened[:, 2] = IDLE
-        batch.arena.batch.state.agents.robot[:] = vector.arena.batch.state.agents.robot  # type: ignore[union-attr]
+        everybody, learners = batch.arena.batch, vector.arena.batch
+        assert everybody is not None
+        assert learners is not None
+        everybody.state.agents.robot[:] = learners.state.agents.robot
+        everybody._has_robots = True
         theirs = batch.step(flattened).observation
 
 
