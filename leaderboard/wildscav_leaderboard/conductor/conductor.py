@@ -36,7 +36,7 @@ from wildscav_server.monitoring.logs import Log, open_log
 
 BATCH = 4  # matches for each that runs at once; then those come first that have become urgent
 REFRESH_EVERY = 2.0  # s between two refreshes of the boards while matches are played, at least
-BOARDS_SHARE = 0.1  # of the time that boards may take while matches are played
+BOARDS_SHARE = 0.5  # of the time that boards may take while matches are played
 LONGEST_PAUSE = 30.0  # s after errors in a row
 
 
