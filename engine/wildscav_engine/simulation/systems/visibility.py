@@ -306,6 +306,7 @@ def _see_supplies(
     """
     sight = rules.supply_sight * rules.supply_sight
     reach = rules.pick_up_distance * rules.pick_up_distance
+    lists_all, eye = rules.senses == Senses.ORIGINAL, eye_of(agents, seat, rules.view_angle)
     squares = squares_of_boxes(world)
     far = max(rules.supply_sight, 0.0)
     around = squares_around(squares, agents.position[seat, 0], agents.position[seat, 2], far)
@@ -316,22 +317,18 @@ def _see_supplies(
                 distance = squared_distance_to_box(agents, supplies, seat, slot)
                 if distance <= sight and is_present(supplies, slot, frame):
                     seen.can_pick_up[seat] |= distance <= reach
-                    if has_lists and _is_box_listed(world, agents, supplies, seat, slot, rules):
+                    if has_lists and (lists_all or _sees_box(world, eye, supplies, slot)):
                         keys, items = seen.supply_distance_squared[seat], seen.supplies[seat]
                         count = seen.supply_count[seat]
                         seen.supply_count[seat] = insert_nearest(distance, slot, count, keys, items)
                 slot = supplies.next_in_square[slot] - 1
 
 
-@inlined_kernel
-def _is_box_listed(
-    world: World, agents: Agents, supplies: Supplies, seat: int, slot: int, rules: Rules
-) -> bool:
-    """Return whether a box nearby is listed: always, or only if its top is in sight."""
-    if rules.senses == Senses.ORIGINAL:
-        return True
+@kernel
+def _sees_box(world: World, eye: Eye, supplies: Supplies, slot: int) -> bool:
+    """Return whether the top of a box is in sight."""
     x, y, z = supplies.position[slot, 0], supplies.position[slot, 1], supplies.position[slot, 2]
-    return sees_point(world, eye_of(agents, seat, rules.view_angle), x, y + BOX_TOP, z)
+    return sees_point(world, eye, x, y + BOX_TOP, z)
 
 
 @kernel
