@@ -36,7 +36,7 @@ from wildscav_server.monitoring.logs import Log, open_log
 
 BATCH = 4  # matches for each that runs at once; then those come first that have become urgent
 REFRESH_EVERY = 2.0  # s between two refreshes of the boards while matches are played, at least
-BOARDS_SHARE = 0.5  # of the time that boards may take while matches are played
+BOARDS_PAUSE = 2.0  # times as long as boards took, the pause after them while matches are played
 LONGEST_PAUSE = 30.0  # s after errors in a row
 
 
@@ -283,7 +283,7 @@ class Conductor:
             stored = store(session, self.season, computed)
             self._publish_nodes(session, executor)
         ended = time.monotonic()
-        rest = (ended - started) / BOARDS_SHARE if len(stored) == len(computed) else 0.0
+        rest = (ended - started) * BOARDS_PAUSE if len(stored) == len(computed) else 0.0
         self._due = ended + max(REFRESH_EVERY, rest)
 
     def _apply_results(self) -> int:

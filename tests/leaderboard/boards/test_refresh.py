@@ -172,7 +172,7 @@ def test_matches_are_planned_without_a_fit_in_the_transaction(
     assert season.write(lambda session: plan_ladders(session, season.season, season.now)) > 0
 
 
-@pytest.mark.parametrize(("computed", "second"), [({}, 155.0), ({"of which something changed": None}, 107.0)])
+@pytest.mark.parametrize(("computed", "second"), [({}, 115.0), ({"of which something changed": None}, 107.0)])
 def test_boards_that_take_long_are_made_more_rarely_but_those_left_out_follow_soon(
     season: Conducted, monkeypatch: pytest.MonkeyPatch, computed: dict[str, None], second: float
 ) -> None:
