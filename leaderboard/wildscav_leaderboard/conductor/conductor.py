@@ -283,8 +283,10 @@ class Conductor:
             stored = store(session, self.season, computed)
             self._publish_nodes(session, executor)
         ended = time.monotonic()
-        rest = (ended - started) * BOARDS_PAUSE if len(stored) == len(computed) else 0.0
-        self._due = ended + max(REFRESH_EVERY, rest)
+        took, all_stored = ended - started, len(stored) == len(computed)
+        self._due = ended + (
+            max(REFRESH_EVERY, took * BOARDS_PAUSE) if all_stored else min(REFRESH_EVERY, took)
+        )
 
     def _apply_results(self) -> int:
         """Apply the next results of ladders, after a freeze that is due; return how many there were."""

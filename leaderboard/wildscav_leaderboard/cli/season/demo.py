@@ -102,7 +102,7 @@ class _Watch:
         if self._is_shown or time.monotonic() - self._looked < LOOKS:
             return
         self._looked = time.monotonic()
-        state = opening_of(self._database)
+        state = opening_of(self._database, self._season.settings.tracks)
         self._progress.update(self._checks, total=state.submissions, completed=state.validated)
         if state.validated == state.submissions:
             self._progress.start_task(self._played)

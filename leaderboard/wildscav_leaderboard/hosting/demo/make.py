@@ -3,6 +3,7 @@
 import secrets
 import shutil
 import tomllib
+from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from importlib.resources import files
@@ -19,6 +20,7 @@ from wildscav_leaderboard.access.uploads import take_upload
 from wildscav_leaderboard.accounts.models import COMPETITOR
 from wildscav_leaderboard.accounts.passwords import hashed
 from wildscav_leaderboard.accounts.service import add_account, find_account
+from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import FINISHED, PLAYING, WAITING, Match
 from wildscav_leaderboard.organizing import acts
@@ -145,17 +147,22 @@ class Opening:
     validated: int  # that take part, or failed
     played: int  # matches
     ahead: int  # matches that wait or are being played
+    is_shown: bool = True  # whether all that take part are on the boards, which follow a moment later
 
     def is_ready(self, matches: int) -> bool:
         """Return whether so many matches are played, or as many as there are."""
-        return self.validated == self.submissions and (self.played >= matches or not self.ahead)
+        is_validated = self.is_shown and self.validated == self.submissions
+        return is_validated and (self.played >= matches or not self.ahead)
 
 
-def opening_of(database: Database) -> Opening:
-    """Return how far a season is."""
+def opening_of(database: Database, tracks: Iterable[str]) -> Opening:
+    """Return how far a season is in which everybody plays some tracks."""
     with database.reading() as session:
         counted = count_by_state(session, Submission)
         played = count_by_state(session, Match)
+        boards = [read_board(session, track) for track in tracks]
     over = sum(counted.get(state, 0) for state in (states.ACTIVE, *states.FINAL))
     ahead = sum(played.get(state, 0) for state in (WAITING, PLAYING))
-    return Opening(sum(counted.values()), over, played.get(FINISHED, 0), ahead)
+    shown = [sum(row.submission is not None for row in board.rows) if board else 0 for board in boards]
+    is_shown = min(shown) >= counted.get(states.ACTIVE, 0)
+    return Opening(sum(counted.values()), over, played.get(FINISHED, 0), ahead, is_shown)

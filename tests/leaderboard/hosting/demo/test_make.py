@@ -60,8 +60,9 @@ def test_it_runs_without_containers_unless_they_are_asked_for(made: Made) -> Non
 
 
 def test_a_season_is_worth_a_look_when_its_first_matches_are_played(database: Database) -> None:
-    assert opening_of(database) == Opening(submissions=3, validated=0, played=0, ahead=0)
+    assert opening_of(database, ["navigation"]) == Opening(submissions=3, validated=0, played=0, ahead=0)
     assert not Opening(3, 2, 0, 0).is_ready(0)
+    assert not Opening(3, 3, 8, 0, is_shown=False).is_ready(8)
     assert not Opening(3, 3, 7, 20).is_ready(8)
     assert Opening(3, 3, 8, 20).is_ready(8)
     assert Opening(3, 3, 5, 0).is_ready(8)  # there are no more
