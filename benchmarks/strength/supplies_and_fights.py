@@ -25,11 +25,11 @@ from wildscav_engine.specs.actions import no_actions
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_evaluator.suites.suite import suite
 from wildscav_training.opponents import submission
+from wildscav_training.trials import SURE
 
 FIRST_SEED = 100  # of the suite's rounds
 MAPS = 10  # matches of each round, one on each map
 ROBOT = "robot:"
-SURE = 1.96  # standard errors in a 95 % interval
 
 
 class Played(NamedTuple):

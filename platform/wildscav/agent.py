@@ -141,8 +141,8 @@ class MatchInfo:
     spread: float = 0.0  # degrees a shot is off at most, for an agent that stands still
     recoil: float = 0.0  # degrees a shot raises the view, for an agent that stands still
     walking_sway: float = 0.0  # how many times more spread and recoil there are at 10 m/s
-    bounty: int = 0  # supplies that a kill brings besides what the dead drops
     turning_sway: float = 0.0  # how many times more spread and recoil there are at a turn of 100 degrees/s
+    bounty: int = 0  # supplies that a kill brings besides what the dead drops
 
     @property
     def step_time(self) -> float:

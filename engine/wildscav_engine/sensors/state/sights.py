@@ -97,11 +97,9 @@ def _write_sights(
                 _write_angles(x, y, z, yaw[match, seat], pitch[match, seat], row[1:3])
                 own, there = agents.velocity[match, seat], agents.velocity[match, other]
                 known = 1.0 if tells_condition[match, seat] else 0.0
-                soon_x, soon_z = (
-                    x + (there[0] * known - own[0]) * lead,
-                    z + (there[2] * known - own[2]) * lead,
-                )
+                soon_x = x + (there[0] * known - own[0]) * lead
                 soon_y = y + (there[1] * known - own[1]) * lead
+                soon_z = z + (there[2] * known - own[2]) * lead
                 _write_angles(soon_x, soon_y, soon_z, yaw[match, seat], pitch[match, seat], row[3:5])
                 row[5] = signed_logarithm(arctangent(BODY_RADIUS, level))
                 row[6] = cosine(yaw[match, other] - arctangent(-x, -z))
