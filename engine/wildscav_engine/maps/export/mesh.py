@@ -38,16 +38,21 @@ def terrain_mesh(world: World) -> Mesh:
 
 def water_mesh(world: World) -> Mesh:
     """Return the water surface of every cell that is partly wet; the terrain hides the excess."""
-    corners = world.heights
-    lowest = np.minimum(
-        np.minimum(corners[:-1, :-1], corners[:-1, 1:]), np.minimum(corners[1:, :-1], corners[1:, 1:])
-    )
-    rows, columns = np.nonzero(world.water > lowest)
+    rows, columns = water_cells(world)
     vertices = np.empty((len(rows), 4, 3))
     vertices[:, :, 0] = world.corner[0] + CELL * (columns[:, None] + [0, 1, 0, 1])
     vertices[:, :, 1] = world.water[rows, columns][:, None]
     vertices[:, :, 2] = world.corner[1] + CELL * (rows[:, None] + [0, 0, 1, 1])
     return _up_facing(vertices.reshape(-1, 3), 4 * np.arange(len(rows)), 2, Kind.WATER)
+
+
+def water_cells(world: World) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the rows and columns of the cells that are partly wet, (W,) each."""
+    corners = world.heights
+    lowest = np.minimum(
+        np.minimum(corners[:-1, :-1], corners[:-1, 1:]), np.minimum(corners[1:, :-1], corners[1:, 1:])
+    )
+    return np.nonzero(world.water > lowest)
 
 
 def _up_facing(

@@ -2,12 +2,14 @@
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wildscav.errors import UserError
 from wildscav_engine.record import Record, RecordError, read_record, resimulate
+from wildscav_engine.sensors.optics.object_parts import colors_of_bodies
 from wildscav_engine.simulation.state import NOBODY, State
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.specs.result import SeatResult
@@ -15,7 +17,7 @@ from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_engine.tracks import TRACKS
 from wildscav_engine.view.outcome import describe_outcome
 from wildscav_engine.view.recording.history import History, collect_history, seats_where
-from wildscav_leaderboard.spectating.document import (
+from wildscav_stage.scene.document import (
     Box,
     Circle,
     Event,
@@ -24,13 +26,15 @@ from wildscav_leaderboard.spectating.document import (
     SeatResultShown,
     SeatSamples,
     SeatShown,
+    Shots,
     Target,
     Trails,
     ZonePhase,
+    differences,
 )
+from wildscav_stage.scene.map_file import CENTIMETRES, centimetres
 
-SAMPLE_INTERVAL = 10  # frames, at least, between two samples: five a second
-DECIMETRES = 10  # in a metre
+SAMPLE_INTERVAL = 5  # frames, at least, between two samples: ten a second
 
 
 def trails_of_file(path: Path) -> Trails:
@@ -67,20 +71,21 @@ def trails_of(record: Record) -> Trails:
         target=target_of(match.state),
         seats=seats_shown(record.spec, record.names, record.result.seats),
         samples=_samples(history),
+        shots=_shots(history),
         events=sorted([*_events(history), *zone_events(zone, match.frame)], key=lambda event: event.frame),
         zone=zone,
         boxes=_boxes(history),
     )
 
 
-def decimetres(metres: float) -> int:
-    """Return a length or coordinate in m as whole decimetres."""
-    return round(float(metres) * DECIMETRES)
+def cm(metres: float) -> int:
+    """Return a length or coordinate in m as whole centimetres."""
+    return round(float(metres) * CENTIMETRES)
 
 
 def map_extent(spec: MatchSpec) -> MapExtent:
     """Return the part of the world that the map of a spec covers: a square about the origin."""
-    side = decimetres(spec.map.config.size)
+    side = cm(spec.map.config.size)
     return MapExtent(west=-side // 2, north=side // 2, width=side, height=side)
 
 
@@ -88,16 +93,18 @@ def seats_shown(
     spec: MatchSpec, names: tuple[str, ...], results: tuple[SeatResult, ...] | None
 ) -> list[SeatShown]:
     """Return the seats of a match, with their results once it has ended."""
+    bodies = colors_of_bodies(max(spec.team_of_seats) + 1)
     return [
         SeatShown(
             seat=seat,
             name=name,
             kind=spec.seats[seat],
             team=spec.team_of_seats[seat],
+            colors=np.rint(bodies[spec.team_of_seats[seat]]).astype(int).tolist(),
             full_health=spec.equipment_of(seat).health,
             result=None
             if results is None
-            else SeatResultShown.about(results[seat], walked=decimetres(results[seat].walked)),
+            else SeatResultShown.about(results[seat], walked=cm(results[seat].walked)),
         )
         for seat, name in enumerate(names)
     ]
@@ -108,7 +115,7 @@ def target_of(state: State) -> Target | None:
     if not state.matches.has_target[0]:
         return None
     x, height, z = state.matches.target[0]
-    return Target(x=decimetres(x), z=decimetres(z), height=decimetres(height))
+    return Target(x=cm(x), z=cm(z), height=cm(height))
 
 
 def zone_phases(rows: NDArray[np.float64]) -> list[ZonePhase]:
@@ -126,7 +133,7 @@ def zone_phases(rows: NDArray[np.float64]) -> list[ZonePhase]:
 
 
 def _circle(numbers: list[float]) -> Circle:
-    x, z, radius = map(decimetres, numbers)
+    x, z, radius = map(cm, numbers)
     return Circle(x=x, z=z, radius=radius)
 
 
@@ -141,22 +148,33 @@ def _samples(history: History) -> Samples:
     # The first row of every interval, and the last row, which shows how the match ended.
     first = np.flatnonzero(np.diff(history.frame // SAMPLE_INTERVAL, prepend=-1))
     rows = np.union1d(first, history.rows[-1:])
-    positions = np.rint(agents.position[rows] * DECIMETRES).astype(int)
-    degrees = np.rint(agents.yaw[rows]).astype(int)
+    places = centimetres(agents.position[rows])
+    columns = {
+        **{name: places[..., axis] for axis, name in enumerate(("x", "height", "z"))},
+        "yaw": np.rint(np.unwrap(agents.yaw[rows], axis=0, period=360.0)),
+        "pitch": np.rint(agents.pitch[rows]),
+        "health": agents.health[rows],
+        "supplies": agents.supplies[rows],
+    }
     return Samples(
-        frames=history.frame[rows].tolist(),
+        frames=_differences(history.frame[rows]),
         seats=[
-            SeatSamples(
-                x=positions[:, seat, 0].tolist(),
-                z=positions[:, seat, 2].tolist(),
-                height=positions[:, seat, 1].tolist(),
-                yaw=degrees[:, seat].tolist(),
-                health=agents.health[rows, seat].tolist(),
-                supplies=agents.supplies[rows, seat].tolist(),
-            )
+            SeatSamples(**{name: _differences(values[:, seat]) for name, values in columns.items()})
             for seat in range(len(history.teams))
         ],
     )
+
+
+def _differences(values: NDArray[Any]) -> list[int]:
+    return differences(values.astype(int).tolist())
+
+
+def _shots(history: History) -> Shots:
+    agents = history.agents
+    rows, seats = np.nonzero(agents.fired)
+    x, height, z = centimetres(agents.shot_end[rows, seats]).T
+    columns = {"frames": history.frame[rows], "seats": seats, "x": x, "z": z, "height": height}
+    return Shots(**{name: _differences(values) for name, values in columns.items()})
 
 
 def _events(history: History) -> Iterator[Event]:
@@ -190,10 +208,15 @@ def _boxes(history: History) -> list[Box]:
             boxes[serial] = boxes[serial].model_copy(update={"taken": frame})
         for place, serial in enumerate(now):
             if serial not in present:
-                x, _, z = change.position[place]
-                quantity = int(change.quantity[place])
+                x, height, z = change.position[place]
                 boxes[serial] = Box(
-                    x=decimetres(x), z=decimetres(z), quantity=quantity, appears=frame, taken=None
+                    x=cm(x),
+                    z=cm(z),
+                    height=cm(height),
+                    dropped=serial >= history.first_dropped,
+                    quantity=int(change.quantity[place]),
+                    appears=frame,
+                    taken=None,
                 )
         present = set(now)
     return list(boxes.values())

@@ -1,0 +1,114 @@
+"""The file of a map for a browser: its ground, water and solids, with the colours and the light of cameras.
+
+``packed`` in ``arrays.py`` tells its form. Lengths are whole centimetres: x grows to the east, y up, and z to
+the north. Colours are red, green and blue, 0-255, before light falls on them. The header has
+
+- ``format`` and ``version``;
+- ``size`` of the map and ``cell`` of its ground, and its south-western ``corner`` (x, z);
+- ``topologies``: the triangles of the surfaces that solids have, as corners of a solid, three by three,
+  wound as in ``Mesh``;
+- ``light``: see ``LIGHT``;
+- ``parts``: the (P, 8) corners (x, y, z) of the parts of a ``body`` and of a ``box``, which stand at the
+  origin and face north, numbered by the bits (along, up, across); ``box_colors``, of the parts of a box.
+
+Its arrays are
+
+- ``heights`` (R + 1, C + 1) of the corners of the cells of ground, row after row northwards, and their
+  ``ground`` colours (R + 1, C + 1, 3); the diagonal of a cell runs from south-west to north-east;
+- ``water`` (W, 3): row, column and level of each wet cell;
+- ``solids`` (S, 5): kind (see ``KINDS``), topology, and the first corner's x, y and z; ``colors`` (S, 3); and
+  the ``corners`` (V, 3) of one solid after the other, less the first of their solid.
+"""
+
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wildscav_engine.geometry.polyhedra import polyhedron
+from wildscav_engine.geometry.world import CELL, Kind, World
+from wildscav_engine.maps.export.mesh import water_cells
+from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.rendering.palette import SKYLIGHT, SUN, SUNLIGHT, WATER, of_solids
+from wildscav_engine.rendering.shading.ground import ground_appearance
+from wildscav_engine.rendering.shading.sky import BELOW, CLOUD, HORIZON, SUN_COLOR, ZENITH
+from wildscav_engine.sensors.optics.object_parts import BODY_PARTS, CRATE_COLORS, CRATE_PARTS
+from wildscav_stage.scene.arrays import packed
+
+MAP_VERSION: Final = 1  # of the file; it moves when a field changes its meaning or goes
+CENTIMETRES = 100  # in a metre
+KINDS = {kind.name.lower(): int(kind) for kind in Kind}
+# The light of cameras: the direction towards the sun, the light of sun and sky on a surface of colour 1 (see
+# ``palette.shaded``), and the colours of the sky and of water, which has an opacity as well.
+LIGHT: Final[dict[str, Any]] = {
+    "sun": (SUN / np.linalg.norm(SUN)).round(4).tolist(),
+    "sunlight": SUNLIGHT.tolist(),
+    "skylight": SKYLIGHT.tolist(),
+    "zenith": ZENITH,
+    "horizon": HORIZON,
+    "below": BELOW,
+    "disc": SUN_COLOR,
+    "cloud": CLOUD,
+    "water": WATER,
+}
+
+
+def centimetres(metres: Any) -> NDArray[np.int32]:
+    """Return lengths or coordinates in m as whole centimetres."""
+    return np.asarray(np.rint(np.asarray(metres) * CENTIMETRES), np.int32)
+
+
+def map_file(game_map: GameMap) -> bytes:
+    """Return the compressed file of a map."""
+    world = game_map.world
+    topologies, solids, corners = _solids(world)
+    fields = {
+        "format": "wildscav-map",
+        "version": MAP_VERSION,
+        "size": int(centimetres(CELL * (world.heights.shape[1] - 1))),
+        "cell": int(centimetres(CELL)),
+        "corner": centimetres(world.corner).tolist(),
+        "kinds": KINDS,
+        "topologies": topologies,
+        "light": LIGHT,
+        "parts": {
+            "body": centimetres(BODY_PARTS.corners).tolist(),
+            "box": centimetres(CRATE_PARTS.corners).tolist(),
+        },
+        "box_colors": CRATE_COLORS.tolist(),
+    }
+    ground = ground_appearance(world).color
+    colors = of_solids(world.solid_kind, game_map.solid_house)
+    arrays = {
+        "heights": centimetres(world.heights)[..., None],
+        "ground": np.rint(ground).astype(np.uint8),
+        "water": _water(world),
+        "solids": solids,
+        "corners": corners,
+        "colors": np.rint(np.minimum(colors, 255.0)).astype(np.uint8),
+    }
+    return packed(fields, arrays)
+
+
+def _water(world: World) -> NDArray[np.int32]:
+    """Return row, column and level of the cells that are partly wet, (W, 3)."""
+    rows, columns = water_cells(world)
+    return np.stack([rows, columns, centimetres(world.water[rows, columns])], axis=-1).astype(np.int32)
+
+
+def _solids(world: World) -> tuple[list[list[int]], NDArray[np.int32], NDArray[np.int32]]:
+    """Return the topologies, the (S, 5) solids and their (V, 3) corners."""
+    numbers: dict[bytes, int] = {}
+    topologies: list[list[int]] = []
+    solids = np.zeros((len(world.solid_kind), 5), np.int32)
+    pieces = [np.zeros((0, 3), np.int32)]
+    for solid, kind in enumerate(world.solid_kind.tolist()):
+        planes = world.faces[world.solid_start[solid] : world.solid_start[solid + 1]]
+        corners, triangles = polyhedron(planes)
+        number = numbers.setdefault(triangles.tobytes(), len(numbers))
+        if number == len(topologies):
+            topologies.append(triangles.ravel().tolist())
+        whole = centimetres(corners)
+        solids[solid] = (kind, number, *whole[0])
+        pieces.append(whole - whole[0])
+    return topologies, solids, np.concatenate(pieces)

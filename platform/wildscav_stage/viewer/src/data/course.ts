@@ -1,0 +1,168 @@
+// The course of a match: what its document says about any moment. Lengths are metres, angles degrees, times frames.
+
+import type { Box, Circle, MatchEvent, SampleName, Seat, ShotName, Trails } from "./trails";
+
+const METRE = 100; // units of the document
+const LEAP = 4; // m between two samples beyond what anyone walks: a respawn
+const SAMPLES: SampleName[] = ["x", "z", "height", "yaw", "pitch", "health", "supplies"];
+const SHOTS: ShotName[] = ["frames", "seats", "x", "z", "height"];
+
+export interface SeatState {
+  x: number;
+  y: number; // of the soles
+  z: number;
+  yaw: number; // 0 faces north, grows clockwise
+  pitch: number; // positive looks down
+  health: number; // hp, 0 = dead
+  supplies: number;
+}
+
+export interface Shot {
+  frame: number;
+  seat: number;
+  x: number; // where it ended
+  y: number;
+  z: number;
+}
+
+export class Course {
+  readonly seats: Seat[];
+  readonly frames: number[] = [];
+  readonly shots: Shot[] = [];
+  events: MatchEvent[] = [];
+  trails: Trails;
+  private readonly samples: Record<SampleName, number[]>[];
+
+  // names: of seats, as a page knows them; records have those under which submissions were entered.
+  constructor(trails: Trails, names: Record<number, string> = {}) {
+    this.trails = trails;
+    this.seats = trails.seats.map((seat) => ({ ...seat, name: names[seat.seat] ?? seat.name }));
+    this.samples = this.seats.map(() => emptied(SAMPLES));
+    this.add(trails);
+  }
+
+  // Add what a match that is being played has seen since the last document, or begin anew.
+  extend(next: Trails): void {
+    if (next.first) {
+      this.frames.length = this.shots.length = this.events.length = 0;
+      for (const samples of this.samples) for (const name of SAMPLES) samples[name].length = 0;
+    }
+    this.trails = next;
+    this.add(next);
+  }
+
+  get lastFrame(): number {
+    return this.frames[this.frames.length - 1] ?? 0;
+  }
+
+  seconds(frame: number): number {
+    return frame / this.trails.frames_per_second;
+  }
+
+  // The last sample that is not after a frame.
+  sampleAt(frame: number): number {
+    return Math.max(0, countUntil(this.frames, (each) => each, frame) - 1);
+  }
+
+  // The events from one frame on and before another.
+  eventsBetween(first: number, end: number): MatchEvent[] {
+    const at = (frame: number) => countUntil(this.events, (event) => event.frame, frame - 1e-9);
+    return this.events.slice(at(first), at(end));
+  }
+
+  // The shots from one frame on and before another.
+  shotsBetween(first: number, end: number): Shot[] {
+    const at = (frame: number) => countUntil(this.shots, (shot) => shot.frame, frame - 1e-9);
+    return this.shots.slice(at(first), at(end));
+  }
+
+  // Where a seat is in a frame, and how it fares. Between two samples, places and angles are interpolated.
+  at(seat: number, frame: number): SeatState {
+    const samples = this.samples[seat];
+    const here = this.sampleAt(frame);
+    const next = Math.min(here + 1, this.frames.length - 1);
+    const length = this.frames[next] - this.frames[here];
+    const leaps =
+      Math.hypot(samples.x[next] - samples.x[here], samples.z[next] - samples.z[here]) > LEAP * METRE;
+    const share = length > 0 && !leaps ? clamped((frame - this.frames[here]) / length) : 0;
+    const between = (name: SampleName) =>
+      samples[name][here] + share * (samples[name][next] - samples[name][here]);
+    return {
+      x: between("x") / METRE,
+      y: between("height") / METRE,
+      z: between("z") / METRE,
+      yaw: between("yaw"),
+      pitch: between("pitch"),
+      health: samples.health[here],
+      supplies: samples.supplies[here],
+    };
+  }
+
+  // How many kills a seat has up to a frame.
+  kills(seat: number, frame: number): number {
+    const isKill = (event: MatchEvent) => event.kind === "death" || event.kind === "out";
+    return this.eventsBetween(0, frame + 1).filter((event) => isKill(event) && event.other === seat).length;
+  }
+
+  // The boxes that lie on the map in a frame, lengths in centimetres.
+  boxesAt(frame: number): Box[] {
+    return this.trails.boxes.filter(
+      (box) => box.appears <= frame && (box.taken === null || box.taken > frame),
+    );
+  }
+
+  // The safe zone in a frame and the next circle, in metres; null if there is no zone.
+  zoneAt(frame: number): { now: Circle; next: Circle } | null {
+    const { zone } = this.trails;
+    if (!zone.length) return null;
+    const phase = zone.find((each) => frame < each.end) ?? zone[zone.length - 1];
+    const share = clamped((frame - phase.start) / Math.max(1, phase.end - phase.start));
+    const at = (name: keyof Circle) => phase.before[name] + share * (phase.after[name] - phase.before[name]);
+    return { now: circle({ x: at("x"), z: at("z"), radius: at("radius") }), next: circle(phase.after) };
+  }
+
+  private add(trails: Trails): void {
+    this.frames.push(...summed(trails.samples.frames));
+    trails.samples.seats.forEach((samples, seat) => {
+      for (const name of SAMPLES) this.samples[seat][name].push(...summed(samples[name]));
+    });
+    const columns = SHOTS.map((name) => summed(trails.shots[name]));
+    for (let place = 0; place < columns[0].length; place++) {
+      const [frame, seat, x, z, y] = columns.map((column) => column[place]);
+      this.shots.push({ frame, seat, x: x / METRE, y: y / METRE, z: z / METRE });
+    }
+    this.events.push(...trails.events);
+  }
+}
+
+function emptied(names: SampleName[]): Record<SampleName, number[]> {
+  return Object.fromEntries(names.map((name) => [name, [] as number[]])) as Record<SampleName, number[]>;
+}
+
+function summed(differences: number[]): number[] {
+  let sum = 0;
+  return differences.map((difference) => {
+    sum += difference;
+    return sum;
+  });
+}
+
+function clamped(share: number): number {
+  return Math.min(1, Math.max(0, share));
+}
+
+function circle({ x, z, radius }: Circle): Circle {
+  return { x: x / METRE, z: z / METRE, radius: radius / METRE };
+}
+
+// The number of entries whose key is at most a value, in a list in ascending order of its keys.
+function countUntil<T>(list: T[], keyOf: (entry: T) => number, value: number): number {
+  let low = 0;
+  let high = list.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (keyOf(list[middle]) <= value) low = middle + 1;
+    else high = middle;
+  }
+  return low;
+}

@@ -1,0 +1,93 @@
+// The document of a match, as platform/wildscav_stage/scene/document.py describes it. Lengths are centimetres there.
+
+export const TRAILS_VERSION = 2;
+
+export type EventKind = "hit" | "death" | "out" | "respawn" | "pick_up" | "target" | "zone";
+
+export interface MatchEvent {
+  frame: number;
+  kind: EventKind;
+  seat: number | null;
+  other: number | null;
+  amount: number;
+}
+
+export interface SeatResult {
+  supplies: number;
+  kills: number;
+  deaths: number;
+  shots: number;
+  hits: number;
+  walked: number; // cm
+  metrics: Record<string, number>;
+}
+
+export interface Seat {
+  seat: number;
+  name: string;
+  kind: string;
+  team: number;
+  colors: [number, number, number][];
+  full_health: number;
+  result: SeatResult | null;
+}
+
+// Lists begin with a number and go on with differences.
+export type SampleName = "x" | "z" | "height" | "yaw" | "pitch" | "health" | "supplies";
+export type SeatSamples = Record<SampleName, number[]>;
+export type ShotName = "frames" | "seats" | "x" | "z" | "height";
+
+export interface Circle {
+  x: number;
+  z: number;
+  radius: number;
+}
+
+export interface ZonePhase {
+  start: number;
+  end: number;
+  before: Circle;
+  after: Circle;
+  damage: number;
+}
+
+export interface Box {
+  x: number;
+  z: number;
+  height: number;
+  dropped: boolean;
+  quantity: number;
+  appears: number;
+  taken: number | null;
+}
+
+export interface Trails {
+  version: number;
+  over: boolean;
+  first: boolean;
+  cursor: string;
+  track: string;
+  title: string;
+  frames_per_second: number;
+  frames: number;
+  frame_limit: number;
+  ending: string;
+  outcome: string;
+  map: { west: number; north: number; width: number; height: number };
+  target: { x: number; z: number; height: number } | null;
+  seats: Seat[];
+  samples: { frames: number[]; seats: SeatSamples[] };
+  shots: Record<ShotName, number[]>;
+  events: MatchEvent[];
+  zone: ZonePhase[];
+  boxes: Box[];
+}
+
+// Read the text of a document. It throws an Error whose message a person can read.
+export function readTrails(text: string): Trails {
+  const trails = JSON.parse(text) as Trails;
+  if (trails.version !== TRAILS_VERSION) {
+    throw new Error(`this page reads matches of version ${TRAILS_VERSION}, not ${trails.version}`);
+  }
+  return trails;
+}
