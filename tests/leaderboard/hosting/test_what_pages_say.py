@@ -49,13 +49,7 @@ def site(hostile_season: FilledSeason) -> Iterator[Site]:
 
 
 REPLACES = "When it takes part, it replaces submission"
-WAYS = (
-    "From above",
-    "Watch the video",
-    "Watch in 3D",
-    "wildscav replay match-",
-    ".wsr --video --view behind",
-)
+WAYS = ("Watch the video", "Open in Rerun", "wildscav watch match-", ".wsr --html")
 SAID: list[
     tuple[str, str, tuple[str, ...], tuple[str, ...]]
 ] = [  # path, who reads it, what is there, and what is not
