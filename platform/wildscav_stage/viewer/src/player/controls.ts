@@ -19,9 +19,9 @@ const VIEW_HINTS: Record<ViewKind, string> = {
 };
 const TRAILS: [string, number][] = [
   ["no trails", 0],
-  ["trails of 10 s", 10],
-  ["trails of 30 s", 30],
-  ["trails of 2 min", 120],
+  ["trails 10 s", 10],
+  ["trails 30 s", 30],
+  ["trails 2 min", 120],
   ["all trails", Number.POSITIVE_INFINITY],
 ];
 export const FIRST_TRAIL = 30; // s

@@ -33,8 +33,16 @@ export class EventList {
     if (present.length !== this.filters.childElementCount) {
       this.filters.replaceChildren(...present.map((kind) => this.filter(kind)));
     }
+    this.choose();
+  }
+
+  // List the events of the kinds that are shown. Those that are in the list stay, and so does the focus.
+  private choose(): void {
+    const before = this.listed[this.first + this.element.childElementCount - 1];
     this.listed = this.course.events.filter((event) => this.shownKinds.has(event.kind));
-    this.first = -1;
+    const last = this.first + this.element.childElementCount - 1;
+    if (before && this.listed[last] === before) this.append(last + 1);
+    else this.first = -1;
     this.changed();
   }
 
@@ -56,9 +64,14 @@ export class EventList {
 
   private fill(first: number): void {
     this.first = first;
-    const some = this.listed.slice(first, first + 2 * MOST);
-    this.element.replaceChildren(...some.map((event) => this.item(event)));
+    this.element.replaceChildren();
+    this.append(first);
     this.current = null;
+  }
+
+  private append(from: number): void {
+    const some = this.listed.slice(from, this.first + 2 * MOST);
+    this.element.append(...some.map((event) => this.item(event)));
   }
 
   private item(event: MatchEvent): HTMLLIElement {
@@ -78,7 +91,7 @@ export class EventList {
     box.onchange = () => {
       if (box.checked) this.shownKinds.add(kind);
       else this.shownKinds.delete(kind);
-      this.extend();
+      this.choose();
     };
     return make("label", {}, box, swatch(kind), LOOKS[kind].title);
   }

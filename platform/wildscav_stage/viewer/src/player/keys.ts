@@ -45,6 +45,25 @@ export function actionOf(key: string): KeyAction | undefined {
   return KEYS[key.length === 1 ? key.toLowerCase() : key];
 }
 
+const STORED = "wildscav-keys"; // "off" for people whom keys of one letter hinder
+
+// Whether keys of one character do something; people who speak to their computer can turn that off.
+function areLettersOn(): boolean {
+  try {
+    return localStorage.getItem(STORED) !== "off";
+  } catch {
+    return true;
+  }
+}
+
+function turnLetters(isOn: boolean): void {
+  try {
+    localStorage.setItem(STORED, isOn ? "on" : "off");
+  } catch {
+    // A page that may store nothing forgets it.
+  }
+}
+
 // Whether a key pressed on an element means something else there.
 function isTaken(key: string, at: Element): boolean {
   if (at.closest("dialog, textarea, select, [contenteditable]")) return true;
@@ -63,6 +82,7 @@ export function listenToKeys(element: HTMLElement, actions: Actions, isFirst: ()
     if (!isHere || press.defaultPrevented || press.ctrlKey || press.metaKey || press.altKey) return;
     const action = actionOf(press.key);
     if (!action || isTaken(press.key, at)) return;
+    if (press.key.length === 1 && press.key !== " " && !areLettersOn()) return;
     press.preventDefault();
     action(actions);
   };
@@ -77,10 +97,12 @@ export function keysDialog(): HTMLDialogElement {
   );
   const dialog = make("dialog", { className: "player-keys" });
   dialog.setAttribute("aria-label", "Keys");
-  const close = make("button", { type: "button", textContent: "Close", onclick: () => dialog.close() });
+  const letters = make("input", { type: "checkbox", checked: areLettersOn() });
+  letters.onchange = () => turnLetters(letters.checked);
   dialog.append(
     make("table", {}, make("caption", { textContent: "Keys" }), make("tbody", {}, ...rows)),
-    close,
+    make("label", {}, letters, " Letters, digits and signs work as keys"),
+    make("button", { type: "button", textContent: "Close", autofocus: true, onclick: () => dialog.close() }),
   );
   return dialog;
 }

@@ -34,6 +34,7 @@ export class Player implements Actions {
   private readonly stops: (() => void)[];
   private readonly calm = window.matchMedia("(prefers-reduced-motion: reduce)");
   private isInset = false;
+  private trail = FIRST_TRAIL; // s
   private isOnPage = true; // as far as one has scrolled
   private request = 0;
   private drawn = -1; // frame
@@ -176,6 +177,7 @@ export class Player implements Actions {
   }
 
   setTrail(seconds: number): void {
+    this.trail = seconds;
     if (this.screen.stage) this.screen.stage.trail = seconds;
     this.stir();
   }
@@ -229,7 +231,7 @@ export class Player implements Actions {
 
   private showStage(): void {
     const { stage, kinds } = this.screen;
-    if (stage && stage.trail !== undefined) stage.trail = FIRST_TRAIL;
+    if (stage && stage.trail !== undefined) stage.trail = this.trail;
     this.controls.showStage(kinds, stage?.inset !== undefined, stage?.trail !== undefined);
     this.setView(this.screen.view);
   }

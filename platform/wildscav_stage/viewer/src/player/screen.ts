@@ -6,6 +6,8 @@ import type { Stage, StageMaker, View, ViewKind } from "../stage";
 import { iconButton, make } from "./dom";
 
 const SHARPEST = 2; // pixels of the canvas to one of the page
+const NO_3D = "This browser cannot draw the match in 3D, so it is shown from above.";
+const LOST_3D = "The browser stopped drawing in 3D, so the match is shown from above.";
 const NO_STAGE = "This browser cannot draw the match. The events tell it.";
 
 export class Screen {
@@ -54,6 +56,9 @@ export class Screen {
   look(view: View): void {
     this.wanted = view;
     if (this.stage) this.stage.view = { ...view, kind: this.possible(view.kind) };
+    // Where fingers do not move the camera, they scroll the page.
+    const isMoved = this.view.kind === "free" || this.view.kind === "above";
+    if (this.canvas) this.canvas.style.touchAction = isMoved ? "none" : "pan-y";
     this.redraw();
   }
 
@@ -91,7 +96,6 @@ export class Screen {
       this.stage = this.makers[place](canvas, this.map as GameMap, this.course);
     } catch (error) {
       console.info(error);
-      this.note.textContent = "This browser cannot draw the match in 3D, so it is shown from above.";
       return false;
     }
     canvas.addEventListener("webglcontextlost", () => this.lose(place));
@@ -99,6 +103,7 @@ export class Screen {
       canvas.addEventListener(name, this.redraw, { passive: true });
     }
     this.zoomButtons.hidden = !this.stage.zoom;
+    if (place) this.note.textContent = NO_3D;
     this.look(this.wanted);
     this.fit();
     this.onStage();
@@ -109,8 +114,7 @@ export class Screen {
     this.stage?.dispose();
     this.stage = null;
     this.raise(place + 1);
-    if (this.stage)
-      this.note.textContent = "The browser stopped drawing in 3D, so the match is shown from above.";
+    if (this.stage) this.note.textContent = LOST_3D;
   }
 
   private possible(kind: ViewKind): ViewKind {
