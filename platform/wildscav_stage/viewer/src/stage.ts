@@ -1,5 +1,8 @@
 // What draws a match: in 3D, or from above where a browser has no WebGL 2.
 
+import type { Course } from "./data/course";
+import type { GameMap } from "./data/map";
+
 export type ViewKind = "free" | "behind" | "eyes" | "above";
 
 export interface View {
@@ -10,9 +13,20 @@ export interface View {
 export interface Stage {
   readonly kinds: ViewKind[]; // of views that it can show
   view: View;
-  // Draw a moment of the match; frame need not be whole.
+  // Whether its camera moves by itself, so that even the same moment must be drawn again.
+  readonly moving?: boolean;
+  // The seat whose eyes a corner shows; null for none. A stage that cannot do it leaves it out.
+  inset?: number | null;
+  // How many seconds of trails are shown; a stage that shows none leaves it out.
+  trail?: number;
+  // Draw a moment of the match; frame need not be whole. A person who drags, scrolls or presses arrows on the canvas
+  // moves the camera of a free view, or the view from above; the stage listens to that, the player then draws again.
   draw(frame: number): void;
-  // Move the camera of a free view, or the view from above, as a person drags, scrolls or presses arrows.
+  // Come nearer (above 1) or go away, for people without a wheel; where the present view can.
+  zoom?(factor: number): void;
   resize(width: number, height: number, pixelRatio: number): void;
   dispose(): void;
 }
+
+// Makes a stage, or throws an Error, for instance because the browser has no WebGL 2.
+export type StageMaker = (canvas: HTMLCanvasElement, map: GameMap, course: Course) => Stage;

@@ -1,0 +1,13 @@
+// Fills every element with `data-match` with the player of a match. Its attributes:
+// data-map and data-trails are the URLs of the two files, or data-embedded says that the page holds them;
+// data-names has the names of seats as people read them, as JSON by number;
+// data-live says that the match is being played: new samples are asked for until it is over;
+// data-sync names a group of players that play in step.
+
+import { show } from "./player/show";
+import type { StageMaker } from "./stage";
+
+// The best first.
+const makers: StageMaker[] = [];
+
+for (const element of document.querySelectorAll<HTMLElement>("[data-match]")) show(element, makers);

@@ -1,0 +1,155 @@
+// The buttons below the picture.
+
+import type { Seat } from "../data/trails";
+import type { View, ViewKind } from "../stage";
+import { type Clock, SPEEDS } from "./clock";
+import { iconButton, make, picker, rename, setIcon } from "./dom";
+
+export const VIEW_TITLES: Record<ViewKind, string> = {
+  behind: "Behind",
+  eyes: "Eyes",
+  above: "Above",
+  free: "Free",
+};
+const VIEW_HINTS: Record<ViewKind, string> = {
+  behind: "From behind an agent",
+  eyes: "Through an agent's eyes",
+  above: "From above",
+  free: "From anywhere: drag, scroll, or use the arrow keys on the picture",
+};
+const TRAILS: [string, number][] = [
+  ["no trails", 0],
+  ["trails 10 s", 10],
+  ["trails 30 s", 30],
+  ["trails 2 min", 120],
+  ["all trails", Number.POSITIVE_INFINITY],
+];
+export const FIRST_TRAIL = 30; // s
+
+// What buttons and keys can do.
+export interface Actions {
+  toggle(): void;
+  leap(seconds: number): void;
+  step(direction: 1 | -1): void;
+  jump(direction: 1 | -1): void;
+  setSpeed(speed: number): void;
+  changeSpeed(direction: 1 | -1): void;
+  look(kind: ViewKind): void;
+  nextView(): void;
+  follow(seat: number): void;
+  followLive(): void;
+  setTrail(seconds: number): void;
+  toggleInset(): void;
+  toggleFullscreen(): void;
+  copyLink(): void;
+  help(): void;
+}
+
+export class Controls {
+  readonly element: HTMLElement;
+  readonly status = make("span", { className: "player-said", role: "status" });
+  private readonly play: HTMLButtonElement;
+  private readonly live: HTMLButtonElement;
+  private readonly inset: HTMLButtonElement;
+  private readonly time = make("span", { className: "player-time" });
+  private readonly speed: HTMLSelectElement;
+  private readonly seat: HTMLSelectElement;
+  private readonly trail: HTMLSelectElement;
+  private readonly views = make("div", { className: "player-views", role: "group" });
+  private viewButtons = new Map<ViewKind, HTMLButtonElement>();
+
+  constructor(
+    seats: Seat[],
+    private readonly actions: Actions,
+  ) {
+    this.play = iconButton("play", "Play", () => actions.toggle());
+    this.play.classList.add("player-play");
+    this.live = make("button", { type: "button", className: "player-live", textContent: "Live" });
+    this.live.onclick = () => actions.followLive();
+    rename(this.live, "Live: go to the present moment of the match");
+    this.inset = iconButton("inset", "Show the eyes of the agent in a corner", () => actions.toggleInset());
+    const speeds = SPEEDS.map((speed): [string, number] => [`${speed}×`, speed]);
+    this.speed = picker("Speed", speeds, 1, (value) => actions.setSpeed(Number(value)));
+    const names = seats.map(({ seat, name }): [string, number] => [`${seat} · ${name}`, seat]);
+    this.seat = picker("Follow", names, 0, (value) => actions.follow(Number(value)));
+    this.seat.classList.add("player-follow");
+    this.trail = picker("Trails", TRAILS, FIRST_TRAIL, (value) => actions.setTrail(Number(value)));
+    this.views.setAttribute("aria-label", "View");
+    this.element = make("div", { className: "player-buttons" }, this.times(), this.extras(), this.looks());
+    this.showStage([], false, false);
+  }
+
+  // The views and extras that the stage has.
+  showStage(kinds: ViewKind[], hasInset: boolean, hasTrail: boolean): void {
+    const order = (Object.keys(VIEW_TITLES) as ViewKind[]).filter((kind) => kinds.includes(kind));
+    this.viewButtons = new Map(order.map((kind) => [kind, this.viewButton(kind)]));
+    this.views.replaceChildren(...this.viewButtons.values());
+    this.views.hidden = order.length < 2;
+    this.inset.hidden = !hasInset;
+    this.trail.hidden = !hasTrail;
+  }
+
+  showView(view: View, inset: boolean): void {
+    for (const [kind, button] of this.viewButtons) {
+      button.setAttribute("aria-pressed", String(kind === view.kind));
+    }
+    this.seat.value = String(view.seat);
+    this.inset.setAttribute("aria-pressed", String(inset));
+  }
+
+  update(clock: Clock, text: string, isAtEnd: boolean): void {
+    const isMoving = clock.isPlaying || clock.isFollowingLive;
+    setIcon(this.play, isMoving ? "pause" : isAtEnd ? "again" : "play");
+    rename(this.play, isMoving ? "Pause" : isAtEnd ? "Play again" : "Play");
+    if (this.time.textContent !== text) this.time.textContent = text;
+    this.speed.value = String(clock.speed);
+    this.live.hidden = !clock.isOpen;
+    this.live.setAttribute("aria-pressed", String(clock.isFollowingLive));
+  }
+
+  private times(): HTMLElement {
+    const { actions } = this;
+    return make(
+      "div",
+      { className: "player-times" },
+      this.play,
+      iconButton("eventBack", "Previous event", () => actions.jump(-1)),
+      iconButton("back", "Back 5 seconds", () => actions.leap(-5)),
+      iconButton("stepBack", "One step back", () => actions.step(-1)),
+      iconButton("stepOn", "One step on", () => actions.step(1)),
+      iconButton("on", "On 5 seconds", () => actions.leap(5)),
+      iconButton("eventOn", "Next event", () => actions.jump(1)),
+      this.time,
+      this.live,
+    );
+  }
+
+  private extras(): HTMLElement {
+    const { actions } = this;
+    const fullscreen = iconButton("full", "Fullscreen", () => actions.toggleFullscreen());
+    fullscreen.hidden = !document.fullscreenEnabled;
+    return make(
+      "div",
+      { className: "player-extras" },
+      this.speed,
+      this.inset,
+      iconButton("link", "Copy a link to this moment", () => actions.copyLink()),
+      iconButton("help", "Keys", () => actions.help()),
+      fullscreen,
+    );
+  }
+
+  private looks(): HTMLElement {
+    return make("div", { className: "player-looks" }, this.views, this.seat, this.trail, this.status);
+  }
+
+  private viewButton(kind: ViewKind): HTMLButtonElement {
+    const onclick = () => this.actions.look(kind);
+    return make("button", {
+      type: "button",
+      textContent: VIEW_TITLES[kind],
+      title: VIEW_HINTS[kind],
+      onclick,
+    });
+  }
+}

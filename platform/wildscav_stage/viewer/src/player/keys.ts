@@ -1,0 +1,108 @@
+// What keys do, and the table that tells of them.
+
+import type { Actions } from "./controls";
+import { make } from "./dom";
+
+type KeyAction = (actions: Actions) => void;
+
+const KEYS: Record<string, KeyAction> = {
+  " ": (actions) => actions.toggle(),
+  k: (actions) => actions.toggle(),
+  ArrowLeft: (actions) => actions.leap(-5),
+  ArrowRight: (actions) => actions.leap(5),
+  ",": (actions) => actions.step(-1),
+  ".": (actions) => actions.step(1),
+  p: (actions) => actions.jump(-1),
+  n: (actions) => actions.jump(1),
+  "+": (actions) => actions.changeSpeed(1),
+  "=": (actions) => actions.changeSpeed(1),
+  "-": (actions) => actions.changeSpeed(-1),
+  v: (actions) => actions.nextView(),
+  i: (actions) => actions.toggleInset(),
+  f: (actions) => actions.toggleFullscreen(),
+  l: (actions) => actions.followLive(),
+  c: (actions) => actions.copyLink(),
+  "?": (actions) => actions.help(),
+};
+const TOLD: [string, string][] = [
+  ["Space", "play or pause"],
+  ["← →", "5 seconds back or on"],
+  [", .", "one step back or on"],
+  ["P N", "the previous or next event"],
+  ["− +", "slower or faster"],
+  ["V", "the next view"],
+  ["0 … 9", "follow the agent of that number"],
+  ["I", "the agent's eyes in a corner"],
+  ["L", "the present moment of a match that is being played"],
+  ["C", "copy a link to this moment"],
+  ["F", "fullscreen"],
+  ["?", "these keys"],
+];
+
+// What a key does; undefined if nothing.
+export function actionOf(key: string): KeyAction | undefined {
+  if (/^\d$/.test(key)) return (actions) => actions.follow(Number(key));
+  return KEYS[key.length === 1 ? key.toLowerCase() : key];
+}
+
+const STORED = "wildscav-keys"; // "off" for people whom keys of one letter hinder
+
+// Whether keys of one character do something; people who speak to their computer can turn that off.
+function areLettersOn(): boolean {
+  try {
+    return localStorage.getItem(STORED) !== "off";
+  } catch {
+    return true;
+  }
+}
+
+function turnLetters(isOn: boolean): void {
+  try {
+    localStorage.setItem(STORED, isOn ? "on" : "off");
+  } catch {
+    // A page that may store nothing forgets it.
+  }
+}
+
+// Whether a key pressed on an element means something else there.
+function isTaken(key: string, at: Element): boolean {
+  if (at.closest("dialog, textarea, select, [contenteditable]")) return true;
+  const isField = at instanceof HTMLInputElement;
+  if (isField && at.type !== "range" && at.type !== "checkbox") return true;
+  return key === " " && (at.closest("button, a, summary") !== null || isField);
+}
+
+// Listen to keys: those pressed within an element, and those pressed nowhere, if isFirst says so.
+// Returns what ends that.
+export function listenToKeys(element: HTMLElement, actions: Actions, isFirst: () => boolean): () => void {
+  const listener = (press: KeyboardEvent) => {
+    const at = press.target as Element;
+    const isHere =
+      element.contains(at) || ((at === document.body || at === document.documentElement) && isFirst());
+    if (!isHere || press.defaultPrevented || press.ctrlKey || press.metaKey || press.altKey) return;
+    const action = actionOf(press.key);
+    if (!action || isTaken(press.key, at)) return;
+    if (press.key.length === 1 && press.key !== " " && !areLettersOn()) return;
+    press.preventDefault();
+    action(actions);
+  };
+  document.addEventListener("keydown", listener);
+  return () => document.removeEventListener("keydown", listener);
+}
+
+// A dialog that tells of the keys.
+export function keysDialog(): HTMLDialogElement {
+  const rows = TOLD.map(([key, what]) =>
+    make("tr", {}, make("th", { scope: "row", textContent: key }), make("td", { textContent: what })),
+  );
+  const dialog = make("dialog", { className: "player-keys" });
+  dialog.setAttribute("aria-label", "Keys");
+  const letters = make("input", { type: "checkbox", checked: areLettersOn() });
+  letters.onchange = () => turnLetters(letters.checked);
+  dialog.append(
+    make("table", {}, make("caption", { textContent: "Keys" }), make("tbody", {}, ...rows)),
+    make("label", {}, letters, " Letters, digits and signs work as keys"),
+    make("button", { type: "button", textContent: "Close", autofocus: true, onclick: () => dialog.close() }),
+  );
+  return dialog;
+}

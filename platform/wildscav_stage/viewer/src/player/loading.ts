@@ -1,0 +1,65 @@
+// Where a match comes from: a server, which may have to make its files first, or the page itself.
+
+import { unzipped } from "../data/arrays";
+import { type GameMap, readMap } from "../data/map";
+import { readTrails, type Trails } from "../data/trails";
+
+const PAUSE = 1000; // ms between two questions about a file that is being made
+export const POLL = 400; // ms between two questions about a match that is being played
+export const RETRY = 2000; // ms after a question that was not answered
+
+export type Say = (text: string) => void;
+
+export interface Source {
+  map(say: Say): Promise<GameMap>;
+  trails(say: Say, cursor?: string): Promise<Trails>;
+}
+
+export const pause = (time: number) => new Promise<void>((resolve) => setTimeout(resolve, time));
+
+// The source that the attributes of an element name.
+export function sourceOf(element: HTMLElement): Source {
+  const { map, trails, embedded } = element.dataset;
+  return {
+    map: async (say) => readMap(await (embedded === undefined ? fetched(map, say) : embeddedContent("map"))),
+    trails: async (say, cursor) => {
+      const address = cursor && trails ? after(trails, cursor) : trails;
+      const content = await (embedded === undefined ? fetched(address, say) : embeddedContent("trails"));
+      return readTrails(new TextDecoder().decode(content));
+    },
+  };
+}
+
+// Fetch a file; while it is being made (202), wait and say so.
+async function fetched(address: string | undefined, say: Say): Promise<ArrayBuffer> {
+  if (!address) throw new Error("the page does not say where it is");
+  for (;;) {
+    const answer = await fetch(address).catch(() => {
+      throw new Error("the server cannot be reached");
+    });
+    if (answer.ok && answer.status !== 202) return await unzipped(await answer.arrayBuffer());
+    const told = await answer.json().catch(() => ({}));
+    const reason = told.error ?? told.detail;
+    if (answer.status !== 202 || told.state === "failed") {
+      throw new Error(typeof reason === "string" ? reason : `the server answered ${answer.status}`);
+    }
+    say(reason ?? "It is being prepared …");
+    await pause(PAUSE);
+  }
+}
+
+function after(address: string, cursor: string): string {
+  const whole = new URL(address, document.baseURI);
+  whole.searchParams.set("after", cursor);
+  return whole.href;
+}
+
+// What a page that needs no server holds, as base64 of a file that is compressed with gzip.
+async function embeddedContent(name: "map" | "trails"): Promise<ArrayBuffer> {
+  const text = document.getElementById(`wildscav-${name}`)?.textContent;
+  if (!text) throw new Error("the page does not hold it");
+  const letters = atob(text.replace(/\s/g, ""));
+  const bytes = new Uint8Array(letters.length);
+  for (let place = 0; place < letters.length; place++) bytes[place] = letters.charCodeAt(place);
+  return await unzipped(bytes.buffer);
+}

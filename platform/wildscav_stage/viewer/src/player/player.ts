@@ -1,0 +1,350 @@
+// The player of a match: the picture, the time line, the standings and the events, and what moves them.
+
+import type { Course } from "../data/course";
+import type { GameMap } from "../data/map";
+import type { Trails } from "../data/trails";
+import type { StageMaker, View, ViewKind } from "../stage";
+import { type Moment, writeMoment } from "./address";
+import type { Clock } from "./clock";
+import { type Actions, Controls, FIRST_TRAIL } from "./controls";
+import { make } from "./dom";
+import { EventList } from "./event_list";
+import { Feed } from "./feed";
+import { keysDialog, listenToKeys } from "./keys";
+import { jumpFrom, stepFrom } from "./moments";
+import { Screen } from "./screen";
+import { Standings } from "./standings";
+import { Timeline, timeText } from "./timeline";
+
+const SLOW = 200; // ms between two changes of the lists while time passes
+const STIRRED = 1000; // ms for which the picture is drawn after a person moved something
+const CALM = 500; // ms between two live pictures for people who asked for less motion
+const SAID = 4000; // ms for which an answer to a person stays
+
+export class Player implements Actions {
+  readonly screen: Screen;
+  private readonly controls: Controls;
+  private readonly timeline: Timeline;
+  private readonly standings: Standings;
+  private readonly events: EventList;
+  private readonly feed: Feed;
+  private readonly outcome = make("p", { className: "player-outcome", role: "status" });
+  private readonly keys = keysDialog();
+  private readonly theater: HTMLElement;
+  private readonly stops: (() => void)[];
+  private readonly calm = window.matchMedia("(prefers-reduced-motion: reduce)");
+  private isInset = false;
+  private trail = FIRST_TRAIL; // s
+  private isOnPage = true; // as far as one has scrolled
+  private request = 0;
+  private drawn = -1; // frame
+  private drawnAt = 0; // ms
+  private slowAt = 0; // ms
+  private stirredAt = Number.NEGATIVE_INFINITY; // ms
+  private isStale = true;
+
+  constructor(
+    readonly root: HTMLElement,
+    readonly course: Course,
+    readonly clock: Clock,
+    makers: StageMaker[],
+    isFirst: () => boolean,
+  ) {
+    this.screen = new Screen(course, makers, () => this.stir());
+    this.screen.onStage = () => this.showStage();
+    this.screen.wanted = this.firstView();
+    this.controls = new Controls(course.seats, this);
+    this.timeline = new Timeline(course, (seconds) => this.clock.seek(seconds));
+    this.standings = new Standings(course, (seat) => this.followOrLeave(seat));
+    this.feed = new Feed(course);
+    this.events = new EventList(
+      course,
+      (frame) => this.seekFrame(frame),
+      () => this.relist(),
+    );
+    this.screen.element.append(this.feed.element, this.outcome);
+    this.theater = make(
+      "div",
+      { className: "player-theater" },
+      this.screen.element,
+      this.timeline.element,
+      this.controls.element,
+    );
+    this.lay();
+    this.stops = [clock.listen(() => this.refresh()), listenToKeys(root, this, isFirst), this.watchPage()];
+    this.events.extend();
+    this.setEnd();
+    this.showStage();
+  }
+
+  get frame(): number {
+    // A time that is a frame must not fall just below it.
+    const frame = Math.round(this.clock.seconds * this.course.trails.frames_per_second * 1e6) / 1e6;
+    return Math.min(frame, this.course.lastFrame);
+  }
+
+  showMap(map: GameMap): void {
+    this.screen.show(map);
+  }
+
+  // Begin at a moment, at the present, or at the beginning, where people who asked for less motion press Play.
+  start(moment: Moment | null): void {
+    if (moment) this.goTo(moment);
+    if (moment?.seconds != null) return;
+    if (this.clock.isOpen) this.clock.followLive();
+    else if (!this.calm.matches && !this.clock.isPlaying) this.clock.play();
+  }
+
+  goTo({ seconds, view, seat }: Moment): void {
+    if (seconds !== null) {
+      this.clock.pause();
+      this.clock.seek(seconds);
+    }
+    const known = seat !== null && seat < this.course.seats.length ? seat : this.screen.view.seat;
+    this.setView({ kind: view ?? this.screen.view.kind, seat: known });
+  }
+
+  // Take in new samples of a match that is being played.
+  extend(next: Trails): void {
+    this.course.extend(next);
+    this.standings.extend();
+    this.events.extend();
+    this.setEnd();
+    if (next.over) this.clock.close();
+  }
+
+  say(...what: (Node | string)[]): void {
+    this.controls.status.replaceChildren(...what);
+  }
+
+  dispose(): void {
+    cancelAnimationFrame(this.request);
+    for (const stop of this.stops) stop();
+    this.clock.leave(this);
+    this.timeline.dispose();
+    this.screen.dispose();
+  }
+
+  // What buttons and keys do.
+
+  toggle(): void {
+    if (this.clock.isPlaying || this.clock.isFollowingLive) this.clock.pause();
+    else this.clock.play();
+  }
+
+  leap(seconds: number): void {
+    this.clock.seek(this.clock.seconds + seconds);
+  }
+
+  step(direction: 1 | -1): void {
+    this.clock.pause();
+    this.seekFrame(stepFrom(this.course, this.frame, direction));
+  }
+
+  jump(direction: 1 | -1): void {
+    const { frames_per_second } = this.course.trails;
+    const event = jumpFrom(this.events.listed, this.frame, direction, frames_per_second);
+    if (event) this.seekFrame(event.frame);
+    else this.sayBriefly(direction > 0 ? "No later event" : "No earlier event");
+  }
+
+  setSpeed(speed: number): void {
+    this.clock.setSpeed(speed);
+  }
+
+  changeSpeed(direction: 1 | -1): void {
+    this.clock.changeSpeed(direction);
+    this.sayBriefly(`${this.clock.speed}×`);
+  }
+
+  look(kind: ViewKind): void {
+    this.setView({ ...this.screen.view, kind });
+  }
+
+  nextView(): void {
+    const { kinds, view } = this.screen;
+    if (kinds.length) this.look(kinds[(kinds.indexOf(view.kind) + 1) % kinds.length]);
+  }
+
+  follow(seat: number): void {
+    if (seat >= this.course.seats.length) return;
+    const { kind } = this.screen.view;
+    this.setView({ kind: kind === "eyes" ? kind : "behind", seat });
+  }
+
+  followLive(): void {
+    if (this.clock.isOpen) this.clock.followLive();
+  }
+
+  setTrail(seconds: number): void {
+    this.trail = seconds;
+    if (this.screen.stage) this.screen.stage.trail = seconds;
+    this.stir();
+  }
+
+  toggleInset(): void {
+    if (this.screen.stage?.inset === undefined) return;
+    this.isInset = !this.isInset;
+    this.setView(this.screen.view);
+  }
+
+  toggleFullscreen(): void {
+    if (document.fullscreenElement) document.exitFullscreen();
+    else
+      this.theater
+        .requestFullscreen?.()
+        .catch(() => this.sayBriefly("The browser allows no fullscreen here"));
+  }
+
+  async copyLink(): Promise<void> {
+    history.replaceState(null, "", writeMoment(this.clock.seconds, this.screen.view));
+    try {
+      await navigator.clipboard.writeText(location.href);
+      this.sayBriefly("Link copied");
+    } catch {
+      this.sayBriefly("The address of the page is now the link");
+    }
+  }
+
+  help(): void {
+    this.keys.showModal();
+  }
+
+  // The parts.
+
+  private lay(): void {
+    const side = make(
+      "div",
+      { className: "player-side" },
+      this.standings.element,
+      this.events.filters,
+      this.events.element,
+    );
+    this.root.classList.add("player");
+    this.root.replaceChildren(make("div", { className: "player-grid" }, this.theater, side), this.keys);
+  }
+
+  private firstView(): View {
+    const seat = this.course.seats.find(({ kind }) => kind === "submission") ?? this.course.seats[0];
+    return { kind: "behind", seat: seat?.seat ?? 0 };
+  }
+
+  private showStage(): void {
+    const { stage, kinds } = this.screen;
+    if (stage && stage.trail !== undefined) stage.trail = this.trail;
+    this.controls.showStage(kinds, stage?.inset !== undefined, stage?.trail !== undefined);
+    this.setView(this.screen.view);
+  }
+
+  private setView(view: View): void {
+    this.screen.look(view);
+    const { stage } = this.screen;
+    const shown = this.screen.view;
+    if (stage && stage.inset !== undefined)
+      stage.inset = this.isInset && shown.kind !== "eyes" ? shown.seat : null;
+    this.controls.showView(shown, this.isInset);
+    this.standings.mark(shown.kind === "behind" || shown.kind === "eyes" ? shown.seat : null);
+  }
+
+  // A click on whom one follows lets go of it.
+  private followOrLeave(seat: number): void {
+    const { kind, seat: followed } = this.screen.view;
+    const isFollowed = seat === followed && (kind === "behind" || kind === "eyes");
+    if (isFollowed && this.screen.kinds.includes("free")) this.look("free");
+    else this.follow(seat);
+  }
+
+  private relist(): void {
+    this.timeline.list(this.events.listed);
+    this.refresh();
+  }
+
+  private setEnd(): void {
+    this.clock.setEnd(this, this.course.seconds(this.course.lastFrame));
+  }
+
+  private seekFrame(frame: number): void {
+    this.clock.seek(this.course.seconds(frame));
+  }
+
+  private sayBriefly(text: string): void {
+    this.say(text);
+    setTimeout(() => {
+      if (this.controls.status.textContent === text) this.say();
+    }, SAID);
+  }
+
+  // Drawing.
+
+  // Whoever scrolls or switches away sees nothing, so nothing is drawn, and time stands still.
+  private watchPage(): () => void {
+    const watcher = new IntersectionObserver((entries) => {
+      this.isOnPage = entries[entries.length - 1].isIntersecting;
+      if (!this.root.isConnected) this.dispose();
+      else this.wake();
+    });
+    watcher.observe(this.root);
+    const listener = () => this.wake();
+    document.addEventListener("visibilitychange", listener);
+    return () => {
+      watcher.disconnect();
+      document.removeEventListener("visibilitychange", listener);
+    };
+  }
+
+  // Something has changed: draw everything anew.
+  private refresh(): void {
+    this.isStale = true;
+    this.wake();
+  }
+
+  // A person moved the camera: draw the picture anew for a while.
+  private stir(): void {
+    this.stirredAt = performance.now();
+    this.wake();
+  }
+
+  private wake(): void {
+    const isSeen = this.isOnPage && document.visibilityState === "visible";
+    if (isSeen && !this.request) this.request = requestAnimationFrame((now) => this.tick(now));
+  }
+
+  private tick(now: number): void {
+    this.request = 0;
+    this.clock.advance(now);
+    const isMoved = this.screen.stage?.moving || now - this.stirredAt < STIRRED;
+    const isCalm = this.clock.isFollowingLive && this.calm.matches && now - this.drawnAt < CALM;
+    if (this.isStale || isMoved || (this.frame !== this.drawn && !isCalm)) this.draw(now);
+    if (this.clock.isRunning || isMoved || this.screen.stage?.moving) this.wake();
+    else this.clock.rest();
+  }
+
+  private draw(now: number): void {
+    const { frame, clock, course } = this;
+    this.screen.draw(frame);
+    this.drawnAt = now;
+    if (!this.isStale && frame === this.drawn) return;
+    this.drawn = frame;
+    const end = course.seconds(course.lastFrame);
+    const text = timeText(course.seconds(frame), end);
+    const isAtEnd = frame >= course.lastFrame && !clock.isOpen;
+    this.timeline.update(course.seconds(frame), end, text);
+    this.controls.update(clock, text, isAtEnd);
+    this.feed.update(frame, clock.speed);
+    this.showOutcome(isAtEnd);
+    if (this.isStale || now - this.slowAt > SLOW) this.drawLists(frame, now);
+    this.isStale = false;
+  }
+
+  private drawLists(frame: number, now: number): void {
+    this.slowAt = now;
+    this.standings.update(frame);
+    this.events.update(frame);
+  }
+
+  private showOutcome(isAtEnd: boolean): void {
+    const { outcome } = this.course.trails;
+    const text = isAtEnd && outcome ? `${outcome}.` : "";
+    if (this.outcome.textContent !== text) this.outcome.textContent = text;
+  }
+}

@@ -1,0 +1,135 @@
+// The picture of a match: a canvas with the stage that draws on it, and what lies over it.
+
+import type { Course } from "../data/course";
+import type { GameMap } from "../data/map";
+import type { Stage, StageMaker, View, ViewKind } from "../stage";
+import { iconButton, make } from "./dom";
+
+const SHARPEST = 2; // pixels of the canvas to one of the page
+const NO_3D = "This browser cannot draw the match in 3D, so it is shown from above.";
+const LOST_3D = "The browser stopped drawing in 3D, so the match is shown from above.";
+const NO_STAGE = "This browser cannot draw the match. The events tell it.";
+
+export class Screen {
+  readonly element = make("div", { className: "player-screen" });
+  stage: Stage | null = null;
+  wanted: View = { kind: "behind", seat: 0 };
+  onStage = () => {}; // told when the stage is there, or is another
+  private canvas: HTMLCanvasElement | null = null;
+  private readonly message = make("p", { className: "player-message", role: "status" });
+  private readonly note = make("p", { className: "player-note", role: "status" });
+  private readonly zoomButtons: HTMLElement;
+  private readonly sizes = new ResizeObserver(() => this.fit());
+  private map: GameMap | null = null;
+
+  constructor(
+    private readonly course: Course,
+    private readonly makers: StageMaker[],
+    private readonly redraw: () => void,
+  ) {
+    this.zoomButtons = make(
+      "div",
+      { className: "player-zoom" },
+      iconButton("nearer", "Zoom in", () => this.zoom(1.5)),
+      iconButton("farther", "Zoom out", () => this.zoom(1 / 1.5)),
+    );
+    this.zoomButtons.hidden = true;
+    this.element.append(this.message, this.note, this.zoomButtons);
+    this.sizes.observe(this.element);
+  }
+
+  say(text: string): void {
+    this.message.textContent = text;
+  }
+
+  // Draw on the map from now on.
+  show(map: GameMap): void {
+    this.map = map;
+    this.say("");
+    this.raise(0);
+  }
+
+  draw(frame: number): void {
+    this.stage?.draw(frame);
+  }
+
+  look(view: View): void {
+    this.wanted = view;
+    if (this.stage) this.stage.view = { ...view, kind: this.possible(view.kind) };
+    // Where fingers do not move the camera, they scroll the page.
+    const isMoved = this.view.kind === "free" || this.view.kind === "above";
+    if (this.canvas) this.canvas.style.touchAction = isMoved ? "none" : "pan-y";
+    this.redraw();
+  }
+
+  get kinds(): ViewKind[] {
+    return this.stage?.kinds ?? [];
+  }
+
+  get view(): View {
+    return this.stage?.view ?? this.wanted;
+  }
+
+  dispose(): void {
+    this.sizes.disconnect();
+    this.stage?.dispose();
+    this.stage = null;
+  }
+
+  // Take the first of the makers from a place on that makes a stage, on a canvas that none has used.
+  private raise(first: number): void {
+    for (let place = first; place < this.makers.length; place++) {
+      if (this.tryMaker(place)) return;
+    }
+    this.canvas?.remove();
+    this.say(NO_STAGE);
+    this.onStage();
+  }
+
+  private tryMaker(place: number): boolean {
+    const canvas = make("canvas", { className: "player-canvas", tabIndex: 0, role: "img" });
+    canvas.setAttribute("aria-label", place ? "The match from above" : "The match in 3D");
+    this.canvas?.remove();
+    this.canvas = canvas;
+    this.element.prepend(canvas);
+    try {
+      this.stage = this.makers[place](canvas, this.map as GameMap, this.course);
+    } catch (error) {
+      console.info(error);
+      return false;
+    }
+    canvas.addEventListener("webglcontextlost", () => this.lose(place));
+    for (const name of ["pointerdown", "pointermove", "pointerup", "wheel", "keydown"]) {
+      canvas.addEventListener(name, this.redraw, { passive: true });
+    }
+    this.zoomButtons.hidden = !this.stage.zoom;
+    if (place) this.note.textContent = NO_3D;
+    this.look(this.wanted);
+    this.fit();
+    this.onStage();
+    return true;
+  }
+
+  private lose(place: number): void {
+    this.stage?.dispose();
+    this.stage = null;
+    this.raise(place + 1);
+    if (this.stage) this.note.textContent = LOST_3D;
+  }
+
+  private possible(kind: ViewKind): ViewKind {
+    return this.kinds.includes(kind) ? kind : (this.kinds[0] ?? kind);
+  }
+
+  private zoom(factor: number): void {
+    this.stage?.zoom?.(factor);
+    this.redraw();
+  }
+
+  private fit(): void {
+    const { clientWidth: width, clientHeight: height } = this.element;
+    if (!this.stage || !width || !height) return;
+    this.stage.resize(width, height, Math.min(window.devicePixelRatio || 1, SHARPEST));
+    this.redraw();
+  }
+}

@@ -1,0 +1,120 @@
+// The time line: a slider, behind which marks show when something happened.
+
+import type { Course } from "../data/course";
+import type { EventKind, MatchEvent } from "../data/trails";
+import { clockText } from "./clock";
+import { make } from "./dom";
+import { LOOKS } from "./moments";
+
+const NEAR = 6; // px from a mark within which a click means its moment
+const THUMB = 10; // px, width of the handle, as in viewer.css
+const THINNED: EventKind[] = ["pick_up", "hit"]; // so many that only some are marked
+const GAP = 5; // px between two marks of those
+
+export class Timeline {
+  readonly element: HTMLElement;
+  private readonly marks = make("canvas", { className: "player-marks" });
+  private readonly played = make("div", { className: "player-played" });
+  private readonly range: HTMLInputElement;
+  private events: MatchEvent[] = [];
+  private end = 0; // s
+  private text = "";
+  private readonly sizes = new ResizeObserver(() => this.drawMarks());
+
+  // seek: told the seconds that a person asks for.
+  constructor(
+    private readonly course: Course,
+    private readonly seek: (seconds: number) => void,
+  ) {
+    this.range = make("input", { type: "range", min: "0", className: "player-range" });
+    this.range.step = String(1 / course.trails.frames_per_second);
+    this.range.setAttribute("aria-label", "Time of the match");
+    this.range.oninput = () => this.seek(Number(this.range.value));
+    this.marks.setAttribute("aria-hidden", "true");
+    this.listenForClicks();
+    this.element = make("div", { className: "player-line" }, this.played, this.marks, this.range);
+    this.sizes.observe(this.marks);
+  }
+
+  // Mark these events.
+  list(events: MatchEvent[]): void {
+    this.events = events;
+    this.drawMarks();
+  }
+
+  // Show a time, and the text for people who cannot see it.
+  update(seconds: number, end: number, text: string): void {
+    if (end !== this.end) {
+      this.end = end;
+      this.range.max = String(end);
+      this.drawMarks();
+    }
+    this.range.value = String(seconds);
+    this.played.style.transform = `scaleX(${end ? seconds / end : 0})`;
+    if (text === this.text) return;
+    this.text = text;
+    this.range.setAttribute("aria-valuetext", text);
+  }
+
+  dispose(): void {
+    this.sizes.disconnect();
+  }
+
+  private drawMarks(): void {
+    const ratio = window.devicePixelRatio || 1;
+    const { clientWidth: width, clientHeight: height } = this.marks;
+    if (!width || !height) return;
+    this.marks.width = Math.round(width * ratio);
+    this.marks.height = Math.round(height * ratio);
+    const context = this.marks.getContext("2d");
+    if (!context) return;
+    context.scale(ratio, ratio);
+    for (const event of this.marked()) {
+      const { color, tall } = LOOKS[event.kind];
+      context.fillStyle = color;
+      context.fillRect(this.column(event.frame) - 1, height * (1 - tall), 2, height * tall);
+      if (event.kind === "target") context.fillRect(this.column(event.frame) - 4, 0, 8, 5);
+      if (event.kind === "death" || event.kind === "out") {
+        context.fillRect(this.column(event.frame) - 3, 0, 6, 6);
+      }
+    }
+  }
+
+  // Lower marks first, so that taller ones lie on them.
+  private marked(): MatchEvent[] {
+    const last: Partial<Record<EventKind, number>> = {};
+    const isApart = (event: MatchEvent) => {
+      const column = this.column(event.frame);
+      if (THINNED.includes(event.kind) && column - (last[event.kind] ?? -GAP) < GAP) return false;
+      last[event.kind] = column;
+      return true;
+    };
+    return this.events.filter(isApart).sort((one, other) => LOOKS[one.kind].tall - LOOKS[other.kind].tall);
+  }
+
+  // Where a frame lies, in px from the left: the handle's middle stands there too.
+  private column(frame: number): number {
+    const share = this.end ? this.course.seconds(frame) / this.end : 0;
+    return THUMB / 2 + share * (this.marks.clientWidth - THUMB);
+  }
+
+  // A click beside a mark, without dragging, means the mark.
+  private listenForClicks(): void {
+    let from: number | null = null;
+    this.range.onpointerdown = (press) => {
+      from = press.offsetX;
+    };
+    this.range.onclick = (click) => {
+      if (from === null || Math.abs(click.offsetX - from) > 3) return;
+      const away = (event: MatchEvent) => Math.abs(this.column(event.frame) - click.offsetX);
+      const near = this.events.filter((event) => away(event) < NEAR);
+      near.sort((one, other) => LOOKS[other.kind].tall - LOOKS[one.kind].tall || away(one) - away(other));
+      if (near.length) this.seek(this.course.seconds(near[0].frame));
+      from = null;
+    };
+  }
+}
+
+export function timeText(seconds: number, end: number): string {
+  return `${clockText(seconds)} of ${clockText(end)}`;
+}
