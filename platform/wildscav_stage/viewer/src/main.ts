@@ -4,10 +4,10 @@
 // data-live says that the match is being played: new samples are asked for until it is over;
 // data-sync names a group of players that play in step.
 
+import { createFlatStage } from "./flat";
 import { show } from "./player/show";
-import type { StageMaker } from "./stage";
+import { createStage } from "./world";
 
-// The best first.
-const makers: StageMaker[] = [];
-
-for (const element of document.querySelectorAll<HTMLElement>("[data-match]")) show(element, makers);
+for (const element of document.querySelectorAll<HTMLElement>("[data-match]")) {
+  show(element, [createStage, createFlatStage]);
+}

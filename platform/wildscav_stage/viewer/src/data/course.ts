@@ -31,7 +31,7 @@ export class Course {
   readonly shots: Shot[] = [];
   events: MatchEvent[] = [];
   trails: Trails;
-  private readonly samples: Record<SampleName, number[]>[];
+  readonly samples: Record<SampleName, number[]>[]; // of each seat, as in the document but without differences
 
   // names: of seats, as a page knows them; records have those under which submissions were entered.
   constructor(trails: Trails, names: Record<number, string> = {}) {

@@ -67,9 +67,9 @@ function turnLetters(isOn: boolean): void {
 // Whether a key pressed on an element means something else there.
 function isTaken(key: string, at: Element): boolean {
   if (at.closest("dialog, textarea, select, [contenteditable]")) return true;
-  const isField = at instanceof HTMLInputElement;
-  if (isField && at.type !== "range" && at.type !== "checkbox") return true;
-  return key === " " && (at.closest("button, a, summary") !== null || isField);
+  const field = at instanceof HTMLInputElement ? at.type : "";
+  if (field && field !== "range" && field !== "checkbox") return true;
+  return key === " " && (at.closest("button, a, summary") !== null || field === "checkbox");
 }
 
 // Listen to keys: those pressed within an element, and those pressed nowhere, if isFirst says so.

@@ -17,7 +17,7 @@ import { Standings } from "./standings";
 import { Timeline, timeText } from "./timeline";
 
 const SLOW = 200; // ms between two changes of the lists while time passes
-const STIRRED = 1000; // ms for which the picture is drawn after a person moved something
+const SETTLED = 1000; // ms after which the camera of a stage that does not say so has come to rest
 const CALM = 500; // ms between two live pictures for people who asked for less motion
 const SAID = 4000; // ms for which an answer to a person stays
 
@@ -40,7 +40,8 @@ export class Player implements Actions {
   private drawn = -1; // frame
   private drawnAt = 0; // ms
   private slowAt = 0; // ms
-  private stirredAt = Number.NEGATIVE_INFINITY; // ms
+  private stirredAt = 0; // ms
+  private isStirred = false;
   private isStale = true;
 
   constructor(
@@ -298,9 +299,9 @@ export class Player implements Actions {
     this.wake();
   }
 
-  // A person moved the camera: draw the picture anew for a while.
+  // A person moved the camera: draw the picture anew.
   private stir(): void {
-    this.stirredAt = performance.now();
+    this.isStirred = true;
     this.wake();
   }
 
@@ -312,17 +313,23 @@ export class Player implements Actions {
   private tick(now: number): void {
     this.request = 0;
     this.clock.advance(now);
-    const isMoved = this.screen.stage?.moving || now - this.stirredAt < STIRRED;
+    if (this.isStale || this.isStirred) this.stirredAt = now;
     const isCalm = this.clock.isFollowingLive && this.calm.matches && now - this.drawnAt < CALM;
-    if (this.isStale || isMoved || (this.frame !== this.drawn && !isCalm)) this.draw(now);
-    if (this.clock.isRunning || isMoved || this.screen.stage?.moving) this.wake();
+    const isLater = this.frame !== this.drawn && !isCalm;
+    if (this.isStale || this.isStirred || isLater || this.isCameraMoving(now)) this.draw(now);
+    if (this.clock.isRunning || this.isCameraMoving(now)) this.wake();
     else this.clock.rest();
+  }
+
+  private isCameraMoving(now: number): boolean {
+    return this.screen.stage?.moving ?? now - this.stirredAt < SETTLED;
   }
 
   private draw(now: number): void {
     const { frame, clock, course } = this;
     this.screen.draw(frame);
     this.drawnAt = now;
+    this.isStirred = false;
     if (!this.isStale && frame === this.drawn) return;
     this.drawn = frame;
     const end = course.seconds(course.lastFrame);

@@ -1,0 +1,101 @@
+// What a camera must not look through: whether anything stands between two places.
+
+import type { GameMap } from "../data/map";
+import { heightAt } from "./terrain";
+
+const CELL = 8; // m along a side of a square of the map
+const STEP = 0.5; // m between two places where a ray is compared with the ground
+const OVER = 0.3; // m that it keeps over the ground
+const PASSED = ["furniture", "stair"]; // kinds that a camera may be in
+
+export class Obstacles {
+  private readonly squares = new Map<number, number[]>();
+  private readonly planes = new Map<number, Float32Array>();
+
+  constructor(private readonly map: GameMap) {
+    const { solids, kinds } = map;
+    const passed = new Set(PASSED.map((name) => kinds[name]));
+    const count = solids.corners.length / 3;
+    for (let solid = 0; solid < solids.count; solid++) {
+      if (passed.has(solids.kind[solid])) continue;
+      const end = solid + 1 < solids.count ? solids.first[solid + 1] : count;
+      let [west, east, south, north] = [Infinity, -Infinity, Infinity, -Infinity];
+      for (let at = 3 * solids.first[solid]; at < 3 * end; at += 3) {
+        west = Math.min(west, solids.corners[at]);
+        east = Math.max(east, solids.corners[at]);
+        south = Math.min(south, solids.corners[at + 2]);
+        north = Math.max(north, solids.corners[at + 2]);
+      }
+      this.note(solid, west, east, south, north);
+    }
+  }
+
+  // How far one can look from a place along a unit vector, up to so many m.
+  free(x: number, y: number, z: number, way: [number, number, number], most: number): number {
+    let free = most;
+    const seen = new Set<number>();
+    for (let along = 0; along <= most; along += STEP) {
+      const [atX, atY, atZ] = [x + way[0] * along, y + way[1] * along, z + way[2] * along];
+      if (along > 0 && atY < heightAt(this.map.ground, atX, atZ) + OVER) return Math.min(free, along - STEP);
+      const key = keyOf(Math.floor(atX / CELL), Math.floor(atZ / CELL));
+      if (seen.has(key)) continue;
+      seen.add(key);
+      for (const solid of this.squares.get(key) ?? [])
+        free = Math.min(free, this.distance(solid, x, y, z, way));
+    }
+    return free;
+  }
+
+  private note(solid: number, west: number, east: number, south: number, north: number): void {
+    for (let row = Math.floor(south / CELL); row <= Math.floor(north / CELL); row++) {
+      for (let column = Math.floor(west / CELL); column <= Math.floor(east / CELL); column++) {
+        const key = keyOf(column, row);
+        const members = this.squares.get(key);
+        if (members) members.push(solid);
+        else this.squares.set(key, [solid]);
+      }
+    }
+  }
+
+  // Where a ray enters a solid; infinite if it does not, or begins in it.
+  private distance(solid: number, x: number, y: number, z: number, way: [number, number, number]): number {
+    const planes = this.planesOf(solid);
+    let [enter, leave] = [-Infinity, Infinity];
+    for (let at = 0; at < planes.length; at += 4) {
+      const [a, b, c] = [planes[at], planes[at + 1], planes[at + 2]];
+      const outside = a * x + b * y + c * z - planes[at + 3];
+      const speed = a * way[0] + b * way[1] + c * way[2];
+      if (Math.abs(speed) < 1e-9) {
+        if (outside > 0) return Infinity;
+      } else if (speed < 0) enter = Math.max(enter, -outside / speed);
+      else leave = Math.min(leave, -outside / speed);
+    }
+    return enter > 0 && enter < leave ? enter : Infinity;
+  }
+
+  // The planes of a solid's triangles: outward unit normals, and their offsets.
+  private planesOf(solid: number): Float32Array {
+    let planes = this.planes.get(solid);
+    if (planes) return planes;
+    const { solids, topologies } = this.map;
+    const triangles = topologies[solids.topology[solid]];
+    planes = new Float32Array((4 * triangles.length) / 3);
+    for (let triangle = 0; triangle < triangles.length / 3; triangle++) {
+      const [a, b, c] = [0, 1, 2].map((place) => 3 * (solids.first[solid] + triangles[3 * triangle + place]));
+      const side = (to: number, axis: number) => solids.corners[to + axis] - solids.corners[a + axis];
+      const normal = [0, 1, 2].map((axis) => {
+        const [next, last] = [(axis + 1) % 3, (axis + 2) % 3];
+        return side(b, next) * side(c, last) - side(b, last) * side(c, next);
+      });
+      const length = Math.hypot(...normal) || 1;
+      const offset = normal.reduce((sum, part, axis) => sum + (part / length) * solids.corners[a + axis], 0);
+      planes.set([...normal.map((part) => part / length), offset], 4 * triangle);
+    }
+    this.planes.set(solid, planes);
+    return planes;
+  }
+}
+
+function keyOf(column: number, row: number): number {
+  return (row + 4096) * 8192 + column + 4096;
+}

@@ -1,0 +1,76 @@
+// What all shaders of the world share. Places and directions are in the game's frame: x east, y up, z north.
+// Colours are as the engine's cameras compute with them: 0-1, without conversion.
+
+import { AMBIENT, DIRECT } from "../view/light";
+
+const float = (value: number) => value.toFixed(4);
+
+export const COMMON = /* glsl */ `
+uniform vec3 eye; // m
+uniform float far; // m, where everything has faded into the haze; 0 without haze
+uniform float pixel; // m, the side of a pixel 1 m away; without perspective anywhere
+uniform vec3 sun, sunlight, skylight, zenith, horizon, below, disc, cloud;
+uniform sampler2D noiseMap;
+uniform float detail; // 0 = plain surfaces, 1 = all but the finest grain, 2 = all of it
+uniform highp sampler2DShadow shadowMap;
+uniform vec4 shadowFrame; // half the side of the map, lowest and highest place, and whether there are shadows
+uniform vec2 viewport; // pixels of the picture
+uniform float perPixel; // of them in a CSS pixel
+uniform vec4 zone; // x, z and radius of the safe zone, and whether there is one
+
+float square(float value) { return value * value; }
+
+// Smooth noise 0-1 over a plane.
+float noise(vec2 at) {
+  vec2 corner = floor(at), share = at - corner;
+  share = share * share * (3.0 - 2.0 * share);
+  return texture(noiseMap, (corner + share + 0.5) * (1.0 / 128.0)).r;
+}
+
+// A number 0-1 for a point of a lattice.
+float grain(vec2 at) { return texture(noiseMap, (floor(at) + 0.5) * (1.0 / 128.0)).r; }
+
+// How visible details of some size are, where a pixel has another size.
+float sharpness(float size, float footprint) { return clamp(1.6 - footprint * (2.4 / size), 0.0, 1.0); }
+
+// The clear sky in a direction.
+vec3 haze(float up) {
+  float level = square(square(1.0 - max(0.0, up)));
+  return zenith + (horizon - zenith) * level + (below - horizon) * clamp(-2.5 * up, 0.0, 1.0);
+}
+
+// Where a place is seen by the sun: see shadow.ts.
+vec3 inShadowMap(vec3 place) {
+  vec2 across = (place.xz - sun.xz / sun.y * (place.y - shadowFrame.y)) / shadowFrame.x;
+  return vec3(across, (shadowFrame.z - place.y) / (shadowFrame.z - shadowFrame.y)) ;
+}
+
+float sunShare(vec3 place, vec3 normal) {
+  if (shadowFrame.w == 0.0) return 1.0;
+  vec3 at = inShadowMap(place + 0.09 * normal + vec3(0.0, 0.04, 0.0));
+  if (abs(at.x) > 1.0 || abs(at.y) > 1.0) return 1.0;
+  return texture(shadowMap, vec3(0.5 + 0.5 * at.xy, at.z));
+}
+
+// The light on a surface in the open air.
+vec3 lightOn(vec3 normal, float shine) {
+  float direct = ${float(DIRECT)} * max(0.0, dot(normal, sun)) * shine;
+  float ambient = ${float(AMBIENT.level)} + dot(normal, vec3(${float(AMBIENT.east)}, ${float(AMBIENT.rise)}, ${float(AMBIENT.north)}));
+  return direct * sunlight + ambient * skylight;
+}
+
+// What is seen of a colour through the air, and where the safe zone does not reach.
+vec3 throughAir(vec3 color, vec3 place) {
+  if (zone.w > 0.0 && distance(place.xz, zone.xy) > zone.z) {
+    color = mix(color, vec3(0.42, 0.16, 0.55) * (0.35 + dot(color, vec3(0.4))), 0.45);
+  }
+  if (far == 0.0) return color;
+  vec3 ray = place - eye;
+  float way = length(ray);
+  return mix(color, haze(ray.y / way), square(min(1.0, way / far)));
+}
+`;
+
+export const PROJECT = /* glsl */ `
+vec4 project(vec3 place) { return projectionMatrix * modelViewMatrix * vec4(place, 1.0); }
+`;

@@ -1,0 +1,144 @@
+// A match in 3D, drawn with three.js. Everything is placed in the game's frame, in a group that is mirrored.
+
+import { Color, Group, LinearSRGBColorSpace, type Mesh, Scene, WebGLRenderer } from "three";
+import type { Course } from "../data/course";
+import type { GameMap } from "../data/map";
+import type { Stage, View } from "../stage";
+import { Input } from "../view/gestures";
+import { momentOf } from "../view/moment";
+import { createAgents } from "./agents";
+import { createBoxes } from "./boxes";
+import { Cameras } from "./cameras";
+import { createGround } from "./ground";
+import { createLabels } from "./labels";
+import { Lines } from "./lines";
+import { Pace } from "./pace";
+import { castShadows } from "./shadow";
+import { createShared } from "./shared";
+import { showShots } from "./shots";
+import { createSky } from "./sky";
+import { createSolids } from "./solids";
+import { createTarget } from "./target";
+import { showTrails } from "./trails";
+import { createWater } from "./water";
+import { createZone } from "./zone";
+
+const SPARK = 5; // CSS pixels, of the sparks over boxes
+const ROOFLESS = 90; // m in view from above, from where on houses are shown without roofs
+const FINE = 120; // the same, from where on solids have all their triangles
+const ENLARGED = 0.016; // of what is in view from above: how tall agents are drawn at least
+const TALL = 1.8; // m, an agent
+
+// Throws an Error where the browser has no WebGL 2.
+export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Course): Stage {
+  const renderer = new WebGLRenderer({
+    canvas,
+    antialias: true,
+    stencil: true,
+    powerPreference: "high-performance",
+  });
+  renderer.outputColorSpace = LinearSRGBColorSpace;
+  renderer.setClearColor(new Color(0.62, 0.68, 0.72));
+  const { shared, dispose: disposeShared } = createShared(map.light);
+  const ground = createGround(map, shared);
+  const solids = createSolids(map, shared);
+  const agents = createAgents(map, course, shared);
+  const boxes = createBoxes(map, course, shared);
+  const labels = createLabels(course, shared);
+  const zone = createZone(map, course, shared);
+  const tracers = new Lines(shared, 64, true);
+  const trails = new Lines(shared, 64, false);
+  const sky = createSky(shared);
+  const scene = new Scene();
+  const root = new Group();
+  root.scale.z = -1;
+  root.add(ground, solids.group, createWater(map, shared), sky, agents.group, boxes.group);
+  root.add(labels.group, zone.group, createTarget(course, shared), tracers.mesh, trails.mesh);
+  scene.add(root);
+  solids.see(shared.eye.value, Infinity, true);
+  const shadows = castShadows(renderer, map, [ground, solids.group], shared);
+  root.updateMatrixWorld(true);
+  scene.matrixWorldAutoUpdate = false;
+  const cameras = new Cameras(map, course, shared);
+  const pace = new Pace();
+  const size = { width: 1, height: 1, ratio: 1 };
+  let before = 0;
+
+  const fit = () => {
+    const { scale, maxRatio, detail, shadows: hasShadows } = pace.quality;
+    const ratio = Math.min(size.ratio, maxRatio) * scale;
+    renderer.setPixelRatio(ratio);
+    renderer.setSize(size.width, size.height, false);
+    renderer.getDrawingBufferSize(shared.viewport.value);
+    shared.perPixel.value = ratio;
+    shared.detail.value = detail;
+    shared.shadowFrame.value.w = hasShadows ? 1 : 0;
+  };
+  const isMoved = () => stage.view.kind === "free" || stage.view.kind === "above";
+  const input = new Input(
+    canvas,
+    {
+      drag: (right, down, isShift) => {
+        if (stage.view.kind === "free") cameras.orbit.drag(right, down, isShift, size.height);
+        else if (isMoved()) cameras.mapView.drag(right, down, size.width, size.height);
+      },
+      zoom: (factor, x, y) => {
+        if (stage.view.kind === "free") cameras.orbit.zoom(factor);
+        else if (isMoved()) cameras.mapView.zoom(factor, x, y, size.width, size.height);
+      },
+    },
+    isMoved,
+  );
+  const move = (seconds: number) => {
+    const [right, ahead] = input.heading();
+    if (stage.view.kind === "free") cameras.orbit.fly([right, ahead], seconds);
+    else if (right || ahead)
+      cameras.mapView.drag(-400 * right * seconds, 400 * ahead * seconds, size.width, size.height);
+  };
+
+  const stage: Stage = {
+    kinds: ["free", "behind", "eyes", "above"],
+    view: { kind: "free", seat: 0 } as View,
+    draw: (frame) => {
+      const now = performance.now();
+      const seconds = before ? (now - before) / 1000 : 0;
+      before = now;
+      if (pace.note(seconds)) fit();
+      move(Math.min(0.1, seconds));
+      const moment = momentOf(course, frame);
+      const shown = cameras.place(stage.view, moment, size.width, size.height, seconds);
+      const { hidden, isFromAbove, across } = shown;
+      const ratio = shared.perPixel.value;
+      solids.see(
+        shared.eye.value,
+        isFromAbove ? (across < FINE ? Infinity : 0) : pace.quality.reach,
+        !isFromAbove || across > ROOFLESS,
+      );
+      agents.show(moment, hidden, isFromAbove ? Math.max(1, (ENLARGED * across) / TALL) : 1);
+      labels.show(moment, hidden, isFromAbove);
+      boxes.show(frame, stage.view.kind === "eyes" ? 0 : SPARK * ratio * (isFromAbove ? 0.7 : 1));
+      zone.show(frame, isFromAbove);
+      showShots(tracers, course, frame, ratio);
+      trails.mesh.visible = isFromAbove;
+      if (isFromAbove) showTrails(trails, course, frame, ratio);
+      sky.visible = !isFromAbove;
+      renderer.render(scene, shown.camera);
+    },
+    resize: (width, height, pixelRatio) => {
+      Object.assign(size, { width, height, ratio: pixelRatio });
+      fit();
+    },
+    dispose: () => {
+      input.dispose();
+      root.traverse((each) => {
+        const { geometry, material } = each as Mesh;
+        geometry?.dispose();
+        for (const own of [material].flat()) own?.dispose();
+      });
+      for (const part of [agents, labels, shadows]) part.dispose();
+      disposeShared();
+      renderer.dispose();
+    },
+  };
+  return stage;
+}

@@ -1,0 +1,95 @@
+// The numbers and textures that all shaders of a world share.
+
+import {
+  ClampToEdgeWrapping,
+  DataTexture,
+  type DepthTexture,
+  GLSL3,
+  LinearFilter,
+  Matrix4,
+  RedFormat,
+  RepeatWrapping,
+  ShaderMaterial,
+  type ShaderMaterialParameters,
+  Vector2,
+  Vector3,
+  Vector4,
+} from "three";
+import type { Color, Light } from "../data/map";
+import { CLOUDS, clouds, lattice, PERIOD } from "../view/noise";
+import { COMMON, PROJECT } from "./glsl";
+
+export interface Shared {
+  eye: { value: Vector3 };
+  far: { value: number };
+  pixel: { value: number };
+  viewport: { value: Vector2 };
+  perPixel: { value: number };
+  toPlace: { value: Matrix4 }; // from a place on the screen to one in the world
+  detail: { value: number };
+  shadowMap: { value: DepthTexture | null };
+  shadowFrame: { value: Vector4 };
+  zone: { value: Vector4 };
+  [name: string]: { value: unknown };
+}
+
+// The uniforms, and what frees their textures.
+export function createShared(light: Light): { shared: Shared; dispose(): void } {
+  const noise = map(lattice(), PERIOD, true);
+  const sky = map(clouds(), CLOUDS, false);
+  const color = (value: Color) => ({ value: new Vector3(...value).divideScalar(255) });
+  const shared: Shared = {
+    eye: { value: new Vector3() },
+    far: { value: 0 },
+    pixel: { value: 0.001 },
+    viewport: { value: new Vector2() },
+    perPixel: { value: 1 },
+    toPlace: { value: new Matrix4() },
+    detail: { value: 2 },
+    shadowMap: { value: null },
+    shadowFrame: { value: new Vector4() },
+    zone: { value: new Vector4() },
+    sun: { value: new Vector3(...light.sun).normalize() },
+    sunlight: { value: new Vector3(...light.sunlight) },
+    skylight: { value: new Vector3(...light.skylight) },
+    zenith: color(light.zenith),
+    horizon: color(light.horizon),
+    below: color(light.below),
+    disc: color(light.disc),
+    cloud: color(light.cloud),
+    noiseMap: { value: noise },
+    cloudMap: { value: sky },
+  };
+  return {
+    shared,
+    dispose: () => {
+      noise.dispose();
+      sky.dispose();
+    },
+  };
+}
+
+// A material of shaders that begin with what they share.
+export function material(
+  shared: Shared,
+  vertex: string,
+  fragment: string,
+  others: ShaderMaterialParameters = {},
+): ShaderMaterial {
+  return new ShaderMaterial({
+    ...others,
+    glslVersion: GLSL3,
+    uniforms: { ...shared, ...others.uniforms },
+    vertexShader: COMMON + PROJECT + vertex,
+    fragmentShader: `${COMMON}out vec4 shown;\n${fragment}`,
+  });
+}
+
+function map(values: Uint8Array<ArrayBuffer>, side: number, isEndless: boolean): DataTexture {
+  const texture = new DataTexture(values, side, side, RedFormat);
+  texture.wrapS = texture.wrapT = isEndless ? RepeatWrapping : ClampToEdgeWrapping;
+  texture.minFilter = texture.magFilter = LinearFilter;
+  texture.unpackAlignment = 1;
+  texture.needsUpdate = true;
+  return texture;
+}

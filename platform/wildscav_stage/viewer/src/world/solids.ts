@@ -1,0 +1,169 @@
+// Houses, trees, rocks and furniture: all solids of a square piece of the map are one geometry.
+
+import { BufferAttribute, BufferGeometry, Group, Mesh, type ShaderMaterial, Sphere, Vector3 } from "three";
+import type { GameMap } from "../data/map";
+import { reducedTriangles } from "./reduced";
+import { material, type Shared } from "./shared";
+import { TEXTURES } from "./textures";
+
+const PIECE = 50; // m along a side of a piece
+const UPRIGHT = 1e-3; // the rise of a face's normal below which it stands upright
+
+const VERTEX = /* glsl */ `
+in vec4 color; // and the kind
+in vec4 axis; // along which boards lie: x and z
+out vec3 place, ray;
+flat out vec3 base;
+flat out vec2 along;
+flat out int kind;
+void main() {
+  place = position;
+  ray = position - eye;
+  base = color.rgb;
+  along = axis.xy;
+  kind = int(color.a * 255.0 + 0.5);
+  gl_Position = project(position);
+}`;
+const FRAGMENT = /* glsl */ `
+in vec3 place, ray;
+flat in vec3 base;
+flat in vec2 along;
+flat in int kind;
+${TEXTURES}
+void main() {
+  vec3 normal = normalize(cross(dFdx(ray), dFdy(ray)));
+  float way = length(ray), facing = dot(normal, ray) / way;
+  if (far == 0.0 ? normal.y < 0.0 : facing > 0.0) normal = -normal;
+  float footprint = far == 0.0 ? pixel : pixel * way / max(0.05, abs(facing));
+  vec3 color = textured(kind, base, normal, place, along, footprint);
+  color *= lightOn(normal, sunShare(place, normal));
+  shown = vec4(throughAir(color, place), 1.0);
+}`;
+
+export interface Solids {
+  group: Group;
+  // Draw pieces farther away than so many m with fewer triangles, from a place in the game's frame.
+  see(from: Vector3, reach: number, withRoofs: boolean): void;
+}
+
+export function createSolids(map: GameMap, shared: Shared): Solids {
+  const own = material(shared, VERTEX, FRAGMENT);
+  const pieces = [...piecesOf(map).values()].map((members) => createPiece(map, members, own));
+  const group = new Group();
+  for (const { mesh } of pieces) group.add(mesh);
+  const see = (from: Vector3, reach: number, withRoofs: boolean) => {
+    for (const { mesh, ranges } of pieces) {
+      const { center, radius } = mesh.geometry.boundingSphere as Sphere;
+      const range = ranges[center.distanceTo(from) - radius > reach ? 0 : 1];
+      mesh.geometry.setDrawRange(range.start, withRoofs ? range.all : range.withoutRoofs);
+    }
+  };
+  return { group, see };
+}
+
+// The numbers of the solids in each piece.
+function piecesOf({ solids }: GameMap): Map<string, number[]> {
+  const pieces = new Map<string, number[]>();
+  for (let solid = 0; solid < solids.count; solid++) {
+    const at = 3 * solids.first[solid];
+    const key = `${Math.floor(solids.corners[at] / PIECE)},${Math.floor(solids.corners[at + 2] / PIECE)}`;
+    const members = pieces.get(key);
+    if (members) members.push(solid);
+    else pieces.set(key, [solid]);
+  }
+  return pieces;
+}
+
+interface Range {
+  start: number; // in the index
+  withoutRoofs: number;
+  all: number;
+}
+
+interface Piece {
+  mesh: Mesh;
+  ranges: Range[]; // from afar, and from nearby
+}
+
+function createPiece(map: GameMap, members: number[], own: ShaderMaterial): Piece {
+  const { solids, topologies, kinds } = map;
+  const ordered = [
+    ...members.filter((solid) => solids.kind[solid] !== kinds.roof),
+    ...members.filter((solid) => solids.kind[solid] === kinds.roof),
+  ];
+  const { geometry, firsts } = cornersOf(map, ordered);
+  const triangles: number[] = [];
+  const add = (trianglesOf: (solid: number) => number[]): Range => {
+    const start = triangles.length;
+    let withoutRoofs = 0;
+    ordered.forEach((solid, place) => {
+      for (const corner of trianglesOf(solid)) triangles.push(firsts[place] + corner);
+      if (solids.kind[solid] !== kinds.roof) withoutRoofs = triangles.length - start;
+    });
+    return { start, withoutRoofs, all: triangles.length - start };
+  };
+  const ranges = [
+    add((solid) => reducedTriangles(map, solid)),
+    add((solid) => topologies[solids.topology[solid]]),
+  ];
+  geometry.setIndex(triangles);
+  return { mesh: new Mesh(geometry, own), ranges };
+}
+
+// The corners of solids one after the other, and where those of each begin.
+function cornersOf(map: GameMap, members: number[]): { geometry: BufferGeometry; firsts: number[] } {
+  const { solids, topologies } = map;
+  const ends = (solid: number) =>
+    solid + 1 < solids.count ? solids.first[solid + 1] : solids.corners.length / 3;
+  const count = members.reduce((sum, solid) => sum + ends(solid) - solids.first[solid], 0);
+  const places = new Float32Array(3 * count);
+  const paints = new Uint8Array(4 * count);
+  const axes = new Int8Array(4 * count);
+  const firsts: number[] = [];
+  let at = 0;
+  for (const solid of members) {
+    firsts.push(at);
+    const [first, end] = [solids.first[solid], ends(solid)];
+    places.set(solids.corners.subarray(3 * first, 3 * end), 3 * at);
+    const [east, north] = axisOf(solids.corners, first, topologies[solids.topology[solid]]);
+    for (const last = at + end - first; at < last; at++) {
+      for (let channel = 0; channel < 3; channel++)
+        paints[4 * at + channel] = solids.colors[3 * solid + channel];
+      paints[4 * at + 3] = solids.kind[solid];
+      axes[4 * at] = Math.round(127 * east);
+      axes[4 * at + 1] = Math.round(127 * north);
+    }
+  }
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(places, 3));
+  geometry.setAttribute("color", new BufferAttribute(paints, 4, true));
+  geometry.setAttribute("axis", new BufferAttribute(axes, 4, true));
+  geometry.boundingSphere = sphereAround(places);
+  return { geometry, firsts };
+}
+
+// The level part of the normal of a solid's first upright face; east without one.
+function axisOf(corners: Float32Array, first: number, triangles: number[]): [number, number] {
+  for (let at = 0; at < triangles.length; at += 3) {
+    const [a, b, c] = [0, 1, 2].map((place) => 3 * (first + triangles[at + place]));
+    const side = (to: number, axis: number) => corners[to + axis] - corners[a + axis];
+    const x = side(b, 1) * side(c, 2) - side(b, 2) * side(c, 1);
+    const y = side(b, 2) * side(c, 0) - side(b, 0) * side(c, 2);
+    const z = side(b, 0) * side(c, 1) - side(b, 1) * side(c, 0);
+    const length = Math.hypot(x, y, z);
+    if (length > 0 && Math.abs(y) < UPRIGHT * length) return [x / length, z / length];
+  }
+  return [1, 0];
+}
+
+function sphereAround(places: Float32Array): Sphere {
+  const low = new Vector3(Infinity, Infinity, Infinity);
+  const high = new Vector3(-Infinity, -Infinity, -Infinity);
+  const each = new Vector3();
+  for (let at = 0; at < places.length; at += 3) {
+    each.fromArray(places, at);
+    low.min(each);
+    high.max(each);
+  }
+  return new Sphere(low.clone().add(high).multiplyScalar(0.5), low.distanceTo(high) / 2);
+}

@@ -1,0 +1,77 @@
+// The textures of solids, as rendering/shading/surfaces.py makes them: boards, tiles, courses of stone, spots.
+
+export const TEXTURES = /* glsl */ `
+const int WALL = 3, FLOOR = 4, STAIR = 5, ROOF = 6, TRUNK = 7, CROWN = 8, ROCK = 9, FURNITURE = 10, BUSH = 11;
+
+// The share of a pixel that evenly spaced lines cover.
+float line(float coordinate, float spacing, float width, float footprint) {
+  float phase = coordinate / spacing;
+  float aside = abs(phase - floor(phase + 0.5)) * spacing;
+  float soft = max(0.5 * footprint, 0.25 * width);
+  return clamp((0.5 * width + soft - aside) / (2.0 * soft), 0.0, 1.0) * sharpness(spacing, footprint);
+}
+
+// How bright spots are: of some size in m, so much flatter than wide, and between the darkest and the brightest.
+float spots(vec3 at, float size, float flatness, float strength, float footprint) {
+  float seen = strength * sharpness(size, footprint);
+  if (seen == 0.0) return 1.0;
+  float up = at.y * flatness / size, level = floor(up), rise = up - level;
+  vec2 aside = vec2(57.0 * mod(level, 64.0), 113.0 * mod(level, 32.0));
+  vec2 over = vec2(57.0 * mod(level + 1.0, 64.0), 113.0 * mod(level + 1.0, 32.0));
+  vec2 plane = at.xz / size;
+  float bright = mix(noise(plane + aside), noise(plane + over), rise * rise * (3.0 - 2.0 * rise));
+  return 1.0 + seen * (bright - 0.5);
+}
+
+float courses(vec3 at, vec3 normal, float footprint) {
+  float level = length(normal.xz);
+  if (level < 0.5) return 1.0;
+  float course = floor(at.y / 0.32);
+  float along = (normal.z * at.x - normal.x * at.z) / level + 0.31 * mod(course, 2.0);
+  float joint = max(line(at.y, 0.32, 0.016, footprint), line(along, 0.62, 0.016, footprint));
+  float own = 1.0 + 0.07 * (grain(vec2(course + 5.0, along / 0.62)) - 0.5) * sharpness(0.32, footprint);
+  return own * (1.0 - 0.13 * joint);
+}
+
+float boards(float across, float along, float width, float footprint) {
+  float board = floor(across / width);
+  float piece = floor(along / 2.6 + grain(vec2(board, 7.0)));
+  float own = 0.18 * (grain(vec2(board, piece + 11.0)) - 0.5) * sharpness(width, footprint);
+  float fibre = 0.10 * sharpness(0.05, footprint);
+  if (fibre > 0.0) fibre *= noise(vec2(across / 0.03, along * 2.0)) - 0.5;
+  return (1.0 + own + fibre) * (1.0 - 0.40 * line(across, width, 0.014, footprint));
+}
+
+float tiles(vec3 at, vec3 normal, float footprint) {
+  float level = length(normal.xz);
+  float up = at.y / level, row = floor(up / 0.34);
+  float along = (normal.z * at.x - normal.x * at.z) / level + 0.14 * mod(row, 2.0);
+  float own = 0.22 * (grain(vec2(row, along / 0.28)) - 0.5) + 0.16 * (up / 0.34 - row - 0.5);
+  float joint = max(line(up, 0.34, 0.03, footprint), 0.6 * line(along, 0.28, 0.02, footprint));
+  return (1.0 + sharpness(0.34, footprint) * own) * (1.0 - 0.38 * joint);
+}
+
+// The colour of a solid's surface, given the direction of its boards and the size of a pixel there.
+vec3 textured(int kind, vec3 color, vec3 normal, vec3 at, vec2 axis, float footprint) {
+  float across = axis.y * at.x - axis.x * at.z, along = dot(axis, at.xz);
+  bool isPlain = detail == 0.0;
+  if (kind == FLOOR) {
+    if (normal.y < -0.5) return mix(color, vec3(226.0, 222.0, 212.0) / 255.0, 0.8);
+    if (normal.y <= 0.5) return 0.8 * color;
+    return isPlain ? color : color * boards(across, along, 0.18, footprint);
+  }
+  if (kind == STAIR) {
+    if (normal.y <= 0.5) return 0.68 * color;
+    return isPlain ? color : color * boards(along, across, 0.3, footprint);
+  }
+  if (kind == ROOF && normal.y < 0.05) return 0.62 * color;
+  if (isPlain) return color;
+  if (kind == ROOF && normal.y <= 0.995) return color * tiles(at, normal, footprint);
+  if (kind == ROOF) return color * spots(at, 0.15, 1.0, 0.2, footprint) * spots(at, 1.2, 1.0, 0.12, footprint);
+  if (kind == WALL) return color * courses(at, normal, footprint) * spots(at, 0.9, 1.0, 0.07, footprint);
+  if (kind == TRUNK) return color * spots(at, 0.09, 0.22, 0.5, footprint);
+  if (kind == ROCK) return color * spots(at, 0.12, 1.0, 0.3, footprint) * spots(at, 0.6, 1.0, 0.24, footprint);
+  if (kind == FURNITURE) return color * spots(at, 0.14, 6.0, 0.22, footprint);
+  return color * spots(at, 0.2, 1.0, 0.55, footprint) * spots(at, 0.75, 1.0, 0.3, footprint);
+}
+`;

@@ -1,0 +1,119 @@
+// The safe zone of a royale: a wall of light around it, and on the ground the circle that it shrinks to.
+
+import { BufferAttribute, BufferGeometry, DoubleSide, DynamicDrawUsage, Group, Mesh } from "three";
+import type { Course } from "../data/course";
+import type { GameMap } from "../data/map";
+import { heightAt } from "../view/terrain";
+import { material, type Shared } from "./shared";
+
+const SIDES = 180;
+const WALL = [-12, 45]; // m, from the ground at its middle to the top
+const RING = 0.7; // m, half the width of the next circle
+const OVER = 0.25; // m over the ground
+
+const VERTEX = /* glsl */ `
+out vec3 place;
+out float rise;
+void main() {
+  rise = position.y;
+  place = vec3(zone.x + position.x * zone.z, mix(bottom, top, position.y), zone.y + position.z * zone.z);
+  gl_Position = project(place);
+}`;
+const FRAGMENT = /* glsl */ `
+in vec3 place;
+in float rise;
+void main() {
+  float angle = atan(place.x - zone.x, place.z - zone.y) * zone.z;
+  float height = place.y;
+  float bars = smoothstep(0.9, 1.0, abs(2.0 * fract(angle / 6.0) - 1.0));
+  float rings = smoothstep(0.85, 1.0, abs(2.0 * fract(height / 6.0) - 1.0));
+  float seen = far == 0.0 ? 0.9 : (0.16 + 0.2 * max(bars, rings)) * (1.0 - smoothstep(0.3, 1.0, rise));
+  shown = vec4(0.74, 0.36, 1.0, seen);
+}`;
+const RING_VERTEX = /* glsl */ `
+out vec3 place;
+void main() { place = position; gl_Position = project(position); }`;
+const RING_FRAGMENT = /* glsl */ `
+in vec3 place;
+void main() { shown = vec4(throughAir(vec3(1.0), place), 0.85); }`;
+
+export interface Zone {
+  group: Group;
+  show(frame: number, isFromAbove: boolean): void;
+}
+
+export function createZone(map: GameMap, course: Course, shared: Shared): Zone {
+  const range = { bottom: { value: 0 }, top: { value: 0 } };
+  const bounds = "uniform float bottom, top;";
+  const wall = new Mesh(
+    wallGeometry(),
+    material(shared, bounds + VERTEX, FRAGMENT, {
+      ...{ uniforms: range, transparent: true, depthWrite: false, side: DoubleSide },
+    }),
+  );
+  const ring = new Mesh(
+    new BufferGeometry(),
+    material(shared, RING_VERTEX, RING_FRAGMENT, { transparent: true, depthWrite: false, side: DoubleSide }),
+  );
+  const places = new BufferAttribute(new Float32Array(6 * (SIDES + 1)), 3).setUsage(DynamicDrawUsage);
+  ring.geometry.setAttribute("position", places);
+  ring.geometry.setIndex(strip());
+  wall.frustumCulled = ring.frustumCulled = false;
+  [ring.renderOrder, wall.renderOrder] = [3, 5];
+  const group = new Group();
+  group.add(ring, wall);
+  let drawn = "";
+  const show = (frame: number, isFromAbove: boolean) => {
+    const zone = course.zoneAt(frame);
+    group.visible = zone !== null;
+    if (!zone) {
+      shared.zone.value.set(0, 0, 0, 0);
+      return;
+    }
+    const { now, next } = zone;
+    shared.zone.value.set(now.x, now.z, now.radius, 1);
+    const ground = heightAt(map.ground, now.x, now.z);
+    range.bottom.value = ground + (isFromAbove ? 0 : WALL[0]);
+    range.top.value = ground + WALL[1];
+    const key = `${next.x},${next.z},${next.radius}`;
+    if (key !== drawn) layRing(places, map, next);
+    drawn = key;
+  };
+  return { group, show };
+}
+
+function wallGeometry(): BufferGeometry {
+  const places: number[] = [];
+  for (let side = 0; side <= SIDES; side++) {
+    const angle = (2 * Math.PI * side) / SIDES;
+    for (const rise of [0, 1]) places.push(Math.sin(angle), rise, Math.cos(angle));
+  }
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(new Float32Array(places), 3));
+  geometry.setIndex(strip());
+  return geometry;
+}
+
+function strip(): number[] {
+  return Array.from({ length: SIDES }, (_, side) => {
+    const at = 2 * side;
+    return [at, at + 1, at + 2, at + 1, at + 3, at + 2];
+  }).flat();
+}
+
+// Lay a ring on the ground, as far as there is ground.
+function layRing(
+  places: BufferAttribute,
+  map: GameMap,
+  circle: { x: number; z: number; radius: number },
+): void {
+  for (let side = 0; side <= SIDES; side++) {
+    const angle = (2 * Math.PI * side) / SIDES;
+    for (const edge of [0, 1]) {
+      const radius = Math.max(0, circle.radius + (2 * edge - 1) * RING);
+      const [x, z] = [circle.x + Math.sin(angle) * radius, circle.z + Math.cos(angle) * radius];
+      places.setXYZ(2 * side + edge, x, heightAt(map.ground, x, z) + OVER, z);
+    }
+  }
+  places.needsUpdate = true;
+}
