@@ -102,12 +102,12 @@ bench: .venv/.dev ## Run every benchmark; each prints a table.
 
 # Silences a notice that Material for MkDocs prints at every build: fixes end in May 2027, and Zensical succeeds it.
 docs: export NO_MKDOCS_2_WARNING = 1
-docs: .venv/.dev ## Build the site; warnings are errors.
+docs: .venv/.dev .venv/.viewer ## Build the site; warnings are errors.
 	$(BIN)/mkdocs build --strict
 	@echo 'The site is in out/site: open out/site/index.html, or serve it with: make docs-serve'
 
 docs-serve: export NO_MKDOCS_2_WARNING = 1
-docs-serve: .venv/.dev ## Serve the site at http://127.0.0.1:8000/, and rebuild it when pages change.
+docs-serve: .venv/.dev .venv/.viewer ## Serve the site at http://127.0.0.1:8000/, and rebuild it when pages change.
 	$(BIN)/mkdocs serve
 
 wheel: .venv/.dev .venv/.viewer ## Build the wheel in out/wheel with machine code for this Python and these releases.

@@ -2,7 +2,7 @@
 
 import base64
 import hashlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from html import escape
 from pathlib import Path
 from string import Template
@@ -10,13 +10,14 @@ from typing import NamedTuple
 
 from wildscav.errors import UserError
 from wildscav_engine.maps import MapError, map_of
-from wildscav_engine.record import RecordError, read_record
+from wildscav_engine.record import Record, RecordError, read_record
 from wildscav_stage.scene.map_file import map_file
 from wildscav_stage.scene.trails import trails_of
 from wildscav_stage.viewer_files import SCRIPT, STYLE, viewer_addresses, viewer_file
 
 STATIC = Path(__file__).parent / "static"
 PAGE_STYLE = "match.css"
+NAMED = 4  # seats in a title
 NO_SCRIPT = "<noscript><p>The match needs JavaScript.</p></noscript>"
 
 
@@ -35,15 +36,31 @@ def scene_of(record: Path) -> Scene:
         UserError: It cannot be read, or not be played again.
     """
     try:
-        played = read_record(record)
-        trails = trails_of(played)
-        game_map = map_file(map_of(played.spec.map))
+        return scene_of_record(read_record(record))
     except RecordError as error:
         message = str(error)
         raise UserError(message if str(record) in message else f"{record}: {message}") from None
     except MapError as error:
         raise UserError(f"{record}: {error}") from None
-    return Scene(f"{trails.title}: {trails.outcome}", game_map, trails.compressed())
+
+
+def scene_of_record(record: Record) -> Scene:
+    """Return what a record is drawn from.
+
+    Raises:
+        RecordError: It cannot be played again.
+        MapError: Its map cannot be made.
+    """
+    trails = trails_of(record)
+    return Scene(
+        f"{trails.title}: {_some(record.names)}", map_file(map_of(record.spec.map)), trails.compressed()
+    )
+
+
+def _some(names: Sequence[str]) -> str:
+    """Return the first names, and how many others there are."""
+    others = len(names) - NAMED
+    return ", ".join(names) if others <= 1 else f"{', '.join(names[:NAMED])} and {others} others"
 
 
 def match_page(title: str, address: str) -> str:
