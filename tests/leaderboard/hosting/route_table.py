@@ -235,6 +235,7 @@ TABLE = (
     organizers("POST /organizer", "", 200, {"act": "invite", "label": "a friend"}),
     organizers("POST /organizer", "", 409, {"act": "resume"}),
     everyone("FILES /static", "/static/season.css"),
+    everyone("FILES /stage", "/stage/viewer.js"),
     everyone("GET /health"),
     everyone("GET /ready"),
 )
