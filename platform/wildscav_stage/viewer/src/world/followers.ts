@@ -18,8 +18,8 @@ const OPENING = 0.9; // s in which it goes back by about two thirds of the way
 const JUMP = 50; // frames beyond which it does not glide
 
 export function atTheEyes(state: SeatState): Pose {
-  const { x, y, z, yaw, pitch, health } = state;
-  return { x, y: y + (health > 0 ? EYE : 0.5), z, yaw, pitch };
+  const { x, y, z, yaw, pitch } = state;
+  return { x, y: y + EYE, z, yaw, pitch };
 }
 
 export class Follower {
@@ -38,7 +38,10 @@ export class Follower {
     const { yaw, pitch: look } = this.smoothed(seat, frame, state);
     const pitch = TILT + 0.4 * look + (state.health > 0 ? 0 : FALLEN);
     const [sin, cos] = [Math.sin(radians(yaw)), Math.cos(radians(yaw))];
-    const [x, y, z] = [state.x + SHOULDER * cos, state.y + HEAD, state.z - SHOULDER * sin];
+    const y = state.y + HEAD;
+    const aside = this.obstacles.free(state.x, y, state.z, [cos, 0, -sin], SHOULDER + CLEARANCE);
+    const shoulder = Math.max(0, aside - CLEARANCE);
+    const [x, z] = [state.x + shoulder * cos, state.z - shoulder * sin];
     const level = Math.cos(radians(pitch));
     const back: [number, number, number] = [-sin * level, Math.sin(radians(pitch)), -cos * level];
     const room = this.obstacles.free(x, y, z, back, BEHIND + CLEARANCE) - CLEARANCE;

@@ -2,11 +2,13 @@
 
 import { BufferAttribute, BufferGeometry, Group, Mesh, type ShaderMaterial, Sphere, Vector3 } from "three";
 import type { GameMap } from "../data/map";
-import { reducedTriangles } from "./reduced";
+import { endOf, normalOf, trianglesOf } from "../view/polyhedra";
+import { distantTriangles, floorsAmong, reducedTriangles } from "./reduced";
 import { material, type Shared } from "./shared";
 import { TEXTURES } from "./textures";
 
 const PIECE = 50; // m along a side of a piece
+const SOME_WAY = 2.5; // times as far as there are all triangles, up to where there are some
 const UPRIGHT = 1e-3; // the rise of a face's normal below which it stands upright
 
 const VERTEX = /* glsl */ `
@@ -34,15 +36,15 @@ void main() {
   vec3 normal = normalize(cross(dFdx(ray), dFdy(ray)));
   float way = length(ray), facing = dot(normal, ray) / way;
   if (far == 0.0 ? normal.y < 0.0 : facing > 0.0) normal = -normal;
-  float footprint = far == 0.0 ? pixel : pixel * way / max(0.05, abs(facing));
+  float footprint = far == 0.0 ? pixel : pixel * way / max(0.2, abs(facing));
   vec3 color = textured(kind, base, normal, place, along, footprint);
-  color *= lightOn(normal, sunShare(place, normal));
+  color *= lightOn(normal, sunShare(place, normal), skyShare(place, normal));
   shown = vec4(throughAir(color, place), 1.0);
 }`;
 
 export interface Solids {
   group: Group;
-  // Draw pieces farther away than so many m with fewer triangles, from a place in the game's frame.
+  // Draw pieces within so many m with all their triangles, and those some times as far with fewer.
   see(from: Vector3, reach: number, withRoofs: boolean): void;
 }
 
@@ -54,7 +56,8 @@ export function createSolids(map: GameMap, shared: Shared): Solids {
   const see = (from: Vector3, reach: number, withRoofs: boolean) => {
     for (const { mesh, ranges } of pieces) {
       const { center, radius } = mesh.geometry.boundingSphere as Sphere;
-      const range = ranges[center.distanceTo(from) - radius > reach ? 0 : 1];
+      const away = center.distanceTo(from) - radius;
+      const range = ranges[away <= reach ? 2 : away <= SOME_WAY * reach ? 1 : 0];
       mesh.geometry.setDrawRange(range.start, withRoofs ? range.all : range.withoutRoofs);
     }
   };
@@ -82,7 +85,7 @@ interface Range {
 
 interface Piece {
   mesh: Mesh;
-  ranges: Range[]; // from afar, and from nearby
+  ranges: Range[]; // from afar, from some way off, and from nearby
 }
 
 function createPiece(map: GameMap, members: number[], own: ShaderMaterial): Piece {
@@ -102,7 +105,9 @@ function createPiece(map: GameMap, members: number[], own: ShaderMaterial): Piec
     });
     return { start, withoutRoofs, all: triangles.length - start };
   };
+  const floors = floorsAmong(map, members);
   const ranges = [
+    add((solid) => distantTriangles(map, solid, floors)),
     add((solid) => reducedTriangles(map, solid)),
     add((solid) => topologies[solids.topology[solid]]),
   ];
@@ -112,10 +117,8 @@ function createPiece(map: GameMap, members: number[], own: ShaderMaterial): Piec
 
 // The corners of solids one after the other, and where those of each begin.
 function cornersOf(map: GameMap, members: number[]): { geometry: BufferGeometry; firsts: number[] } {
-  const { solids, topologies } = map;
-  const ends = (solid: number) =>
-    solid + 1 < solids.count ? solids.first[solid + 1] : solids.corners.length / 3;
-  const count = members.reduce((sum, solid) => sum + ends(solid) - solids.first[solid], 0);
+  const { solids } = map;
+  const count = members.reduce((sum, solid) => sum + endOf(solids, solid) / 3 - solids.first[solid], 0);
   const places = new Float32Array(3 * count);
   const paints = new Uint8Array(4 * count);
   const axes = new Int8Array(4 * count);
@@ -123,12 +126,11 @@ function cornersOf(map: GameMap, members: number[]): { geometry: BufferGeometry;
   let at = 0;
   for (const solid of members) {
     firsts.push(at);
-    const [first, end] = [solids.first[solid], ends(solid)];
-    places.set(solids.corners.subarray(3 * first, 3 * end), 3 * at);
-    const [east, north] = axisOf(solids.corners, first, topologies[solids.topology[solid]]);
-    for (const last = at + end - first; at < last; at++) {
-      for (let channel = 0; channel < 3; channel++)
-        paints[4 * at + channel] = solids.colors[3 * solid + channel];
+    const own = solids.corners.subarray(3 * solids.first[solid], endOf(solids, solid));
+    places.set(own, 3 * at);
+    const [east, north] = axisOf(map, solid);
+    for (const last = at + own.length / 3; at < last; at++) {
+      paints.set(solids.colors.subarray(3 * solid, 3 * solid + 3), 4 * at);
       paints[4 * at + 3] = solids.kind[solid];
       axes[4 * at] = Math.round(127 * east);
       axes[4 * at + 1] = Math.round(127 * north);
@@ -143,15 +145,11 @@ function cornersOf(map: GameMap, members: number[]): { geometry: BufferGeometry;
 }
 
 // The level part of the normal of a solid's first upright face; east without one.
-function axisOf(corners: Float32Array, first: number, triangles: number[]): [number, number] {
+function axisOf(map: GameMap, solid: number): [number, number] {
+  const triangles = trianglesOf(map, solid);
   for (let at = 0; at < triangles.length; at += 3) {
-    const [a, b, c] = [0, 1, 2].map((place) => 3 * (first + triangles[at + place]));
-    const side = (to: number, axis: number) => corners[to + axis] - corners[a + axis];
-    const x = side(b, 1) * side(c, 2) - side(b, 2) * side(c, 1);
-    const y = side(b, 2) * side(c, 0) - side(b, 0) * side(c, 2);
-    const z = side(b, 0) * side(c, 1) - side(b, 1) * side(c, 0);
-    const length = Math.hypot(x, y, z);
-    if (length > 0 && Math.abs(y) < UPRIGHT * length) return [x / length, z / length];
+    const [x, y, z] = normalOf(map.solids.corners, triangles[at], triangles[at + 1], triangles[at + 2]);
+    if (Math.abs(y) < UPRIGHT) return [x, z];
   }
   return [1, 0];
 }
