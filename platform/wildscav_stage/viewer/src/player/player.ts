@@ -11,18 +11,18 @@ import { make } from "./dom";
 import { EventList } from "./event_list";
 import { Feed } from "./feed";
 import { keysDialog, listenToKeys } from "./keys";
+import { type Drawn, Loop } from "./loop";
 import { jumpFrom, stepFrom } from "./moments";
 import { Screen } from "./screen";
 import { Standings } from "./standings";
 import { Timeline, timeText } from "./timeline";
 
 const SLOW = 200; // ms between two changes of the lists while time passes
-const SETTLED = 1000; // ms after which the camera of a stage that does not say so has come to rest
-const CALM = 500; // ms between two live pictures for people who asked for less motion
 const SAID = 4000; // ms for which an answer to a person stays
 
-export class Player implements Actions {
+export class Player implements Actions, Drawn {
   readonly screen: Screen;
+  private readonly loop: Loop;
   private readonly controls: Controls;
   private readonly timeline: Timeline;
   private readonly standings: Standings;
@@ -32,17 +32,10 @@ export class Player implements Actions {
   private readonly keys = keysDialog();
   private readonly theater: HTMLElement;
   private readonly stops: (() => void)[];
-  private readonly calm = window.matchMedia("(prefers-reduced-motion: reduce)");
   private isInset = false;
   private trail = FIRST_TRAIL; // s
-  private isOnPage = true; // as far as one has scrolled
-  private request = 0;
-  private drawn = -1; // frame
-  private drawnAt = 0; // ms
+  private shownFrame = -1; // by all but the picture
   private slowAt = 0; // ms
-  private stirredAt = 0; // ms
-  private isStirred = false;
-  private isStale = true;
 
   constructor(
     readonly root: HTMLElement,
@@ -51,7 +44,8 @@ export class Player implements Actions {
     makers: StageMaker[],
     isFirst: () => boolean,
   ) {
-    this.screen = new Screen(course, makers, () => this.stir());
+    this.loop = new Loop(root, clock, this);
+    this.screen = new Screen(course, makers, () => this.loop.stir());
     this.screen.onStage = () => this.showStage();
     this.screen.wanted = this.firstView();
     this.controls = new Controls(course.seats, this);
@@ -72,7 +66,7 @@ export class Player implements Actions {
       this.controls.element,
     );
     this.lay();
-    this.stops = [clock.listen(() => this.refresh()), listenToKeys(root, this, isFirst), this.watchPage()];
+    this.stops = [clock.listen(() => this.loop.refresh()), listenToKeys(root, this, isFirst)];
     this.events.extend();
     this.setEnd();
     this.showStage();
@@ -93,7 +87,7 @@ export class Player implements Actions {
     if (moment) this.goTo(moment);
     if (moment?.seconds != null) return;
     if (this.clock.isOpen) this.clock.followLive();
-    else if (!this.calm.matches && !this.clock.isPlaying) this.clock.play();
+    else if (!this.loop.isCalm && !this.clock.isPlaying) this.clock.play();
   }
 
   goTo({ seconds, view, seat }: Moment): void {
@@ -119,7 +113,7 @@ export class Player implements Actions {
   }
 
   dispose(): void {
-    cancelAnimationFrame(this.request);
+    this.loop.dispose();
     for (const stop of this.stops) stop();
     this.clock.leave(this);
     this.timeline.dispose();
@@ -180,7 +174,7 @@ export class Player implements Actions {
   setTrail(seconds: number): void {
     this.trail = seconds;
     if (this.screen.stage) this.screen.stage.trail = seconds;
-    this.stir();
+    this.loop.stir();
   }
 
   toggleInset(): void {
@@ -257,7 +251,7 @@ export class Player implements Actions {
 
   private relist(): void {
     this.timeline.list(this.events.listed);
-    this.refresh();
+    this.loop.refresh();
   }
 
   private setEnd(): void {
@@ -277,61 +271,15 @@ export class Player implements Actions {
 
   // Drawing.
 
-  // Whoever scrolls or switches away sees nothing, so nothing is drawn, and time stands still.
-  private watchPage(): () => void {
-    const watcher = new IntersectionObserver((entries) => {
-      this.isOnPage = entries[entries.length - 1].isIntersecting;
-      if (!this.root.isConnected) this.dispose();
-      else this.wake();
-    });
-    watcher.observe(this.root);
-    const listener = () => this.wake();
-    document.addEventListener("visibilitychange", listener);
-    return () => {
-      watcher.disconnect();
-      document.removeEventListener("visibilitychange", listener);
-    };
+  get isCameraMoving(): boolean | undefined {
+    return this.screen.isMoving;
   }
 
-  // Something has changed: draw everything anew.
-  private refresh(): void {
-    this.isStale = true;
-    this.wake();
-  }
-
-  // A person moved the camera: draw the picture anew.
-  private stir(): void {
-    this.isStirred = true;
-    this.wake();
-  }
-
-  private wake(): void {
-    const isSeen = this.isOnPage && document.visibilityState === "visible";
-    if (isSeen && !this.request) this.request = requestAnimationFrame((now) => this.tick(now));
-  }
-
-  private tick(now: number): void {
-    this.request = 0;
-    this.clock.advance(now);
-    if (this.isStale || this.isStirred) this.stirredAt = now;
-    const isCalm = this.clock.isFollowingLive && this.calm.matches && now - this.drawnAt < CALM;
-    const isLater = this.frame !== this.drawn && !isCalm;
-    if (this.isStale || this.isStirred || isLater || this.isCameraMoving(now)) this.draw(now);
-    if (this.clock.isRunning || this.isCameraMoving(now)) this.wake();
-    else this.clock.rest();
-  }
-
-  private isCameraMoving(now: number): boolean {
-    return this.screen.stage?.moving ?? now - this.stirredAt < SETTLED;
-  }
-
-  private draw(now: number): void {
+  draw(now: number, isStale: boolean): void {
     const { frame, clock, course } = this;
     this.screen.draw(frame);
-    this.drawnAt = now;
-    this.isStirred = false;
-    if (!this.isStale && frame === this.drawn) return;
-    this.drawn = frame;
+    if (!isStale && frame === this.shownFrame) return;
+    this.shownFrame = frame;
     const end = course.seconds(course.lastFrame);
     const text = timeText(course.seconds(frame), end);
     const isAtEnd = frame >= course.lastFrame && !clock.isOpen;
@@ -339,8 +287,7 @@ export class Player implements Actions {
     this.controls.update(clock, text, isAtEnd);
     this.feed.update(frame, clock.speed);
     this.showOutcome(isAtEnd);
-    if (this.isStale || now - this.slowAt > SLOW) this.drawLists(frame, now);
-    this.isStale = false;
+    if (isStale || now - this.slowAt > SLOW) this.drawLists(frame, now);
   }
 
   private drawLists(frame: number, now: number): void {
