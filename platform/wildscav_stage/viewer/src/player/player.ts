@@ -3,10 +3,10 @@
 import type { Course } from "../data/course";
 import type { GameMap } from "../data/map";
 import type { Trails } from "../data/trails";
-import type { StageMaker, View, ViewKind } from "../stage";
-import { type Moment, writeMoment } from "./address";
+import type { StageMaker, ViewKind } from "../stage";
+import { followsSeat, type Moment } from "./address";
 import type { Clock } from "./clock";
-import { type Actions, Controls, FIRST_TRAIL } from "./controls";
+import { type Actions, Controls } from "./controls";
 import { make } from "./dom";
 import { EventList } from "./event_list";
 import { Feed } from "./feed";
@@ -16,6 +16,7 @@ import { jumpFrom, stepFrom } from "./moments";
 import { Screen } from "./screen";
 import { Standings } from "./standings";
 import { Timeline, timeText } from "./timeline";
+import { type Told, Views } from "./views";
 
 const SLOW = 200; // ms between two changes of the lists while time passes
 const SAID = 4000; // ms for which an answer to a person stays
@@ -28,12 +29,11 @@ export class Player implements Actions, Drawn {
   private readonly standings: Standings;
   private readonly events: EventList;
   private readonly feed: Feed;
+  private readonly views: Views;
   private readonly outcome = make("p", { className: "player-outcome", role: "status" });
   private readonly keys = keysDialog();
   private readonly theater: HTMLElement;
   private readonly stops: (() => void)[];
-  private isInset = false;
-  private trail = FIRST_TRAIL; // s
   private shownFrame = -1; // by all but the picture
   private slowAt = 0; // ms
 
@@ -46,11 +46,10 @@ export class Player implements Actions, Drawn {
   ) {
     this.loop = new Loop(root, clock, this);
     this.screen = new Screen(course, makers, () => this.loop.stir());
-    this.screen.onStage = () => this.showStage();
-    this.screen.wanted = this.firstView();
+    this.views = new Views(course, this.screen, (told) => this.tellView(told));
     this.controls = new Controls(course.seats, this);
     this.timeline = new Timeline(course, (seconds) => this.clock.seek(seconds));
-    this.standings = new Standings(course, (seat) => this.followOrLeave(seat));
+    this.standings = new Standings(course, (seat) => this.views.followOrLeave(seat));
     this.feed = new Feed(course);
     this.events = new EventList(
       course,
@@ -69,7 +68,7 @@ export class Player implements Actions, Drawn {
     this.stops = [clock.listen(() => this.loop.refresh()), listenToKeys(root, this, isFirst)];
     this.events.extend();
     this.setEnd();
-    this.showStage();
+    this.views.showStage();
   }
 
   get frame(): number {
@@ -90,13 +89,13 @@ export class Player implements Actions, Drawn {
     else if (!this.loop.isCalm && !this.clock.isPlaying) this.clock.play();
   }
 
-  goTo({ seconds, view, seat }: Moment): void {
+  goTo(moment: Moment): void {
+    const { seconds } = moment;
     if (seconds !== null) {
       this.clock.pause();
       this.clock.seek(seconds);
     }
-    const known = seat !== null && seat < this.course.seats.length ? seat : this.screen.view.seat;
-    this.setView({ kind: view ?? this.screen.view.kind, seat: known });
+    this.views.goTo(moment);
   }
 
   // Take in new samples of a match that is being played.
@@ -104,6 +103,7 @@ export class Player implements Actions, Drawn {
     this.course.extend(next);
     this.standings.extend();
     this.events.extend();
+    this.views.extend();
     this.setEnd();
     if (next.over) this.clock.close();
   }
@@ -153,18 +153,19 @@ export class Player implements Actions, Drawn {
   }
 
   look(kind: ViewKind): void {
-    this.setView({ ...this.screen.view, kind });
+    this.views.look(kind);
   }
 
   nextView(): void {
-    const { kinds, view } = this.screen;
-    if (kinds.length) this.look(kinds[(kinds.indexOf(view.kind) + 1) % kinds.length]);
+    this.views.next();
   }
 
   follow(seat: number): void {
-    if (seat >= this.course.seats.length) return;
-    const { kind } = this.screen.view;
-    this.setView({ kind: kind === "eyes" ? kind : "behind", seat });
+    this.views.follow(seat);
+  }
+
+  direct(): void {
+    this.views.direct();
   }
 
   followLive(): void {
@@ -172,15 +173,11 @@ export class Player implements Actions, Drawn {
   }
 
   setTrail(seconds: number): void {
-    this.trail = seconds;
-    if (this.screen.stage) this.screen.stage.trail = seconds;
-    this.loop.stir();
+    this.views.setTrail(seconds);
   }
 
   toggleInset(): void {
-    if (this.screen.stage?.inset === undefined) return;
-    this.isInset = !this.isInset;
-    this.setView(this.screen.view);
+    this.views.toggleInset();
   }
 
   toggleFullscreen(): void {
@@ -192,7 +189,7 @@ export class Player implements Actions, Drawn {
   }
 
   async copyLink(): Promise<void> {
-    history.replaceState(null, "", writeMoment(this.clock.seconds, this.screen.view));
+    history.replaceState(null, "", this.views.link(this.clock.seconds));
     try {
       await navigator.clipboard.writeText(location.href);
       this.sayBriefly("Link copied");
@@ -219,34 +216,9 @@ export class Player implements Actions, Drawn {
     this.root.replaceChildren(make("div", { className: "player-grid" }, this.theater, side), this.keys);
   }
 
-  private firstView(): View {
-    const seat = this.course.seats.find(({ kind }) => kind === "submission") ?? this.course.seats[0];
-    return { kind: "behind", seat: seat?.seat ?? 0 };
-  }
-
-  private showStage(): void {
-    const { stage, kinds } = this.screen;
-    if (stage && stage.trail !== undefined) stage.trail = this.trail;
-    this.controls.showStage(kinds, stage?.inset !== undefined, stage?.trail !== undefined);
-    this.setView(this.screen.view);
-  }
-
-  private setView(view: View): void {
-    this.screen.look(view);
-    const { stage } = this.screen;
-    const shown = this.screen.view;
-    if (stage && stage.inset !== undefined)
-      stage.inset = this.isInset && shown.kind !== "eyes" ? shown.seat : null;
-    this.controls.showView(shown, this.isInset);
-    this.standings.mark(shown.kind === "behind" || shown.kind === "eyes" ? shown.seat : null);
-  }
-
-  // A click on whom one follows lets go of it.
-  private followOrLeave(seat: number): void {
-    const { kind, seat: followed } = this.screen.view;
-    const isFollowed = seat === followed && (kind === "behind" || kind === "eyes");
-    if (isFollowed && this.screen.kinds.includes("free")) this.look("free");
-    else this.follow(seat);
+  private tellView(told: Told): void {
+    this.controls.showView(told);
+    this.standings.mark(followsSeat(told.view.kind) ? told.view.seat : null);
   }
 
   private relist(): void {
@@ -277,6 +249,7 @@ export class Player implements Actions, Drawn {
 
   draw(now: number, isStale: boolean): void {
     const { frame, clock, course } = this;
+    this.views.cut(frame);
     this.screen.draw(frame);
     if (!isStale && frame === this.shownFrame) return;
     this.shownFrame = frame;
