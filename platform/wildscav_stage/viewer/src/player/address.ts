@@ -20,9 +20,14 @@ export function readMoment(hash: string): Moment | null {
   return moment.seconds === null && moment.view === null && moment.seat === null ? null : moment;
 }
 
-export function writeMoment(seconds: number, view: View): string {
-  const followed = view.kind === "behind" || view.kind === "eyes" ? `&seat=${view.seat}` : "";
+// isPinned: whether a seat is followed whatever happens; else whoever has most to do is.
+export function writeMoment(seconds: number, view: View, isPinned: boolean): string {
+  const followed = isPinned && followsSeat(view.kind) ? `&seat=${view.seat}` : "";
   return `#t=${Math.round(seconds * 100) / 100}&view=${view.kind}${followed}`;
+}
+
+export function followsSeat(kind: ViewKind): boolean {
+  return kind === "behind" || kind === "eyes";
 }
 
 function numberOf(text: string | null): number | null {

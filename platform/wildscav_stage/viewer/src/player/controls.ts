@@ -1,9 +1,10 @@
 // The buttons below the picture.
 
 import type { Seat } from "../data/trails";
-import type { View, ViewKind } from "../stage";
+import type { ViewKind } from "../stage";
 import { type Clock, SPEEDS } from "./clock";
 import { iconButton, make, picker, rename, setIcon } from "./dom";
+import type { Told } from "./views";
 
 export const VIEW_TITLES: Record<ViewKind, string> = {
   behind: "Behind",
@@ -24,6 +25,7 @@ const TRAILS: [string, number][] = [
   ["trails 2 min", 120],
   ["all trails", Number.POSITIVE_INFINITY],
 ];
+const DIRECTED = "directed";
 export const FIRST_TRAIL = 30; // s
 
 // What buttons and keys can do.
@@ -37,6 +39,7 @@ export interface Actions {
   look(kind: ViewKind): void;
   nextView(): void;
   follow(seat: number): void;
+  direct(): void;
   followLive(): void;
   setTrail(seconds: number): void;
   toggleInset(): void;
@@ -70,31 +73,27 @@ export class Controls {
     this.inset = iconButton("inset", "Show the eyes of the agent in a corner", () => actions.toggleInset());
     const speeds = SPEEDS.map((speed): [string, number] => [`${speed}×`, speed]);
     this.speed = picker("Speed", speeds, 1, (value) => actions.setSpeed(Number(value)));
-    const names = seats.map(({ seat, name }): [string, number] => [`${seat} · ${name}`, seat]);
-    this.seat = picker("Follow", names, 0, (value) => actions.follow(Number(value)));
+    const names = seats.map(({ seat, name }): [string, string | number] => [`${seat} · ${name}`, seat]);
+    if (seats.length > 1) names.unshift(["most to do", DIRECTED]);
+    this.seat = picker("Follow", names, 0, (value) =>
+      value === DIRECTED ? actions.direct() : actions.follow(Number(value)),
+    );
     this.seat.classList.add("player-follow");
     this.trail = picker("Trails", TRAILS, FIRST_TRAIL, (value) => actions.setTrail(Number(value)));
     this.views.setAttribute("aria-label", "View");
+    this.inset.hidden = this.trail.hidden = this.views.hidden = true;
     this.element = make("div", { className: "player-buttons" }, this.times(), this.extras(), this.looks());
-    this.showStage([], false, false);
   }
 
-  // The views and extras that the stage has.
-  showStage(kinds: ViewKind[], hasInset: boolean, hasTrail: boolean): void {
-    const order = (Object.keys(VIEW_TITLES) as ViewKind[]).filter((kind) => kinds.includes(kind));
-    this.viewButtons = new Map(order.map((kind) => [kind, this.viewButton(kind)]));
-    this.views.replaceChildren(...this.viewButtons.values());
-    this.views.hidden = order.length < 2;
-    this.inset.hidden = !hasInset;
-    this.trail.hidden = !hasTrail;
-  }
-
-  showView(view: View, inset: boolean): void {
+  showView({ kinds, hasInset, hasTrail, view, isDirected, isInset }: Told): void {
+    this.offer(kinds);
     for (const [kind, button] of this.viewButtons) {
       button.setAttribute("aria-pressed", String(kind === view.kind));
     }
-    this.seat.value = String(view.seat);
-    this.inset.setAttribute("aria-pressed", String(inset));
+    this.seat.value = isDirected ? DIRECTED : String(view.seat);
+    this.inset.setAttribute("aria-pressed", String(isInset));
+    this.inset.hidden = !hasInset;
+    this.trail.hidden = !hasTrail;
   }
 
   update(clock: Clock, text: string, isAtEnd: boolean): void {
@@ -105,6 +104,15 @@ export class Controls {
     this.speed.value = String(clock.speed);
     this.live.hidden = !clock.isOpen;
     this.live.setAttribute("aria-pressed", String(clock.isFollowingLive));
+  }
+
+  // Have buttons for the views that the stage has.
+  private offer(kinds: ViewKind[]): void {
+    const order = (Object.keys(VIEW_TITLES) as ViewKind[]).filter((kind) => kinds.includes(kind));
+    if (order.join() === [...this.viewButtons.keys()].join()) return;
+    this.viewButtons = new Map(order.map((kind) => [kind, this.viewButton(kind)]));
+    this.views.replaceChildren(...this.viewButtons.values());
+    this.views.hidden = order.length < 2;
   }
 
   private times(): HTMLElement {

@@ -14,6 +14,7 @@ export class EventList {
   listed: MatchEvent[] = [];
   private readonly shownKinds = new Set<EventKind>(KINDS);
   private first = -1; // of the listed events, in the list
+  private frame = 0; // of the present moment
   private current: Element | null = null;
 
   // changed: told when other events are listed; the list is empty until `extend`.
@@ -43,11 +44,13 @@ export class EventList {
     const last = this.first + this.element.childElementCount - 1;
     if (before && this.listed[last] === before) this.append(last + 1);
     else this.first = -1;
+    this.update(this.frame);
     this.changed();
   }
 
   // Mark the last event that has happened; of very many events, list those around it.
   update(frame: number): void {
+    this.frame = frame;
     const now = this.listed.findLastIndex((event) => event.frame <= frame);
     const page = MOST / 2;
     const first = this.listed.length <= MOST ? 0 : Math.max(0, (Math.floor(now / page) - 1) * page);

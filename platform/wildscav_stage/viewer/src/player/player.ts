@@ -3,46 +3,39 @@
 import type { Course } from "../data/course";
 import type { GameMap } from "../data/map";
 import type { Trails } from "../data/trails";
-import type { StageMaker, View, ViewKind } from "../stage";
-import { type Moment, writeMoment } from "./address";
+import type { StageMaker, ViewKind } from "../stage";
+import { followsSeat, type Moment } from "./address";
 import type { Clock } from "./clock";
-import { type Actions, Controls, FIRST_TRAIL } from "./controls";
+import { type Actions, Controls } from "./controls";
 import { make } from "./dom";
 import { EventList } from "./event_list";
 import { Feed } from "./feed";
 import { keysDialog, listenToKeys } from "./keys";
+import { type Drawn, Loop } from "./loop";
 import { jumpFrom, stepFrom } from "./moments";
 import { Screen } from "./screen";
 import { Standings } from "./standings";
 import { Timeline, timeText } from "./timeline";
+import { type Told, Views } from "./views";
 
 const SLOW = 200; // ms between two changes of the lists while time passes
-const SETTLED = 1000; // ms after which the camera of a stage that does not say so has come to rest
-const CALM = 500; // ms between two live pictures for people who asked for less motion
 const SAID = 4000; // ms for which an answer to a person stays
 
-export class Player implements Actions {
+export class Player implements Actions, Drawn {
   readonly screen: Screen;
+  private readonly loop: Loop;
   private readonly controls: Controls;
   private readonly timeline: Timeline;
   private readonly standings: Standings;
   private readonly events: EventList;
   private readonly feed: Feed;
+  private readonly views: Views;
   private readonly outcome = make("p", { className: "player-outcome", role: "status" });
   private readonly keys = keysDialog();
   private readonly theater: HTMLElement;
   private readonly stops: (() => void)[];
-  private readonly calm = window.matchMedia("(prefers-reduced-motion: reduce)");
-  private isInset = false;
-  private trail = FIRST_TRAIL; // s
-  private isOnPage = true; // as far as one has scrolled
-  private request = 0;
-  private drawn = -1; // frame
-  private drawnAt = 0; // ms
+  private shownFrame = -1; // by all but the picture
   private slowAt = 0; // ms
-  private stirredAt = 0; // ms
-  private isStirred = false;
-  private isStale = true;
 
   constructor(
     readonly root: HTMLElement,
@@ -51,12 +44,12 @@ export class Player implements Actions {
     makers: StageMaker[],
     isFirst: () => boolean,
   ) {
-    this.screen = new Screen(course, makers, () => this.stir());
-    this.screen.onStage = () => this.showStage();
-    this.screen.wanted = this.firstView();
+    this.loop = new Loop(root, clock, this);
+    this.screen = new Screen(course, makers, () => this.loop.stir());
+    this.views = new Views(course, this.screen, (told) => this.tellView(told));
     this.controls = new Controls(course.seats, this);
     this.timeline = new Timeline(course, (seconds) => this.clock.seek(seconds));
-    this.standings = new Standings(course, (seat) => this.followOrLeave(seat));
+    this.standings = new Standings(course, (seat) => this.views.followOrLeave(seat));
     this.feed = new Feed(course);
     this.events = new EventList(
       course,
@@ -72,10 +65,10 @@ export class Player implements Actions {
       this.controls.element,
     );
     this.lay();
-    this.stops = [clock.listen(() => this.refresh()), listenToKeys(root, this, isFirst), this.watchPage()];
+    this.stops = [clock.listen(() => this.loop.refresh()), listenToKeys(root, this, isFirst)];
     this.events.extend();
     this.setEnd();
-    this.showStage();
+    this.views.showStage();
   }
 
   get frame(): number {
@@ -93,16 +86,16 @@ export class Player implements Actions {
     if (moment) this.goTo(moment);
     if (moment?.seconds != null) return;
     if (this.clock.isOpen) this.clock.followLive();
-    else if (!this.calm.matches && !this.clock.isPlaying) this.clock.play();
+    else if (!this.loop.isCalm && !this.clock.isPlaying) this.clock.play();
   }
 
-  goTo({ seconds, view, seat }: Moment): void {
+  goTo(moment: Moment): void {
+    const { seconds } = moment;
     if (seconds !== null) {
       this.clock.pause();
       this.clock.seek(seconds);
     }
-    const known = seat !== null && seat < this.course.seats.length ? seat : this.screen.view.seat;
-    this.setView({ kind: view ?? this.screen.view.kind, seat: known });
+    this.views.goTo(moment);
   }
 
   // Take in new samples of a match that is being played.
@@ -110,6 +103,7 @@ export class Player implements Actions {
     this.course.extend(next);
     this.standings.extend();
     this.events.extend();
+    this.views.extend();
     this.setEnd();
     if (next.over) this.clock.close();
   }
@@ -119,7 +113,7 @@ export class Player implements Actions {
   }
 
   dispose(): void {
-    cancelAnimationFrame(this.request);
+    this.loop.dispose();
     for (const stop of this.stops) stop();
     this.clock.leave(this);
     this.timeline.dispose();
@@ -159,18 +153,19 @@ export class Player implements Actions {
   }
 
   look(kind: ViewKind): void {
-    this.setView({ ...this.screen.view, kind });
+    this.views.look(kind);
   }
 
   nextView(): void {
-    const { kinds, view } = this.screen;
-    if (kinds.length) this.look(kinds[(kinds.indexOf(view.kind) + 1) % kinds.length]);
+    this.views.next();
   }
 
   follow(seat: number): void {
-    if (seat >= this.course.seats.length) return;
-    const { kind } = this.screen.view;
-    this.setView({ kind: kind === "eyes" ? kind : "behind", seat });
+    this.views.follow(seat);
+  }
+
+  direct(): void {
+    this.views.direct();
   }
 
   followLive(): void {
@@ -178,15 +173,11 @@ export class Player implements Actions {
   }
 
   setTrail(seconds: number): void {
-    this.trail = seconds;
-    if (this.screen.stage) this.screen.stage.trail = seconds;
-    this.stir();
+    this.views.setTrail(seconds);
   }
 
   toggleInset(): void {
-    if (this.screen.stage?.inset === undefined) return;
-    this.isInset = !this.isInset;
-    this.setView(this.screen.view);
+    this.views.toggleInset();
   }
 
   toggleFullscreen(): void {
@@ -198,7 +189,7 @@ export class Player implements Actions {
   }
 
   async copyLink(): Promise<void> {
-    history.replaceState(null, "", writeMoment(this.clock.seconds, this.screen.view));
+    history.replaceState(null, "", this.views.link(this.clock.seconds));
     try {
       await navigator.clipboard.writeText(location.href);
       this.sayBriefly("Link copied");
@@ -225,39 +216,14 @@ export class Player implements Actions {
     this.root.replaceChildren(make("div", { className: "player-grid" }, this.theater, side), this.keys);
   }
 
-  private firstView(): View {
-    const seat = this.course.seats.find(({ kind }) => kind === "submission") ?? this.course.seats[0];
-    return { kind: "behind", seat: seat?.seat ?? 0 };
-  }
-
-  private showStage(): void {
-    const { stage, kinds } = this.screen;
-    if (stage && stage.trail !== undefined) stage.trail = this.trail;
-    this.controls.showStage(kinds, stage?.inset !== undefined, stage?.trail !== undefined);
-    this.setView(this.screen.view);
-  }
-
-  private setView(view: View): void {
-    this.screen.look(view);
-    const { stage } = this.screen;
-    const shown = this.screen.view;
-    if (stage && stage.inset !== undefined)
-      stage.inset = this.isInset && shown.kind !== "eyes" ? shown.seat : null;
-    this.controls.showView(shown, this.isInset);
-    this.standings.mark(shown.kind === "behind" || shown.kind === "eyes" ? shown.seat : null);
-  }
-
-  // A click on whom one follows lets go of it.
-  private followOrLeave(seat: number): void {
-    const { kind, seat: followed } = this.screen.view;
-    const isFollowed = seat === followed && (kind === "behind" || kind === "eyes");
-    if (isFollowed && this.screen.kinds.includes("free")) this.look("free");
-    else this.follow(seat);
+  private tellView(told: Told): void {
+    this.controls.showView(told);
+    this.standings.mark(followsSeat(told.view.kind) ? told.view.seat : null);
   }
 
   private relist(): void {
     this.timeline.list(this.events.listed);
-    this.refresh();
+    this.loop.refresh();
   }
 
   private setEnd(): void {
@@ -277,61 +243,16 @@ export class Player implements Actions {
 
   // Drawing.
 
-  // Whoever scrolls or switches away sees nothing, so nothing is drawn, and time stands still.
-  private watchPage(): () => void {
-    const watcher = new IntersectionObserver((entries) => {
-      this.isOnPage = entries[entries.length - 1].isIntersecting;
-      if (!this.root.isConnected) this.dispose();
-      else this.wake();
-    });
-    watcher.observe(this.root);
-    const listener = () => this.wake();
-    document.addEventListener("visibilitychange", listener);
-    return () => {
-      watcher.disconnect();
-      document.removeEventListener("visibilitychange", listener);
-    };
+  get isCameraMoving(): boolean | undefined {
+    return this.screen.isMoving;
   }
 
-  // Something has changed: draw everything anew.
-  private refresh(): void {
-    this.isStale = true;
-    this.wake();
-  }
-
-  // A person moved the camera: draw the picture anew.
-  private stir(): void {
-    this.isStirred = true;
-    this.wake();
-  }
-
-  private wake(): void {
-    const isSeen = this.isOnPage && document.visibilityState === "visible";
-    if (isSeen && !this.request) this.request = requestAnimationFrame((now) => this.tick(now));
-  }
-
-  private tick(now: number): void {
-    this.request = 0;
-    this.clock.advance(now);
-    if (this.isStale || this.isStirred) this.stirredAt = now;
-    const isCalm = this.clock.isFollowingLive && this.calm.matches && now - this.drawnAt < CALM;
-    const isLater = this.frame !== this.drawn && !isCalm;
-    if (this.isStale || this.isStirred || isLater || this.isCameraMoving(now)) this.draw(now);
-    if (this.clock.isRunning || this.isCameraMoving(now)) this.wake();
-    else this.clock.rest();
-  }
-
-  private isCameraMoving(now: number): boolean {
-    return this.screen.stage?.moving ?? now - this.stirredAt < SETTLED;
-  }
-
-  private draw(now: number): void {
+  draw(now: number, isStale: boolean): void {
     const { frame, clock, course } = this;
+    this.views.cut(frame);
     this.screen.draw(frame);
-    this.drawnAt = now;
-    this.isStirred = false;
-    if (!this.isStale && frame === this.drawn) return;
-    this.drawn = frame;
+    if (!isStale && frame === this.shownFrame) return;
+    this.shownFrame = frame;
     const end = course.seconds(course.lastFrame);
     const text = timeText(course.seconds(frame), end);
     const isAtEnd = frame >= course.lastFrame && !clock.isOpen;
@@ -339,8 +260,7 @@ export class Player implements Actions {
     this.controls.update(clock, text, isAtEnd);
     this.feed.update(frame, clock.speed);
     this.showOutcome(isAtEnd);
-    if (this.isStale || now - this.slowAt > SLOW) this.drawLists(frame, now);
-    this.isStale = false;
+    if (isStale || now - this.slowAt > SLOW) this.drawLists(frame, now);
   }
 
   private drawLists(frame: number, now: number): void {

@@ -20,6 +20,8 @@ export class Screen {
   private readonly note = make("p", { className: "player-note", role: "status" });
   private readonly zoomButtons: HTMLElement;
   private readonly sizes = new ResizeObserver(() => this.fit());
+  private readonly watcher = new IntersectionObserver((entries) => this.see(entries));
+  private isOnPage = true; // as far as one has scrolled
   private map: GameMap | null = null;
 
   constructor(
@@ -36,6 +38,7 @@ export class Screen {
     this.zoomButtons.hidden = true;
     this.element.append(this.message, this.note, this.zoomButtons);
     this.sizes.observe(this.element);
+    this.watcher.observe(this.element);
   }
 
   say(text: string): void {
@@ -49,8 +52,14 @@ export class Screen {
     this.raise(0);
   }
 
+  // Nobody sees the picture while the page shows the list of events below it.
   draw(frame: number): void {
-    this.stage?.draw(frame);
+    if (this.isOnPage) this.stage?.draw(frame);
+  }
+
+  // Whether the camera moves by itself; undefined if the stage does not say so.
+  get isMoving(): boolean | undefined {
+    return this.stage && this.isOnPage ? this.stage.moving : false;
   }
 
   look(view: View): void {
@@ -72,6 +81,7 @@ export class Screen {
 
   dispose(): void {
     this.sizes.disconnect();
+    this.watcher.disconnect();
     this.stage?.dispose();
     this.stage = null;
   }
@@ -124,6 +134,11 @@ export class Screen {
   private zoom(factor: number): void {
     this.stage?.zoom?.(factor);
     this.redraw();
+  }
+
+  private see(entries: IntersectionObserverEntry[]): void {
+    this.isOnPage = entries[entries.length - 1].isIntersecting;
+    if (this.isOnPage) this.redraw();
   }
 
   private fit(): void {

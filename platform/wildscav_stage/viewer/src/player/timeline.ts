@@ -4,9 +4,10 @@ import type { Course } from "../data/course";
 import type { EventKind, MatchEvent } from "../data/trails";
 import { clockText } from "./clock";
 import { make } from "./dom";
-import { LOOKS } from "./moments";
+import { describe, LOOKS } from "./moments";
 
 const NEAR = 6; // px from a mark within which a click means its moment
+const DRAGGED = 4; // px that make a click a drag
 const THUMB = 10; // px, width of the handle, as in viewer.css
 const THINNED: EventKind[] = ["pick_up", "hit"]; // so many that only some are marked
 const GAP = 5; // px between two marks of those
@@ -15,6 +16,7 @@ export class Timeline {
   readonly element: HTMLElement;
   private readonly marks = make("canvas", { className: "player-marks" });
   private readonly played = make("div", { className: "player-played" });
+  private readonly tip = make("div", { className: "player-tip", hidden: true });
   private readonly range: HTMLInputElement;
   private events: MatchEvent[] = [];
   private end = 0; // s
@@ -30,9 +32,9 @@ export class Timeline {
     this.range.step = String(1 / course.trails.frames_per_second);
     this.range.setAttribute("aria-label", "Time of the match");
     this.range.oninput = () => this.seek(Number(this.range.value));
-    this.marks.setAttribute("aria-hidden", "true");
-    this.listenForClicks();
-    this.element = make("div", { className: "player-line" }, this.played, this.marks, this.range);
+    for (const element of [this.marks, this.tip]) element.setAttribute("aria-hidden", "true");
+    this.listenForPointers();
+    this.element = make("div", { className: "player-line" }, this.played, this.marks, this.range, this.tip);
     this.sizes.observe(this.marks);
   }
 
@@ -98,20 +100,42 @@ export class Timeline {
     return THUMB / 2 + share * (this.marks.clientWidth - THUMB);
   }
 
-  // A click beside a mark, without dragging, means the mark.
-  private listenForClicks(): void {
+  // Who points at a mark is told of it; a click beside it, without dragging, means it.
+  private listenForPointers(): void {
     let from: number | null = null;
     this.range.onpointerdown = (press) => {
       from = press.offsetX;
     };
     this.range.onclick = (click) => {
-      if (from === null || Math.abs(click.offsetX - from) > 3) return;
-      const away = (event: MatchEvent) => Math.abs(this.column(event.frame) - click.offsetX);
-      const near = this.events.filter((event) => away(event) < NEAR);
-      near.sort((one, other) => LOOKS[other.kind].tall - LOOKS[one.kind].tall || away(one) - away(other));
-      if (near.length) this.seek(this.course.seconds(near[0].frame));
+      const mark = this.markAt(click.offsetX);
+      if (from !== null && Math.abs(click.offsetX - from) < DRAGGED && mark) {
+        this.seek(this.course.seconds(mark.frame));
+      }
       from = null;
     };
+    this.range.onpointermove = (move) => this.hint(move.offsetX);
+    this.range.onpointerleave = () => {
+      this.tip.hidden = true;
+    };
+  }
+
+  private hint(column: number): void {
+    const mark = this.markAt(column);
+    const width = this.marks.clientWidth;
+    const share = Math.min(1, Math.max(0, (column - THUMB / 2) / (width - THUMB)));
+    const seconds = mark ? this.course.seconds(mark.frame) : share * this.end;
+    this.tip.textContent = `${clockText(seconds)}${mark ? ` · ${describe(mark, this.course)}` : ""}`;
+    this.tip.hidden = false;
+    const half = this.tip.offsetWidth / 2;
+    this.tip.style.left = `${Math.min(Math.max(half, column), width - half) - half}px`;
+  }
+
+  // The tallest mark near a place in px from the left, and of those the nearest.
+  private markAt(column: number): MatchEvent | undefined {
+    const away = (event: MatchEvent) => Math.abs(this.column(event.frame) - column);
+    const near = this.marked().filter((event) => away(event) < NEAR);
+    near.sort((one, other) => LOOKS[other.kind].tall - LOOKS[one.kind].tall || away(one) - away(other));
+    return near[0];
   }
 }
 

@@ -18,8 +18,9 @@ test("other places on a page are no moments", () => {
 });
 
 test("a written link is read again, with a seat where the view follows one", () => {
-  const hash = writeMoment(12.3456, { kind: "eyes", seat: 0 });
+  const hash = writeMoment(12.3456, { kind: "eyes", seat: 0 }, true);
   expect(hash).toBe("#t=12.35&view=eyes&seat=0");
   expect(readMoment(hash)).toEqual({ seconds: 12.35, view: "eyes", seat: 0 });
-  expect(writeMoment(0, { kind: "free", seat: 2 })).toBe("#t=0&view=free");
+  expect(writeMoment(0, { kind: "free", seat: 2 }, true)).toBe("#t=0&view=free");
+  expect(writeMoment(0, { kind: "behind", seat: 2 }, false)).toBe("#t=0&view=behind");
 });
