@@ -33,7 +33,6 @@ def watch(
     from wildscav.terminal.console import console, error_console
     from wildscav_engine.view.web import link_to
     from wildscav_stage.listening import listen
-    from wildscav_stage.match_page import scene_of
     from wildscav_stage.match_site import match_site, serve
     from wildscav_stage.viewer_files import viewer_addresses
 
@@ -41,13 +40,13 @@ def watch(
     records = _records_in(path) if path.is_dir() else [path]
     viewer_addresses()  # before the link is printed
     with error_console.status(f"playing {escape(path.name)}"):
-        scene_of(records[0])
+        site = match_site(f"Matches of {path.resolve().name}", records)
     listening = listen(host, port)
     link = link_to(host, listening.getsockname()[1])
     console.print(f"watch at {link}", "Ctrl-C ends it.", sep="\n")
     if browser:
         webbrowser.open(link)
-    serve(match_site(f"Matches of {path.resolve().name}", records), listening)
+    serve(site, listening)
 
 
 def _records_in(folder: Path) -> list[Path]:

@@ -30,11 +30,17 @@ def match_site(title: str, records: Sequence[Path]) -> Starlette:
     Args:
         title: Of the list of several.
         records: Their files.
+
+    Raises:
+        UserError: There is one record alone, and it cannot be read, or not be played again.
     """
 
     @lru_cache(SCENES)
     def scene(number: int) -> Scene:
         return scene_of(records[number])
+
+    if len(records) == 1:
+        scene(0)
 
     def asked_for(request: Request) -> tuple[str, Scene]:
         number = request.path_params.get("number", 0)  # the first page has none
