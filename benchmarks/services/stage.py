@@ -2,8 +2,8 @@
 
     python -m benchmarks.services.stage [--size 500] [--json FILE]
 
-A battle of ten robots is served as ``wildscav watch`` does it, over a line of 10 Mbit/s, and drawn by software
-in headless Chromium: a graphics card is many times as fast. Measure on an idle machine.
+A battle of ten robots is served as ``wildscav watch`` does it, over a line of 10 Mbit/s, and drawn by
+software in headless Chromium: a graphics card is many times as fast. Measure on an idle machine.
 """
 
 import socket
@@ -33,7 +33,7 @@ SECONDS = 8  # for which pictures are counted
 WARM_UP = 6000  # ms until the viewer has found out how much the machine can draw
 SIZES = {"desktop": (1280, 900), "640 × 360": (680, 900), "phone": (390, 844)}
 DRAWN = """
-let drawn = 0;
+window.drawn = 0;
 const { drawElements } = WebGL2RenderingContext.prototype;
 let isDrawn = false;
 WebGL2RenderingContext.prototype.drawElements = function (...of) {
@@ -41,12 +41,13 @@ WebGL2RenderingContext.prototype.drawElements = function (...of) {
   return drawElements.apply(this, of);
 };
 const next = () => {
-  drawn += isDrawn;
+  window.drawn += isDrawn;
   isDrawn = false;
   requestAnimationFrame(next);
 };
 requestAnimationFrame(next);
 """
+COUNTED = "[window.drawn, performance.now()]"
 
 
 @contextmanager
@@ -92,9 +93,9 @@ def pictures(browser: Any, address: str, size: tuple[int, int], view: str) -> fl
         page.goto(f"{address}#view={view}")
         page.locator(SHOWN).wait_for(state="attached", timeout=60_000)
         page.wait_for_timeout(WARM_UP)
-        before = page.evaluate("[drawn, performance.now()]")
+        before = page.evaluate(COUNTED)
         page.wait_for_timeout(1000 * SECONDS)
-        count, milliseconds = np.subtract(page.evaluate("[drawn, performance.now()]"), before)
+        count, milliseconds = np.subtract(page.evaluate(COUNTED), before)
         return float(1000.0 * count / milliseconds)
 
 
