@@ -116,6 +116,7 @@ export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Cou
       const reach = isFromAbove ? reachFromAbove(across, pace.quality.reach) : pace.quality.reach;
       ground.see(shared.eye.value, 1.5 * reach);
       solids.see(shared.eye.value, reach, !isFromAbove || across > ROOFLESS);
+      solids.cut(shown.focus);
       agents.show(moment, hidden, isFromAbove ? Math.max(1, (ENLARGED * across) / TALL) : 1);
       labels.show(moment, hidden, isFromAbove);
       boxes.show(
@@ -142,7 +143,7 @@ export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Cou
         geometry?.dispose();
         for (const own of [material].flat()) own?.dispose();
       });
-      for (const part of [agents, labels, shadows, water]) part.dispose();
+      for (const part of [agents, labels, shadows, solids, water]) part.dispose();
       disposeShared();
       renderer.dispose();
     },
