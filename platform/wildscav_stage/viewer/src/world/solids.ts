@@ -13,7 +13,7 @@ const UPRIGHT = 1e-3; // the rise of a face's normal below which it stands uprig
 
 const VERTEX = /* glsl */ `
 in vec4 color; // and the kind
-in vec4 axis; // along which boards lie: x and z
+in vec2 axis; // along which boards lie: x and z
 out vec3 place, ray;
 flat out vec3 base;
 flat out vec2 along;
@@ -22,7 +22,7 @@ void main() {
   place = position;
   ray = position - eye;
   base = color.rgb;
-  along = axis.xy;
+  along = normalize(axis);
   kind = int(color.a * 255.0 + 0.5);
   gl_Position = project(position);
 }`;
@@ -31,8 +31,20 @@ in vec3 place, ray;
 flat in vec3 base;
 flat in vec2 along;
 flat in int kind;
+uniform vec3 focus; // m, the followed agent
 ${TEXTURES}
+// Whether a place hides the followed agent from a camera that is behind a wall.
+bool isCut() {
+  vec3 way = focus - eye;
+  float share = dot(ray, way) / dot(way, way);
+  float aside = length(ray - share * way) - 1.1 * share - 0.25;
+  float grid = fract(dot(floor(gl_FragCoord.xy), vec2(0.5, 0.25)));
+  return share < 1.0 - 0.5 / length(way) && aside < -0.5 * grid * share;
+}
 void main() {
+#ifdef CUT
+  if (isCut()) discard;
+#endif
   vec3 normal = normalize(cross(dFdx(ray), dFdy(ray)));
   float way = length(ray), facing = dot(normal, ray) / way;
   if (far == 0.0 ? normal.y < 0.0 : facing > 0.0) normal = -normal;
@@ -46,10 +58,14 @@ export interface Solids {
   group: Group;
   // Draw pieces within so many m with all their triangles, and those some times as far with fewer.
   see(from: Vector3, reach: number, withRoofs: boolean): void;
+  // Leave out what hides a place from the camera; null leaves out nothing.
+  cut(focus: Vector3 | null): void;
 }
 
 export function createSolids(map: GameMap, shared: Shared): Solids {
+  const focus = { value: new Vector3() };
   const own = material(shared, VERTEX, FRAGMENT);
+  const open = material(shared, VERTEX, FRAGMENT, { uniforms: { focus }, defines: { CUT: 1 } });
   const pieces = [...piecesOf(map).values()].map((members) => createPiece(map, members, own));
   const group = new Group();
   for (const { mesh } of pieces) group.add(mesh);
@@ -61,7 +77,11 @@ export function createSolids(map: GameMap, shared: Shared): Solids {
       mesh.geometry.setDrawRange(range.start, withRoofs ? range.all : range.withoutRoofs);
     }
   };
-  return { group, see };
+  const cut = (place: Vector3 | null) => {
+    if (place) focus.value.copy(place);
+    for (const { mesh } of pieces) mesh.material = place ? open : own;
+  };
+  return { group, see, cut };
 }
 
 // The numbers of the solids in each piece.
@@ -121,7 +141,7 @@ function cornersOf(map: GameMap, members: number[]): { geometry: BufferGeometry;
   const count = members.reduce((sum, solid) => sum + endOf(solids, solid) / 3 - solids.first[solid], 0);
   const places = new Float32Array(3 * count);
   const paints = new Uint8Array(4 * count);
-  const axes = new Int8Array(4 * count);
+  const axes = new Int16Array(2 * count);
   const firsts: number[] = [];
   let at = 0;
   for (const solid of members) {
@@ -132,14 +152,14 @@ function cornersOf(map: GameMap, members: number[]): { geometry: BufferGeometry;
     for (const last = at + own.length / 3; at < last; at++) {
       paints.set(solids.colors.subarray(3 * solid, 3 * solid + 3), 4 * at);
       paints[4 * at + 3] = solids.kind[solid];
-      axes[4 * at] = Math.round(127 * east);
-      axes[4 * at + 1] = Math.round(127 * north);
+      axes[2 * at] = Math.round(32767 * east);
+      axes[2 * at + 1] = Math.round(32767 * north);
     }
   }
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(places, 3));
   geometry.setAttribute("color", new BufferAttribute(paints, 4, true));
-  geometry.setAttribute("axis", new BufferAttribute(axes, 4, true));
+  geometry.setAttribute("axis", new BufferAttribute(axes, 2, true));
   geometry.boundingSphere = sphereAround(places);
   return { geometry, firsts };
 }

@@ -11,11 +11,11 @@ float line(float coordinate, float spacing, float width, float footprint) {
   return clamp((0.5 * width + soft - aside) / (2.0 * soft), 0.0, 1.0) * sharpness(spacing, footprint);
 }
 
-// How bright spots are: of some size in m, so much flatter than wide, and between the darkest and the brightest.
-float spots(vec3 at, float size, float flatness, float strength, float footprint) {
-  float seen = strength * sharpness(size, footprint);
+// How bright spots of some kind are.
+float spots(vec3 at, vec3 kind, float footprint) {
+  float size = kind.x, seen = kind.z * sharpness(size, footprint);
   if (seen == 0.0) return 1.0;
-  float up = at.y * flatness / size, level = floor(up), rise = up - level;
+  float up = at.y * kind.y / size, level = floor(up), rise = up - level;
   vec2 aside = vec2(57.0 * mod(level, 64.0), 113.0 * mod(level, 32.0));
   vec2 over = vec2(57.0 * mod(level + 1.0, 64.0), 113.0 * mod(level + 1.0, 32.0));
   vec2 plane = at.xz / size;
@@ -23,11 +23,20 @@ float spots(vec3 at, float size, float flatness, float strength, float footprint
   return 1.0 + seen * (bright - 0.5);
 }
 
-float courses(vec3 at, vec3 normal, float footprint) {
+// The level direction along a face, exactly along or across the boards of its solid where it nearly is.
+vec2 alongFace(vec3 normal, vec2 axis) {
+  vec2 level = normalize(normal.xz);
+  float ahead = dot(level, axis), aside = level.y * axis.x - level.x * axis.y;
+  if (abs(ahead) > 0.995) level = sign(ahead) * axis;
+  if (abs(aside) > 0.995) level = sign(aside) * vec2(-axis.y, axis.x);
+  return vec2(level.y, -level.x);
+}
+
+float courses(vec3 at, vec3 normal, vec2 axis, float footprint) {
   float level = length(normal.xz);
   if (level < 0.5) return 1.0;
   float course = floor(at.y / 0.32);
-  float along = (normal.z * at.x - normal.x * at.z) / level + 0.31 * mod(course, 2.0);
+  float along = dot(alongFace(normal, axis), at.xz) + 0.31 * mod(course, 2.0);
   float joint = max(line(at.y, 0.32, 0.016, footprint), line(along, 0.62, 0.016, footprint));
   float own = 1.0 + 0.07 * (grain(vec2(course + 5.0, along / 0.62)) - 0.5) * sharpness(0.32, footprint);
   return own * (1.0 - 0.13 * joint);
@@ -42,10 +51,10 @@ float boards(float across, float along, float width, float footprint) {
   return (1.0 + own + fibre) * (1.0 - 0.40 * line(across, width, 0.014, footprint));
 }
 
-float tiles(vec3 at, vec3 normal, float footprint) {
+float tiles(vec3 at, vec3 normal, vec2 axis, float footprint) {
   float level = length(normal.xz);
   float up = at.y / level, row = floor(up / 0.34);
-  float along = (normal.z * at.x - normal.x * at.z) / level + 0.14 * mod(row, 2.0);
+  float along = dot(alongFace(normal, axis), at.xz) + 0.14 * mod(row, 2.0);
   float own = 0.22 * (grain(vec2(row, along / 0.28)) - 0.5) + 0.16 * (up / 0.34 - row - 0.5);
   float joint = max(line(up, 0.34, 0.03, footprint), 0.6 * line(along, 0.28, 0.02, footprint));
   return (1.0 + sharpness(0.34, footprint) * own) * (1.0 - 0.38 * joint);
@@ -54,24 +63,33 @@ float tiles(vec3 at, vec3 normal, float footprint) {
 // The colour of a solid's surface, given the direction of its boards and the size of a pixel there.
 vec3 textured(int kind, vec3 color, vec3 normal, vec3 at, vec2 axis, float footprint) {
   float across = axis.y * at.x - axis.x * at.z, along = dot(axis, at.xz);
-  bool isPlain = detail == 0.0;
-  if (kind == FLOOR) {
-    if (normal.y < -0.5) return mix(color, vec3(226.0, 222.0, 212.0) / 255.0, 0.8);
-    if (normal.y <= 0.5) return 0.8 * color;
-    return isPlain ? color : color * boards(across, along, 0.18, footprint);
-  }
-  if (kind == STAIR) {
-    if (normal.y <= 0.5) return 0.68 * color;
-    return isPlain ? color : color * boards(along, across, 0.3, footprint);
-  }
+  bool isTop = normal.y > 0.5;
+  if (kind == FLOOR && normal.y < -0.5) return mix(color, vec3(226.0, 222.0, 212.0) / 255.0, 0.8);
+  if (kind == FLOOR && !isTop) return 0.8 * color;
+  if (kind == STAIR && !isTop) return 0.68 * color;
   if (kind == ROOF && normal.y < 0.05) return 0.62 * color;
-  if (isPlain) return color;
-  if (kind == ROOF && normal.y <= 0.995) return color * tiles(at, normal, footprint);
-  if (kind == ROOF) return color * spots(at, 0.15, 1.0, 0.2, footprint) * spots(at, 1.2, 1.0, 0.12, footprint);
-  if (kind == WALL) return color * courses(at, normal, footprint) * spots(at, 0.9, 1.0, 0.07, footprint);
-  if (kind == TRUNK) return color * spots(at, 0.09, 0.22, 0.5, footprint);
-  if (kind == ROCK) return color * spots(at, 0.12, 1.0, 0.3, footprint) * spots(at, 0.6, 1.0, 0.24, footprint);
-  if (kind == FURNITURE) return color * spots(at, 0.14, 6.0, 0.22, footprint);
-  return color * spots(at, 0.2, 1.0, 0.55, footprint) * spots(at, 0.75, 1.0, 0.3, footprint);
+#if DETAIL < 2
+  return color;
+#else
+  bool isFlat = kind == ROOF && normal.y > 0.995;
+  if (kind == FLOOR) color *= boards(across, along, 0.18, footprint);
+  else if (kind == STAIR) color *= boards(along, across, 0.3, footprint);
+  else if (kind == WALL) color *= courses(at, normal, axis, footprint);
+  else if (kind == ROOF && !isFlat) color *= tiles(at, normal, axis, footprint);
+  // The sizes of spots in m, how much flatter than wide they are, and between the darkest and the brightest.
+  vec3 small = vec3(0.2, 1.0, 0.55), large = vec3(0.75, 1.0, 0.3); // of plants
+  if (kind == WALL) small = vec3(0.9, 1.0, 0.07);
+  if (kind == TRUNK) small = vec3(0.09, 0.22, 0.5);
+  if (kind == FURNITURE) small = vec3(0.14, 6.0, 0.22);
+  if (kind == ROCK) small = vec3(0.12, 1.0, 0.3);
+  if (kind == ROCK) large = vec3(0.6, 1.0, 0.24);
+  if (isFlat) small = vec3(0.15, 1.0, 0.2);
+  if (isFlat) large = vec3(1.2, 1.0, 0.12);
+  bool hasLarge = isFlat || kind == ROCK || kind == CROWN || kind == BUSH;
+  bool hasSmall = hasLarge || kind == WALL || kind == TRUNK || kind == FURNITURE;
+  if (hasSmall) color *= spots(at, small, footprint);
+  if (hasLarge) color *= spots(at, large, footprint);
+  return color;
+#endif
 }
 `;

@@ -8,7 +8,7 @@ import { material, type Shared } from "./shared";
 
 const SIDES = 180;
 const WALL = [-12, 45]; // m, from the ground at its middle to the top
-const RING = [0.12, 0.0035]; // half the width of the next circle: m, and m per m of its radius
+const RING = [0.1, 0.0025]; // half the width of the next circle: m, and m per m of its radius
 const OVER = 0.25; // m over the ground
 
 const VERTEX = /* glsl */ `
