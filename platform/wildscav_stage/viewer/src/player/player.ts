@@ -62,6 +62,7 @@ export class Player implements Actions, Drawn {
       "div",
       { className: "player-theater" },
       this.screen.element,
+      this.screen.note,
       this.timeline.element,
       this.controls.element,
     );
