@@ -2,6 +2,7 @@
 
 import type { Color, Corner, GameMap } from "../data/map";
 import { lit } from "../view/light";
+import { endOf, normalOf, trianglesOf } from "../view/polyhedra";
 import { heightAt, normalsOf } from "../view/terrain";
 
 const LARGEST = 2048; // pixels along a side
@@ -111,11 +112,6 @@ function blend(
   }
 }
 
-// The triangles of a solid, as places of their corners in the list of all corners' coordinates.
-function trianglesOf({ solids, topologies }: GameMap, solid: number): number[] {
-  return topologies[solids.topology[solid]].map((corner) => 3 * (solids.first[solid] + corner));
-}
-
 function drawShadows(map: GameMap, context: Context): void {
   const { solids, light, ground } = map;
   const { corners } = solids;
@@ -153,9 +149,9 @@ function isInside({ kinds }: GameMap, kind: number): boolean {
 }
 
 function topOf({ solids }: GameMap, solid: number): number {
-  const end = solid + 1 < solids.count ? solids.first[solid + 1] : solids.corners.length / 3;
   let top = -Infinity;
-  for (let at = solids.first[solid]; at < end; at++) top = Math.max(top, solids.corners[3 * at + 1]);
+  for (let at = 3 * solids.first[solid], end = endOf(solids, solid); at < end; at += 3)
+    top = Math.max(top, solids.corners[at + 1]);
   return top;
 }
 
@@ -178,15 +174,4 @@ function drawSolid(map: GameMap, solid: number, context: Context): void {
     context.fill();
     context.stroke();
   }
-}
-
-function normalOf(corners: Float32Array, a: number, b: number, c: number): Corner {
-  const first = [0, 1, 2].map((axis) => corners[b + axis] - corners[a + axis]);
-  const second = [0, 1, 2].map((axis) => corners[c + axis] - corners[a + axis]);
-  const normal = [0, 1, 2].map((axis) => {
-    const [next, last] = [(axis + 1) % 3, (axis + 2) % 3];
-    return first[next] * second[last] - first[last] * second[next];
-  });
-  const length = Math.hypot(...normal) || 1;
-  return normal.map((part) => part / length) as Corner;
 }

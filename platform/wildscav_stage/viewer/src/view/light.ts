@@ -6,6 +6,9 @@ export const DIRECT = 0.9; // share of the sun's light that cameras use
 // Ambient light: its least, how it grows with the upward part of a normal, and with the eastern and northern.
 export const AMBIENT = { level: 0.9, rise: 0.3, east: -0.1, north: -0.04 };
 
+// Under a floor or a roof it comes from all walls.
+export const ROOFED = { level: 0.94, rise: 0.06 };
+
 // The colour 0-255 of a surface, given its colour without light and its unit normal.
 export function lit(base: ArrayLike<number>, normal: Corner, light: Light, sunShare = 1): Color {
   const facing = normal[0] * light.sun[0] + normal[1] * light.sun[1] + normal[2] * light.sun[2];

@@ -1,6 +1,7 @@
 // What a camera must not look through: whether anything stands between two places.
 
 import type { GameMap } from "../data/map";
+import { endOf, planesOf } from "./polyhedra";
 import { heightAt } from "./terrain";
 
 const CELL = 8; // m along a side of a square of the map
@@ -15,12 +16,10 @@ export class Obstacles {
   constructor(private readonly map: GameMap) {
     const { solids, kinds } = map;
     const passed = new Set(PASSED.map((name) => kinds[name]));
-    const count = solids.corners.length / 3;
     for (let solid = 0; solid < solids.count; solid++) {
       if (passed.has(solids.kind[solid])) continue;
-      const end = solid + 1 < solids.count ? solids.first[solid + 1] : count;
       let [west, east, south, north] = [Infinity, -Infinity, Infinity, -Infinity];
-      for (let at = 3 * solids.first[solid]; at < 3 * end; at += 3) {
+      for (let at = 3 * solids.first[solid], end = endOf(solids, solid); at < end; at += 3) {
         west = Math.min(west, solids.corners[at]);
         east = Math.max(east, solids.corners[at]);
         south = Math.min(south, solids.corners[at + 2]);
@@ -73,25 +72,9 @@ export class Obstacles {
     return enter > 0 && enter < leave ? enter : Infinity;
   }
 
-  // The planes of a solid's triangles: outward unit normals, and their offsets.
   private planesOf(solid: number): Float32Array {
     let planes = this.planes.get(solid);
-    if (planes) return planes;
-    const { solids, topologies } = this.map;
-    const triangles = topologies[solids.topology[solid]];
-    planes = new Float32Array((4 * triangles.length) / 3);
-    for (let triangle = 0; triangle < triangles.length / 3; triangle++) {
-      const [a, b, c] = [0, 1, 2].map((place) => 3 * (solids.first[solid] + triangles[3 * triangle + place]));
-      const side = (to: number, axis: number) => solids.corners[to + axis] - solids.corners[a + axis];
-      const normal = [0, 1, 2].map((axis) => {
-        const [next, last] = [(axis + 1) % 3, (axis + 2) % 3];
-        return side(b, next) * side(c, last) - side(b, last) * side(c, next);
-      });
-      const length = Math.hypot(...normal) || 1;
-      const offset = normal.reduce((sum, part, axis) => sum + (part / length) * solids.corners[a + axis], 0);
-      planes.set([...normal.map((part) => part / length), offset], 4 * triangle);
-    }
-    this.planes.set(solid, planes);
+    if (!planes) this.planes.set(solid, (planes = planesOf(this.map, solid)));
     return planes;
   }
 }

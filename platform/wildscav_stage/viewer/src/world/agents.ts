@@ -48,7 +48,7 @@ const FRAGMENT = /* glsl */ `
 in vec3 place, facing, base;
 void main() {
   vec3 normal = normalize(facing);
-  shown = vec4(throughAir(base * lightOn(normal, sunShare(place, normal)), place), 1.0);
+  shown = vec4(throughAir(base * lightOn(normal, sunShare(place, normal), skyShare(place, normal)), place), 1.0);
 }`;
 const SHADOW_VERTEX = /* glsl */ `
 ${POSE}

@@ -24,7 +24,7 @@ const FRAGMENT = /* glsl */ `
 in vec3 place, facing, base;
 void main() {
   vec3 normal = normalize(facing);
-  vec3 light = max(lightOn(normal, sunShare(place, normal)), vec3(0.75));
+  vec3 light = max(lightOn(normal, sunShare(place, normal), skyShare(place, normal)), vec3(0.75));
   shown = vec4(throughAir(base * light, place), 1.0);
 }`;
 const SPARK_VERTEX = /* glsl */ `
@@ -50,7 +50,8 @@ void main() {
 
 export interface Boxes {
   group: Group;
-  show(frame: number, sparkSize: number): void; // pixels; 0 = none
+  // reach: m from a place, up to which they are shown as crates. sparkSize: pixels; 0 = none.
+  show(frame: number, from: Vector3, reach: number, sparkSize: number): void;
 }
 
 export function createBoxes(map: GameMap, course: Course, shared: Shared): Boxes {
@@ -74,26 +75,31 @@ export function createBoxes(map: GameMap, course: Course, shared: Shared): Boxes
   meshes[1].renderOrder = 3;
   for (const mesh of meshes) mesh.frustumCulled = false;
   group.add(...meshes);
-  let stand = perCopy(crates, "stand", 4, 0);
+  let stand = perCopy(sparks, "stand", 4, 0);
+  let near = perCopy(crates, "stand", 4, 0);
   // A match that is being played gets more boxes.
   const makeRoom = (count: number) => {
     if (stand.count >= count) return;
     for (const mesh of meshes) mesh.geometry.dispose();
     [crates, sparks] = [geometryOf(map.box), square()];
     [meshes[0].geometry, meshes[1].geometry] = [crates, sparks];
-    stand = perCopy(crates, "stand", 4, 2 * count);
-    sparks.setAttribute("stand", stand);
+    stand = perCopy(sparks, "stand", 4, 2 * count);
+    near = perCopy(crates, "stand", 4, 2 * count);
   };
-  const show = (frame: number, size: number) => {
+  const show = (frame: number, from: Vector3, reach: number, size: number) => {
     const { boxes } = course.trails;
     makeRoom(boxes.length);
-    let count = 0;
+    let [count, crateCount] = [0, 0];
     for (const { x, z, height, dropped, appears, taken } of boxes) {
       if (appears > frame || (taken !== null && taken <= frame)) continue;
-      stand.setXYZW(count++, x / METRE, height / METRE, z / METRE, dropped ? 1 : 0);
+      const [east, up, north] = [x / METRE, height / METRE, z / METRE];
+      stand.setXYZW(count++, east, up, north, dropped ? 1 : 0);
+      const isNear = (east - from.x) ** 2 + (up - from.y) ** 2 + (north - from.z) ** 2 < reach * reach;
+      if (isNear) near.setXYZW(crateCount++, east, up, north, dropped ? 1 : 0);
     }
-    crates.instanceCount = sparks.instanceCount = count;
-    stand.needsUpdate = true;
+    sparks.instanceCount = count;
+    crates.instanceCount = crateCount;
+    stand.needsUpdate = near.needsUpdate = true;
     sparkSize.value = size;
     meshes[1].visible = size > 0;
   };

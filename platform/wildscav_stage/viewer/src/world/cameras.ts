@@ -1,6 +1,6 @@
 // The cameras of all views, in the frame of three.js, whose z points south.
 
-import { type Camera, type Matrix4, OrthographicCamera, PerspectiveCamera } from "three";
+import { type Camera, type Matrix4, OrthographicCamera, PerspectiveCamera, type Vector3 } from "three";
 import type { Course } from "../data/course";
 import type { GameMap } from "../data/map";
 import type { View } from "../stage";
@@ -15,13 +15,13 @@ const FAR = 300; // m, where the haze hides everything to those on the ground
 const ACROSS = 75; // degrees, the field of view of the engine's cameras in a picture of 16 : 9
 const NARROWEST = 52; // degrees across, in an upright picture
 const HIGH = 600; // m, of the camera above
-const CLOSEST = 1.1; // m; from nearer by, the body of the followed seat is not shown
 
 export interface Shown {
   camera: Camera;
   hidden: number | null; // the seat whose body and name are not shown
   isFromAbove: boolean;
   across: number; // m in view from above; 0 in other views
+  focus: Vector3 | null; // m, what must be seen though something stands before it
 }
 
 export class Cameras {
@@ -48,17 +48,17 @@ export class Cameras {
     if (kind === "above") return this.placeAbove(width, height);
     if (kind === "eyes") {
       this.look(atTheEyes(moment.states[seat]), width / height, 0.08, FAR);
-      return { camera: this.perspective, hidden: seat, isFromAbove: false, across: 0 };
+      return { camera: this.perspective, hidden: seat, isFromAbove: false, across: 0, focus: null };
     }
     if (kind === "behind") {
       this.look(this.follower.pose(seat, moment.frame, seconds), width / height, 0.1, FAR);
-      const hidden = this.follower.distance < CLOSEST ? seat : null;
-      return { camera: this.perspective, hidden, isFromAbove: false, across: 0 };
+      const focus = this.follower.isBlocked ? this.follower.focus : null;
+      return { camera: this.perspective, hidden: null, isFromAbove: false, across: 0, focus };
     }
     const { distance } = this.orbit;
     const far = Math.max(FAR, 1.6 * this.map.size + 1.3 * distance);
     this.look(this.orbit.pose(), width / height, Math.max(0.1, Math.min(2, 0.02 * distance)), far);
-    return { camera: this.perspective, hidden: null, isFromAbove: false, across: 0 };
+    return { camera: this.perspective, hidden: null, isFromAbove: false, across: 0, focus: null };
   }
 
   private placeAbove(width: number, height: number): Shown {
@@ -70,7 +70,7 @@ export class Cameras {
     [camera.near, camera.far] = [1, 2 * HIGH];
     this.put(camera, { x, y: HIGH, z, yaw: 0, pitch: 90 }, 0);
     this.shared.pixel.value = (scale * height) / this.shared.viewport.value.y;
-    return { camera, hidden: null, isFromAbove: true, across: scale * Math.min(width, height) };
+    return { camera, hidden: null, isFromAbove: true, across: scale * Math.min(width, height), focus: null };
   }
 
   private look(pose: Pose, aspect: number, near: number, far: number): void {

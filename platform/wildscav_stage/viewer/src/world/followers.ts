@@ -1,5 +1,6 @@
 // The views that follow a seat: through its eyes, and from behind.
 
+import { Vector3 } from "three";
 import type { Course, SeatState } from "../data/course";
 import type { Obstacles } from "../view/obstacles";
 import { type Pose, radians } from "./orbit";
@@ -11,6 +12,7 @@ const HEAD = 1.75;
 const TILT = 14;
 const SHOULDER = 0.55; // m to the right
 const CLEARANCE = 0.35; // m, kept from walls
+const NEAREST = 2.4; // m from the head; where walls are nearer, they are left out
 const TURN = 25; // frames before and after, over whose mean it turns
 const PIECES = 8; // of them
 const FALLEN = 26; // degrees that it looks down more at the dead
@@ -18,12 +20,14 @@ const OPENING = 0.9; // s in which it goes back by about two thirds of the way
 const JUMP = 50; // frames beyond which it does not glide
 
 export function atTheEyes(state: SeatState): Pose {
-  const { x, y, z, yaw, pitch, health } = state;
-  return { x, y: y + (health > 0 ? EYE : 0.5), z, yaw, pitch };
+  const { x, y, z, yaw, pitch } = state;
+  return { x, y: y + EYE, z, yaw, pitch };
 }
 
 export class Follower {
-  distance = BEHIND; // m, from the head
+  readonly focus = new Vector3(); // m, what it looks at
+  isBlocked = false; // whether something stands between the camera and that
+  private distance = BEHIND; // m, from the head
   private seat = -1;
   private frame = 0;
 
@@ -38,13 +42,18 @@ export class Follower {
     const { yaw, pitch: look } = this.smoothed(seat, frame, state);
     const pitch = TILT + 0.4 * look + (state.health > 0 ? 0 : FALLEN);
     const [sin, cos] = [Math.sin(radians(yaw)), Math.cos(radians(yaw))];
-    const [x, y, z] = [state.x + SHOULDER * cos, state.y + HEAD, state.z - SHOULDER * sin];
+    const y = state.y + HEAD;
+    const aside = this.obstacles.free(state.x, y, state.z, [cos, 0, -sin], SHOULDER + CLEARANCE);
+    const shoulder = Math.max(0, aside - CLEARANCE);
+    const [x, z] = [state.x + shoulder * cos, state.z - shoulder * sin];
     const level = Math.cos(radians(pitch));
     const back: [number, number, number] = [-sin * level, Math.sin(radians(pitch)), -cos * level];
     const room = this.obstacles.free(x, y, z, back, BEHIND + CLEARANCE) - CLEARANCE;
+    this.isBlocked = room < NEAREST;
+    this.focus.set(state.x, state.y + 1, state.z);
     const isJump = seat !== this.seat || Math.abs(frame - this.frame) > JUMP;
     const share = isJump || room < this.distance ? 1 : 1 - Math.exp(-seconds / OPENING);
-    this.distance += (Math.max(0.2, Math.min(BEHIND, room)) - this.distance) * share;
+    this.distance += (Math.max(NEAREST, Math.min(BEHIND, room)) - this.distance) * share;
     [this.seat, this.frame] = [seat, frame];
     const far = this.distance;
     return { x: x + back[0] * far, y: y + back[1] * far, z: z + back[2] * far, yaw, pitch };

@@ -1,7 +1,7 @@
 // What all shaders of the world share. Places and directions are in the game's frame: x east, y up, z north.
 // Colours are as the engine's cameras compute with them: 0-1, without conversion.
 
-import { AMBIENT, DIRECT } from "../view/light";
+import { AMBIENT, DIRECT, ROOFED } from "../view/light";
 
 const float = (value: number) => value.toFixed(4);
 
@@ -12,7 +12,7 @@ uniform float pixel; // m, the side of a pixel 1 m away; without perspective any
 uniform vec3 sun, sunlight, skylight, zenith, horizon, below, disc, cloud;
 uniform sampler2D noiseMap;
 uniform float detail; // 0 = plain surfaces, 1 = all but the finest grain, 2 = all of it
-uniform highp sampler2DShadow shadowMap;
+uniform highp sampler2DShadow shadowMap, roofMap;
 uniform vec4 shadowFrame; // half the side of the map, lowest and highest place, and whether there are shadows
 uniform vec2 viewport; // pixels of the picture
 uniform float perPixel; // of them in a CSS pixel
@@ -39,23 +39,33 @@ vec3 haze(float up) {
   return zenith + (horizon - zenith) * level + (below - horizon) * clamp(-2.5 * up, 0.0, 1.0);
 }
 
-// Where a place is seen by the sun: see shadow.ts.
-vec3 inShadowMap(vec3 place) {
-  vec2 across = (place.xz - sun.xz / sun.y * (place.y - shadowFrame.y)) / shadowFrame.x;
-  return vec3(across, (shadowFrame.z - place.y) / (shadowFrame.z - shadowFrame.y)) ;
+// Where a place is seen by the sun, or from straight above: see shadow.ts.
+vec3 inShadowMap(vec3 place, vec2 lean) {
+  vec2 across = (place.xz - lean * (place.y - shadowFrame.y)) / shadowFrame.x;
+  return vec3(across, (shadowFrame.z - place.y) / (shadowFrame.z - shadowFrame.y));
 }
 
 float sunShare(vec3 place, vec3 normal) {
   if (shadowFrame.w == 0.0) return 1.0;
-  vec3 at = inShadowMap(place + 0.09 * normal + vec3(0.0, 0.04, 0.0));
+  vec3 at = inShadowMap(place + 0.09 * normal + vec3(0.0, 0.04, 0.0), sun.xz / sun.y);
   if (abs(at.x) > 1.0 || abs(at.y) > 1.0) return 1.0;
   return texture(shadowMap, vec3(0.5 + 0.5 * at.xy, at.z));
 }
 
-// The light on a surface in the open air.
-vec3 lightOn(vec3 normal, float shine) {
+// How much of the sky is seen between floors and roofs.
+float skyShare(vec3 place, vec3 normal) {
+  if (shadowFrame.w == 0.0 || detail == 0.0) return 1.0;
+  vec3 at = inShadowMap(place + 0.12 * normal + vec3(0.0, 0.06, 0.0), vec2(0.0));
+  if (abs(at.x) > 1.0 || abs(at.y) > 1.0) return 1.0;
+  return texture(roofMap, vec3(0.5 + 0.5 * at.xy, at.z));
+}
+
+// The light on a surface, given the shares of the sun and of the sky that it sees.
+vec3 lightOn(vec3 normal, float shine, float open) {
   float direct = ${float(DIRECT)} * max(0.0, dot(normal, sun)) * shine;
-  float ambient = ${float(AMBIENT.level)} + dot(normal, vec3(${float(AMBIENT.east)}, ${float(AMBIENT.rise)}, ${float(AMBIENT.north)}));
+  float level = mix(${float(ROOFED.level)}, ${float(AMBIENT.level)}, open);
+  float rise = mix(${float(ROOFED.rise)}, ${float(AMBIENT.rise)}, open);
+  float ambient = level + dot(normal, vec3(${float(AMBIENT.east)}, rise, ${float(AMBIENT.north)}));
   return direct * sunlight + ambient * skylight;
 }
 

@@ -2,10 +2,13 @@
 
 import { BufferAttribute, BufferGeometry, Group, Mesh, type ShaderMaterial, Sphere, Vector3 } from "three";
 import type { GameMap, Ground } from "../data/map";
-import { normalsOf, trianglesOf } from "../view/terrain";
+import { normalsOf } from "../view/terrain";
 import { material, type Shared } from "./shared";
 
 const PIECE = 32; // cells along a side of a piece
+const STEPS = [1, 2, 4]; // cells along a side of a triangle: from nearby, from some way off, and from afar
+const SOME_WAY = 2.5; // times as far as there are all triangles, up to where there are some
+const SKIRT = 2; // m
 // Beyond the edge: how far out in m, and how much of the edge's height and colour is left there.
 const RINGS = [
   [0, 1, 1],
@@ -17,6 +20,8 @@ const RINGS = [
   [6000, 0, 0],
 ];
 const PALE = [112, 132, 92]; // the colour of that land
+const MANY = 100; // corners along a side of the map, beyond which only every so many of its edge are used
+const EVERY = 3;
 const BANK = 0.3; // m that the land beyond the edge rises over water
 
 const VERTEX = /* glsl */ `
@@ -43,89 +48,141 @@ float grains(vec2 at, float footprint) {
 void main() {
   vec3 normal = normalize(facing), ray = place - eye, color = base;
   float way = length(ray);
-  float footprint = far == 0.0 ? pixel : pixel * way / max(0.05, -dot(ray, normal) / way);
+  float footprint = far == 0.0 ? pixel : pixel * way / max(0.2, -dot(ray, normal) / way);
   if (detail > 0.0) color *= grains(place.xz, footprint);
-  color *= lightOn(normal, isBeyond > 0.0 ? 1.0 : sunShare(place, normal));
+  color *= isBeyond > 0.0 ? lightOn(normal, 1.0, 1.0) : lightOn(normal, sunShare(place, normal), skyShare(place, normal));
   shown = vec4(throughAir(color, place), 1.0);
 }`;
 
-export function createGround(map: GameMap, shared: Shared): Group {
+export interface GroundPieces {
+  group: Group;
+  // Draw pieces within so many m with all their triangles, and those some times as far with fewer.
+  see(from: Vector3, reach: number): void;
+}
+
+export function createGround(map: GameMap, shared: Shared): GroundPieces {
   const { ground } = map;
   const group = new Group();
-  const corners = cornersOf(ground);
+  const normals = normalsOf(ground);
   const own = material(shared, VERTEX, FRAGMENT, { uniforms: { isBeyond: { value: 0 } } });
+  const pieces: Piece[] = [];
   for (let row = 0; row < ground.rows - 1; row += PIECE)
     for (let column = 0; column < ground.columns - 1; column += PIECE)
-      group.add(piece(ground, corners, row, column, own));
+      pieces.push(createPiece(ground, normals, row, column, own));
+  for (const { mesh } of pieces) group.add(mesh);
   const beyond = material(shared, VERTEX, FRAGMENT, { uniforms: { isBeyond: { value: 1 } } });
-  const apron = new Mesh(landBeyond(map), beyond);
+  const apron = new Mesh(landBeyond(map, normals), beyond);
   apron.frustumCulled = false;
   apron.name = "beyond";
   group.add(apron);
-  return group;
-}
-
-// The attributes of all corners, which the pieces share.
-function cornersOf(ground: Ground): Record<string, BufferAttribute> {
-  const { rows, columns, cell, corner, heights, colors } = ground;
-  const count = rows * columns;
-  const places = new Float32Array(3 * count);
-  const paints = new Uint8Array(4 * count);
-  for (let at = 0; at < count; at++) {
-    places[3 * at] = corner[0] + cell * (at % columns);
-    places[3 * at + 1] = heights[at];
-    places[3 * at + 2] = corner[1] + cell * Math.floor(at / columns);
-    for (let channel = 0; channel < 3; channel++) paints[4 * at + channel] = colors[3 * at + channel];
-  }
-  const normals = Int16Array.from(normalsOf(ground), (part) => 32767 * part);
-  return {
-    position: new BufferAttribute(places, 3),
-    normal: new BufferAttribute(normals, 3, true),
-    color: new BufferAttribute(paints, 4, true),
+  const see = (from: Vector3, reach: number) => {
+    for (const { mesh, starts } of pieces) {
+      const { center, radius } = mesh.geometry.boundingSphere as Sphere;
+      const away = center.distanceTo(from) - radius;
+      const level = away <= reach ? 0 : away <= SOME_WAY * reach ? 1 : 2;
+      mesh.geometry.setDrawRange(starts[level], starts[level + 1] - starts[level]);
+    }
   };
+  return { group, see };
 }
 
-function piece(
+interface Piece {
+  mesh: Mesh;
+  starts: number[]; // of each level in the index, then its end
+}
+
+// A piece has its corners row after row, then those along its edge once more, lower: the skirt.
+function createPiece(
   ground: Ground,
-  corners: Record<string, BufferAttribute>,
+  normals: Float32Array,
   row: number,
   column: number,
   own: ShaderMaterial,
-): Mesh {
-  const { columns, cell, corner, heights } = ground;
-  const lastRow = Math.min(row + PIECE, ground.rows - 1);
-  const lastColumn = Math.min(column + PIECE, columns - 1);
-  const triangles: number[] = [];
+): Piece {
+  const rows = Math.min(PIECE, ground.rows - 1 - row) + 1;
+  const columns = Math.min(PIECE, ground.columns - 1 - column) + 1;
+  const edge = edgeOf({ rows, columns });
+  const corners = [...Array(rows * columns).keys(), ...edge];
+  const places = new Float32Array(3 * corners.length);
+  const facing = new Int16Array(4 * corners.length);
+  const paints = new Uint8Array(4 * corners.length);
   let [low, high] = [Infinity, -Infinity];
-  for (let r = row; r < lastRow; r++) {
-    for (let c = column; c < lastColumn; c++) {
-      const at = r * columns + c;
-      triangles.push(...trianglesOf(at, columns));
-      low = Math.min(low, heights[at], heights[at + columns + 1]);
-      high = Math.max(high, heights[at], heights[at + columns + 1]);
+  corners.forEach((corner, at) => {
+    const [r, c] = [row + Math.floor(corner / columns), column + (corner % columns)];
+    const from = r * ground.columns + c;
+    const height = ground.heights[from];
+    [low, high] = [Math.min(low, height), Math.max(high, height)];
+    places[3 * at] = ground.corner[0] + ground.cell * c;
+    places[3 * at + 1] = at < rows * columns ? height : height - SKIRT;
+    places[3 * at + 2] = ground.corner[1] + ground.cell * r;
+    for (let part = 0; part < 3; part++) {
+      facing[4 * at + part] = 32767 * normals[3 * from + part];
+      paints[4 * at + part] = ground.colors[3 * from + part];
+    }
+  });
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(places, 3));
+  geometry.setAttribute("normal", new BufferAttribute(facing, 4, true));
+  geometry.setAttribute("color", new BufferAttribute(paints, 4, true));
+  const triangles: number[] = [];
+  const starts = STEPS.map((step) => {
+    const start = triangles.length;
+    addTriangles(triangles, rows, columns, step);
+    addSkirt(triangles, edge, rows, columns, step);
+    return start;
+  });
+  geometry.setIndex(triangles);
+  const middle = 3 * (Math.floor(rows / 2) * columns + Math.floor(columns / 2));
+  const across = (ground.cell * Math.hypot(rows + 1, columns + 1)) / 2;
+  geometry.boundingSphere = new Sphere(
+    new Vector3(places[middle], (low + high) / 2, places[middle + 2]),
+    Math.hypot(across, (high - low) / 2 + SKIRT),
+  );
+  return { mesh: new Mesh(geometry, own), starts: [...starts, triangles.length] };
+}
+
+// The triangles between every so many corners.
+function addTriangles(triangles: number[], rows: number, columns: number, step: number): void {
+  for (let row = 0; row < rows - 1; row += step) {
+    const north = Math.min(rows - 1, row + step);
+    for (let column = 0; column < columns - 1; column += step) {
+      const east = Math.min(columns - 1, column + step);
+      const [southWest, southEast] = [row * columns + column, row * columns + east];
+      const [northWest, northEast] = [north * columns + column, north * columns + east];
+      triangles.push(southWest, northEast, southEast, southWest, northWest, northEast);
     }
   }
-  const geometry = new BufferGeometry();
-  for (const [name, values] of Object.entries(corners)) geometry.setAttribute(name, values);
-  geometry.setIndex(triangles);
-  const [x, z] = [corner[0] + (cell * (column + lastColumn)) / 2, corner[1] + (cell * (row + lastRow)) / 2];
-  const across = (cell * Math.hypot(lastColumn - column, lastRow - row)) / 2;
-  geometry.boundingSphere = new Sphere(
-    new Vector3(x, (low + high) / 2, z),
-    Math.hypot(across, (high - low) / 2 + 2),
-  );
-  return new Mesh(geometry, own);
+}
+
+// What hides the gaps towards pieces with more or fewer triangles.
+function addSkirt(triangles: number[], edge: number[], rows: number, columns: number, step: number): void {
+  const isKept = (corner: number) => {
+    const [row, column] = [Math.floor(corner / columns), corner % columns];
+    const isAt = (place: number, last: number) => place % step === 0 || place === last;
+    return isAt(row, rows - 1) && isAt(column, columns - 1);
+  };
+  const kept = edge.flatMap((corner, place) => (isKept(corner) ? [place] : []));
+  kept.forEach((place, at) => {
+    const next = kept[(at + 1) % kept.length];
+    const [a, b] = [edge[place], edge[next]];
+    const [under, nextUnder] = [rows * columns + place, rows * columns + next];
+    triangles.push(a, b, nextUnder, a, nextUnder, under);
+  });
 }
 
 // Land that goes on from the edge of the map, ever flatter and paler, until the haze hides it.
-function landBeyond(map: GameMap): BufferGeometry {
+function landBeyond(map: GameMap, normals: Float32Array): BufferGeometry {
   const { ground, water } = map;
-  const edge = edgeOf(ground);
+  const every = ground.columns > MANY ? EVERY : 1;
+  const edge = edgeOf(ground).filter((at) => {
+    const [row, column] = [Math.floor(at / ground.columns), at % ground.columns];
+    const isAt = (place: number, last: number) => place % every === 0 || place === last;
+    return isAt(row, ground.rows - 1) && isAt(column, ground.columns - 1);
+  });
   const wet = new Map<number, number>();
   for (let cell = 0; cell < water.levels.length; cell++)
     wet.set(water.rows[cell] * ground.columns + water.columns[cell], water.levels[cell]);
   const level = edge.reduce((sum, at) => sum + ground.heights[at], 0) / edge.length;
-  const normals = normalsOf(ground);
   const [places, facing, paints]: [number[], number[], number[]] = [[], [], []];
   for (const [outward, height, share] of RINGS) {
     for (const at of edge) {
@@ -151,7 +208,7 @@ function landBeyond(map: GameMap): BufferGeometry {
 }
 
 // The corners along the edge of the map, counter-clockwise from above with north up.
-function edgeOf({ rows, columns }: Ground): number[] {
+function edgeOf({ rows, columns }: { rows: number; columns: number }): number[] {
   const edge: number[] = [];
   for (let column = 0; column < columns - 1; column++) edge.push(column);
   for (let row = 0; row < rows - 1; row++) edge.push(row * columns + columns - 1);

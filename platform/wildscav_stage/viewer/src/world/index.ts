@@ -12,7 +12,7 @@ import { Cameras } from "./cameras";
 import { createGround } from "./ground";
 import { createLabels } from "./labels";
 import { Lines } from "./lines";
-import { Pace } from "./pace";
+import { Pace, probe } from "./pace";
 import { castShadows } from "./shadow";
 import { createShared } from "./shared";
 import { showShots } from "./shots";
@@ -25,15 +25,17 @@ import { createZone } from "./zone";
 
 const SPARK = 5; // CSS pixels, of the sparks over boxes
 const ROOFLESS = 90; // m in view from above, from where on houses are shown without roofs
-const FINE = 120; // the same, from where on solids have all their triangles
+const CRATES = 130; // m, up to which boxes are shown as crates
+const SOME_WAY_OFF = 330; // m; from the camera above, all is farther away, and within some times as far
 const ENLARGED = 0.016; // of what is in view from above: how tall agents are drawn at least
 const TALL = 1.8; // m, an agent
 
 // Throws an Error where the browser has no WebGL 2.
 export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Course): Stage {
+  const isSoftware = probe();
   const renderer = new WebGLRenderer({
     canvas,
-    antialias: true,
+    antialias: !isSoftware,
     stencil: true,
     powerPreference: "high-performance",
   });
@@ -52,15 +54,17 @@ export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Cou
   const scene = new Scene();
   const root = new Group();
   root.scale.z = -1;
-  root.add(ground, solids.group, createWater(map, shared), sky, agents.group, boxes.group);
+  const water = createWater(map, shared);
+  root.add(ground.group, solids.group, water.mesh, sky, agents.group, boxes.group);
   root.add(labels.group, zone.group, createTarget(course, shared), tracers.mesh, trails.mesh);
   scene.add(root);
+  ground.see(shared.eye.value, Infinity);
   solids.see(shared.eye.value, Infinity, true);
-  const shadows = castShadows(renderer, map, [ground, solids.group], shared);
+  const shadows = castShadows(renderer, map, [ground.group, solids.group], shared);
   root.updateMatrixWorld(true);
   scene.matrixWorldAutoUpdate = false;
   const cameras = new Cameras(map, course, shared);
-  const pace = new Pace();
+  const pace = new Pace(isSoftware);
   const size = { width: 1, height: 1, ratio: 1 };
   let before = 0;
 
@@ -109,14 +113,18 @@ export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Cou
       const shown = cameras.place(stage.view, moment, size.width, size.height, seconds);
       const { hidden, isFromAbove, across } = shown;
       const ratio = shared.perPixel.value;
-      solids.see(
-        shared.eye.value,
-        isFromAbove ? (across < FINE ? Infinity : 0) : pace.quality.reach,
-        !isFromAbove || across > ROOFLESS,
-      );
+      const reach = isFromAbove ? reachFromAbove(across, pace.quality.reach) : pace.quality.reach;
+      ground.see(shared.eye.value, 1.5 * reach);
+      solids.see(shared.eye.value, reach, !isFromAbove || across > ROOFLESS);
+      solids.cut(shown.focus);
       agents.show(moment, hidden, isFromAbove ? Math.max(1, (ENLARGED * across) / TALL) : 1);
       labels.show(moment, hidden, isFromAbove);
-      boxes.show(frame, stage.view.kind === "eyes" ? 0 : SPARK * ratio * (isFromAbove ? 0.7 : 1));
+      boxes.show(
+        frame,
+        shared.eye.value,
+        isFromAbove ? (across > CRATES ? 0 : Infinity) : CRATES,
+        stage.view.kind === "eyes" ? 0 : SPARK * ratio * (isFromAbove ? 0.7 : 1),
+      );
       zone.show(frame, isFromAbove);
       showShots(tracers, course, frame, ratio);
       trails.mesh.visible = isFromAbove;
@@ -135,10 +143,16 @@ export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Cou
         geometry?.dispose();
         for (const own of [material].flat()) own?.dispose();
       });
-      for (const part of [agents, labels, shadows]) part.dispose();
+      for (const part of [agents, labels, shadows, solids, water]) part.dispose();
       disposeShared();
       renderer.dispose();
     },
   };
   return stage;
+}
+
+// The reach of a view from above, whose camera is far away from everything.
+function reachFromAbove(across: number, reach: number): number {
+  if (across < reach) return Infinity;
+  return across < 5 * reach ? SOME_WAY_OFF : 0;
 }

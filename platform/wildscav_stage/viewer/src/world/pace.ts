@@ -13,18 +13,34 @@ export interface Quality {
 }
 
 export const QUALITIES: Quality[] = [
-  { detail: 2, scale: 1, maxRatio: 2, reach: 110, shadows: true },
-  { detail: 2, scale: 1, maxRatio: 1.25, reach: 80, shadows: true },
-  { detail: 1, scale: 1, maxRatio: 1, reach: 55, shadows: true },
-  { detail: 1, scale: 0.75, maxRatio: 1, reach: 35, shadows: true },
-  { detail: 0, scale: 0.6, maxRatio: 1, reach: 20, shadows: true },
-  { detail: 0, scale: 0.5, maxRatio: 1, reach: 12, shadows: false },
+  { detail: 2, scale: 1, maxRatio: 2, reach: 240, shadows: true },
+  { detail: 2, scale: 1, maxRatio: 1.25, reach: 120, shadows: true },
+  { detail: 1, scale: 1, maxRatio: 1, reach: 60, shadows: true },
+  { detail: 1, scale: 1, maxRatio: 1, reach: 24, shadows: true },
+  { detail: 1, scale: 0.75, maxRatio: 1, reach: 16, shadows: true },
+  { detail: 0, scale: 0.6, maxRatio: 1, reach: 10, shadows: true },
+  { detail: 0, scale: 0.5, maxRatio: 1, reach: 6, shadows: false },
 ];
+const OF_SOFTWARE = 3; // the quality that a browser without a graphics processor begins with
+
+// Whether WebGL 2 is computed by the processor. Throws an Error where there is none.
+export function probe(): boolean {
+  const context = document.createElement("canvas").getContext("webgl2");
+  if (!context) throw new Error("this browser has no WebGL 2");
+  const about = context.getExtension("WEBGL_debug_renderer_info");
+  const name = context.getParameter(about ? about.UNMASKED_RENDERER_WEBGL : context.RENDERER);
+  context.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+}
 
 export class Pace {
-  level = 0;
+  level: number;
   private count = 0;
   private sum = 0;
+
+  constructor(isSoftware: boolean) {
+    this.level = isSoftware ? OF_SOFTWARE : 0;
+  }
 
   get quality(): Quality {
     return QUALITIES[this.level];

@@ -1,61 +1,104 @@
-// Fewer triangles for a solid that is far away, of the same corners.
+// Fewer triangles for solids that are far away, of the same corners.
 
 import type { GameMap } from "../data/map";
+import { endOf, normalOf, planesOf } from "../view/polyhedra";
 
-const BOX = 12; // triangles that a solid has at most to be drawn as it is
-const DOWN = 0.9; // cosine between straight down and the normal of a face that nobody sees from afar
-// The corners of an octahedron: two along each axis, numbered -x, +x, -y, +y, -z, +z.
-const OCTAHEDRON = [
-  [1, 3, 5],
-  [5, 3, 0],
-  [0, 3, 4],
-  [4, 3, 1],
-  [1, 5, 2],
-  [5, 0, 2],
-  [0, 4, 2],
-  [4, 1, 2],
-];
+const BOX = 36; // corners of the triangles of a box
+const OUTSIDE = 0.35; // m from a wall, where one is in the house or out of it
+const LEAST = 0.35; // m, the least side of a face of a wall that is seen from afar
+// An octahedron's triangles, between corners that are outermost along an axis: -x, +x, -y, +y, -z, +z. The
+// upper half comes first.
+const OCTAHEDRON = [1, 3, 5, 5, 3, 0, 0, 3, 4, 4, 3, 1, 1, 5, 2, 5, 0, 2, 0, 4, 2, 4, 1, 2];
+const HALF = 12;
 
-// The triangles of a solid from afar, as numbers of its corners. Furniture is not seen from there.
+// The triangles of a solid from some way off: plants and rocks are octahedra, and furniture is not seen.
 export function reducedTriangles(map: GameMap, solid: number): number[] {
   const { solids, topologies, kinds } = map;
   const kind = solids.kind[solid];
-  const all = topologies[solids.topology[solid]];
   if (kind === kinds.furniture) return [];
-  if (kind === kinds.crown || kind === kinds.bush || kind === kinds.rock) return octahedron(map, solid, all);
-  if (all.length > 3 * BOX) return all;
-  const first = solids.first[solid];
+  if (kind === kinds.crown || kind === kinds.bush || kind === kinds.rock)
+    return octahedron(map, solid, false);
+  return topologies[solids.topology[solid]];
+}
+
+// The triangles from afar, which show the outside of houses alone. floors: the planes of those nearby.
+export function distantTriangles(map: GameMap, solid: number, floors: Float32Array[]): number[] {
+  const { solids, kinds } = map;
+  const kind = solids.kind[solid];
+  if (kind === kinds.furniture || kind === kinds.stair || kind === kinds.floor) return [];
+  if (kind === kinds.wall) return outerFaces(map, solid, floors);
+  if (kind === kinds.roof) return facesAbove(map, solid);
+  return octahedron(map, solid, kind === kinds.bush || kind === kinds.rock);
+}
+
+// The planes of the upright faces of floors, which say whether a place is in a house.
+export function floorsAmong(map: GameMap, members: number[]): Float32Array[] {
+  return members
+    .filter((solid) => map.solids.kind[solid] === map.kinds.floor)
+    .map((solid) => planesOf(map, solid));
+}
+
+function octahedron({ solids }: GameMap, solid: number, isHalf: boolean): number[] {
+  const { corners } = solids;
+  const first = 3 * solids.first[solid];
+  const outermost = [first, first, first, first, first, first];
+  for (let corner = first, end = endOf(solids, solid); corner < end; corner += 3) {
+    for (let axis = 0; axis < 3; axis++) {
+      if (corners[corner + axis] < corners[outermost[2 * axis] + axis]) outermost[2 * axis] = corner;
+      if (corners[corner + axis] > corners[outermost[2 * axis + 1] + axis]) outermost[2 * axis + 1] = corner;
+    }
+  }
   const kept: number[] = [];
-  for (let at = 0; at < all.length; at += 3) {
-    const [a, b, c] = [all[at], all[at + 1], all[at + 2]];
-    if (upward(solids.corners, first + a, first + b, first + c) > -DOWN) kept.push(a, b, c);
+  for (let at = 0; at < (isHalf ? HALF : OCTAHEDRON.length); at += 3) {
+    const [a, b, c] = [0, 1, 2].map((place) => (outermost[OCTAHEDRON[at + place]] - first) / 3);
+    if (a !== b && b !== c && c !== a) kept.push(a, b, c);
   }
   return kept;
 }
 
-// The triangles between the corners that are outermost along each axis.
-function octahedron({ solids }: GameMap, solid: number, all: number[]): number[] {
-  const first = solids.first[solid];
-  const count = 1 + Math.max(...all);
-  const outermost = [0, 0, 0, 0, 0, 0];
-  for (let corner = 1; corner < count; corner++) {
-    for (let axis = 0; axis < 3; axis++) {
-      const at = (which: number) => solids.corners[3 * (first + which) + axis];
-      if (at(corner) < at(outermost[2 * axis])) outermost[2 * axis] = corner;
-      if (at(corner) > at(outermost[2 * axis + 1])) outermost[2 * axis + 1] = corner;
-    }
+// The faces of a wall that look out of its house, without its ends.
+function outerFaces(map: GameMap, solid: number, floors: Float32Array[]): number[] {
+  const { solids, topologies } = map;
+  const { corners } = solids;
+  const first = 3 * solids.first[solid];
+  const triangles = topologies[solids.topology[solid]];
+  if (triangles.length > BOX) return triangles;
+  const kept: number[] = [];
+  for (let at = 0; at < triangles.length; at += 3) {
+    const [a, b, c] = [0, 1, 2].map((place) => first + 3 * triangles[at + place]);
+    const normal = normalOf(corners, a, b, c);
+    if (Math.abs(normal[1]) > 0.5 || isNarrow(corners, a, b, c)) continue;
+    const x = (corners[a] + corners[b] + corners[c]) / 3 + OUTSIDE * normal[0];
+    const z = (corners[a + 2] + corners[b + 2] + corners[c + 2]) / 3 + OUTSIDE * normal[2];
+    if (!floors.some((floor) => isOver(floor, x, z)))
+      kept.push(triangles[at], triangles[at + 1], triangles[at + 2]);
   }
-  return OCTAHEDRON.flatMap((triangle) => {
-    const corners = triangle.map((place) => outermost[place]);
-    return new Set(corners).size === 3 ? corners : [];
-  });
+  return kept;
 }
 
-// The upward part of the unit normal of a triangle.
-function upward(corners: Float32Array, a: number, b: number, c: number): number {
-  const side = (from: number, to: number, axis: number) => corners[3 * to + axis] - corners[3 * from + axis];
-  const x = side(a, b, 1) * side(a, c, 2) - side(a, b, 2) * side(a, c, 1);
-  const y = side(a, b, 2) * side(a, c, 0) - side(a, b, 0) * side(a, c, 2);
-  const z = side(a, b, 0) * side(a, c, 1) - side(a, b, 1) * side(a, c, 0);
-  return y / (Math.hypot(x, y, z) || 1);
+// Whether the level extent of a triangle is small.
+function isNarrow(corners: Float32Array, a: number, b: number, c: number): boolean {
+  const level = (one: number, other: number) =>
+    Math.hypot(corners[one] - corners[other], corners[one + 2] - corners[other + 2]);
+  return Math.max(level(a, b), level(b, c), level(c, a)) < LEAST;
+}
+
+function isOver(planes: Float32Array, x: number, z: number): boolean {
+  for (let at = 0; at < planes.length; at += 4) {
+    if (Math.abs(planes[at + 1]) > 0.5) continue;
+    if (planes[at] * x + planes[at + 2] * z > planes[at + 3]) return false;
+  }
+  return true;
+}
+
+// All but the faces that look downwards.
+function facesAbove({ solids, topologies }: GameMap, solid: number): number[] {
+  const first = 3 * solids.first[solid];
+  const triangles = topologies[solids.topology[solid]];
+  const kept: number[] = [];
+  for (let at = 0; at < triangles.length; at += 3) {
+    const [a, b, c] = [triangles[at], triangles[at + 1], triangles[at + 2]];
+    if (normalOf(solids.corners, first + 3 * a, first + 3 * b, first + 3 * c)[1] > -0.1) kept.push(a, b, c);
+  }
+  return kept;
 }

@@ -1,18 +1,18 @@
 // The shadows of the map. The sun stands still and so does the map, so they are computed once, as a height for
 // each ray of the sun: of the highest surface on it. A ray has the number of the place where it crosses the
-// lowest level of the map.
+// lowest level of the map. The map of roofs is the same for rays straight down, and floors and roofs alone.
 
 import {
   Camera,
   DepthTexture,
   DoubleSide,
-  Group,
+  type Group,
   LessEqualCompare,
   LinearFilter,
-  Mesh,
   NoColorSpace,
   type Object3D,
   Scene,
+  type ShaderMaterial,
   UnsignedShortType,
   type WebGLRenderer,
   WebGLRenderTarget,
@@ -22,74 +22,99 @@ import { material, type Shared } from "./shared";
 
 const FINEST = 0.1; // m that a number of the map covers, where there is room
 const MOST = 4096; // numbers along a side
+const COARSER = 2; // how much wider the numbers of the map of roofs are
 
 const VERTEX = /* glsl */ `
+in vec4 color; // and the kind
+uniform vec2 lean; // m to the east and the north that rays go for each m upwards
+flat out int kind;
 void main() {
-  vec3 at = inShadowMap(position);
+  vec3 at = inShadowMap(position, lean);
+  kind = int(color.a * 255.0 + 0.5);
   gl_Position = vec4(at.xy, 2.0 * at.z - 1.0, 1.0);
 }`;
 const FRAGMENT = /* glsl */ `
-void main() { shown = vec4(1.0); }`;
+flat in int kind;
+uniform ivec2 kinds; // that cast shadows; all if they are negative
+void main() {
+  if (kinds.x >= 0 && kind != kinds.x && kind != kinds.y) discard;
+  shown = vec4(1.0);
+}`;
 
 export interface Shadows {
   dispose(): void;
 }
 
-// Draw the shadow map of what casts shadows, and let all surfaces use it.
+// Draw the shadow maps of ground and solids, and let all surfaces use them.
 export function castShadows(
   renderer: WebGLRenderer,
   map: GameMap,
   casters: Group[],
   shared: Shared,
 ): Shadows {
-  const size = Math.min(MOST, renderer.capabilities.maxTextureSize, powerOfTwo(map.size / FINEST));
-  const depth = new DepthTexture(size, size, UnsignedShortType);
-  depth.compareFunction = LessEqualCompare;
-  depth.minFilter = depth.magFilter = LinearFilter;
-  depth.colorSpace = NoColorSpace;
-  const target = new WebGLRenderTarget(size, size, { depthTexture: depth, stencilBuffer: false });
+  const most = Math.min(MOST, renderer.capabilities.maxTextureSize);
+  const size = Math.min(most, powerOfTwo(map.size / FINEST));
   const [low, high] = heightsOf(map);
   shared.shadowFrame.value.set(map.size / 2 + 1, low, high, 0);
-  const caster = material(shared, VERTEX, FRAGMENT, {
+  const { x, y, z } = shared.sun.value;
+  const { floor, roof } = map.kinds;
+  const bySun = drawCasters(renderer, casters, casterOf(shared, [x / y, z / y], [-1, -1]), size);
+  const byRoofs = drawCasters(renderer, casters, casterOf(shared, [0, 0], [floor, roof]), size / COARSER);
+  shared.shadowMap.value = bySun.depthTexture;
+  shared.roofMap.value = byRoofs.depthTexture;
+  shared.shadowFrame.value.w = 1;
+  return {
+    dispose: () => {
+      bySun.dispose();
+      byRoofs.dispose();
+    },
+  };
+}
+
+function casterOf(shared: Shared, lean: [number, number], kinds: [number, number]): ShaderMaterial {
+  return material(shared, VERTEX, FRAGMENT, {
     side: DoubleSide,
     polygonOffset: true,
     polygonOffsetFactor: 1,
     polygonOffsetUnits: 1,
+    uniforms: { lean: { value: lean }, kinds: { value: kinds } },
   });
-  drawCasters(renderer, target, casters, caster);
-  caster.dispose();
-  shared.shadowMap.value = depth;
-  shared.shadowFrame.value.w = 1;
-  return { dispose: () => target.dispose() };
+}
+
+function targetOf(size: number): WebGLRenderTarget {
+  const depth = new DepthTexture(size, size, UnsignedShortType);
+  depth.compareFunction = LessEqualCompare;
+  depth.minFilter = depth.magFilter = LinearFilter;
+  depth.colorSpace = NoColorSpace;
+  return new WebGLRenderTarget(size, size, { depthTexture: depth, stencilBuffer: false });
 }
 
 function drawCasters(
   renderer: WebGLRenderer,
-  target: WebGLRenderTarget,
   casters: Group[],
-  caster: Scene["overrideMaterial"],
-): void {
+  caster: ShaderMaterial,
+  size: number,
+): WebGLRenderTarget {
+  const target = targetOf(size);
   const scene = new Scene();
   scene.overrideMaterial = caster;
   const homes = casters.map((group) => group.parent as Object3D);
+  const meshes = casters.flatMap((group) => group.children).filter((each) => each.name !== "beyond");
   const hidden = casters.flatMap((group) => group.children).filter((each) => each.name === "beyond");
-  const setCulled = (isCulled: boolean) =>
-    casters.forEach((group) => {
-      for (const mesh of group.children) if (mesh instanceof Mesh) mesh.frustumCulled = isCulled;
-    });
   for (const each of hidden) each.visible = false;
-  setCulled(false);
+  for (const each of meshes) each.frustumCulled = false;
   scene.add(...casters);
   renderer.setRenderTarget(target);
   renderer.clear();
   renderer.render(scene, new Camera());
   renderer.setRenderTarget(null);
-  setCulled(true);
-  for (const each of hidden) {
-    each.visible = true;
-    (each as Mesh).frustumCulled = false;
-  }
-  casters.forEach((group, place) => homes[place].add(group));
+  for (const each of meshes) each.frustumCulled = true;
+  for (const each of hidden) each.visible = true;
+  casters.forEach((group, place) => {
+    homes[place].add(group);
+  });
+  caster.dispose();
+  return target;
 }
 
 // The lowest place of the ground and the highest of anything.

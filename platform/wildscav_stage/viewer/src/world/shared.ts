@@ -28,7 +28,9 @@ export interface Shared {
   toPlace: { value: Matrix4 }; // from a place on the screen to one in the world
   detail: { value: number };
   shadowMap: { value: DepthTexture | null };
+  roofMap: { value: DepthTexture | null };
   shadowFrame: { value: Vector4 };
+  sun: { value: Vector3 };
   zone: { value: Vector4 };
   [name: string]: { value: unknown };
 }
@@ -47,6 +49,7 @@ export function createShared(light: Light): { shared: Shared; dispose(): void } 
     toPlace: { value: new Matrix4() },
     detail: { value: 2 },
     shadowMap: { value: null },
+    roofMap: { value: null },
     shadowFrame: { value: new Vector4() },
     zone: { value: new Vector4() },
     sun: { value: new Vector3(...light.sun).normalize() },

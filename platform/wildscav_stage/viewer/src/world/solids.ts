@@ -2,16 +2,18 @@
 
 import { BufferAttribute, BufferGeometry, Group, Mesh, type ShaderMaterial, Sphere, Vector3 } from "three";
 import type { GameMap } from "../data/map";
-import { reducedTriangles } from "./reduced";
+import { endOf, normalOf, trianglesOf } from "../view/polyhedra";
+import { distantTriangles, floorsAmong, reducedTriangles } from "./reduced";
 import { material, type Shared } from "./shared";
 import { TEXTURES } from "./textures";
 
 const PIECE = 50; // m along a side of a piece
+const SOME_WAY = 2.5; // times as far as there are all triangles, up to where there are some
 const UPRIGHT = 1e-3; // the rise of a face's normal below which it stands upright
 
 const VERTEX = /* glsl */ `
 in vec4 color; // and the kind
-in vec4 axis; // along which boards lie: x and z
+in vec2 axis; // along which boards lie: x and z
 out vec3 place, ray;
 flat out vec3 base;
 flat out vec2 along;
@@ -20,7 +22,7 @@ void main() {
   place = position;
   ray = position - eye;
   base = color.rgb;
-  along = axis.xy;
+  along = normalize(axis);
   kind = int(color.a * 255.0 + 0.5);
   gl_Position = project(position);
 }`;
@@ -29,36 +31,58 @@ in vec3 place, ray;
 flat in vec3 base;
 flat in vec2 along;
 flat in int kind;
+uniform vec3 focus; // m, the followed agent
 ${TEXTURES}
+// Whether a place hides the followed agent from a camera that is behind a wall.
+bool isCut() {
+  vec3 way = focus - eye;
+  float share = dot(ray, way) / dot(way, way);
+  float aside = length(ray - share * way) - 1.1 * share - 0.25;
+  float grid = fract(dot(floor(gl_FragCoord.xy), vec2(0.5, 0.25)));
+  return share < 1.0 - 0.5 / length(way) && aside < -0.5 * grid * share;
+}
 void main() {
+#ifdef CUT
+  if (isCut()) discard;
+#endif
   vec3 normal = normalize(cross(dFdx(ray), dFdy(ray)));
   float way = length(ray), facing = dot(normal, ray) / way;
   if (far == 0.0 ? normal.y < 0.0 : facing > 0.0) normal = -normal;
-  float footprint = far == 0.0 ? pixel : pixel * way / max(0.05, abs(facing));
+  float footprint = far == 0.0 ? pixel : pixel * way / max(0.2, abs(facing));
   vec3 color = textured(kind, base, normal, place, along, footprint);
-  color *= lightOn(normal, sunShare(place, normal));
+  color *= lightOn(normal, sunShare(place, normal), skyShare(place, normal));
   shown = vec4(throughAir(color, place), 1.0);
 }`;
 
 export interface Solids {
   group: Group;
-  // Draw pieces farther away than so many m with fewer triangles, from a place in the game's frame.
+  // Draw pieces within so many m with all their triangles, and those some times as far with fewer.
   see(from: Vector3, reach: number, withRoofs: boolean): void;
+  // Leave out what hides a place from the camera; null leaves out nothing.
+  cut(focus: Vector3 | null): void;
+  dispose(): void;
 }
 
 export function createSolids(map: GameMap, shared: Shared): Solids {
+  const focus = { value: new Vector3() };
   const own = material(shared, VERTEX, FRAGMENT);
+  const open = material(shared, VERTEX, FRAGMENT, { uniforms: { focus }, defines: { CUT: 1 } });
   const pieces = [...piecesOf(map).values()].map((members) => createPiece(map, members, own));
   const group = new Group();
   for (const { mesh } of pieces) group.add(mesh);
   const see = (from: Vector3, reach: number, withRoofs: boolean) => {
     for (const { mesh, ranges } of pieces) {
       const { center, radius } = mesh.geometry.boundingSphere as Sphere;
-      const range = ranges[center.distanceTo(from) - radius > reach ? 0 : 1];
+      const away = center.distanceTo(from) - radius;
+      const range = ranges[away <= reach ? 2 : away <= SOME_WAY * reach ? 1 : 0];
       mesh.geometry.setDrawRange(range.start, withRoofs ? range.all : range.withoutRoofs);
     }
   };
-  return { group, see };
+  const cut = (place: Vector3 | null) => {
+    if (place) focus.value.copy(place);
+    for (const { mesh } of pieces) mesh.material = place ? open : own;
+  };
+  return { group, see, cut, dispose: () => open.dispose() };
 }
 
 // The numbers of the solids in each piece.
@@ -82,7 +106,7 @@ interface Range {
 
 interface Piece {
   mesh: Mesh;
-  ranges: Range[]; // from afar, and from nearby
+  ranges: Range[]; // from afar, from some way off, and from nearby
 }
 
 function createPiece(map: GameMap, members: number[], own: ShaderMaterial): Piece {
@@ -102,7 +126,9 @@ function createPiece(map: GameMap, members: number[], own: ShaderMaterial): Piec
     });
     return { start, withoutRoofs, all: triangles.length - start };
   };
+  const floors = floorsAmong(map, members);
   const ranges = [
+    add((solid) => distantTriangles(map, solid, floors)),
     add((solid) => reducedTriangles(map, solid)),
     add((solid) => topologies[solids.topology[solid]]),
   ];
@@ -112,46 +138,39 @@ function createPiece(map: GameMap, members: number[], own: ShaderMaterial): Piec
 
 // The corners of solids one after the other, and where those of each begin.
 function cornersOf(map: GameMap, members: number[]): { geometry: BufferGeometry; firsts: number[] } {
-  const { solids, topologies } = map;
-  const ends = (solid: number) =>
-    solid + 1 < solids.count ? solids.first[solid + 1] : solids.corners.length / 3;
-  const count = members.reduce((sum, solid) => sum + ends(solid) - solids.first[solid], 0);
+  const { solids } = map;
+  const count = members.reduce((sum, solid) => sum + endOf(solids, solid) / 3 - solids.first[solid], 0);
   const places = new Float32Array(3 * count);
   const paints = new Uint8Array(4 * count);
-  const axes = new Int8Array(4 * count);
+  const axes = new Int16Array(2 * count);
   const firsts: number[] = [];
   let at = 0;
   for (const solid of members) {
     firsts.push(at);
-    const [first, end] = [solids.first[solid], ends(solid)];
-    places.set(solids.corners.subarray(3 * first, 3 * end), 3 * at);
-    const [east, north] = axisOf(solids.corners, first, topologies[solids.topology[solid]]);
-    for (const last = at + end - first; at < last; at++) {
-      for (let channel = 0; channel < 3; channel++)
-        paints[4 * at + channel] = solids.colors[3 * solid + channel];
+    const own = solids.corners.subarray(3 * solids.first[solid], endOf(solids, solid));
+    places.set(own, 3 * at);
+    const [east, north] = axisOf(map, solid);
+    for (const last = at + own.length / 3; at < last; at++) {
+      paints.set(solids.colors.subarray(3 * solid, 3 * solid + 3), 4 * at);
       paints[4 * at + 3] = solids.kind[solid];
-      axes[4 * at] = Math.round(127 * east);
-      axes[4 * at + 1] = Math.round(127 * north);
+      axes[2 * at] = Math.round(32767 * east);
+      axes[2 * at + 1] = Math.round(32767 * north);
     }
   }
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(places, 3));
   geometry.setAttribute("color", new BufferAttribute(paints, 4, true));
-  geometry.setAttribute("axis", new BufferAttribute(axes, 4, true));
+  geometry.setAttribute("axis", new BufferAttribute(axes, 2, true));
   geometry.boundingSphere = sphereAround(places);
   return { geometry, firsts };
 }
 
 // The level part of the normal of a solid's first upright face; east without one.
-function axisOf(corners: Float32Array, first: number, triangles: number[]): [number, number] {
+function axisOf(map: GameMap, solid: number): [number, number] {
+  const triangles = trianglesOf(map, solid);
   for (let at = 0; at < triangles.length; at += 3) {
-    const [a, b, c] = [0, 1, 2].map((place) => 3 * (first + triangles[at + place]));
-    const side = (to: number, axis: number) => corners[to + axis] - corners[a + axis];
-    const x = side(b, 1) * side(c, 2) - side(b, 2) * side(c, 1);
-    const y = side(b, 2) * side(c, 0) - side(b, 0) * side(c, 2);
-    const z = side(b, 0) * side(c, 1) - side(b, 1) * side(c, 0);
-    const length = Math.hypot(x, y, z);
-    if (length > 0 && Math.abs(y) < UPRIGHT * length) return [x / length, z / length];
+    const [x, y, z] = normalOf(map.solids.corners, triangles[at], triangles[at + 1], triangles[at + 2]);
+    if (Math.abs(y) < UPRIGHT) return [x, z];
   }
   return [1, 0];
 }

@@ -23,11 +23,20 @@ float spots(vec3 at, float size, float flatness, float strength, float footprint
   return 1.0 + seen * (bright - 0.5);
 }
 
-float courses(vec3 at, vec3 normal, float footprint) {
+// The level direction along a face, exactly along or across the boards of its solid where it nearly is.
+vec2 alongFace(vec3 normal, vec2 axis) {
+  vec2 level = normalize(normal.xz);
+  float ahead = dot(level, axis), aside = level.y * axis.x - level.x * axis.y;
+  if (abs(ahead) > 0.995) level = sign(ahead) * axis;
+  if (abs(aside) > 0.995) level = sign(aside) * vec2(-axis.y, axis.x);
+  return vec2(level.y, -level.x);
+}
+
+float courses(vec3 at, vec3 normal, vec2 axis, float footprint) {
   float level = length(normal.xz);
   if (level < 0.5) return 1.0;
   float course = floor(at.y / 0.32);
-  float along = (normal.z * at.x - normal.x * at.z) / level + 0.31 * mod(course, 2.0);
+  float along = dot(alongFace(normal, axis), at.xz) + 0.31 * mod(course, 2.0);
   float joint = max(line(at.y, 0.32, 0.016, footprint), line(along, 0.62, 0.016, footprint));
   float own = 1.0 + 0.07 * (grain(vec2(course + 5.0, along / 0.62)) - 0.5) * sharpness(0.32, footprint);
   return own * (1.0 - 0.13 * joint);
@@ -42,10 +51,10 @@ float boards(float across, float along, float width, float footprint) {
   return (1.0 + own + fibre) * (1.0 - 0.40 * line(across, width, 0.014, footprint));
 }
 
-float tiles(vec3 at, vec3 normal, float footprint) {
+float tiles(vec3 at, vec3 normal, vec2 axis, float footprint) {
   float level = length(normal.xz);
   float up = at.y / level, row = floor(up / 0.34);
-  float along = (normal.z * at.x - normal.x * at.z) / level + 0.14 * mod(row, 2.0);
+  float along = dot(alongFace(normal, axis), at.xz) + 0.14 * mod(row, 2.0);
   float own = 0.22 * (grain(vec2(row, along / 0.28)) - 0.5) + 0.16 * (up / 0.34 - row - 0.5);
   float joint = max(line(up, 0.34, 0.03, footprint), 0.6 * line(along, 0.28, 0.02, footprint));
   return (1.0 + sharpness(0.34, footprint) * own) * (1.0 - 0.38 * joint);
@@ -66,9 +75,9 @@ vec3 textured(int kind, vec3 color, vec3 normal, vec3 at, vec2 axis, float footp
   }
   if (kind == ROOF && normal.y < 0.05) return 0.62 * color;
   if (isPlain) return color;
-  if (kind == ROOF && normal.y <= 0.995) return color * tiles(at, normal, footprint);
+  if (kind == ROOF && normal.y <= 0.995) return color * tiles(at, normal, axis, footprint);
   if (kind == ROOF) return color * spots(at, 0.15, 1.0, 0.2, footprint) * spots(at, 1.2, 1.0, 0.12, footprint);
-  if (kind == WALL) return color * courses(at, normal, footprint) * spots(at, 0.9, 1.0, 0.07, footprint);
+  if (kind == WALL) return color * courses(at, normal, axis, footprint) * spots(at, 0.9, 1.0, 0.07, footprint);
   if (kind == TRUNK) return color * spots(at, 0.09, 0.22, 0.5, footprint);
   if (kind == ROCK) return color * spots(at, 0.12, 1.0, 0.3, footprint) * spots(at, 0.6, 1.0, 0.24, footprint);
   if (kind == FURNITURE) return color * spots(at, 0.14, 6.0, 0.22, footprint);

@@ -8,7 +8,7 @@ import { material, type Shared } from "./shared";
 
 const SIDES = 180;
 const WALL = [-12, 45]; // m, from the ground at its middle to the top
-const RING = 0.7; // m, half the width of the next circle
+const RING = [0.1, 0.0025]; // half the width of the next circle: m, and m per m of its radius
 const OVER = 0.25; // m over the ground
 
 const VERTEX = /* glsl */ `
@@ -110,7 +110,7 @@ function layRing(
   for (let side = 0; side <= SIDES; side++) {
     const angle = (2 * Math.PI * side) / SIDES;
     for (const edge of [0, 1]) {
-      const radius = Math.max(0, circle.radius + (2 * edge - 1) * RING);
+      const radius = Math.max(0, circle.radius + (2 * edge - 1) * (RING[0] + RING[1] * circle.radius));
       const [x, z] = [circle.x + Math.sin(angle) * radius, circle.z + Math.cos(angle) * radius];
       places.setXYZ(2 * side + edge, x, heightAt(map.ground, x, z) + OVER, z);
     }
