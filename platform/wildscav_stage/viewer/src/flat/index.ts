@@ -67,6 +67,7 @@ export function createFlatStage(canvas: HTMLCanvasElement, map: GameMap, course:
       drawShots(seen, course, frame);
       drawAgents(seen, course, frame, momentOf(course, frame).flashes);
     },
+    zoom: (factor) => view.zoom(factor, size.width / 2, size.height / 2, size.width, size.height),
     resize: (width, height, pixelRatio) => {
       Object.assign(size, { width, height, ratio: pixelRatio });
       canvas.width = Math.round(width * pixelRatio);

@@ -67,10 +67,17 @@ export class Screen {
     this.wanted = view;
     if (this.stage) this.stage.view = { ...view, kind: this.possible(view.kind) };
     this.element.classList.toggle("player-aims", this.view.kind === "eyes" && this.stage !== null);
-    // Where fingers do not move the camera, they scroll the page.
     const isMoved = this.view.kind === "free" || this.view.kind === "above";
+    this.zoomButtons.hidden = !isMoved || !this.stage?.zoom;
+    // Where fingers do not move the camera, they scroll the page.
     if (this.canvas) this.canvas.style.touchAction = isMoved ? "none" : "pan-y";
     this.redraw();
+  }
+
+  // Show what a seat sees in a corner; null for nothing.
+  showInset(seat: number | null): void {
+    if (this.stage?.inset !== undefined) this.stage.inset = seat;
+    this.element.classList.toggle("player-has-inset", seat !== null);
   }
 
   get kinds(): ViewKind[] {
@@ -114,7 +121,6 @@ export class Screen {
     for (const name of ["pointerdown", "pointermove", "pointerup", "wheel", "keydown"]) {
       canvas.addEventListener(name, this.redraw, { passive: true });
     }
-    this.zoomButtons.hidden = !this.stage.zoom;
     if (place) this.note.textContent = NO_3D;
     this.look(this.wanted);
     this.fit();

@@ -119,7 +119,7 @@ export class Views {
     const { stage, view, kinds } = this.screen;
     const { isDirected, isInset } = this;
     const hasInset = stage?.inset !== undefined;
-    if (stage && hasInset) stage.inset = isInset && view.kind !== "eyes" ? view.seat : null;
+    this.screen.showInset(hasInset && isInset && view.kind !== "eyes" ? view.seat : null);
     this.tell({ kinds, hasInset, hasTrail: stage?.trail !== undefined, view, isDirected, isInset });
   }
 }
