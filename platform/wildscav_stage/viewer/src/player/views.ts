@@ -120,7 +120,8 @@ export class Views {
     const { isDirected, isInset } = this;
     const hasInset = stage?.inset !== undefined;
     this.screen.showInset(hasInset && isInset && view.kind !== "eyes" ? view.seat : null);
-    this.tell({ kinds, hasInset, hasTrail: stage?.trail !== undefined, view, isDirected, isInset });
+    const hasTrail = stage?.trail !== undefined && view.kind === "above";
+    this.tell({ kinds, hasInset, hasTrail, view, isDirected, isInset });
   }
 }
 

@@ -123,7 +123,7 @@ export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Cou
     zone.show(frame, isFromAbove);
     showShots(tracers, course, frame, ratio);
     trails.mesh.visible = isFromAbove;
-    if (isFromAbove) showTrails(trails, course, frame, ratio);
+    if (isFromAbove) showTrails(trails, course, frame, stage.trail ?? 0, ratio);
     sky.visible = !isFromAbove;
     renderer.render(scene, shown.camera);
   };
@@ -140,6 +140,7 @@ export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Cou
     kinds: ["free", "behind", "eyes", "above"],
     view: { kind: "free", seat: 0 } as View,
     inset: null,
+    trail: 20,
     draw: (frame) => {
       const now = performance.now();
       const seconds = before ? (now - before) / 1000 : 0;
