@@ -1,5 +1,6 @@
 // What all shaders of the world share. Places and directions are in the game's frame: x east, y up, z north.
-// Colours are as the engine's cameras compute with them: 0-1, without conversion.
+// DETAIL says how much of surfaces is drawn: 0 = plain ones, 1 = grain of the ground, ripples, and the shade under
+// roofs, 2 = textures of solids too, 3 = the finest grain. Colours are as the engine's cameras compute with them: 0-1, without conversion.
 
 import { AMBIENT, DIRECT, ROOFED } from "../view/light";
 
@@ -11,7 +12,6 @@ uniform float far; // m, where everything has faded into the haze; 0 without haz
 uniform float pixel; // m, the side of a pixel 1 m away; without perspective anywhere
 uniform vec3 sun, sunlight, skylight, zenith, horizon, below, disc, cloud;
 uniform sampler2D noiseMap;
-uniform float detail; // 0 = plain surfaces, 1 = all but the finest grain, 2 = all of it
 uniform highp sampler2DShadow shadowMap, roofMap;
 uniform vec4 shadowFrame; // half the side of the map, lowest and highest place, and whether there are shadows
 uniform vec2 viewport; // pixels of the picture
@@ -54,7 +54,10 @@ float sunShare(vec3 place, vec3 normal) {
 
 // How much of the sky is seen between floors and roofs.
 float skyShare(vec3 place, vec3 normal) {
-  if (shadowFrame.w == 0.0 || detail == 0.0) return 1.0;
+#if DETAIL == 0
+  return 1.0;
+#endif
+  if (shadowFrame.w == 0.0) return 1.0;
   vec3 at = inShadowMap(place + 0.12 * normal + vec3(0.0, 0.06, 0.0), vec2(0.0));
   if (abs(at.x) > 1.0 || abs(at.y) > 1.0) return 1.0;
   return texture(roofMap, vec3(0.5 + 0.5 * at.xy, at.z));

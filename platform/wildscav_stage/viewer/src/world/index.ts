@@ -42,7 +42,8 @@ export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Cou
   });
   renderer.outputColorSpace = LinearSRGBColorSpace;
   renderer.setClearColor(new Color(0.62, 0.68, 0.72));
-  const { shared, dispose: disposeShared } = createShared(map.light);
+  const sharing = createShared(map.light);
+  const { shared } = sharing;
   const ground = createGround(map, shared);
   const solids = createSolids(map, shared);
   const agents = createAgents(map, course, shared);
@@ -76,7 +77,7 @@ export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Cou
     renderer.setSize(size.width, size.height, false);
     renderer.getDrawingBufferSize(shared.viewport.value);
     shared.perPixel.value = ratio;
-    shared.detail.value = detail;
+    sharing.setDetail(detail);
     shared.shadowFrame.value.w = hasShadows ? 1 : 0;
   };
   const isMoved = () => stage.view.kind === "free" || stage.view.kind === "above";
@@ -158,12 +159,10 @@ export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Cou
     dispose: () => {
       input.dispose();
       root.traverse((each) => {
-        const { geometry, material } = each as Mesh;
-        geometry?.dispose();
-        for (const own of [material].flat()) own?.dispose();
+        (each as Mesh).geometry?.dispose();
       });
-      for (const part of [agents, labels, shadows, solids, water]) part.dispose();
-      disposeShared();
+      for (const part of [agents, labels, shadows, water]) part.dispose();
+      sharing.dispose();
       renderer.dispose();
     },
   };

@@ -1,8 +1,13 @@
 // How much is drawn: less after pictures have been slow for a while, so that all computers show some ten a second.
 
-const SLOW = 1 / 24; // s between two pictures that is too long
-const PAUSE = 1.5; // s beyond which nobody was drawing
-const PATIENCE = 12; // pictures, over which it is judged
+// s between two pictures: what is too long, and what leaves time for more.
+const SLOW = 1 / 24;
+const FAST = 1 / 48;
+const PAUSE = 4; // s beyond which nobody was drawing
+const PATIENCE = 12; // pictures, over whose median it is judged, unless they take too long
+const LONGEST = 2; // s
+const FEWEST = 4;
+const SURE = 20; // times in a row that pictures must be fast before more is drawn
 
 export interface Quality {
   detail: number; // see glsl.ts
@@ -13,9 +18,9 @@ export interface Quality {
 }
 
 export const QUALITIES: Quality[] = [
-  { detail: 2, scale: 1, maxRatio: 2, reach: 240, shadows: true },
-  { detail: 2, scale: 1, maxRatio: 1.25, reach: 120, shadows: true },
-  { detail: 1, scale: 1, maxRatio: 1, reach: 60, shadows: true },
+  { detail: 3, scale: 1, maxRatio: 2, reach: 240, shadows: true },
+  { detail: 3, scale: 1, maxRatio: 1.25, reach: 120, shadows: true },
+  { detail: 2, scale: 1, maxRatio: 1, reach: 60, shadows: true },
   { detail: 1, scale: 1, maxRatio: 1, reach: 24, shadows: true },
   { detail: 1, scale: 0.75, maxRatio: 1, reach: 16, shadows: true },
   { detail: 0, scale: 0.6, maxRatio: 1, reach: 10, shadows: true },
@@ -35,11 +40,13 @@ export function probe(): boolean {
 
 export class Pace {
   level: number;
-  private count = 0;
-  private sum = 0;
+  private readonly best: number;
+  private readonly tooSlow = QUALITIES.map(() => 0); // how often each quality was
+  private times: number[] = [];
+  private fast = 0;
 
   constructor(isSoftware: boolean) {
-    this.level = isSoftware ? OF_SOFTWARE : 0;
+    this.level = this.best = isSoftware ? OF_SOFTWARE : 0;
   }
 
   get quality(): Quality {
@@ -49,12 +56,30 @@ export class Pace {
   // Note the time since the last picture; true if another quality is to be used from now on.
   note(seconds: number): boolean {
     if (seconds > PAUSE) return false;
-    this.sum += seconds;
-    if (++this.count < PATIENCE) return false;
-    const isSlow = this.sum / this.count > SLOW;
-    this.sum = this.count = 0;
-    if (!isSlow || this.level === QUALITIES.length - 1) return false;
-    this.level++;
+    this.times.push(seconds);
+    const sum = this.times.reduce((total, each) => total + each, 0);
+    const isEnough = this.times.length >= PATIENCE || (sum > LONGEST && this.times.length >= FEWEST);
+    if (!isEnough) return false;
+    const median = this.times.sort((one, other) => one - other)[this.times.length >> 1];
+    this.times = [];
+    this.fast = median < FAST ? this.fast + 1 : 0;
+    if (median > SLOW) return this.worsen(median);
+    return this.fast >= SURE && this.improve();
+  }
+
+  // Slow pictures were of too much; very slow ones of much too much.
+  private worsen(median: number): boolean {
+    const before = this.level;
+    this.tooSlow[before]++;
+    this.level = Math.min(QUALITIES.length - 1, before + (median > 4 * SLOW ? 2 : 1));
+    return this.level !== before;
+  }
+
+  // Try the next better quality again, unless it was too slow twice.
+  private improve(): boolean {
+    this.fast = 0;
+    if (this.level === this.best || this.tooSlow[this.level - 1] >= 2) return false;
+    this.level--;
     return true;
   }
 }

@@ -26,7 +26,6 @@ export interface Shared {
   viewport: { value: Vector2 };
   perPixel: { value: number };
   toPlace: { value: Matrix4 }; // from a place on the screen to one in the world
-  detail: { value: number };
   shadowMap: { value: DepthTexture | null };
   roofMap: { value: DepthTexture | null };
   shadowFrame: { value: Vector4 };
@@ -35,8 +34,16 @@ export interface Shared {
   [name: string]: { value: unknown };
 }
 
-// The uniforms, and what frees their textures.
-export function createShared(light: Light): { shared: Shared; dispose(): void } {
+export interface Sharing {
+  shared: Shared;
+  // Draw surfaces with so much detail from now on; see glsl.ts.
+  setDetail(detail: number): void;
+  dispose(): void;
+}
+
+const materialsOf = new WeakMap<Shared, ShaderMaterial[]>();
+
+export function createShared(light: Light): Sharing {
   const noise = map(lattice(), PERIOD, true);
   const sky = map(clouds(), CLOUDS, false);
   const color = (value: Color) => ({ value: new Vector3(...value).divideScalar(255) });
@@ -47,7 +54,6 @@ export function createShared(light: Light): { shared: Shared; dispose(): void } 
     viewport: { value: new Vector2() },
     perPixel: { value: 1 },
     toPlace: { value: new Matrix4() },
-    detail: { value: 2 },
     shadowMap: { value: null },
     roofMap: { value: null },
     shadowFrame: { value: new Vector4() },
@@ -63,29 +69,42 @@ export function createShared(light: Light): { shared: Shared; dispose(): void } 
     noiseMap: { value: noise },
     cloudMap: { value: sky },
   };
+  const materials: ShaderMaterial[] = [];
+  materialsOf.set(shared, materials);
   return {
     shared,
+    setDetail: (detail) => {
+      for (const each of materials) {
+        if (each.defines.DETAIL === detail) continue;
+        each.defines.DETAIL = detail;
+        each.needsUpdate = true;
+      }
+    },
     dispose: () => {
+      for (const each of materials) each.dispose();
       noise.dispose();
       sky.dispose();
     },
   };
 }
 
-// A material of shaders that begin with what they share.
+// A material of shaders that begin with what all share; it is freed with that.
 export function material(
   shared: Shared,
   vertex: string,
   fragment: string,
   others: ShaderMaterialParameters = {},
 ): ShaderMaterial {
-  return new ShaderMaterial({
+  const made = new ShaderMaterial({
     ...others,
     glslVersion: GLSL3,
+    defines: { DETAIL: 0, ...others.defines },
     uniforms: { ...shared, ...others.uniforms },
     vertexShader: COMMON + PROJECT + vertex,
     fragmentShader: `${COMMON}out vec4 shown;\n${fragment}`,
   });
+  materialsOf.get(shared)?.push(made);
+  return made;
 }
 
 function map(values: Uint8Array<ArrayBuffer>, side: number, isEndless: boolean): DataTexture {

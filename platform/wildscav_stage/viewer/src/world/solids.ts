@@ -60,7 +60,6 @@ export interface Solids {
   see(from: Vector3, reach: number, withRoofs: boolean): void;
   // Leave out what hides a place from the camera; null leaves out nothing.
   cut(focus: Vector3 | null): void;
-  dispose(): void;
 }
 
 export function createSolids(map: GameMap, shared: Shared): Solids {
@@ -82,7 +81,7 @@ export function createSolids(map: GameMap, shared: Shared): Solids {
     if (place) focus.value.copy(place);
     for (const { mesh } of pieces) mesh.material = place ? open : own;
   };
-  return { group, see, cut, dispose: () => open.dispose() };
+  return { group, see, cut };
 }
 
 // The numbers of the solids in each piece.

@@ -11,11 +11,11 @@ float line(float coordinate, float spacing, float width, float footprint) {
   return clamp((0.5 * width + soft - aside) / (2.0 * soft), 0.0, 1.0) * sharpness(spacing, footprint);
 }
 
-// How bright spots are: of some size in m, so much flatter than wide, and between the darkest and the brightest.
-float spots(vec3 at, float size, float flatness, float strength, float footprint) {
-  float seen = strength * sharpness(size, footprint);
+// How bright spots of some kind are.
+float spots(vec3 at, vec3 kind, float footprint) {
+  float size = kind.x, seen = kind.z * sharpness(size, footprint);
   if (seen == 0.0) return 1.0;
-  float up = at.y * flatness / size, level = floor(up), rise = up - level;
+  float up = at.y * kind.y / size, level = floor(up), rise = up - level;
   vec2 aside = vec2(57.0 * mod(level, 64.0), 113.0 * mod(level, 32.0));
   vec2 over = vec2(57.0 * mod(level + 1.0, 64.0), 113.0 * mod(level + 1.0, 32.0));
   vec2 plane = at.xz / size;
@@ -63,24 +63,33 @@ float tiles(vec3 at, vec3 normal, vec2 axis, float footprint) {
 // The colour of a solid's surface, given the direction of its boards and the size of a pixel there.
 vec3 textured(int kind, vec3 color, vec3 normal, vec3 at, vec2 axis, float footprint) {
   float across = axis.y * at.x - axis.x * at.z, along = dot(axis, at.xz);
-  bool isPlain = detail == 0.0;
-  if (kind == FLOOR) {
-    if (normal.y < -0.5) return mix(color, vec3(226.0, 222.0, 212.0) / 255.0, 0.8);
-    if (normal.y <= 0.5) return 0.8 * color;
-    return isPlain ? color : color * boards(across, along, 0.18, footprint);
-  }
-  if (kind == STAIR) {
-    if (normal.y <= 0.5) return 0.68 * color;
-    return isPlain ? color : color * boards(along, across, 0.3, footprint);
-  }
+  bool isTop = normal.y > 0.5;
+  if (kind == FLOOR && normal.y < -0.5) return mix(color, vec3(226.0, 222.0, 212.0) / 255.0, 0.8);
+  if (kind == FLOOR && !isTop) return 0.8 * color;
+  if (kind == STAIR && !isTop) return 0.68 * color;
   if (kind == ROOF && normal.y < 0.05) return 0.62 * color;
-  if (isPlain) return color;
-  if (kind == ROOF && normal.y <= 0.995) return color * tiles(at, normal, axis, footprint);
-  if (kind == ROOF) return color * spots(at, 0.15, 1.0, 0.2, footprint) * spots(at, 1.2, 1.0, 0.12, footprint);
-  if (kind == WALL) return color * courses(at, normal, axis, footprint) * spots(at, 0.9, 1.0, 0.07, footprint);
-  if (kind == TRUNK) return color * spots(at, 0.09, 0.22, 0.5, footprint);
-  if (kind == ROCK) return color * spots(at, 0.12, 1.0, 0.3, footprint) * spots(at, 0.6, 1.0, 0.24, footprint);
-  if (kind == FURNITURE) return color * spots(at, 0.14, 6.0, 0.22, footprint);
-  return color * spots(at, 0.2, 1.0, 0.55, footprint) * spots(at, 0.75, 1.0, 0.3, footprint);
+#if DETAIL < 2
+  return color;
+#else
+  bool isFlat = kind == ROOF && normal.y > 0.995;
+  if (kind == FLOOR) color *= boards(across, along, 0.18, footprint);
+  else if (kind == STAIR) color *= boards(along, across, 0.3, footprint);
+  else if (kind == WALL) color *= courses(at, normal, axis, footprint);
+  else if (kind == ROOF && !isFlat) color *= tiles(at, normal, axis, footprint);
+  // The sizes of spots in m, how much flatter than wide they are, and between the darkest and the brightest.
+  vec3 small = vec3(0.2, 1.0, 0.55), large = vec3(0.75, 1.0, 0.3); // of plants
+  if (kind == WALL) small = vec3(0.9, 1.0, 0.07);
+  if (kind == TRUNK) small = vec3(0.09, 0.22, 0.5);
+  if (kind == FURNITURE) small = vec3(0.14, 6.0, 0.22);
+  if (kind == ROCK) small = vec3(0.12, 1.0, 0.3);
+  if (kind == ROCK) large = vec3(0.6, 1.0, 0.24);
+  if (isFlat) small = vec3(0.15, 1.0, 0.2);
+  if (isFlat) large = vec3(1.2, 1.0, 0.12);
+  bool hasLarge = isFlat || kind == ROCK || kind == CROWN || kind == BUSH;
+  bool hasSmall = hasLarge || kind == WALL || kind == TRUNK || kind == FURNITURE;
+  if (hasSmall) color *= spots(at, small, footprint);
+  if (hasLarge) color *= spots(at, large, footprint);
+  return color;
+#endif
 }
 `;

@@ -21,8 +21,11 @@ in vec3 place;
 in vec2 at;
 uniform sampler2D beds; // their colours, and how deep they lie
 vec3 rippled(float footprint) {
+#if DETAIL == 0
+  return vec3(0.0, 1.0, 0.0);
+#endif
   float steep = 0.16 * sharpness(0.9, footprint);
-  if (steep == 0.0 || detail == 0.0) return vec3(0.0, 1.0, 0.0);
+  if (steep == 0.0) return vec3(0.0, 1.0, 0.0);
   vec2 wave = place.xz / 0.9;
   float east = noise(wave * vec2(1.0, 0.6)) + 0.6 * noise(wave * vec2(2.3, 1.7) + vec2(0.0, 31.0)) - 0.8;
   vec2 other = wave + vec2(71.0, 0.0);
