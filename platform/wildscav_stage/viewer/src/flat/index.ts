@@ -53,9 +53,10 @@ export function createFlatStage(canvas: HTMLCanvasElement, map: GameMap, course:
     context.drawImage(picture, 0, 0, map.size, map.size);
     context.restore();
   };
-  return {
+  const stage: Stage = {
     kinds: ["above"],
     view: { kind: "above", seat: 0 },
+    trail: 20,
     draw: (frame) => {
       move();
       const seen = begin();
@@ -63,10 +64,11 @@ export function createFlatStage(canvas: HTMLCanvasElement, map: GameMap, course:
       drawZone(seen, course, frame, map.size);
       drawTarget(seen, course);
       drawBoxes(seen, course, frame);
-      drawTrails(seen, course, frame);
+      drawTrails(seen, course, frame, stage.trail ?? 0);
       drawShots(seen, course, frame);
       drawAgents(seen, course, frame, momentOf(course, frame).flashes);
     },
+    zoom: (factor) => view.zoom(factor, size.width / 2, size.height / 2, size.width, size.height),
     resize: (width, height, pixelRatio) => {
       Object.assign(size, { width, height, ratio: pixelRatio });
       canvas.width = Math.round(width * pixelRatio);
@@ -74,4 +76,5 @@ export function createFlatStage(canvas: HTMLCanvasElement, map: GameMap, course:
     },
     dispose: () => input.dispose(),
   };
+  return stage;
 }

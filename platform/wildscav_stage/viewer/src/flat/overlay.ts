@@ -4,7 +4,6 @@ import type { Course, SeatState } from "../data/course";
 import { drawName, LABEL_HEIGHT } from "../view/names";
 
 const METRE = 100; // units of the document
-const TRAIL = 20; // s
 const SHOT = 9; // frames that a shot is seen
 const TORSO = 2; // the part of a body that has the colour of its team
 const LEAP = 4 * METRE; // between two samples beyond what anyone walks
@@ -64,9 +63,10 @@ export function drawTarget({ context, pixel }: Canvas, course: Course): void {
   }
 }
 
-export function drawTrails({ context, pixel }: Canvas, course: Course, frame: number): void {
+// The last seconds of everybody's way.
+export function drawTrails({ context, pixel }: Canvas, course: Course, frame: number, seconds: number): void {
   const last = course.sampleAt(frame);
-  const first = course.sampleAt(frame - TRAIL * course.trails.frames_per_second);
+  const first = course.sampleAt(frame - seconds * course.trails.frames_per_second);
   context.lineWidth = 2 * pixel;
   context.lineCap = "round";
   course.seats.forEach((seat, place) => {

@@ -2,6 +2,7 @@
 
 import type { Seat } from "../data/trails";
 import type { ViewKind } from "../stage";
+import { followsSeat } from "./address";
 import { type Clock, SPEEDS } from "./clock";
 import { iconButton, make, picker, rename, setIcon } from "./dom";
 import type { Told } from "./views";
@@ -92,6 +93,7 @@ export class Controls {
     }
     this.seat.value = isDirected ? DIRECTED : String(view.seat);
     this.inset.setAttribute("aria-pressed", String(isInset));
+    this.seat.hidden = !kinds.some(followsSeat);
     this.inset.hidden = !hasInset;
     this.trail.hidden = !hasTrail;
   }

@@ -6,7 +6,7 @@ import { clockText } from "./clock";
 import { make } from "./dom";
 import { describe, KINDS, LOOKS } from "./moments";
 
-const MOST = 400; // events in the list at one time
+const MOST = 200; // events that are listed as a whole; of more, as many before and after the present moment
 
 export class EventList {
   readonly filters = make("div", { className: "player-filters", role: "group" });

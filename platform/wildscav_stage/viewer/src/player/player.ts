@@ -18,7 +18,8 @@ import { Standings } from "./standings";
 import { Timeline, timeText } from "./timeline";
 import { type Told, Views } from "./views";
 
-const SLOW = 200; // ms between two changes of the lists while time passes
+const SLOW = 200; // ms between two changes of the lists while time passes, at least
+const SHARE = 8; // times as long as a change takes lie between two, so that very many agents stop no picture
 const SAID = 4000; // ms for which an answer to a person stays
 
 export class Player implements Actions, Drawn {
@@ -35,7 +36,7 @@ export class Player implements Actions, Drawn {
   private readonly theater: HTMLElement;
   private readonly stops: (() => void)[];
   private shownFrame = -1; // by all but the picture
-  private slowAt = 0; // ms
+  private listsAt = 0; // ms, when the lists are due again
 
   constructor(
     readonly root: HTMLElement,
@@ -61,6 +62,7 @@ export class Player implements Actions, Drawn {
       "div",
       { className: "player-theater" },
       this.screen.element,
+      this.screen.note,
       this.timeline.element,
       this.controls.element,
     );
@@ -260,13 +262,15 @@ export class Player implements Actions, Drawn {
     this.controls.update(clock, text, isAtEnd);
     this.feed.update(frame, clock.speed);
     this.showOutcome(isAtEnd);
-    if (isStale || now - this.slowAt > SLOW) this.drawLists(frame, now);
+    if (isStale || now > this.listsAt) this.drawLists(frame);
   }
 
-  private drawLists(frame: number, now: number): void {
-    this.slowAt = now;
+  private drawLists(frame: number): void {
+    const start = performance.now();
     this.standings.update(frame);
     this.events.update(frame);
+    const end = performance.now();
+    this.listsAt = end + Math.max(SLOW, SHARE * (end - start));
   }
 
   private showOutcome(isAtEnd: boolean): void {

@@ -17,7 +17,8 @@ export class Screen {
   onStage = () => {}; // told when the stage is there, or is another
   private canvas: HTMLCanvasElement | null = null;
   private readonly message = make("p", { className: "player-message", role: "status" });
-  private readonly note = make("p", { className: "player-note", role: "status" });
+  // Why the match is not in 3D; stands below the picture.
+  readonly note = make("p", { className: "player-note", role: "status" });
   private readonly zoomButtons: HTMLElement;
   private readonly sizes = new ResizeObserver(() => this.fit());
   private readonly watcher = new IntersectionObserver((entries) => this.see(entries));
@@ -36,7 +37,7 @@ export class Screen {
       iconButton("farther", "Zoom out", () => this.zoom(1 / 1.5)),
     );
     this.zoomButtons.hidden = true;
-    this.element.append(this.message, this.note, this.zoomButtons);
+    this.element.append(this.message, this.zoomButtons);
     this.sizes.observe(this.element);
     this.watcher.observe(this.element);
   }
@@ -65,10 +66,18 @@ export class Screen {
   look(view: View): void {
     this.wanted = view;
     if (this.stage) this.stage.view = { ...view, kind: this.possible(view.kind) };
-    // Where fingers do not move the camera, they scroll the page.
+    this.element.classList.toggle("player-aims", this.view.kind === "eyes" && this.stage !== null);
     const isMoved = this.view.kind === "free" || this.view.kind === "above";
+    this.zoomButtons.hidden = !isMoved || !this.stage?.zoom;
+    // Where fingers do not move the camera, they scroll the page.
     if (this.canvas) this.canvas.style.touchAction = isMoved ? "none" : "pan-y";
     this.redraw();
+  }
+
+  // Show what a seat sees in a corner; null for nothing.
+  showInset(seat: number | null): void {
+    if (this.stage?.inset !== undefined) this.stage.inset = seat;
+    this.element.classList.toggle("player-has-inset", seat !== null);
   }
 
   get kinds(): ViewKind[] {
@@ -112,7 +121,6 @@ export class Screen {
     for (const name of ["pointerdown", "pointermove", "pointerup", "wheel", "keydown"]) {
       canvas.addEventListener(name, this.redraw, { passive: true });
     }
-    this.zoomButtons.hidden = !this.stage.zoom;
     if (place) this.note.textContent = NO_3D;
     this.look(this.wanted);
     this.fit();

@@ -42,8 +42,11 @@ export async function show(root: HTMLElement, makers: StageMaker[]): Promise<voi
     await shown;
   } catch (error) {
     console.warn(error);
+    tell(`The match cannot be shown: ${(error as Error).message}. `);
+    message.append(
+      make("button", { type: "button", textContent: "Try again", onclick: () => show(root, makers) }),
+    );
     root.replaceChildren(message);
-    tell(`The match cannot be shown: ${(error as Error).message}.`);
   }
 }
 
@@ -59,11 +62,20 @@ async function firstTrails(source: Source, tell: (text: string) => void): Promis
 }
 
 function enter(root: HTMLElement, course: Course, makers: StageMaker[]): Player {
+  forgetRemoved();
   const clock = clockOf(root.dataset.sync);
   clock.isOpen ||= "live" in root.dataset && !course.trails.over;
   const player = new Player(root, course, clock, makers, () => first() === player);
   players.push(player);
   return player;
+}
+
+// Players whose elements have left the page draw no more, and let go of what they hold.
+function forgetRemoved(): void {
+  for (const player of players.filter(({ root }) => !root.isConnected)) {
+    player.dispose();
+    players.splice(players.indexOf(player), 1);
+  }
 }
 
 // Players of one group share a clock.

@@ -96,11 +96,11 @@ export class Standings {
     if (order === this.order) return;
     this.order = order;
     const focused = document.activeElement;
-    seats.forEach((seat, at) => {
-      const { item } = this.rows[seat];
-      if (this.element.children[at] !== item)
-        this.element.insertBefore(item, this.element.children[at] ?? null);
-    });
+    let next = this.element.firstElementChild;
+    for (const { item } of seats.map((seat) => this.rows[seat])) {
+      if (item === next) next = item.nextElementSibling;
+      else this.element.insertBefore(item, next);
+    }
     if (focused instanceof HTMLElement && this.element.contains(focused))
       focused.focus({ preventScroll: true });
   }

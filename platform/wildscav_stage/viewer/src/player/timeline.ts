@@ -19,6 +19,7 @@ export class Timeline {
   private readonly tip = make("div", { className: "player-tip", hidden: true });
   private readonly range: HTMLInputElement;
   private events: MatchEvent[] = [];
+  private shown: MatchEvent[] = []; // those that have marks
   private end = 0; // s
   private text = "";
   private readonly sizes = new ResizeObserver(() => this.drawMarks());
@@ -31,7 +32,7 @@ export class Timeline {
     this.range = make("input", { type: "range", min: "0", className: "player-range" });
     this.range.step = String(1 / course.trails.frames_per_second);
     this.range.setAttribute("aria-label", "Time of the match");
-    this.range.oninput = () => this.seek(Number(this.range.value));
+    this.range.oninput = () => this.ask(Number(this.range.value));
     for (const element of [this.marks, this.tip]) element.setAttribute("aria-hidden", "true");
     this.listenForPointers();
     this.element = make("div", { className: "player-line" }, this.played, this.marks, this.range, this.tip);
@@ -58,6 +59,12 @@ export class Timeline {
     this.range.setAttribute("aria-valuetext", text);
   }
 
+  // Go to a time; a screen reader is told of it at once.
+  private ask(seconds: number): void {
+    this.seek(seconds);
+    this.update(seconds, this.end, timeText(seconds, this.end));
+  }
+
   dispose(): void {
     this.sizes.disconnect();
   }
@@ -71,7 +78,8 @@ export class Timeline {
     const context = this.marks.getContext("2d");
     if (!context) return;
     context.scale(ratio, ratio);
-    for (const event of this.marked()) {
+    this.shown = this.marked();
+    for (const event of this.shown) {
       const { color, tall } = LOOKS[event.kind];
       context.fillStyle = color;
       context.fillRect(this.column(event.frame) - 1, height * (1 - tall), 2, height * tall);
@@ -133,7 +141,7 @@ export class Timeline {
   // The tallest mark near a place in px from the left, and of those the nearest.
   private markAt(column: number): MatchEvent | undefined {
     const away = (event: MatchEvent) => Math.abs(this.column(event.frame) - column);
-    const near = this.marked().filter((event) => away(event) < NEAR);
+    const near = this.shown.filter((event) => away(event) < NEAR);
     near.sort((one, other) => LOOKS[other.kind].tall - LOOKS[one.kind].tall || away(one) - away(other));
     return near[0];
   }

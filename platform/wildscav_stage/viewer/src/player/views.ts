@@ -119,8 +119,9 @@ export class Views {
     const { stage, view, kinds } = this.screen;
     const { isDirected, isInset } = this;
     const hasInset = stage?.inset !== undefined;
-    if (stage && hasInset) stage.inset = isInset && view.kind !== "eyes" ? view.seat : null;
-    this.tell({ kinds, hasInset, hasTrail: stage?.trail !== undefined, view, isDirected, isInset });
+    this.screen.showInset(hasInset && isInset && view.kind !== "eyes" ? view.seat : null);
+    const hasTrail = stage?.trail !== undefined && view.kind === "above";
+    this.tell({ kinds, hasInset, hasTrail, view, isDirected, isInset });
   }
 }
 

@@ -10,6 +10,7 @@ import { createAgents } from "./agents";
 import { createBoxes } from "./boxes";
 import { Cameras } from "./cameras";
 import { createGround } from "./ground";
+import { inCorner } from "./inset";
 import { createLabels } from "./labels";
 import { Lines } from "./lines";
 import { Pace, probe } from "./pace";
@@ -80,6 +81,10 @@ export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Cou
     shared.shadowFrame.value.w = hasShadows ? 1 : 0;
   };
   const isMoved = () => stage.view.kind === "free" || stage.view.kind === "above";
+  const zoom = (factor: number, x: number, y: number) => {
+    if (stage.view.kind === "free") cameras.orbit.zoom(factor);
+    else if (isMoved()) cameras.mapView.zoom(factor, x, y, size.width, size.height);
+  };
   const input = new Input(
     canvas,
     {
@@ -87,10 +92,7 @@ export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Cou
         if (stage.view.kind === "free") cameras.orbit.drag(right, down, isShift, size.height);
         else if (isMoved()) cameras.mapView.drag(right, down, size.width, size.height);
       },
-      zoom: (factor, x, y) => {
-        if (stage.view.kind === "free") cameras.orbit.zoom(factor);
-        else if (isMoved()) cameras.mapView.zoom(factor, x, y, size.width, size.height);
-      },
+      zoom,
     },
     isMoved,
   );
@@ -101,38 +103,55 @@ export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Cou
       cameras.mapView.drag(-400 * right * seconds, 400 * ahead * seconds, size.width, size.height);
   };
 
+  // Draw a view for so many CSS pixels, some seconds after the last picture.
+  const show = (view: View, frame: number, width: number, height: number, seconds: number) => {
+    const moment = momentOf(course, frame);
+    const shown = cameras.place(view, moment, width, height, seconds);
+    const { hidden, isFromAbove, across } = shown;
+    const ratio = shared.perPixel.value;
+    const reach = isFromAbove ? reachFromAbove(across, pace.quality.reach) : pace.quality.reach;
+    ground.see(shared.eye.value, 1.5 * reach);
+    solids.see(shared.eye.value, reach, !isFromAbove || across > ROOFLESS);
+    solids.cut(shown.focus);
+    agents.show(moment, hidden, isFromAbove ? Math.max(1, (ENLARGED * across) / TALL) : 1);
+    labels.show(moment, hidden, isFromAbove);
+    boxes.show(
+      frame,
+      shared.eye.value,
+      isFromAbove ? (across > CRATES ? 0 : Infinity) : CRATES,
+      view.kind === "eyes" ? 0 : SPARK * ratio * (isFromAbove ? 0.7 : 1),
+    );
+    zone.show(frame, isFromAbove);
+    showShots(tracers, course, frame, ratio);
+    trails.mesh.visible = isFromAbove;
+    if (isFromAbove) showTrails(trails, course, frame, stage.trail ?? 0, ratio);
+    sky.visible = !isFromAbove;
+    renderer.render(scene, shown.camera);
+  };
+  // What an agent sees has no names in it.
+  const showInset = (seat: number, frame: number) => {
+    labels.group.visible = false;
+    inCorner(renderer, shared, size, (width, height) =>
+      show({ kind: "eyes", seat }, frame, width, height, 0),
+    );
+    labels.group.visible = true;
+  };
+
   const stage: Stage = {
     kinds: ["free", "behind", "eyes", "above"],
     view: { kind: "free", seat: 0 } as View,
+    inset: null,
+    trail: 20,
     draw: (frame) => {
       const now = performance.now();
       const seconds = before ? (now - before) / 1000 : 0;
       before = now;
       if (pace.note(seconds)) fit();
       move(Math.min(0.1, seconds));
-      const moment = momentOf(course, frame);
-      const shown = cameras.place(stage.view, moment, size.width, size.height, seconds);
-      const { hidden, isFromAbove, across } = shown;
-      const ratio = shared.perPixel.value;
-      const reach = isFromAbove ? reachFromAbove(across, pace.quality.reach) : pace.quality.reach;
-      ground.see(shared.eye.value, 1.5 * reach);
-      solids.see(shared.eye.value, reach, !isFromAbove || across > ROOFLESS);
-      solids.cut(shown.focus);
-      agents.show(moment, hidden, isFromAbove ? Math.max(1, (ENLARGED * across) / TALL) : 1);
-      labels.show(moment, hidden, isFromAbove);
-      boxes.show(
-        frame,
-        shared.eye.value,
-        isFromAbove ? (across > CRATES ? 0 : Infinity) : CRATES,
-        stage.view.kind === "eyes" ? 0 : SPARK * ratio * (isFromAbove ? 0.7 : 1),
-      );
-      zone.show(frame, isFromAbove);
-      showShots(tracers, course, frame, ratio);
-      trails.mesh.visible = isFromAbove;
-      if (isFromAbove) showTrails(trails, course, frame, ratio);
-      sky.visible = !isFromAbove;
-      renderer.render(scene, shown.camera);
+      show(stage.view, frame, size.width, size.height, seconds);
+      if (typeof stage.inset === "number") showInset(stage.inset, frame);
     },
+    zoom: (factor) => zoom(factor, size.width / 2, size.height / 2),
     resize: (width, height, pixelRatio) => {
       Object.assign(size, { width, height, ratio: pixelRatio });
       fit();

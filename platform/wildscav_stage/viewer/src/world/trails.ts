@@ -1,9 +1,8 @@
-// Where each seat was in the last seconds, for the view from above.
+// Where each seat was some seconds before, for the view from above.
 
 import type { Course } from "../data/course";
 import type { Lines } from "./lines";
 
-const SECONDS = 20;
 const METRE = 100; // units of the document
 const LEAP = 4 * METRE; // between two samples beyond what anyone walks: a respawn
 const ABOVE = 0.4; // m over the soles
@@ -11,9 +10,15 @@ const TORSO = 2; // the part of a body that has the colour of its team
 const OPACITY = 0.9; // of the newest part
 const WIDTH = 2; // pixels
 
-export function showTrails(lines: Lines, course: Course, frame: number, pixelRatio: number): void {
+export function showTrails(
+  lines: Lines,
+  course: Course,
+  frame: number,
+  seconds: number,
+  pixelRatio: number,
+): void {
   const last = course.sampleAt(frame);
-  const first = course.sampleAt(frame - SECONDS * course.trails.frames_per_second);
+  const first = course.sampleAt(frame - seconds * course.trails.frames_per_second);
   lines.begin((last - first + 1) * course.seats.length);
   const opacity = (sample: number) => (OPACITY * (sample - first)) / Math.max(1, last - first);
   for (let seat = 0; seat < course.seats.length; seat++) {
