@@ -135,6 +135,7 @@ export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Cou
     },
     resize: (width, height, pixelRatio) => {
       Object.assign(size, { width, height, ratio: pixelRatio });
+      cameras.orbit.fit(width / height);
       fit();
     },
     dispose: () => {
