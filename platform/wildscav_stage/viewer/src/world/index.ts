@@ -154,6 +154,7 @@ export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Cou
     zoom: (factor) => zoom(factor, size.width / 2, size.height / 2),
     resize: (width, height, pixelRatio) => {
       Object.assign(size, { width, height, ratio: pixelRatio });
+      cameras.orbit.fit(width / height);
       fit();
     },
     dispose: () => {
