@@ -7,6 +7,8 @@ RELEASES ?=
 PART ?= tests/engine tests/platform
 # What Python runs the tests with: .ci/tests runs those that failed once more.
 PYTEST ?= -m pytest
+# The TypeScript of the page that draws matches.
+VIEWER := platform/wildscav_stage/viewer
 BENCHMARKS := speed.compile speed.environments speed.legacy speed.maps speed.processes speed.rays speed.steps \
 	speed.vector_sensors \
 	services.executor services.server services.service strength.ratings strength.schedule
@@ -14,7 +16,7 @@ BENCHMARKS := speed.compile speed.environments speed.legacy speed.maps speed.pro
 # Without its cache of bytecode, each process of ours would compile the sources again, for up to three seconds.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help demo test test-slow test-with test-oldest test-newest check format bench docs docs-serve wheel proto clean
+.PHONY: help demo test test-slow test-with test-oldest test-newest check format bench docs docs-serve viewer wheel proto clean
 
 help: ## Show this list.
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1|\2/' | column -t -s '|'
@@ -38,11 +40,23 @@ help: ## Show this list.
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev,training]'
 	@touch $@ .venv/.dev .venv/.run
 
-demo: .venv/.run ## Evaluate the three baselines on three of the five tracks (under 5 minutes).
+# What npm installs, and the viewer that it builds into platform/wildscav_stage/static/viewer.
+.venv/.npm: $(VIEWER)/package.json $(VIEWER)/package-lock.json | .venv/bin/python
+	.ci/npm ci --silent --no-audit --no-fund
+	@touch $@
+
+.venv/.viewer: .venv/.npm $(VIEWER)/tsconfig.json $(shell find $(VIEWER)/src -type f)
+	.ci/npm run --silent build
+	@touch $@
+
+viewer: .venv/.viewer ## Build the page that draws matches in the browser, with Node.js 20 or newer, or one in .venv.
+
+demo: .venv/.run .venv/.viewer ## Evaluate the three baselines on three of the five tracks (under 5 minutes).
 	$(BIN)/wildscav evaluate random homing hunter --suite quick --replays first \
 		--track navigation --track gathering --track battle
 
-test: .venv/.dev ## Run the tests (about 5 minutes on two cores); with COVERAGE=1, print which lines and branches they reach.
+test: .venv/.dev .venv/.viewer ## Run the tests (about 5 minutes on two cores); with COVERAGE=1, print which lines and branches they reach.
+	.ci/npm test --silent
 ifdef COVERAGE
 	rm -rf out/coverage && mkdir -p out/coverage
 	$(BIN)/python -m coverage run $(PYTEST) -n 2 --dist worksteal --durations=40
@@ -51,7 +65,7 @@ else
 	$(BIN)/python $(PYTEST) -n 2 --dist worksteal --durations=40
 endif
 
-test-slow: .venv/.training ## Run the slow tests, three at a time: they wait more than they compute.
+test-slow: .venv/.training .venv/.viewer ## Run the slow tests, three at a time: they wait more than they compute.
 	$(BIN)/python $(PYTEST) -n 3 --dist worksteal -m slow --durations=40
 
 test-with: .venv/.dev ## Run PART of the tests with another Python or other releases: PYTHON=python3.14, RELEASES='numba==0.68.0'.
@@ -71,30 +85,32 @@ test-newest: .venv/.dev ## Run some tests with the newest Python that all depend
 		PART="tests/engine/versions tests/engine/envs tests/platform/wildscav/sdk tests/platform/server tests/platform/wildscav/system"; \
 		else echo 'Skipped: the tests with Python 3.14, which is not available.'; fi
 
-check: .venv/.dev ## Lint, formatting, types and import contracts.
+check: .venv/.dev .venv/.npm ## Lint, formatting, types and import contracts.
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	.ci/npm run --silent check
 
-format: .venv/.dev ## Format the code, and fix what can be fixed automatically.
+format: .venv/.dev .venv/.npm ## Format the code, and fix what can be fixed automatically.
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
+	.ci/npm run --silent format
 
 bench: .venv/.dev ## Run every benchmark; each prints a table.
 	@for name in $(BENCHMARKS); do $(BIN)/python -m benchmarks.$$name || exit 1; done
 
 # Silences a notice that Material for MkDocs prints at every build: fixes end in May 2027, and Zensical succeeds it.
 docs: export NO_MKDOCS_2_WARNING = 1
-docs: .venv/.dev ## Build the site; warnings are errors.
+docs: .venv/.dev .venv/.viewer ## Build the site; warnings are errors.
 	$(BIN)/mkdocs build --strict
 	@echo 'The site is in out/site: open out/site/index.html, or serve it with: make docs-serve'
 
 docs-serve: export NO_MKDOCS_2_WARNING = 1
-docs-serve: .venv/.dev ## Serve the site at http://127.0.0.1:8000/, and rebuild it when pages change.
+docs-serve: .venv/.dev .venv/.viewer ## Serve the site at http://127.0.0.1:8000/, and rebuild it when pages change.
 	$(BIN)/mkdocs serve
 
-wheel: .venv/.dev ## Build the wheel in out/wheel with machine code for this Python and these releases.
+wheel: .venv/.dev .venv/.viewer ## Build the wheel in out/wheel with machine code for this Python and these releases.
 	$(BIN)/python .ci/wheel out/wheel
 
 proto: .venv/.dev ## Generate the Python code of the protocol, and copy it to the agent in JavaScript.
@@ -105,4 +121,4 @@ proto: .venv/.dev ## Generate the Python code of the protocol, and copy it to th
 		platform/wildscav_legacy/*.proto
 
 clean: ## Remove the virtual environments and all output.
-	rm -rf .venv .venv-* out
+	rm -rf .venv .venv-* out $(VIEWER)/node_modules platform/wildscav_stage/static/viewer

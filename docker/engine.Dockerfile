@@ -1,4 +1,5 @@
-# The match server, the evaluator and a season's web site and conductor, as three targets; the context is the repository:
+# The match server, the evaluator and a season's web site and conductor, as three targets; the context is the repository, in
+# which `make viewer` has built what draws matches on the site:
 #   docker build -f docker/engine.Dockerfile --target server -t wildscav/server .
 #   docker build -f docker/engine.Dockerfile --target evaluator -t wildscav/evaluator .
 #   docker build -f docker/engine.Dockerfile --target season -t wildscav/season .

@@ -21,8 +21,9 @@ from wildscav_leaderboard.matches.models import PLAYING, MatchResult
 from wildscav_leaderboard.matches.models import Match as StoredMatch
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.spectating.live import LiveMatches, key_of
+from wildscav_stage.scene.document import values_of
 
-POLL = 0.4  # s between an answer and the next question of a page (trails.js)
+POLL = 0.4  # s between an answer and the next question of a page (``POLL`` in the viewer's loading.ts)
 OF_ONE_ADDRESS = 150  # spectators; the server takes 200 connections of each
 SIZE = Size(10, 90, 100)
 SEATS = ("fighter",) * 4
@@ -53,7 +54,7 @@ class Spectators:
             if status == 200:  # 202 before the first heartbeat
                 document = json.loads(body)
                 cursor = document["cursor"]
-                self._note(asked, document["samples"]["frames"])
+                self._note(asked, values_of(document["samples"]["frames"]))
             await asyncio.sleep(POLL)
         writer.close()
 

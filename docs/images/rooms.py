@@ -16,11 +16,11 @@ PICTURE = Path(__file__).with_name("rooms.svg")
 ROWS = (  # from the highest to the lowest, as in the contract of the packages
     {"wildscav_leaderboard": "leaderboard/: the database of results; seasons, the competition as a service"},
     {"wildscav_evaluator": "evaluator/: suites of seeded matches, agents in sandboxes, scores"},
+    {"wildscav_inspect": "platform/: looking at worlds and matches"},
     {
         "wildscav_training": "learning",
         "wildscav_stage": "the browser",
         "wildscav_legacy": "the original",
-        "wildscav_inspect": "looking",
     },
     {"wildscav_server": "platform/: the match server"},
     {"wildscav": "platform/: what an agent needs: the SDK and the protocol; the frame of the command"},

@@ -1,4 +1,4 @@
-"""``wildscav replay``: render a record as a Rerun recording or a video, or show it in a browser."""
+"""``wildscav replay``: render a record for Rerun, as a video or as a page, or serve it in Rerun's viewer."""
 
 import shlex
 from pathlib import Path
@@ -11,6 +11,7 @@ from wildscav.cli.shared_options import takes
 from wildscav.errors import UserError
 from wildscav_inspect.records import SeasonOption, read_of_seat, resolve_record
 from wildscav_inspect.video import VIDEO, VideoOptions, make_video
+from wildscav_inspect.watch import HTML, write_page
 
 if TYPE_CHECKING:
     from wildscav_engine.record import Record
@@ -35,8 +36,8 @@ def replay(
         typer.Option(
             "--out",
             "-o",
-            help="File to write: .rrd, or a video (.mp4, .gif, .webp). Default: the record's name with .rrd, "
-            "or with .mp4 for --video; with --web, none.",
+            help="File to write: .rrd, a page (.html), or a video (.mp4, .gif, .webp). Default: the record's "
+            "name with .rrd, with .html for --html, or with .mp4 for --video; with --web, none.",
         ),
     ] = None,
     seat: Annotated[
@@ -50,6 +51,9 @@ def replay(
     images: Annotated[
         bool, typer.Option(help="Draw the images of the followed agent's camera and depth camera.")
     ] = True,
+    html: Annotated[
+        bool, typer.Option("--html", help="Make a page that plays it in 3D in any browser, without a server.")
+    ] = False,
     web: Annotated[bool, typer.Option("--web", help="Serve it with a browser viewer until Ctrl-C.")] = False,
     host: Annotated[
         str | None, typer.Option(help="Address that --web listens on. Default: 127.0.0.1, this machine only.")
@@ -63,9 +67,13 @@ def replay(
     ] = False,
     season: SeasonOption = None,
 ) -> None:
-    """Render a record: as a replay that can be watched in 3D, as a video, or as one picture."""
+    """Render a record: for Rerun, as a page that plays it in 3D, as a video, or as one picture."""
     from wildscav_engine.view.video import VIDEOS
 
+    if html or (out is not None and out.suffix.lower() == HTML):
+        if web or video or seat is not None or not images or wanted.given() is not None:
+            raise UserError("--html takes --out and --season, and no other options", exit_code=2)
+        return write_page(resolve_record(record, season), out)
     if video or wanted.poster is not None or (out is not None and out.suffix.lower() in VIDEOS):
         if web:
             raise UserError("--web is for replays: leave it out, or --video and --poster", exit_code=2)

@@ -1,5 +1,7 @@
-"""A person in a seat of a match: a page with pictures from the seat's eyes, which sends keys and mouse back.
+"""Matches in the browser, to watch in 3D and to play.
 
-The match is hosted by the same server as any other. A person joins through the SDK like any agent, and only
-the pictures are made here, from what the seat sees.
+A match that is watched is drawn by the browser (``viewer/``), from two files (``scene/``). A person who plays
+has a page with pictures from the seat's eyes, which sends keys and mouse back. The match is hosted by the
+same server as any other: a person joins through the SDK like any agent, and only the pictures are made here,
+from what the seat sees.
 """

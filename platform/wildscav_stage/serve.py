@@ -9,7 +9,6 @@ from typing import NamedTuple
 
 import uvicorn
 
-from wildscav.errors import AddressInUseError
 from wildscav_engine.sensors import parse_sensors
 from wildscav_server.endpoints.endpoint import EndpointSettings
 from wildscav_server.hosting.precompile import precompile
@@ -18,6 +17,7 @@ from wildscav_server.match_server import MatchServer
 from wildscav_stage.app import Site
 from wildscav_stage.eyes import Eyes
 from wildscav_stage.links import Addresses, Base, Links, base_of
+from wildscav_stage.listening import listen
 from wildscav_stage.lobby import HOST
 from wildscav_stage.plan import Plan
 from wildscav_stage.rounds import Agents, MatchHosting, playing
@@ -57,7 +57,7 @@ async def served(
     Raises:
         AddressInUseError: The web server cannot listen there.
     """
-    listening, links = _listen(host, port), Links(plan.people)
+    listening, links = listen(host, port), Links(plan.people)
     base = base_of(host, listening.getsockname()[1], public_url)
     async with served_on(listening, base, links, plan, folder, say, countdown=countdown) as served_table:
         yield base.addresses(links, plan.people), served_table.serving
@@ -136,11 +136,3 @@ def _config(site: Site) -> uvicorn.Config:
         limit_concurrency=MAX_CONNECTIONS,
         timeout_graceful_shutdown=GRACE,
     )
-
-
-def _listen(host: str, port: int) -> socket.socket:
-    family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    try:
-        return socket.create_server((host, port), family=family)
-    except (OSError, OverflowError) as error:
-        raise AddressInUseError(f"{host}, port {port}", str(error)) from None

@@ -75,6 +75,15 @@ def test_every_package_comes_from_the_wheel_and_has_types(installed: Path, run: 
 
 
 @pytest.mark.slow
+def test_it_has_the_viewer_and_not_what_it_is_built_of(run: Run) -> None:
+    code = "from wildscav_stage.viewer_files import FOLDER, viewer_addresses\n"
+    code += "viewer_addresses(); print(FOLDER)"
+    folder = Path(run("python", "-c", code).stdout.strip())
+    assert {path.name for path in folder.iterdir()} >= {"viewer.js", "viewer.css"}
+    assert not (folder.parents[1] / "viewer").exists()
+
+
+@pytest.mark.slow
 def test_its_baselines_are_those_of_the_checkout(run: Run) -> None:
     code = "from wildscav.baselines import NAMES, baseline_folder\n"
     code += "from wildscav_evaluator.submissions.submission import folder_digest\n"

@@ -5,7 +5,7 @@ from pathlib import Path
 import griffe
 
 from wildscav_website.field_comments import FieldComments
-from wildscav_website.home import with_readers
+from wildscav_website.home import MATCH, match_page, with_readers
 
 NAV = [
     {"Home": "index.md"},
@@ -25,6 +25,19 @@ def test_a_card_leads_from_the_home_page_to_each_part_of_the_navigation() -> Non
     assert "**Readers**\n\n    [One](one.md) · [Several](several/first.md)\n" in rest
     assert "Home" not in rest
     assert rest.rstrip().endswith("## Install\n\nText.")
+
+
+def test_a_match_takes_the_place_of_the_first_picture() -> None:
+    page = with_readers("# Title\n\n![One](one.png)\n\nOpening.\n\n## Install\n\n![Two](two.png)\n", NAV)
+    assert "one.png" not in page
+    assert f'src="{MATCH}"' in page.partition("Opening.")[0]
+    assert "![Two](two.png)" in page
+
+
+def test_the_match_is_one_page_that_asks_for_nothing_else(viewer: Path) -> None:
+    page = match_page()
+    assert "data-embedded" in page
+    assert "src=" not in page
 
 
 def test_the_comment_beside_a_field_describes_it(tmp_path: Path) -> None:

@@ -26,11 +26,12 @@ def generated_pages() -> dict[str, Callable[[], str]]:
 
 
 def on_files(files: Files, /, *, config: MkDocsConfig) -> Files:
-    """Add the pages that are not in docs/, and the style sheet."""
+    """Add the pages that are not in docs/, the style sheet, and the match of the home page."""
     for path, write in generated_pages().items():
         files.append(File.generated(config, path, content=write()))
     for asset in sorted(ASSETS.iterdir()):
         files.append(File.generated(config, f"assets/{asset.name}", abs_src_path=str(asset)))
+    files.append(File.generated(config, home.MATCH, content=home.match_page()))
     return files
 
 

@@ -46,7 +46,11 @@ LONG_AGO = "Thu, 01 Jan 1970 00:00:00 GMT"
 KEPT = {"Cache-Control": "private, max-age=86400", "X-Content-Type-Options": "nosniff"}
 FORMS: Mapping[str, tuple[str, dict[str, str]]] = {
     "trails": ("application/json", {"Content-Encoding": "gzip"}),
-    "overview": ("image/webp", {}),
+    # Its address names its version, so it is never asked for again.
+    "map": (
+        "application/octet-stream",
+        {"Content-Encoding": "gzip", "Cache-Control": "private, max-age=31536000, immutable"},
+    ),
     "replay": ("application/octet-stream", {}),
     "poster": ("image/jpeg", {}),
     "video": ("video/mp4", {}),
@@ -297,15 +301,13 @@ def trails(asked: Asked, request: Request, after: Annotated[str, Query(max_lengt
     return file_response("trails", asked.progress("trails"))
 
 
-@router.get("/matches/{match}/overview.webp", responses=RENDERED)
-def overview(asked: Asked) -> Response:
-    """Return the map of a match from above."""
+@router.get("/matches/{match}/map", responses=RENDERED)
+def map_of_match(asked: Asked) -> Response:
+    """Return the map of a match: ground, water and solids, as ``scene/map_file.py`` of the stage tells."""
     if not asked.is_live:
-        return file_response("overview", asked.progress("overview"))
+        return file_response("map", asked.progress("map"))
     spec = MatchSpec.model_validate(find_match(asked.session, asked.match).spec)
-    return file_response(
-        "overview", asked.renders.progress("overview", str(asked.match), spec.map, asked.now)
-    )
+    return file_response("map", asked.renders.progress("map", str(asked.match), spec.map, asked.now))
 
 
 @router.get("/matches/{match}/replay", responses=RENDERED)

@@ -29,7 +29,7 @@ from wildscav_server.monitoring.logs import Log
 EVERY = 2.0  # s between two looks
 REMEMBERED = 500  # files that are not begun again, even if the cache is too small to keep them
 Order = tuple[str, int, Match]  # product, number of the match that it is for, and match to make it from
-LIVE, OVER = "overview", ("trails", "poster")  # products; the map comes with the trails
+LIVE, OVER = "map", ("trails", "poster")  # products; the map comes with the trails
 
 
 class RenderingAhead:

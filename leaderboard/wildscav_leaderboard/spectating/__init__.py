@@ -1,1 +1,1 @@
-"""What pages show of a match: trails, the map from above, replays, and the Rerun web viewer."""
+"""What pages show of a match: trails, maps, replays, and the Rerun web viewer."""

@@ -18,15 +18,17 @@ from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_engine.storage.files import write_whole
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.matches.snapshots import Snapshot
-from wildscav_leaderboard.spectating.document import (
+from wildscav_stage.scene.document import (
     Event,
     Samples,
     SeatSamples,
+    Shots,
     Target,
     Trails,
     ZonePhase,
+    differences,
 )
-from wildscav_leaderboard.spectating.trails import (
+from wildscav_stage.scene.trails import (
     SAMPLE_INTERVAL,
     map_extent,
     seats_shown,
@@ -36,7 +38,7 @@ from wildscav_leaderboard.spectating.trails import (
 
 SUFFIX = ".live"
 CURSOR = re.compile(r"([0-9a-f]{1,16})-([0-9]{1,12})")  # which playing of the match, and bytes of its file
-COLUMNS = ("x", "z", "height", "yaw", "health", "supplies")  # of a seat in a line
+COLUMNS = ("x", "z", "height", "yaw", "pitch", "health", "supplies")  # of a seat in a line
 
 
 def key_of(match: int) -> str:
@@ -48,7 +50,7 @@ class Followed(NamedTuple):
     """A match that is being written, and its last moment."""
 
     header: Trails
-    last: Snapshot
+    last: Snapshot  # whose yaws do not jump where a turn is whole
 
 
 class LiveMatches:
@@ -122,6 +124,7 @@ class LiveMatches:
         elif now.frame - followed.last.frame < SAMPLE_INTERVAL:
             return None
         else:
+            now = _unwrapped(followed.last, now)
             of_zone = zone_events(followed.header.zone, now.frame)
             events = [event for event in of_zone if event.frame > followed.last.frame]
             events = [*_events(followed.last, now), *events]
@@ -158,10 +161,18 @@ def _header(spec: MatchSpec, names: Sequence[str], now: Snapshot) -> Trails:
         target=target,
         seats=seats_shown(spec, tuple(names), None),
         samples=Samples(frames=[], seats=[]),
+        shots=Shots(frames=[], seats=[], x=[], z=[], height=[]),
         events=[],
         zone=zone,
         boxes=[],
     )
+
+
+def _unwrapped(before: Snapshot, now: Snapshot) -> Snapshot:
+    """Return a moment with yaws that are at most half a turn from those of the moment before."""
+    turns = [(here.yaw - was.yaw + 180) // 360 for was, here in zip(before.seats, now.seats, strict=True)]
+    seats = (seat._replace(yaw=seat.yaw - 360 * turn) for seat, turn in zip(now.seats, turns, strict=True))
+    return now._replace(seats=tuple(seats))
 
 
 def _events(before: Snapshot, now: Snapshot) -> Iterator[Event]:
@@ -197,7 +208,10 @@ def _document(header: Trails, is_first: bool, cursor: str, content: bytes) -> Tr
     lines: list[dict[str, Any]] = [json.loads(line) for line in content.splitlines()]
     seats = [
         SeatSamples(
-            **{name: [line["seats"][seat][column] for line in lines] for column, name in enumerate(COLUMNS)}
+            **{
+                name: differences([line["seats"][seat][column] for line in lines])
+                for column, name in enumerate(COLUMNS)
+            }
         )
         for seat in range(len(header.seats))
     ]
@@ -207,7 +221,7 @@ def _document(header: Trails, is_first: bool, cursor: str, content: bytes) -> Tr
             "first": is_first,
             "cursor": cursor,
             "frames": frames[-1] if frames else header.frames,
-            "samples": Samples(frames=frames, seats=seats),
+            "samples": Samples(frames=differences(frames), seats=seats),
             "events": [Event(**event) for line in lines for event in line["events"]],
         }
     )

@@ -3,7 +3,6 @@
 It prints nothing but, if it fails, one line that says why.
 """
 
-import gzip
 import os
 import sys
 import time
@@ -12,14 +11,16 @@ from pathlib import Path
 
 from wildscav.errors import UserError, describe
 from wildscav.system.worker_processes import become_worker
+from wildscav_engine.maps import MapError, map_of
 from wildscav_engine.record import RecordError, read_record
+from wildscav_engine.specs.map_spec import MapSpec
 from wildscav_engine.storage.files import write_whole
 from wildscav_engine.view import ViewError, write_replay
 from wildscav_engine.view.video.encode import Pace, check_encoder, write_poster, write_video
 from wildscav_engine.view.video.film import Film, Look, VideoError
-from wildscav_leaderboard.spectating.overview import overview_of_file
-from wildscav_leaderboard.spectating.render_cache import PROGRESS
-from wildscav_leaderboard.spectating.trails import trails_of_file
+from wildscav_leaderboard.spectating.render_cache import PROGRESS, SPEC
+from wildscav_stage.scene.map_file import map_file
+from wildscav_stage.scene.trails import trails_of_file
 
 VIDEO = Look("follow", width=640, height=360, detail=0.75)
 POSTER = Look("follow", width=1280, height=720, detail=1.0)
@@ -36,13 +37,14 @@ def pace_of(seconds: float) -> Pace:
 
 def render_trails(record: Path, target: Path) -> None:
     """Write the document of a match's trails, compressed."""
-    document = trails_of_file(record).model_dump_json().encode()
-    write_whole(target, gzip.compress(document, 6, mtime=0))
+    write_whole(target, trails_of_file(record).compressed())
 
 
-def render_overview(record: Path, target: Path) -> None:
-    """Write the picture of a match's map."""
-    write_whole(target, overview_of_file(record))
+def render_map(source: Path, target: Path) -> None:
+    """Write the file of a map: of a match's record, or of a file with a MapSpec."""
+    is_spec = source.suffix == SPEC
+    spec = MapSpec.model_validate_json(source.read_bytes()) if is_spec else read_record(source).spec.map
+    write_whole(target, map_file(map_of(spec)))
 
 
 def render_replay(record: Path, target: Path) -> None:
@@ -74,7 +76,7 @@ def render_video(record: Path, target: Path) -> None:
 
 RENDERERS: dict[str, Callable[[Path, Path], None]] = {
     "trails": render_trails,
-    "overview": render_overview,
+    "map": render_map,
     "replay": render_replay,
     "poster": render_poster,
     "video": render_video,
@@ -89,7 +91,7 @@ def main() -> None:
     try:
         for product, _, target in (each.partition("=") for each in wanted):
             RENDERERS[product](Path(record), Path(target))
-    except (OSError, UserError, RecordError, VideoError, ViewError) as error:
+    except (OSError, UserError, MapError, RecordError, VideoError, ViewError) as error:
         raise SystemExit(describe(error)) from None
 
 

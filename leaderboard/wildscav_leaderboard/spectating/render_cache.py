@@ -29,7 +29,8 @@ from typing import Literal, NamedTuple, Self
 from wildscav.errors import UserError
 from wildscav.terminal.console import counted
 from wildscav_engine.specs.map_spec import MapSpec
-from wildscav_leaderboard.spectating.document import TRAILS_VERSION
+from wildscav_stage.scene.document import TRAILS_VERSION
+from wildscav_stage.scene.map_file import MAP_VERSION
 
 KEY = re.compile(r"[A-Za-z0-9_-]{1,100}")
 LIMIT = 2_000_000_000  # bytes
@@ -37,7 +38,7 @@ TIME_LIMIT = 900.0  # s for one process
 MAX_WAITING = 200  # matches
 RETRY_AFTER = timedelta(minutes=5)  # after a failure, a file is rendered again on request
 SLOTS = ".slots"
-MAP_FILE = "map.json"  # beside what is rendered from a map alone
+SPEC = ".json"  # ending of a file with the MapSpec of what is rendered from a map alone
 PROGRESS = "progress"  # name of a file beside what is rendered, with the share that is done, in percent
 
 State = Literal["waiting", "rendering", "ready", "failed"]
@@ -55,7 +56,7 @@ PRODUCTS = {
     product.name: product
     for product in (
         Product("trails", f"trails-{TRAILS_VERSION}.json.gz", "page"),
-        Product("overview", "overview-1.webp", "page"),
+        Product("map", f"map-{MAP_VERSION}.gz", "page"),
         Product("replay", f"replay-{version('rerun-sdk')}.rrd", "replay"),
         Product("poster", "poster-1.jpg", "poster"),
         Product("video", "video-1.mp4", "video"),
@@ -119,7 +120,7 @@ class RenderCache:
         Args:
             product: A name in ``PRODUCTS``.
             key: The stable name of the match: letters, digits, - and _.
-            source: The match's record; or of its overview its map, while there is no record yet.
+            source: The match's record; or of its map a spec, while there is no record yet.
             now: The present time.
 
         Raises:
@@ -192,7 +193,7 @@ class RenderCache:
                 # Another server may have made some meanwhile, and others may have been removed.
                 products = [name for name, each in PRODUCTS.items() if each.work == work]
                 if isinstance(source, MapSpec):
-                    products, spec, source = ["overview"], source, place / MAP_FILE
+                    products, spec, source = ["map"], source, place / f"map{SPEC}"
                     source.write_text(spec.model_dump_json())
                 names = {name: self.file_name(name, key) for name in products}
                 wanted = {

@@ -12,6 +12,7 @@ from wildscav_leaderboard.api.routers import answer
 from wildscav_leaderboard.seasons.refusals import UnknownCallerError
 from wildscav_leaderboard.web import boards, feeds, organizing, people, playing, public, watching
 from wildscav_leaderboard.web.rendering import FOLDER, PageParts, page
+from wildscav_stage.viewer_files import PATH, viewer_routes
 
 
 def as_page(request: Request, error: Exception) -> Response:
@@ -42,4 +43,5 @@ def add_pages(app: FastAPI) -> None:
     for part in (public, boards, watching, playing, feeds, people, organizing):
         app.include_router(part.router, include_in_schema=False)
     app.state.page_parts = PageParts()
+    app.mount(PATH, viewer_routes(), name="viewer")
     app.mount("/static", StaticFiles(directory=FOLDER / "static"), name="static")

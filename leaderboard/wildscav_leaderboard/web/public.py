@@ -41,7 +41,6 @@ from wildscav_leaderboard.web.rendering import page
 router = APIRouter()
 LEADERS = 3  # of each track on the season's page
 MATCHES = 25  # of a submission on its page
-PICTURES = {"poster": "poster.jpg", "overview": "overview.webp"}  # of a match, the better one first
 
 
 @router.get("/", response_class=HTMLResponse)
@@ -73,16 +72,10 @@ def home(
 
 
 def _latest(session: Session, renders: RenderCache) -> tuple[MatchView, str] | None:
-    """Return the newest match that everyone may watch and that has a picture, and the path of the picture."""
-    newest = [match for match in perhaps_shown(session) if _picture(renders, match.id)]
+    """Return the newest match that everyone may watch and that has a poster, and the path of the poster."""
+    newest = [match for match in perhaps_shown(session) if renders.is_kept("poster", str(match.id))]
     shown = (view for view in match_views(session, newest, None) if view.hidden is None)
-    return next(((view, _picture(renders, view.id)) for view in shown), None)
-
-
-def _picture(renders: RenderCache, match: int) -> str:
-    """Return the path of the picture of a match that is kept; an empty text if there is none."""
-    kept = (name for product, name in PICTURES.items() if renders.is_kept(product, str(match)))
-    return next((f"/api/v1/matches/{match}/{name}" for name in kept), "")
+    return next(((view, f"/api/v1/matches/{view.id}/poster.jpg") for view in shown), None)
 
 
 @router.get("/teams/{name}", response_class=HTMLResponse)

@@ -1,13 +1,14 @@
-"""The pages of matches: all of them, how one ended, from above, live, as a video, and in 3D."""
+"""The pages of matches: all of them, how one ended, in 3D, live, as a video, and in Rerun."""
 
 import json
 from functools import partial
-from typing import Annotated, Literal
+from typing import Annotated, Literal, NamedTuple
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse
 from sqlalchemy.orm import Session
 
+from wildscav.errors import UserError
 from wildscav_evaluator.output.results import metric_infos
 from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Now, Number, Reading, Renders
 from wildscav_leaderboard.api.documents import MatchView, SeatView
@@ -23,6 +24,9 @@ from wildscav_leaderboard.submissions.service import find_submission
 from wildscav_leaderboard.teams.service import find_team, titles
 from wildscav_leaderboard.visibility import record_path, seen_by
 from wildscav_leaderboard.web.rendering import page
+from wildscav_stage.scene.document import TRAILS_VERSION
+from wildscav_stage.scene.map_file import MAP_VERSION
+from wildscav_stage.viewer_files import viewer_addresses
 
 router = APIRouter()
 SHOWN = 25  # matches of a list
@@ -92,10 +96,30 @@ def match(
         visible=view.hidden is None,
         live=found.state == PLAYING and not unwatched,
         unwatched=unwatched,
+        stage=_stage(view.id),
         film=film,
         playable=_playable(session, season, view),
         has_poster=view.hidden is None and renders.is_kept("poster", str(number)),
     )
+
+
+class MatchStage(NamedTuple):
+    """The addresses of what draws a match in 3D."""
+
+    script: str
+    style: str
+    map: str  # this and the next change with the form of the files
+    trails: str
+    missing: str = ""  # why there is no viewer
+
+
+def _stage(match: int) -> MatchStage:
+    try:
+        script, style = viewer_addresses()
+    except UserError as error:
+        return MatchStage("", "", "", "", str(error))
+    files = f"/api/v1/matches/{match}"
+    return MatchStage(script, style, f"{files}/map?v={MAP_VERSION}", f"{files}/trails?v={TRAILS_VERSION}")
 
 
 def _playable(session: Session, season: Season, view: MatchView) -> list[SeatView]:

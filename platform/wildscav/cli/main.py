@@ -27,7 +27,8 @@ GROUP = "wildscav.commands"
 # The panels of the help, each in the order of its commands: first what a newcomer needs.
 PANELS = {
     "Agents": ("init", "play", "human", "check", "build", "train", "dataset"),
-    "Evaluations": ("evaluate", "baselines", "compare", "tournament", "leaderboard", "verify", "replay"),
+    "Evaluations": ("evaluate", "baselines", "compare", "tournament", "leaderboard", "verify"),
+    "Matches": ("watch", "replay"),
     "Seasons": ("login", "submit", "team", "season"),
     "Machines and maps": ("serve", "doctor", "map"),
 }

@@ -5,11 +5,14 @@ second of the match), so that the document stays small. North is +z, east is +x.
 begins with a number, and goes on with what each is more than the one before.
 """
 
+import gzip
 from collections.abc import Sequence
 from itertools import accumulate, pairwise
 from typing import Any, Final, Literal, Self
 
 from pydantic import BaseModel, ConfigDict
+
+from wildscav_stage.scene.arrays import LEVEL
 
 TRAILS_VERSION: Final = 2  # of the document; it moves when a field changes its meaning or goes
 
@@ -181,3 +184,7 @@ class Trails(Part):
     events: list[Event]
     zone: list[ZonePhase]
     boxes: list[Box]
+
+    def compressed(self) -> bytes:
+        """Return the document as compressed JSON, always the same bytes."""
+        return gzip.compress(self.model_dump_json().encode(), LEVEL, mtime=0)

@@ -62,7 +62,7 @@ def map_file(game_map: GameMap) -> bytes:
     """Return the compressed file of a map."""
     world = game_map.world
     topologies, solids, corners = _solids(world)
-    fields = {
+    fields: dict[str, Any] = {
         "format": "wildscav-map",
         "version": MAP_VERSION,
         "size": int(centimetres(CELL * (world.heights.shape[1] - 1))),
@@ -79,7 +79,7 @@ def map_file(game_map: GameMap) -> bytes:
     }
     ground = ground_appearance(world).color
     colors = of_solids(world.solid_kind, game_map.solid_house)
-    arrays = {
+    arrays: dict[str, NDArray[Any]] = {
         "heights": centimetres(world.heights)[..., None],
         "ground": np.rint(ground).astype(np.uint8),
         "water": _water(world),

@@ -63,17 +63,17 @@ def test_a_match_that_nobody_watches_sends_none(submit: Submit, tmp_path: Path) 
     assert all(heartbeat.snapshots == () for heartbeat in heartbeats)
 
 
-def test_snapshots_are_in_decimetres() -> None:
+def test_snapshots_are_in_centimetres() -> None:
     match = Match(MatchSpec(track="navigation", map=SMALL, seats=("walker",), time_limit=2.0))
     match.play_out()
     snapshot, agents = snapshot_of(match), match.state.agents
     seat = snapshot.seats[0]
 
-    np.testing.assert_allclose(
-        np.array([seat.x, seat.height, seat.z]) / 10, agents.position[0, 0], atol=0.0501
-    )
+    there = np.array([seat.x, seat.height, seat.z]) / 100
+    np.testing.assert_allclose(there, agents.position[0, 0], atol=0.00501)
+    assert (seat.yaw, seat.pitch) == (round(agents.yaw[0, 0]), round(agents.pitch[0, 0]))
     assert snapshot.target is not None
-    np.testing.assert_allclose(np.array(snapshot.target) / 10, match.state.matches.target[0], atol=0.0501)
+    np.testing.assert_allclose(np.array(snapshot.target) / 100, match.state.matches.target[0], atol=0.00501)
     assert (seat.health, seat.deaths, snapshot.reached_by) == (100, 0, None)
 
 

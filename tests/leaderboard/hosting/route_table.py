@@ -161,8 +161,8 @@ TABLE = (
     everyone("GET /api/v1/matches/{match}/record", "/api/v1/matches/{ladder}/record"),
     each("GET /api/v1/matches/{match}/trails", "/api/v1/matches/{own_suite}/trails", 403, 403, 403, NOT_NOW),
     each(
-        "GET /api/v1/matches/{match}/overview.webp",
-        "/api/v1/matches/{own_suite}/overview.webp",
+        "GET /api/v1/matches/{match}/map",
+        "/api/v1/matches/{own_suite}/map",
         *(403, 403, 403, NOT_NOW),
     ),
     each("GET /api/v1/matches/{match}/replay", "/api/v1/matches/{own_suite}/replay", 403, 403, 403, NOT_NOW),
@@ -235,6 +235,7 @@ TABLE = (
     organizers("POST /organizer", "", 200, {"act": "invite", "label": "a friend"}),
     organizers("POST /organizer", "", 409, {"act": "resume"}),
     everyone("FILES /static", "/static/season.css"),
+    everyone("FILES /stage", "/stage/viewer.js"),
     everyone("GET /health"),
     everyone("GET /ready"),
 )

@@ -37,7 +37,7 @@ pytestmark = pytest.mark.slow  # thousands of requests
 ASKERS = ("visitor", "opponent", "owner", "organizer")
 STATES = ("open", "frozen", "finalized")
 LONG_AGO = datetime(2001, 2, 3, 4, 5, 6, tzinfo=UTC)  # when the match of the suite is said to have ended
-FILES = ("record", "trails", "overview.webp", "replay", "replay.rrd", "poster.jpg", "video", "video.mp4")
+FILES = ("record", "trails", "map", "replay", "replay.rrd", "poster.jpg", "video", "video.mp4")
 FOR_ALL = ("GET /feeds/", "GET /badges/", "GET /viewer/")  # may be kept by shared caches
 
 

@@ -43,6 +43,8 @@ PAGES = {  # and who looks at them
     "/organizer/audit-log": "organizer",
     "/nowhere": "visitor",
 }
+# What the pages of matches report, since there are no records of them.
+REPORTED = ("Failed to load resource", "is no longer in the season's files")
 OF_COLOURS = ["color-contrast", "link-in-text-block"]  # axe's rules
 
 
@@ -96,7 +98,7 @@ def test_no_page_is_wider_than_a_phone_or_breaks_its_policy(arena: Arena, browse
                 wide.append(path)
         page.context.close()
     assert wide == []
-    assert [fault for fault in faults if "Failed to load resource" not in fault] == []
+    assert [fault for fault in faults if not any(known in fault for known in REPORTED)] == []
 
 
 def violations(arena: Arena, browser: Any, asker: str, paths: Sequence[str]) -> list[str]:
@@ -138,7 +140,7 @@ def test_without_scripts_the_pages_show_everything_but_the_player(arena: Arena, 
     assert page.get_by_text("wildscav check DIR").is_visible()
     page.goto(address_of(arena, "/matches/{ladder}"))
     assert page.get_by_role("row").count() == 3
-    assert "The player needs JavaScript" in page.content()
+    assert "Watching a match in 3D needs JavaScript" in page.content()
     page.goto("/submit")
     assert "The upload needs JavaScript" in page.content()
     page.context.close()

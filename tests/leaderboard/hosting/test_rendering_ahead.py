@@ -98,14 +98,14 @@ def test_the_map_of_a_live_match_is_made_when_it_begins_but_holds_up_no_others(s
     with season.database.writing() as session:
         for number in (season.first, season.second):
             session.get_one(Match, number).state = PLAYING if number == season.second else VOID
-    assert season.files(1) == [("overview", season.second, True)]  # without a record of the same game
+    assert season.files(1) == [("map", season.second, True)]  # without a record of the same game
     with season.database.writing() as session:
         session.get_one(Match, season.first).state = FINISHED
         session.get_one(Match, season.second).state = FINISHED
     assert season.files(1)[-1] == ("trails", season.second, False)
     with season.database.writing() as session:
         session.get_one(Match, season.second).state = PLAYING
-    assert season.files(60).count(("overview", season.second, True)) == 1
+    assert season.files(60).count(("map", season.second, True)) == 1
 
 
 def test_the_map_of_a_game_is_made_while_its_first_match_is_played_which_nobody_may_watch(
@@ -114,7 +114,7 @@ def test_the_map_of_a_game_is_made_while_its_first_match_is_played_which_nobody_
     with season.database.writing() as session:
         session.get_one(Match, season.first).state = PLAYING
         session.get_one(Match, season.second).state = WAITING
-    assert season.files(1) == [("overview", season.second, True)]
+    assert season.files(1) == [("map", season.second, True)]
     assert season.first not in {match for _, match, _ in season.files(60)}
 
 
@@ -131,7 +131,7 @@ def test_a_live_match_has_a_map_whenever_it_may_be_watched(season: Season, first
         session.get_one(Match, season.first).state = first
         session.get_one(Match, season.second).state = PLAYING
     with served(season.app) as address:
-        answer = httpx.get(f"{address}/api/v1/matches/{season.second}/overview.webp", timeout=60.0)
+        answer = httpx.get(f"{address}/api/v1/matches/{season.second}/map", timeout=60.0)
     assert answer.status_code == status, answer.text
 
 

@@ -1,8 +1,10 @@
 """What pages tell whoever reads them: where a submission stands, what cannot be seen yet, and who is who."""
 
+import gzip
 import re
 from collections.abc import Iterator
 from html import unescape
+from pathlib import Path
 
 import httpx
 import pytest
@@ -11,6 +13,8 @@ from tests.leaderboard.hosting.clients import ask
 from tests.leaderboard.spectating.served import served
 
 from wildscav_leaderboard.hosting.app import create_app
+from wildscav_stage import viewer_files
+from wildscav_stage.scene.map_file import MAP_VERSION
 
 FIRST = 1  # the first submission of the owls, who have a better one
 
@@ -49,13 +53,7 @@ def site(hostile_season: FilledSeason) -> Iterator[Site]:
 
 
 REPLACES = "When it takes part, it replaces submission"
-WAYS = (
-    "From above",
-    "Watch the video",
-    "Watch in 3D",
-    "wildscav replay match-",
-    ".wsr --video --view behind",
-)
+WAYS = ("Watch the video", "Open in Rerun", "wildscav watch match-", ".wsr --html")
 SAID: list[
     tuple[str, str, tuple[str, ...], tuple[str, ...]]
 ] = [  # path, who reads it, what is there, and what is not
@@ -217,6 +215,33 @@ def test_where_the_record_is_hidden_so_are_video_and_poster(site: Site) -> None:
     assert "og:image" not in page
     assert "<video" not in page
     assert "Watch the video" not in page
+
+
+def test_a_map_is_kept_by_browsers_for_ever_and_what_draws_it_as_well(site: Site) -> None:
+    number = site.filled.matches["ladder"]
+    file = site.filled.season.files / "rendered" / f"{number}.map-{MAP_VERSION}.gz"
+    file.parent.mkdir(exist_ok=True)
+    file.write_bytes(gzip.compress(b"a map"))
+    try:
+        address = re.findall(r'data-map="([^"]*)"', site.get(f"/matches/{number}").text)[0]
+        answer = site.get(address)
+    finally:
+        file.unlink()
+    assert address == f"/api/v1/matches/{number}/map?v={MAP_VERSION}"
+    assert (answer.content, answer.headers["Content-Encoding"]) == (b"a map", "gzip")
+    assert answer.headers["Cache-Control"] == "private, max-age=31536000, immutable"
+    script = re.findall(r'src="(/stage/[^"]*)"', site.get(f"/matches/{number}").text)[0]
+    assert "immutable" in site.get(script).headers["Cache-Control"]
+
+
+def test_without_a_viewer_a_match_page_says_how_to_build_it(
+    site: Site, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(viewer_files, "FOLDER", tmp_path)
+    page = site.get(f"/matches/{site.filled.matches['ladder']}").text
+    assert "run make viewer" in page
+    assert "data-match" not in page
+    assert "Watch the video" in page
 
 
 @pytest.mark.parametrize("path", ["/", "/submit", "/account", "/teams/owls"])

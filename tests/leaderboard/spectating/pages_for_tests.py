@@ -1,4 +1,4 @@
-"""A page with the player of trails, as a match page has it, on a real server."""
+"""A page with the player of a match, as a match page has it, on a real server."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -6,76 +6,68 @@ from html import escape
 from pathlib import Path
 
 from fastapi import FastAPI
-from fastapi.responses import HTMLResponse, JSONResponse, Response
+from fastapi.responses import HTMLResponse, Response
 from fastapi.staticfiles import StaticFiles
 from tests.leaderboard.spectating.served import served
 
 import wildscav_leaderboard
+from wildscav_leaderboard.hosting.middleware import POLICY
+from wildscav_stage.viewer_files import PATH, viewer_addresses, viewer_routes
 
 STATIC = Path(wildscav_leaderboard.__file__).parent / "web" / "static"
-POLICY = "default-src 'self'; object-src 'none'; base-uri 'none'"
 PAGE = """<!doctype html>
 <html lang="en">
 <head>
 <meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
 <title>A match</title>
-<link rel="stylesheet" href="/static/season.css"><link rel="stylesheet" href="/static/trails.css">
+<link rel="stylesheet" href="/static/season.css"><link rel="stylesheet" href="{style}">
+<script type="module" src="{script}"></script>
 </head>
 <body>
-<main><h1>A match</h1><div {attributes}></div></main>
-<script type="module" src="/static/trails.js"></script>
+<main><h1>A match</h1><div data-match data-map="/map" data-trails="/trails?v=2" {attributes}></div></main>
 </body>
 </html>
 """
 
 
 @contextmanager
-def trails_page(
+def match_page(
     trails: Callable[[str], Response],
-    overview: bytes | None = None,
-    names: str | None = None,
+    game_map: Callable[[], Response],
+    names: str = "{}",
     *,
     is_live: bool = False,
-    drawn_after: int = 0,
 ) -> Iterator[str]:
     """Serve a page with the player, and give its address.
 
     Args:
         trails: Answers with the trails after a cursor.
-        overview: The picture of the map; None if there is none.
-        names: The names of seats as people read them, as JSON; None if the page does not know them.
+        game_map: Answers with the map.
+        names: The names of seats as people read them, as JSON.
         is_live: Whether the match is being played.
-        drawn_after: How often the picture of the map is asked for before it is drawn.
     """
-    app, asked = FastAPI(), list[str]()
+    app = FastAPI()
     app.mount("/static", StaticFiles(directory=STATIC))
-    attributes = {"data-trails": "/trails.json"}
-    if overview is not None:
-        attributes["data-overview"] = "/overview.webp"
-    if names is not None:
-        attributes["data-names"] = names
-    if is_live:
-        attributes["data-live"] = ""
-    written = " ".join(f'{name}="{escape(value)}"' for name, value in attributes.items())
+    app.mount(PATH, viewer_routes())
+    script, style = viewer_addresses()
+    written = f'data-names="{escape(names)}"{" data-live" if is_live else ""}'
+    page = PAGE.format(script=script, style=style, attributes=written)
 
     @app.get("/")
-    def page() -> HTMLResponse:
-        return HTMLResponse(PAGE.format(attributes=written), headers={"Content-Security-Policy": POLICY})
+    def show() -> HTMLResponse:
+        return HTMLResponse(page, headers={"Content-Security-Policy": POLICY})
 
     @app.get("/favicon.ico")
     def icon() -> Response:
         return Response(status_code=204)
 
-    @app.get("/trails.json")
+    @app.get("/trails")
     def answer(after: str = "") -> Response:
         return trails(after)
 
-    @app.get("/overview.webp")
-    def picture() -> Response:
-        if len(asked) < drawn_after:
-            asked.append("")
-            return JSONResponse({"state": "rendering", "detail": ""}, 202)
-        return Response(overview or b"", media_type="image/webp")
+    @app.get("/map")
+    def answer_map() -> Response:
+        return game_map()
 
     with served(app) as address:
         yield address

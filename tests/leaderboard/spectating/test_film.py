@@ -12,8 +12,8 @@ from fastapi import FastAPI
 from fastapi.responses import Response
 from tests.browsers import DESK, chromium
 from tests.leaderboard.filled_season import FilledSeason
-from tests.leaderboard.spectating.conftest import SMALL_MAP
 from tests.leaderboard.spectating.served import served
+from tests.recorded_matches import SMALL_MAP
 
 from wildscav_engine.record import write_record
 from wildscav_engine.simulation.match import Match

@@ -4,13 +4,13 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from wildscav_engine.record import Record, read_record, resimulate
 from wildscav_evaluator.matches.snapshots import Snapshot, snapshot_of
-from wildscav_leaderboard.spectating.live import LiveMatches
-from wildscav_leaderboard.spectating.trails import trails_of
+from wildscav_leaderboard.spectating.live import COLUMNS, LiveMatches
+from wildscav_stage.scene.document import values_of
+from wildscav_stage.scene.trails import trails_of
 
 Records = Callable[[str], Path]
 TRACKS = ("navigation", "gathering", "battle", "capture", "royale")
@@ -56,12 +56,13 @@ def test_a_page_sees_what_the_record_will_tell(tmp_path: Path, record: Record) -
     assert [(seat.name, seat.team, seat.result) for seat in shown.seats] == [
         (seat.name, seat.team, None) for seat in told.seats
     ]
-    both = sorted(set(shown.samples.frames) & set(told.samples.frames))
-    assert len(both) >= len(told.samples.frames) - 1  # but for the last moment
+    frames = [values_of(each.samples.frames) for each in (shown, told)]
+    both = sorted(set(frames[0]) & set(frames[1]))
+    assert len(both) >= len(frames[1]) - 1  # but for the last moment
     for seen, kept in zip(shown.samples.seats, told.samples.seats, strict=True):
-        for name in ("x", "z", "height", "yaw", "health", "supplies"):
-            here = dict(zip(shown.samples.frames, getattr(seen, name), strict=True))
-            there = dict(zip(told.samples.frames, getattr(kept, name), strict=True))
+        for name in COLUMNS:
+            here = dict(zip(frames[0], values_of(getattr(seen, name)), strict=True))
+            there = dict(zip(frames[1], values_of(getattr(kept, name)), strict=True))
             assert [here[frame] for frame in both] == [there[frame] for frame in both], name
 
 
@@ -90,16 +91,16 @@ def test_documents_after_each_other_are_the_whole(tmp_path: Path, battle: Record
             shown = reader.trails("m1", cursor)
             assert shown is not None
             assert shown.first is (place == 0)
-            frames += shown.samples.frames
-            heights += shown.samples.seats[1].height
+            frames += values_of(shown.samples.frames)
+            heights += values_of(shown.samples.seats[1].height)
             cursor = shown.cursor
     rest, whole = reader.trails("m1", cursor), reader.trails("m1")
 
     assert rest is not None
     assert whole is not None
-    assert frames + rest.samples.frames == whole.samples.frames
-    assert heights + rest.samples.seats[1].height == whole.samples.seats[1].height
-    assert set(np.diff(whole.samples.frames).tolist()) == {10}
+    assert frames + values_of(rest.samples.frames) == values_of(whole.samples.frames)
+    assert heights + values_of(rest.samples.seats[1].height) == values_of(whole.samples.seats[1].height)
+    assert set(whole.samples.frames[1:]) == {5}
 
 
 def test_a_match_that_is_played_again_begins_anew(tmp_path: Path, battle: Record) -> None:
@@ -142,7 +143,7 @@ def test_half_a_line_is_left_for_the_next_document(tmp_path: Path, battle: Recor
     rest = live.trails("m1", first.cursor)
 
     assert rest is not None
-    assert (first.frames, rest.samples.frames) == (90, [100])
+    assert (first.frames, rest.samples.frames) == (95, [100])
 
 
 def test_a_match_that_has_ended_is_gone(tmp_path: Path, battle: Record) -> None:

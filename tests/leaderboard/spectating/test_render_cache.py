@@ -1,6 +1,5 @@
 """Files rendered from records: what they hold, that each is rendered once, and what crashes leave."""
 
-import gzip
 import os
 import shutil
 import signal
@@ -15,11 +14,12 @@ import pytest
 from rerun.chunk import RrdReader
 
 from wildscav.errors import UserError
+from wildscav_engine.maps import map_of
 from wildscav_engine.record import read_record
 from wildscav_engine.specs.map_spec import MapSpec
-from wildscav_leaderboard.spectating.overview import overview_of_file
 from wildscav_leaderboard.spectating.render_cache import PRODUCTS, RenderCache, Rendering
-from wildscav_leaderboard.spectating.trails import trails_of_file
+from wildscav_stage.scene.map_file import map_file
+from wildscav_stage.scene.trails import trails_of_file
 
 NOW = datetime(2030, 1, 1, tzinfo=UTC)
 PATIENCE = 120.0  # s
@@ -78,25 +78,25 @@ def test_what_a_page_needs_comes_from_one_process(cache: RenderCache, record_of_
     record = record_of_track("battle")
 
     trails = wait_for(cache, "trails", "m1", record)
-    overview = cache.progress("overview", "m1", Path("gone.wsr"), NOW)
+    game_map = cache.progress("map", "m1", Path("gone.wsr"), NOW)
 
     assert trails.path is not None
-    assert overview.path is not None
-    assert gzip.decompress(trails.path.read_bytes()).decode() == trails_of_file(record).model_dump_json()
-    assert overview.path.read_bytes() == overview_of_file(record)
+    assert game_map.path is not None
+    assert trails.path.read_bytes() == trails_of_file(record).compressed()
+    assert game_map.path.read_bytes() == map_file(map_of(read_record(record).spec.map))
 
 
 @pytest.mark.slow
 def test_the_map_of_a_match_without_a_record_is_made_from_its_spec(
     cache: RenderCache, record_of_track: Records
 ) -> None:
-    record = record_of_track("battle")
+    spec = read_record(record_of_track("battle")).spec.map
 
-    overview = wait_for(cache, "overview", "m1", read_record(record).spec.map)
+    game_map = wait_for(cache, "map", "m1", spec)
 
-    assert overview.path is not None
-    assert overview.path.read_bytes() == overview_of_file(record)
-    assert [path for path in cache.folder.iterdir() if path.is_file()] == [overview.path]
+    assert game_map.path is not None
+    assert game_map.path.read_bytes() == map_file(map_of(spec))
+    assert [path for path in cache.folder.iterdir() if path.is_file()] == [game_map.path]
 
 
 @pytest.mark.slow
@@ -128,19 +128,19 @@ def test_servers_that_share_the_folder_render_a_file_once(tmp_path: Path) -> Non
 @pytest.mark.slow
 def test_the_least_recently_used_goes_first(cache: RenderCache, record_of_track: Records) -> None:
     record = record_of_track("gathering")
-    first = [wait_for(cache, product, "m1", record).path for product in ("trails", "overview")]
+    first = [wait_for(cache, product, "m1", record).path for product in ("trails", "map")]
     for path in first:
         assert path is not None
         shutil.copy(path, path.with_name(path.name.replace("m1", "m2")))
     small, large = (path.stat().st_size for path in first if path)
     cache.limit = 3 * small + 2 * large  # room for the trails of a third match, but not for its map
-    for product, key in (("trails", "m2"), ("overview", "m1")):  # used again
+    for product, key in (("trails", "m2"), ("map", "m1")):  # used again
         cache.progress(product, key, record, NOW)
 
     wait_for(cache, "trails", "m3", record)
 
     names = {path.name.partition("-")[0] for path in cache.folder.iterdir() if path.is_file()}
-    assert names == {"m2.trails", "m1.overview", "m3.trails", "m3.overview"}
+    assert names == {"m2.trails", "m1.map", "m3.trails", "m3.map"}
 
 
 def test_a_file_larger_than_the_cache_is_refused(tmp_path: Path) -> None:

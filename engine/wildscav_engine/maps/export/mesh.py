@@ -52,7 +52,8 @@ def water_cells(world: World) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     lowest = np.minimum(
         np.minimum(corners[:-1, :-1], corners[:-1, 1:]), np.minimum(corners[1:, :-1], corners[1:, 1:])
     )
-    return np.nonzero(world.water > lowest)
+    rows, columns = np.nonzero(world.water > lowest)
+    return rows, columns
 
 
 def _up_facing(

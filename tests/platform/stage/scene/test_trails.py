@@ -14,8 +14,8 @@ from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.systems.zone import zone_at
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_leaderboard.spectating.document import Circle, ZonePhase
-from wildscav_leaderboard.spectating.trails import trails_of, trails_of_file
+from wildscav_stage.scene.document import Circle, Trails, ZonePhase, differences, values_of
+from wildscav_stage.scene.trails import trails_of, trails_of_file
 
 TRACKS = ("navigation", "gathering", "battle", "capture", "royale")
 Records = Callable[[str], Path]
@@ -27,7 +27,7 @@ def path(request: pytest.FixtureRequest, record_of_track: Records) -> Path:
 
 
 def circle_at(phases: list[ZonePhase], frame: int) -> tuple[float, float, float]:
-    """The safe zone in dm, as a page works it out."""
+    """The safe zone in cm, as a page works it out."""
     phase = next((each for each in phases if frame < each.end), phases[-1])
     part = min(1.0, max(0.0, (frame - phase.start) / (phase.end - phase.start)))
 
@@ -39,32 +39,69 @@ def circle_at(phases: list[ZonePhase], frame: int) -> tuple[float, float, float]
 
 def test_every_sample_is_where_the_agents_stood(path: Path) -> None:
     record, trails = read_record(path), trails_of_file(path)
-    samples = {frame: place for place, frame in enumerate(trails.samples.frames)}
+    samples = {frame: place for place, frame in enumerate(values_of(trails.samples.frames))}
+    shown = [
+        {name: values_of(values) for name, values in seat.model_dump().items()}
+        for seat in trails.samples.seats
+    ]
     compared = 0
 
     for match in resimulate(record):
         if match.frame not in samples:
             continue
         place, agents = samples[match.frame], match.state.agents
-        for seat, shown in enumerate(trails.samples.seats):
-            there = [shown.x[place], shown.height[place], shown.z[place]]
-            np.testing.assert_allclose(np.array(there) / 10, agents.position[0, seat], atol=0.0501)
-            assert shown.yaw[place] == pytest.approx(agents.yaw[0, seat], abs=0.501)
-            assert shown.health[place] == agents.health[0, seat]
-            assert shown.supplies[place] == agents.supplies[0, seat]
+        for seat, values in enumerate(shown):
+            here = {name: column[place] for name, column in values.items()}
+            there = [here["x"], here["height"], here["z"]]
+            np.testing.assert_allclose(np.array(there) / 100, agents.position[0, seat], atol=0.00501)
+            assert abs((here["yaw"] - agents.yaw[0, seat] + 180) % 360 - 180) < 0.501
+            assert here["pitch"] == pytest.approx(agents.pitch[0, seat], abs=0.501)
+            assert here["health"] == agents.health[0, seat]
+            assert here["supplies"] == agents.supplies[0, seat]
         compared += 1
 
     assert compared == len(samples)
 
 
-def test_there_are_five_samples_a_second_and_the_last_moment(path: Path) -> None:
+@pytest.mark.parametrize("values", [[], [7], [3, 3, -2, 1000]])
+def test_differences_add_up_to_the_values(values: list[int]) -> None:
+    assert values_of(differences(values)) == values
+
+
+def test_a_turn_is_never_the_long_way_round(path: Path) -> None:
+    assert max(abs(turn) for seat in trails_of_file(path).samples.seats for turn in seat.yaw[1:]) <= 180
+
+
+def test_shots_end_where_they_did(record_of_track: Records) -> None:
+    path = record_of_track("battle")
+    shots, fired = trails_of_file(path).shots, 0
+    columns = [values_of(each) for each in (shots.frames, shots.seats, shots.x, shots.height, shots.z)]
+    there = {(frame, seat): place for frame, seat, *place in zip(*columns, strict=True)}
+
+    for match in resimulate(read_record(path)):
+        agents = match.state.agents
+        for seat in np.flatnonzero(agents.fired[0]).tolist() if match.frame else ():
+            shown = np.array(there[match.frame, seat]) / 100
+            np.testing.assert_allclose(shown, agents.shot_end[0, seat], atol=0.00501)
+            fired += 1
+
+    assert fired == len(there) > 10
+
+
+def test_a_document_is_read_again_as_it_was(path: Path) -> None:
     trails = trails_of_file(path)
-    frames = np.array(trails.samples.frames)
+
+    assert Trails.model_validate_json(gzip.decompress(trails.compressed())) == trails
+
+
+def test_there_are_ten_samples_a_second_and_the_last_moment(path: Path) -> None:
+    trails = trails_of_file(path)
+    frames = np.array(values_of(trails.samples.frames))
 
     assert frames[0] == 0
     assert frames[-1] == trails.frames
-    assert set(np.diff(frames)[:-1].tolist()) == {10}
-    assert 0 < frames[-1] - frames[-2] <= 10
+    assert set(np.diff(frames)[:-1].tolist()) == {5}
+    assert 0 < frames[-1] - frames[-2] <= 5
 
 
 def test_names_kinds_teams_and_results_are_those_of_the_record(path: Path) -> None:
@@ -100,7 +137,7 @@ def test_who_is_out_of_a_royale_is_said_once(record_of_track: Records) -> None:
     out = [event.seat for event in trails.events if event.kind == "out"]
 
     assert sorted(out) == sorted(
-        seat.seat for seat in trails.seats if trails.samples.seats[seat.seat].health[-1] == 0
+        seat.seat for seat in trails.seats if values_of(trails.samples.seats[seat.seat].health)[-1] == 0
     )
     assert out
 
@@ -113,7 +150,7 @@ def test_the_safe_zone_of_a_page_is_that_of_the_rules(record_of_track: Records) 
     for frame in range(0, trails.frames, 50):
         now = zone_at(match.state.matches, 0, frame)
         shown = circle_at(trails.zone, frame)
-        np.testing.assert_allclose(np.array(shown) / 10, (now.x, now.z, now.radius), atol=0.06)
+        np.testing.assert_allclose(np.array(shown) / 100, (now.x, now.z, now.radius), atol=0.006)
     assert any(event.kind == "zone" for event in trails.events)
 
 
@@ -161,6 +198,6 @@ def test_a_battle_of_fifteen_minutes_fits_in_a_page() -> None:
     match = Match(spec)
     match.play_out()
 
-    part = trails_of(record_of(match, spec.seats)).model_dump_json().encode()
+    part = trails_of(record_of(match, spec.seats)).compressed()
 
-    assert 5 * len(gzip.compress(part, 6)) < 1_500_000
+    assert 5 * len(part) < 1_500_000

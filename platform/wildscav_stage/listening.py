@@ -1,0 +1,17 @@
+"""Sockets that web servers listen on."""
+
+import socket
+
+from wildscav.errors import AddressInUseError
+
+
+def listen(host: str, port: int) -> socket.socket:
+    """Return a socket that listens on an address; port 0 is any free one.
+
+    Raises:
+        AddressInUseError: Nothing can listen there.
+    """
+    try:
+        return socket.create_server((host, port), family=socket.AF_INET6 if ":" in host else socket.AF_INET)
+    except (OSError, OverflowError) as error:
+        raise AddressInUseError(f"{host}, port {port}", str(error)) from None

@@ -1,0 +1,138 @@
+"""Pages with a recorded match in 3D: on a site, or as one file that plays anywhere."""
+
+import base64
+import hashlib
+from collections.abc import Iterable, Sequence
+from html import escape
+from pathlib import Path
+from string import Template
+from typing import NamedTuple
+
+from wildscav.errors import UserError
+from wildscav_engine.maps import MapError, map_of
+from wildscav_engine.record import Record, RecordError, read_record
+from wildscav_stage.scene.map_file import map_file
+from wildscav_stage.scene.trails import trails_of
+from wildscav_stage.viewer_files import SCRIPT, STYLE, viewer_addresses, viewer_file
+
+STATIC = Path(__file__).parent / "static"
+PAGE_STYLE = "match.css"
+NAMED = 4  # seats in a title
+NO_SCRIPT = "<noscript><p>The match needs JavaScript.</p></noscript>"
+
+
+class Scene(NamedTuple):
+    """What the viewer draws a match from."""
+
+    title: str
+    map: bytes  # compressed, as ``scene/map_file.py`` tells
+    trails: bytes  # compressed, as ``scene/document.py`` tells
+
+
+def scene_of(record: Path) -> Scene:
+    """Return what a record is drawn from.
+
+    Raises:
+        UserError: It cannot be read, or not be played again.
+    """
+    try:
+        return scene_of_record(read_record(record))
+    except RecordError as error:
+        message = str(error)
+        raise UserError(message if str(record) in message else f"{record}: {message}") from None
+    except MapError as error:
+        raise UserError(f"{record}: {error}") from None
+
+
+def scene_of_record(record: Record) -> Scene:
+    """Return what a record is drawn from.
+
+    Raises:
+        RecordError: It cannot be played again.
+        MapError: Its map cannot be made.
+    """
+    trails = trails_of(record)
+    return Scene(
+        f"{trails.title}: {_some(record.names)}", map_file(map_of(record.spec.map)), trails.compressed()
+    )
+
+
+def _some(names: Sequence[str]) -> str:
+    """Return the first names, and how many others there are."""
+    others = len(names) - NAMED
+    return ", ".join(names) if others <= 1 else f"{', '.join(names[:NAMED])} and {others} others"
+
+
+def match_page(title: str, address: str) -> str:
+    """Return the page of a match on a site that has the viewer's files.
+
+    Args:
+        title: The match's.
+        address: Below it are the ``map`` and the ``trails``.
+
+    Raises:
+        UserError: The viewer is not built.
+    """
+    script, style = viewer_addresses()
+    head = f'<link rel="stylesheet" href="{style}"><script type="module" src="{script}"></script>'
+    content = f'<div data-match data-map="{address}/map" data-trails="{address}/trails"></div>{NO_SCRIPT}'
+    return _page(title, f"{_linked_style()}{head}", content)
+
+
+def list_page(title: str, links: Iterable[tuple[str, str]]) -> str:
+    """Return the page with a list of matches.
+
+    Args:
+        title: Of the list.
+        links: The name and the address of each match.
+    """
+    items = (f'<li><a href="{address}">{escape(name)}</a></li>' for name, address in links)
+    return _page(title, _linked_style(), f"<ul>{''.join(items)}</ul>")
+
+
+def text_page(title: str, text: str) -> str:
+    """Return a page that says something."""
+    return _page(title, _linked_style(), f"<p>{escape(text)}</p>")
+
+
+def whole_page(scene: Scene) -> str:
+    """Return the page of a match with all that it needs in it, for a file.
+
+    Raises:
+        UserError: The viewer is not built.
+    """
+    script = _inside("script", viewer_file(SCRIPT).decode())
+    style = _inside("style", (STATIC / PAGE_STYLE).read_text("utf-8") + viewer_file(STYLE).decode())
+    data = "".join(
+        f'<script type="application/octet-stream;base64" id="wildscav-{name}">'
+        f"{base64.b64encode(content).decode()}</script>"
+        for name, content in (("map", scene.map), ("trails", scene.trails))
+    )
+    policy = (
+        f"default-src 'none'; script-src '{_hash(script)}'; style-src '{_hash(style)}'; "
+        "img-src blob: data:; base-uri 'none'; form-action 'none'"
+    )
+    code = f'<script type="module">{script}</script>'
+    content = f"<div data-match data-embedded></div>{NO_SCRIPT}{data}{code}"
+    return _page(scene.title, f"<style>{style}</style>", content, policy)
+
+
+def _page(title: str, head: str, content: str, policy: str = "") -> str:
+    """Return a page; its policy is in it if no server tells one."""
+    told = f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n' if policy else ""
+    page = Template((STATIC / "match.html").read_text("utf-8"))
+    return page.substitute(title=escape(title), head=head, content=content, policy=told)
+
+
+def _linked_style() -> str:
+    return f'<link rel="icon" href="/static/icon.svg"><link rel="stylesheet" href="/static/{PAGE_STYLE}">'
+
+
+def _inside(element: str, code: str) -> str:
+    """Return code that does not end the element that it is in; in a string, the backslash changes nothing."""
+    return code.replace(f"</{element}", f"<\\/{element}").replace("<!--", "<\\!--")
+
+
+def _hash(content: str) -> str:
+    """Return the source of a policy that allows one text inside of a page."""
+    return f"sha256-{base64.b64encode(hashlib.sha256(content.encode()).digest()).decode()}"

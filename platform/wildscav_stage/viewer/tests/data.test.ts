@@ -1,0 +1,126 @@
+import { describe, expect, test } from "vitest";
+import { PackedFile, unzipped } from "../src/data/arrays";
+import { Course } from "../src/data/course";
+import { readMap } from "../src/data/map";
+import { readTrails, type Trails } from "../src/data/trails";
+
+function packed(header: object, content: Uint8Array): ArrayBuffer {
+  let text = JSON.stringify(header);
+  text += " ".repeat((4 - (text.length % 4)) % 4);
+  const file = new Uint8Array(4 + text.length + content.length);
+  new DataView(file.buffer).setUint32(0, text.length, true);
+  file.set(new TextEncoder().encode(text), 4);
+  file.set(content, 4 + text.length);
+  return file.buffer;
+}
+
+function trails(changes: Partial<Trails> = {}): Trails {
+  const none = { frames: [], seats: [], x: [], z: [], height: [] };
+  const seat = {
+    x: [100, 100, 5000],
+    z: [0, 0, 0],
+    height: [200, 0, 0],
+    yaw: [350, 20, 0],
+    pitch: [0, 0, 0],
+  };
+  return {
+    version: 2,
+    over: true,
+    first: true,
+    cursor: "",
+    track: "battle",
+    title: "Battle",
+    frames_per_second: 50,
+    frames: 15,
+    frame_limit: 100,
+    ending: "time_up",
+    outcome: "nobody wins",
+    map: { west: -5000, north: 5000, width: 10000, height: 10000 },
+    target: null,
+    seats: [{ seat: 0, name: "a", kind: "submission", team: 0, colors: [], full_health: 100, result: null }],
+    samples: { frames: [0, 10, 5], seats: [{ ...seat, health: [100, -40, -60], supplies: [0, 3, 0] }] },
+    shots: none,
+    events: [],
+    zone: [],
+    boxes: [],
+    ...changes,
+  };
+}
+
+describe("packed arrays", () => {
+  test("each plane is a sum of differences, and bytes wrap around", () => {
+    const arrays = [{ name: "colors", type: "uint8", shape: [3, 2], at: 0 }];
+    const file = new PackedFile(packed({ arrays }, Uint8Array.of(250, 10, 1, 5, 255, 0)));
+    expect(file.planes("colors").map((plane) => [...plane])).toEqual([
+      [250, 4, 5],
+      [5, 4, 4],
+    ]);
+    expect(() => file.planes("heights")).toThrow('no array "heights"');
+  });
+
+  test("content is unzipped unless the browser has done so", async () => {
+    const content = Uint8Array.of(1, 2, 3);
+    const zipped = new Blob([content]).stream().pipeThrough(new CompressionStream("gzip"));
+    const file = await new Response(zipped).arrayBuffer();
+    expect(new Uint8Array(await unzipped(file))).toEqual(content);
+    expect(new Uint8Array(await unzipped(content.buffer))).toEqual(content);
+  });
+});
+
+describe("files of other versions are refused", () => {
+  test("maps", () => {
+    const file = packed({ format: "wildscav-map", version: 99, arrays: [] }, new Uint8Array());
+    expect(() => readMap(file)).toThrow("maps of version 1, not wildscav-map 99");
+  });
+
+  test("matches", () => {
+    expect(() => readTrails('{"version": 1}')).toThrow("matches of version 2, not 1");
+  });
+});
+
+describe("the course of a match", () => {
+  const course = new Course(trails(), { 0: "shown" });
+
+  test("places and angles are interpolated, in metres and degrees; health is not", () => {
+    expect(course.at(0, 5)).toEqual({ x: 1.5, y: 2, z: 0, yaw: 360, pitch: 0, health: 100, supplies: 0 });
+    expect(course.seats[0].name).toBe("shown");
+  });
+
+  test("nobody slides over the map to where they come back", () => {
+    expect(course.at(0, 14).x).toBe(2);
+    expect(course.at(0, 15)).toMatchObject({ x: 52, health: 0 });
+  });
+
+  test("after the last sample nothing changes", () => {
+    expect(course.at(0, 1000)).toEqual(course.at(0, 15));
+  });
+
+  test("a document that is not the first one is added", () => {
+    const live = new Course(trails({ over: false }));
+    const one = { x: [0], z: [0], height: [0], yaw: [0], pitch: [0], health: [9], supplies: [4] };
+    live.extend(trails({ first: false, samples: { frames: [25], seats: [one] } }));
+    expect([live.frames, live.at(0, 25).health]).toEqual([[0, 10, 15, 25], 9]);
+    live.extend(trails({ samples: { frames: [5], seats: [one] } }));
+    expect(live.frames).toEqual([5]);
+  });
+
+  test("boxes lie from their appearance until they are taken", () => {
+    const box = { x: 0, z: 0, height: 0, dropped: false, quantity: 1, appears: 5, taken: 10 };
+    const withBox = new Course(trails({ boxes: [box] }));
+    expect([4, 5, 9, 10].map((frame) => withBox.boxesAt(frame).length)).toEqual([0, 1, 1, 0]);
+  });
+
+  test("the zone moves at constant speed, and stays between phases", () => {
+    const [before, after] = [
+      { x: 0, z: 0, radius: 1000 },
+      { x: 400, z: 0, radius: 200 },
+    ];
+    const zoned = new Course(trails({ zone: [{ start: 10, end: 20, before, after, damage: 1 }] }));
+    expect([0, 15, 50].map((frame) => zoned.zoneAt(frame)?.now)).toEqual([
+      { x: 0, z: 0, radius: 10 },
+      { x: 2, z: 0, radius: 6 },
+      { x: 4, z: 0, radius: 2 },
+    ]);
+    expect(course.zoneAt(0)).toBeNull();
+  });
+});

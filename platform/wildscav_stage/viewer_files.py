@@ -1,0 +1,69 @@
+"""The viewer: the script and the style sheet that draw matches in a browser, as ``viewer/`` is built."""
+
+import gzip
+import hashlib
+from functools import lru_cache
+from pathlib import Path
+
+from starlette.exceptions import HTTPException
+from starlette.requests import Request
+from starlette.responses import Response
+from starlette.routing import Route, Router
+
+from wildscav.errors import UserError
+
+FOLDER = Path(__file__).parent / "static" / "viewer"
+SCRIPT, STYLE = "viewer.js", "viewer.css"
+PATH = "/stage"  # where a site has these files
+TO_BUILD = "run make viewer in the checkout"
+TYPES = {".js": "text/javascript; charset=utf-8", ".css": "text/css; charset=utf-8"}
+KEPT = "public, max-age=31536000, immutable"  # at an address that names the version
+
+
+def viewer_file(name: str) -> bytes:
+    """Return the content of a file of the viewer.
+
+    Raises:
+        UserError: The viewer is not built.
+    """
+    try:
+        return (FOLDER / name).read_bytes()
+    except FileNotFoundError:
+        raise UserError(f"the viewer is not built, as {FOLDER / name} is missing: {TO_BUILD}") from None
+
+
+def viewer_addresses() -> tuple[str, str]:
+    """Return the addresses of the script and the style sheet, which change when the files do.
+
+    Raises:
+        UserError: The viewer is not built.
+    """
+    script, style = (f"{PATH}/{name}?v={_digest(viewer_file(name))}" for name in (SCRIPT, STYLE))
+    return script, style
+
+
+def viewer_routes() -> Router:
+    """Return what answers for the viewer's files, to be mounted at ``PATH``."""
+    return Router([Route("/{name}", _answer)])
+
+
+def _answer(request: Request) -> Response:
+    path = FOLDER / request.path_params["name"]
+    if not path.is_file():
+        raise HTTPException(404)
+    content = path.read_bytes()
+    is_kept = request.query_params.get("v") == _digest(content)
+    headers = {"Cache-Control": KEPT if is_kept else "no-cache", "Vary": "Accept-Encoding"}
+    if "gzip" in request.headers.get("accept-encoding", ""):
+        content, headers["Content-Encoding"] = _compressed(content), "gzip"
+    return Response(content, media_type=TYPES.get(path.suffix, "text/plain; charset=utf-8"), headers=headers)
+
+
+@lru_cache(8)
+def _digest(content: bytes) -> str:
+    return hashlib.blake2b(content, digest_size=8).hexdigest()
+
+
+@lru_cache(8)
+def _compressed(content: bytes) -> bytes:
+    return gzip.compress(content, 9, mtime=0)

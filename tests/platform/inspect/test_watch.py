@@ -1,0 +1,114 @@
+"""``wildscav watch`` and ``wildscav replay --html``."""
+
+import re
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from urllib.request import ProxyHandler, build_opener
+
+import pytest
+from tests.commands import Run, run_command
+from tests.platform.stage.built_viewer import viewer
+from tests.recorded_matches import record_of_track
+
+from wildscav_stage.match_page import scene_of, whole_page
+
+__all__ = ["record_of_track", "viewer"]
+COMMAND = [sys.executable, "-m", "wildscav.cli.main"]
+END = 120  # s, far more than it takes
+Records = Callable[[str], Path]
+
+
+@pytest.fixture
+def record(record_of_track: Records, tmp_path: Path) -> Path:
+    return Path(shutil.copy(record_of_track("battle"), tmp_path / "match.wsr"))
+
+
+@pytest.fixture
+def run(tmp_path: Path) -> Run:
+    return partial(run_command, cwd=tmp_path, columns=200)
+
+
+def test_it_serves_the_match_until_ctrl_c(record: Path) -> None:
+    """With the viewer that is built: a process has no other."""
+    command = [*COMMAND, "watch", str(record), "--no-browser"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        found = re.fullmatch(r"watch at (http://127\.0\.0\.1:\d+/)\n", process.stdout.readline())
+        assert found, process.stderr and process.stderr.read()
+        with build_opener(ProxyHandler({})).open(found[1]) as answer:
+            page = answer.read().decode()
+        process.send_signal(signal.SIGINT)
+        assert process.wait(END) == 0
+        assert process.stderr is not None
+        assert process.stderr.read() == ""
+
+    assert "data-match" in page
+    assert re.search(r'src="/stage/viewer\.js\?v=\w+"', page)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "message"),
+    [
+        (["watch", "none.wsr"], 1, "none.wsr: cannot be read: No such file or directory"),
+        (["watch", "empty"], 1, "empty: there are no records"),
+        (["watch", "match.wsr", "--season", "https://example.org"], 2, "--season is for the number"),
+        (["replay", "none.wsr", "--html"], 1, "none.wsr: cannot be read: No such file or directory"),
+        (["replay", "broken.wsr", "--html"], 1, "broken.wsr"),
+        (["replay", "match.wsr", "--html", "-o", "page.txt"], 2, "must end in .html"),
+        (["replay", "match.wsr", "-o", "none/page.html"], 1, "page.html: No such file or directory"),
+        (["replay", "linked.html", "--html"], 2, "is the record itself"),
+        (["replay", "match.wsr", "--html", "--web"], 2, "no other options"),
+        (["replay", "match.wsr", "--html", "--seat", "1"], 2, "no other options"),
+        (["replay", "match.wsr", "-o", "page.html", "--view", "behind"], 2, "no other options"),
+    ],
+)
+@pytest.mark.usefixtures("viewer")
+def test_what_cannot_be_done_is_one_clear_line(
+    run: Run, record: Path, arguments: list[str], code: int, message: str
+) -> None:
+    folder = record.parent
+    (folder / "empty").mkdir()
+    (folder / "broken.wsr").write_bytes(b"nothing")
+    (folder / "linked.html").hardlink_to(record)
+
+    done = run(*arguments)
+
+    assert done.returncode == code, done.stderr
+    assert message in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not list(folder.glob("*page*"))
+
+
+@pytest.mark.usefixtures("viewer")
+def test_a_port_that_is_taken_is_said(run: Run, record: Path) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        done = run("watch", record, "--no-browser", "--port", taken.getsockname()[1])
+
+    assert (done.returncode, done.stdout) == (1, "")
+    assert "cannot listen on 127.0.0.1" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("options", "name"), [(["--html"], "match.html"), (["-o", "page.html"], "page.html")]
+)
+@pytest.mark.usefixtures("viewer")
+def test_a_page_is_written(run: Run, record: Path, options: list[str], name: str) -> None:
+    done = run("replay", record, *options)
+
+    assert done.returncode == 0, done.stderr
+    assert name in done.stdout
+    assert (record.parent / name).read_text("utf-8") == whole_page(scene_of(record))
+
+
+def test_a_viewer_that_is_not_built_is_said(run: Run, record: Path, viewer: Path) -> None:
+    (viewer / "viewer.js").unlink()
+    for arguments in (["watch", record, "--no-browser"], ["replay", record, "--html"]):
+        done = run(*arguments)
+        assert (done.returncode, done.stdout) == (1, "")
+        assert "run make viewer in the checkout" in done.stderr

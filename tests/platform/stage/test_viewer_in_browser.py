@@ -1,0 +1,159 @@
+"""The viewer in a real browser, on matches that were really played: on a site, and as a file."""
+
+import re
+import shutil
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+from tests.browsers import CHROMIUM, DESK, IN_3D, PHONE, chromium
+from tests.leaderboard.spectating.served import served
+
+from wildscav_stage.match_page import scene_of, whole_page
+from wildscav_stage.match_site import match_site
+from wildscav_stage.scene.trails import trails_of_file
+
+pytestmark = pytest.mark.slow
+
+Records = Callable[[str], Path]
+PATIENCE = 60_000  # ms, with software that draws
+TIME = "Time of the match"
+BLOCKED = "--disable-3d-apis"
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with chromium(*IN_3D) as browser:
+        yield browser
+
+
+@pytest.fixture(scope="module")
+def site(record_of_track: Records) -> Iterator[str]:
+    with served(match_site("", [record_of_track("battle")])) as address:
+        yield address
+
+
+@contextmanager
+def opened(browser: Any, address: str, allowed: str | None = None, **options: Any) -> Iterator[Any]:
+    """A page with a match, which may neither fail nor break its policy; it may report what is allowed."""
+    with browser.new_context(**{"viewport": DESK, "reduced_motion": "reduce", **options}) as context:
+        page = context.new_page()
+        faults: list[str] = []
+        page.on("console", lambda message: faults.append(message.text) if message.type == "error" else None)
+        page.on("pageerror", lambda error: faults.append(str(error)))
+        page.goto(address)
+        page.locator(".player-canvas").wait_for(timeout=PATIENCE)
+        page.locator(".player-screen > .player-message:empty").wait_for(state="attached", timeout=PATIENCE)
+        yield page
+        assert [fault for fault in faults if allowed is None or allowed not in fault] == []
+
+
+def wait_for(page: Any, time: str) -> None:
+    """Wait until a page says that this is the moment it shows."""
+    page.locator(".player-time", has_text=re.compile(f"^{time}")).wait_for(timeout=PATIENCE)
+
+
+def picture_of(page: Any) -> bytes:
+    """Return what the canvas shows, once it stands still."""
+    last = b""
+    for _ in range(40):
+        page.wait_for_timeout(250)
+        now = bytes(page.locator(".player-canvas").screenshot())
+        if now == last:
+            return now
+        last = now
+    return last
+
+
+def test_it_plays_and_a_link_leads_to_a_moment_and_a_view(browser: Any, site: str) -> None:
+    with opened(browser, f"{site}#t=10&view=above") as page:
+        first = picture_of(page)
+        wait_for(page, "0:10 of 0:30")
+        page.get_by_role("button", name="Play", exact=True).click()
+        wait_for(page, "0:12 of")
+        page.get_by_role("button", name="Pause").click()
+        assert picture_of(page) != first
+        page.evaluate("location.hash = '#view=above&t=10'")
+        wait_for(page, "0:10 of 0:30")
+        assert picture_of(page) == first
+
+
+def test_each_view_shows_something_else(browser: Any, site: str) -> None:
+    with opened(browser, f"{site}#t=5&view=above") as page:
+        shown = {picture_of(page)}
+        for view in ("Behind", "Eyes", "Free"):
+            page.get_by_role("button", name=view, exact=True).click()
+            shown.add(picture_of(page))
+        page.locator(".player-seat").nth(2).click()
+        shown.add(picture_of(page))
+
+        assert len(shown) == 5
+
+
+def test_keys_events_and_the_slider_lead_through_the_match(
+    browser: Any, site: str, record_of_track: Records
+) -> None:
+    trails = trails_of_file(record_of_track("battle"))
+    death = next(event for event in trails.events if event.kind == "death")
+    with opened(browser, f"{site}#t=3") as page:
+        page.keyboard.press("ArrowRight")
+        wait_for(page, "0:08 of 0:30")
+        page.keyboard.press("ArrowLeft")
+        wait_for(page, "0:03 of 0:30")
+        page.get_by_label(TIME).fill("20")
+        assert page.get_by_label(TIME).get_attribute("aria-valuetext") == "0:20 of 0:30"
+        page.locator(".player-events button", has_text="dies").first.click()
+        wait_for(page, f"0:{death.frame // trails.frames_per_second:02d} of 0:30")
+        assert page.locator(".player-seat.player-dead").count() >= 1
+
+
+@pytest.mark.parametrize("track", ["navigation", "gathering", "capture", "royale"])
+def test_each_track_plays_on_a_phone_without_sideways_scrolling(
+    browser: Any, record_of_track: Records, track: str
+) -> None:
+    with (
+        served(match_site("", [record_of_track(track)])) as address,
+        opened(browser, f"{address}#t=0", viewport=PHONE, has_touch=True) as page,
+    ):
+        first = picture_of(page)
+        page.get_by_role("button", name="On 5 seconds").click()
+
+        assert picture_of(page) != first
+        assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
+
+
+def test_without_webgl_the_match_is_shown_from_above(browser: Any, site: str) -> None:
+    program = shutil.which("chromium")
+    with (
+        browser.browser_type.launch(executable_path=program, args=[*CHROMIUM, BLOCKED]) as other,
+        opened(other, f"{site}#t=5", "WebGL") as page,
+    ):
+        assert "from above" in str(page.locator(".player-note").text_content())
+        first = picture_of(page)
+        page.get_by_role("button", name="On 5 seconds").click()
+        assert picture_of(page) != first
+
+
+def test_a_file_plays_without_a_server(browser: Any, tmp_path: Path, record_of_track: Records) -> None:
+    file = tmp_path / "match.html"
+    file.write_text(whole_page(scene_of(record_of_track("battle"))))
+    assert file.stat().st_size < 5_000_000
+    asked: list[str] = []
+    with opened(browser, f"{file.as_uri()}#t=10") as page:
+        page.on("request", lambda request: asked.append(request.url))
+        first = picture_of(page)
+        page.get_by_role("button", name="On 5 seconds").click()
+        assert picture_of(page) != first
+        wait_for(page, "0:15 of 0:30")
+    assert asked == []
+
+
+def test_nothing_keeps_people_out(browser: Any, site: str) -> None:
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
+    with opened(browser, f"{site}#t=10", color_scheme="light", bypass_csp=True) as page:
+        for scheme, rules in (("light", {}), ("dark", {"runOnly": ["color-contrast"]})):
+            page.emulate_media(color_scheme=scheme)
+            found = axe.run(page, options={"resultTypes": ["violations"], **rules})
+            assert found.violations_count == 0, (scheme, found.generate_report())
