@@ -18,6 +18,7 @@ import { createShared } from "./shared";
 import { showShots } from "./shots";
 import { createSky } from "./sky";
 import { createSolids } from "./solids";
+import { Still } from "./still";
 import { createTarget } from "./target";
 import { showTrails } from "./trails";
 import { createWater } from "./water";
@@ -65,6 +66,8 @@ export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Cou
   root.updateMatrixWorld(true);
   scene.matrixWorldAutoUpdate = false;
   const cameras = new Cameras(map, course, shared);
+  const statics = [ground.group, solids.group, water.mesh, sky];
+  const still = isSoftware ? new Still(renderer, root, statics, shared) : null;
   const pace = new Pace(isSoftware);
   const size = { width: 1, height: 1, ratio: 1 };
   let before = 0;
@@ -131,7 +134,8 @@ export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Cou
       trails.mesh.visible = isFromAbove;
       if (isFromAbove) showTrails(trails, course, frame, ratio);
       sky.visible = !isFromAbove;
-      renderer.render(scene, shown.camera);
+      if (still) still.render(scene, shown.camera, shown.focus ? -1 : pace.level);
+      else renderer.render(scene, shown.camera);
     },
     resize: (width, height, pixelRatio) => {
       Object.assign(size, { width, height, ratio: pixelRatio });
@@ -144,6 +148,7 @@ export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Cou
         (each as Mesh).geometry?.dispose();
       });
       for (const part of [agents, labels, shadows, water]) part.dispose();
+      still?.dispose();
       sharing.dispose();
       renderer.dispose();
     },
