@@ -121,7 +121,7 @@ export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Cou
     boxes.show(
       frame,
       shared.eye.value,
-      isFromAbove ? (across > CRATES ? 0 : Infinity) : CRATES,
+      isFromAbove ? (across > CRATES ? 0 : Infinity) : Math.min(CRATES, 2 * reach),
       view.kind === "eyes" ? 0 : SPARK * ratio * (isFromAbove ? 0.7 : 1),
     );
     zone.show(frame, isFromAbove);

@@ -15,7 +15,7 @@ import {
   type WebGLRenderer,
   WebGLRenderTarget,
 } from "three";
-import { square } from "./parts";
+import { squares } from "./parts";
 import { material, type Shared } from "./shared";
 
 const VERTEX = /* glsl */ `
@@ -47,8 +47,8 @@ export class Still {
   ) {
     const { texture, depthTexture } = this.target;
     texture.minFilter = texture.magFilter = NearestFilter;
-    const geometry = square();
-    geometry.instanceCount = 1;
+    const geometry = squares(1);
+    geometry.setDrawRange(0, Infinity);
     this.backdrop = new Mesh(
       geometry,
       material(shared, VERTEX, FRAGMENT, {
