@@ -18,11 +18,11 @@ export interface Quality {
 }
 
 export const QUALITIES: Quality[] = [
-  { detail: 3, scale: 1, maxRatio: 2, reach: 240, shadows: true },
-  { detail: 3, scale: 1, maxRatio: 1.25, reach: 120, shadows: true },
-  { detail: 2, scale: 1, maxRatio: 1, reach: 60, shadows: true },
-  { detail: 1, scale: 1, maxRatio: 1, reach: 24, shadows: true },
-  { detail: 1, scale: 0.75, maxRatio: 1, reach: 16, shadows: true },
+  { detail: 2, scale: 1, maxRatio: 2, reach: 240, shadows: true },
+  { detail: 2, scale: 1, maxRatio: 1.25, reach: 120, shadows: true },
+  { detail: 1, scale: 1, maxRatio: 1, reach: 60, shadows: true },
+  { detail: 0, scale: 1, maxRatio: 1, reach: 24, shadows: true },
+  { detail: 0, scale: 0.75, maxRatio: 1, reach: 16, shadows: true },
   { detail: 0, scale: 0.6, maxRatio: 1, reach: 10, shadows: true },
   { detail: 0, scale: 0.5, maxRatio: 1, reach: 6, shadows: false },
 ];
