@@ -50,7 +50,7 @@ float grains(vec2 at, float footprint) {
 void main() {
   vec3 normal = normalize(facing), ray = place - eye, color = base;
   float way = length(ray);
-  float footprint = far == 0.0 ? 2.0 * pixel : pixel * way / max(0.2, -dot(ray, normal) / way);
+  float footprint = far == 0.0 ? 4.0 * pixel : pixel * way / max(0.2, -dot(ray, normal) / way);
   color *= grains(place.xz, footprint);
   color *= isBeyond > 0.0 ? lightOn(normal, 1.0, 1.0) : lightOn(normal, sunShare(place, normal), skyShare(place, normal));
   shown = vec4(throughAir(color, place), 1.0);

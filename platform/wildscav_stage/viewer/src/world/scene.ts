@@ -24,7 +24,7 @@ import { createZone } from "./zone";
 
 const SPARK = 5; // CSS pixels, of the sparks over boxes
 const SPARK_ABOVE = 3.5; // the same from above
-const ROOFLESS = 90; // m in view from above, from where on houses are shown without roofs
+const ROOFLESS = 45; // m in view from above, from where on houses are shown without roofs
 const CRATES = 130; // m, up to which boxes are shown as crates
 const SOME_WAY_OFF = 330; // m; from the camera above, all is farther away, and within some times as far
 const ENLARGED = 0.016; // of what is in view from above: how tall agents are drawn at least
