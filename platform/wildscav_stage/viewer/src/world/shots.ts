@@ -4,7 +4,7 @@ import type { Course } from "../data/course";
 import type { Color } from "../data/map";
 import type { Lines } from "./lines";
 
-export const SEEN = 9; // frames
+const SEEN = 9; // frames
 const MUZZLE = [0.1, 1.22, 0.45]; // m to the right, up and ahead of the soles of the shooter
 const COLOR: Color = [255, 236, 170];
 const WIDTH = 3.5; // pixels
