@@ -4,6 +4,7 @@ import re
 import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from html import escape
 from io import BytesIO
 from itertools import combinations
 from pathlib import Path
@@ -25,7 +26,16 @@ Records = Callable[[str], Path]
 PATIENCE = 60_000  # ms, with software that draws
 TIME = "Time of the match"
 CHANGED = 0.5  # of 255, on average, if something moved
+SIMILAR = 10  # of 255, on average, of one moment drawn more finely or less
 BLOCKED = "--disable-3d-apis"
+# Takes the graphics processor away, and gives it back a second later.
+LOSE = """() => new Promise((resolve) => {
+  const canvas = document.querySelector(".player-canvas");
+  const context = canvas.getContext("webgl2").getExtension("WEBGL_lose_context");
+  canvas.addEventListener("webglcontextrestored", resolve);
+  context.loseContext();
+  setTimeout(() => context.restoreContext(), 1000);
+})"""
 
 
 @pytest.fixture(scope="module")
@@ -72,6 +82,12 @@ def picture_of(page: Any) -> bytes:
     return last
 
 
+def told_by(page: Any) -> tuple[str, list[str]]:
+    """Return what a page says of its moment and its view, however finely it draws them."""
+    standings = page.locator(".player-seats").inner_text()
+    return standings, page.locator("[aria-pressed=true]").all_inner_texts()
+
+
 def difference(one: bytes, other: bytes) -> float:
     """Return how far two pictures are apart, of 255; where pictures are slow, they are drawn less finely."""
     small = [
@@ -82,15 +98,38 @@ def difference(one: bytes, other: bytes) -> float:
 
 def test_it_plays_and_a_link_leads_to_a_moment_and_a_view(browser: Any, site: str) -> None:
     with opened(browser, f"{site}#t=10&view=behind&seat=1") as page:
-        first = picture_of(page)
         wait_for(page, "0:10 of 0:30")
+        first, told = picture_of(page), told_by(page)
         page.get_by_role("button", name="Play", exact=True).click()
         wait_for(page, "0:12 of")
         page.get_by_role("button", name="Pause").click()
-        moved = picture_of(page)
+        assert difference(picture_of(page), first) > CHANGED
+        page.get_by_role("button", name="Free", exact=True).click()
+        assert told_by(page) != told
         page.evaluate("location.hash = '#view=behind&seat=1&t=10'")
         wait_for(page, "0:10 of 0:30")
-        assert difference(picture_of(page), first) < 0.5 * difference(moved, first)
+        assert told_by(page) == told
+
+
+def test_a_graphics_processor_that_comes_back_draws_on(browser: Any, site: str) -> None:
+    with opened(browser, f"{site}#t=10&view=behind&seat=1") as page:
+        first = picture_of(page)
+        page.evaluate(LOSE)
+        assert any(difference(picture_of(page), first) < SIMILAR for _ in range(40))
+        assert page.locator(".player-canvas").get_attribute("aria-label") == "The match in 3D"
+
+
+def test_a_page_without_an_address_says_so(browser: Any, tmp_path: Path, record_of_track: Records) -> None:
+    inner = escape(whole_page(scene_of(record_of_track("battle"))))
+    file = tmp_path / "outer.html"
+    file.write_text(f'<iframe sandbox="allow-scripts" width="1200" height="900" srcdoc="{inner}"></iframe>')
+    with browser.new_context(viewport=DESK, reduced_motion="reduce") as context:
+        page = context.new_page()
+        page.goto(file.as_uri())
+        inside = page.frame_locator("iframe")
+        inside.locator(".player-canvas").wait_for(timeout=PATIENCE)
+        inside.get_by_role("button", name="Copy a link").click()
+        inside.get_by_text("has no link of its own").wait_for()
 
 
 def test_each_view_shows_something_else(browser: Any, site: str) -> None:
