@@ -54,9 +54,10 @@ export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Cou
       if (pace.note((performance.now() - start) / 1000)) isOther = true;
     });
   };
-  // A browser may take the graphics processor away, and give it back without the shadows.
+  // A browser may take the graphics processor away, and give it back without what it had computed.
   const recast = () => {
     parts.cast(renderer);
+    still?.forget();
     adapt();
   };
   canvas.addEventListener("webglcontextrestored", recast);

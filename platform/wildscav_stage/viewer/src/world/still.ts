@@ -79,6 +79,11 @@ export class Still {
     });
   }
 
+  // The graphics processor has lost what was kept.
+  forget(): void {
+    this.isKept = false;
+  }
+
   dispose(): void {
     this.target.dispose();
   }
