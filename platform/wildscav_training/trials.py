@@ -53,17 +53,34 @@ def play(agent: SeatController, spec: MatchSpec) -> Trial:
     """
     if isinstance(agent, Oracle):
         spec = spec.model_copy(update={"frames_per_action": 1})
-    batch, times = Batch([spec], [map_of(spec.map)]), []
-    match, seat = np.zeros(1, np.int64), np.zeros(1, np.int64)
-    agent.begin(batch, match, seat)
-    actions = no_actions(len(spec.seats))[None]
-    while not batch.state.matches.over[0] and batch.state.agents.placement[0, 0] == 0:
-        began = time.process_time()
-        actions[0, 0] = agent.act(batch, match, seat)[0]
-        times.append(time.process_time() - began)
-        batch.step(actions)
+    batch, times = play_out(agent, spec, 0)
     track, view = TRACKS[spec.track], MatchInBatch(batch, 0)
     return Trial({**track.measure(view, 0), **track.measure_slow(view, 0)}, statistics.fmean(times))
+
+
+def play_out(agent: SeatController | None, spec: MatchSpec, seat: int) -> tuple[Batch, list[float]]:
+    """Play a match until it is over or a seat out of it.
+
+    Args:
+        agent: Who plays in the seat; None: the robot that the spec names.
+        spec: The match.
+        seat: The seat.
+
+    Returns:
+        The match as it ended, and the processor time that the agent took for each step, s.
+    """
+    batch, times = Batch([spec], [map_of(spec.map)]), []
+    match, seats = np.zeros(1, np.int64), np.array([seat])
+    if agent is not None:
+        agent.begin(batch, match, seats)
+    actions = no_actions(len(spec.seats))[None]
+    while not batch.state.matches.over[0] and batch.state.agents.placement[0, seat] == 0:
+        began = time.process_time()
+        if agent is not None:
+            actions[0, seat] = agent.act(batch, match, seats)[0]
+        times.append(time.process_time() - began)
+        batch.step(actions)
+    return batch, times
 
 
 def estimate(name: str, trials: Sequence[Trial]) -> Estimate:
