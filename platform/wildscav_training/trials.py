@@ -9,6 +9,7 @@ import numpy as np
 
 from wildscav_engine.envs import SeatController
 from wildscav_engine.envs.settings.config import read_config
+from wildscav_engine.envs.settings.ladders import GROUND, LADDERS
 from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
 from wildscav_engine.maps.cache import map_of
 from wildscav_engine.maps.levels import Level
@@ -39,11 +40,12 @@ class Estimate(NamedTuple):
 
 
 def matches_on(track: str, level: Level, count: int) -> Iterator[MatchSpec]:
-    """Yield one match on each test map of a level, with the track's opponents and its time limit."""
-    spec = read_config(track, {"level": level}).match_spec()
-    pool = random_maps(level, split="test", size=count)
+    """Yield one match on each test map of a level, of the track's ladder or else as environments have it."""
+    ladder = {"preset": f"ladder-{track}"} if f"ladder-{track}" in LADDERS else {}
+    config = read_config(track, {"level": level, **ladder})
+    pool = random_maps(GROUND if ladder else level, split="test", size=count)
     for number in range(count):
-        yield spec.model_copy(update={"map": pool[number].spec, "seed": number})
+        yield config.match_spec().model_copy(update={"map": pool[number].spec, "seed": number})
 
 
 def play(agent: SeatController, spec: MatchSpec) -> Trial:

@@ -51,7 +51,8 @@ def baselines(
 ) -> None:
     """Let the baselines play on the test maps of a level, in this process, and show what they reach.
 
-    All agents play the same matches; each has the first seat, and the track's robots have the others.
+    All agents play the same matches; each has the first seat, and robots have the others. In gathering and
+    battle, these robots make the level, on maps of one kind.
     """
     from wildscav.terminal.console import console, print_json
 
