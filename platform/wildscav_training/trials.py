@@ -9,6 +9,7 @@ import numpy as np
 
 from wildscav_engine.envs import SeatController
 from wildscav_engine.envs.settings.config import read_config
+from wildscav_engine.envs.settings.ladders import GROUND, LADDERS
 from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
 from wildscav_engine.maps.cache import map_of
 from wildscav_engine.maps.levels import Level
@@ -38,11 +39,12 @@ class Estimate(NamedTuple):
 
 
 def matches_on(track: str, level: Level, count: int) -> Iterator[MatchSpec]:
-    """Yield one match on each test map of a level, with the track's opponents and its time limit."""
-    spec = read_config(track, {"level": level}).match_spec()
-    pool = random_maps(level, split="test", size=count)
+    """Yield one match on each test map of a level, of the track's ladder or else as environments have it."""
+    ladder = {"preset": f"ladder-{track}"} if f"ladder-{track}" in LADDERS else {}
+    config = read_config(track, {"level": level, **ladder})
+    pool = random_maps(GROUND if ladder else level, split="test", size=count)
     for number in range(count):
-        yield spec.model_copy(update={"map": pool[number].spec, "seed": number})
+        yield config.match_spec().model_copy(update={"map": pool[number].spec, "seed": number})
 
 
 def play(
@@ -63,20 +65,8 @@ def play(
     """
     if isinstance(agent, Oracle):
         spec = spec.model_copy(update={"frames_per_action": 1})
-    batch, times = Batch([spec], [map_of(spec.map)]), []
-    own = np.array(seats)
-    company = [(other, np.array([seat])) for other, seat in others]
-    for player, places in ((agent, own), *company):
-        player.begin(batch, np.zeros_like(places), places)
-    actions = no_actions(len(spec.seats))[None]
-    while not batch.state.matches.over[0] and (batch.state.agents.placement[0, own] == 0).any():
-        began = time.process_time()
-        actions[0, own] = agent.act(batch, np.zeros_like(own), own)
-        times.append((time.process_time() - began) / len(own))
-        for other, places in company:
-            actions[0, places] = other.act(batch, np.zeros_like(places), places)
-        batch.step(actions)
-    return Trial(_mean_metrics(batch, seats), statistics.fmean(times))
+    batch, times = play_out([(agent, seats), *((other, (seat,)) for other, seat in others)], spec, seats)
+    return Trial(_mean_metrics(batch, seats), statistics.fmean(times) / len(seats))
 
 
 def _mean_metrics(batch: Batch, seats: Sequence[int]) -> dict[str, float]:
@@ -84,6 +74,34 @@ def _mean_metrics(batch: Batch, seats: Sequence[int]) -> dict[str, float]:
     track, view = batch.track, MatchInBatch(batch, 0)
     measured = [{**track.measure(view, seat), **track.measure_slow(view, seat)} for seat in seats]
     return {name: statistics.fmean(each[name] for each in measured) for name in measured[0]}
+
+
+def play_out(
+    players: Sequence[tuple[SeatController, Sequence[int]]], spec: MatchSpec, own: Sequence[int]
+) -> tuple[Batch, list[float]]:
+    """Play a match until it is over or some seats are out of it.
+
+    Args:
+        players: Who plays, with their seats; robots play in those that nobody has.
+        spec: The match.
+        own: The seats that matter.
+
+    Returns:
+        The match as it ended, and the processor time that the first player took for each step, s.
+    """
+    batch, times = Batch([spec], [map_of(spec.map)]), [0.0]
+    seated = [(player, np.array(seats), np.zeros(len(seats), np.int64)) for player, seats in players]
+    for player, seats, matches in seated:
+        player.begin(batch, matches, seats)
+    actions = no_actions(len(spec.seats))[None]
+    while not batch.state.matches.over[0] and (batch.state.agents.placement[0, own] == 0).any():
+        for place, (player, seats, matches) in enumerate(seated):
+            began = time.process_time()
+            actions[0, seats] = player.act(batch, matches, seats)
+            if place == 0:
+                times.append(time.process_time() - began)
+        batch.step(actions)
+    return batch, times[1:] or times
 
 
 def estimate(name: str, trials: Sequence[Trial]) -> Estimate:

@@ -75,9 +75,9 @@ def baselines(
 ) -> None:
     """Let the baselines play on the test maps of a level, in this process, and show what they reach.
 
-    All agents play the same matches; each has the first seat, and the track's robots have the others. In a
-    scenario, others have them whom nothing else draws, and normalized scores are 0 for random and 1 for
-    commando, the reference.
+    All agents play the same matches; each has the first seat, and robots have the others. In gathering and
+    battle, these robots make the level, on maps of one kind. In a scenario, others have the seats whom
+    nothing else draws, and normalized scores are 0 for random and 1 for commando, the reference.
     """
     from wildscav.terminal.console import console, print_json
     from wildscav_training.cli.scenarios import play_scenarios
