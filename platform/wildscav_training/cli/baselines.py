@@ -49,7 +49,10 @@ def baselines(
         ),
     ] = None,
     track: Annotated[
-        str | None, typer.Option(help="Default: navigation, or those of the scenarios.", **named_in(_tracks))
+        str | None,
+        typer.Option(
+            help="Track to play. Default: navigation, or all of the scenarios.", **named_in(_tracks)
+        ),
     ] = None,
     level: Annotated[
         str | None,
