@@ -5,15 +5,16 @@
 plays the same matches on the test maps of a level with each agent, as ``wildscav baselines`` does, and with
 ``tuned``: a policy that ``wildscav train`` trained on the level's maps for training. It adds what is not yet
 in the folder of results, and prints the tables of all that is there; with ``--agents ''`` it only does that.
+``--track gathering`` and ``--track battle`` do the same for the ladders of these tracks, without ``tuned``.
 """
 
 import itertools
 import math
 import statistics
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 from benchmarks.learning.result_files import add, results_in
@@ -27,16 +28,32 @@ from wildscav_training.learning.run import train
 from wildscav_training.learning.settings import TrainingSettings, preset_settings
 from wildscav_training.learning.submission import policy_submission
 from wildscav_training.opponents import named_agent
-from wildscav_training.trials import half_width, matches_on, mean, play, rate, wilson
+from wildscav_training.trials import SUCCESS, half_width, matches_on, mean, play, rate, wilson
 
 RESULTS = Path(__file__).parents[1] / "learning" / "results" / "levels"
 TUNED = "tuned"  # the agent that is trained on each level
-AGENTS = (
-    *("straight", "homing", "navigator", "mapper"),
-    *("learned-navigator", "cloned-navigator", TUNED, "oracle"),
-)
+AGENTS = {  # the last is no agent to compare levels by
+    "navigation": (
+        *("straight", "homing", "navigator", "mapper"),
+        *("learned-navigator", "cloned-navigator", TUNED, "oracle"),
+    ),
+    "gathering": ("homing", "hunter", "learned-scavenger", "scavenger", "random"),
+    "battle": ("homing", "hunter", "scavenger", "learned-commando", "commando", "random"),
+}
+REFERENCES = {"gathering": "scavenger", "battle": "commando"}  # the score 1, where 0 is that of ``random``
 STEPS, TRAINING_MAPS, FRAMES = 1_000_000, 64, 15
-SCORES = {"success": rate, "spl": mean}
+
+
+def whole(values: Sequence[float]) -> str:
+    """Return a mean with its 95 % interval, in whole numbers."""
+    return f"{statistics.fmean(values):.0f} ± {half_width(values):.0f}"
+
+
+SCORES = {
+    "navigation": {SUCCESS: rate, "spl": mean},
+    "gathering": {"supplies": whole},
+    "battle": {"supplies": whole, "kills": whole},
+}
 
 Results = Mapping[tuple[str, str], Any]  # by level and agent
 
@@ -53,28 +70,39 @@ def trained_on(level: Level, out: Path) -> SeatController:
     return named_agent(str(folder))
 
 
-def measured(level: Level, name: str, matches: int, out: Path) -> dict[str, Any]:
+def measured(track: str, level: Level, name: str, matches: int, out: Path) -> dict[str, Any]:
     """Let an agent play, and return its scores in each match."""
     agent = trained_on(level, out) if name == TUNED else named_agent(name)
-    trials = [play(agent, spec) for spec in matches_on("navigation", level, matches)]
-    scores = {score: [round(trial.metrics[score], 4) for trial in trials] for score in SCORES}
+    trials = [play(agent, spec) for spec in matches_on(track, level, matches)]
+    scores = {score: [round(trial.metrics[score], 4) for trial in trials] for score in SCORES[track]}
     act_time = statistics.fmean(trial.act_time for trial in trials)
     return {"level": level, "agent": name, "milliseconds": round(1000.0 * act_time, 2), **scores}
 
 
-def table(results: Results, score: str) -> str:
+def table(results: Results, track: str, score: str, shown: Callable[[Sequence[float]], str]) -> str:
     """Return what each agent reaches on each level, in Markdown."""
-    shown = SCORES[score]
+    agents = [agent for agent in AGENTS[track] if any(agent == played for _, played in results)]
     lines = [
         "",
-        f"| {score} | {' | '.join(f'`{agent}`' for agent in AGENTS)} |",
-        "|---" * (len(AGENTS) + 1) + "|",
+        f"| {score} | {' | '.join(f'`{agent}`' for agent in agents)} |",
+        "|---" * (len(agents) + 1) + "|",
     ]
     for level in LEVELS:
-        found = [results.get((level, agent)) for agent in AGENTS]
+        found = [results.get((level, agent)) for agent in agents]
         cells = ["" if one is None else shown(one[score]) for one in found]
         lines.append(f"| {level} | {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
+
+
+def normalized(results: Results, track: str) -> Results:
+    """Return the supplies of agents on a scale of each level: 0 for ``random``, 1 for the reference."""
+    scaled = {}
+    for (level, agent), one in results.items():
+        ends = [results.get((level, name)) for name in ("random", REFERENCES[track])]
+        if None not in ends:
+            low, high = (statistics.fmean(end["supplies"]) for end in ends if end)
+            scaled[level, agent] = {"supplies": [(each - low) / (high - low) for each in one["supplies"]]}
+    return scaled
 
 
 def fall(easier: Sequence[float], harder: Sequence[float], score: str) -> tuple[float, float, float]:
@@ -84,7 +112,7 @@ def fall(easier: Sequence[float], harder: Sequence[float], score: str) -> tuple[
     Statistics in Medicine 17 (1998), method 10.
     """
     first, second = statistics.fmean(easier), statistics.fmean(harder)
-    if score == "spl":
+    if score != SUCCESS:
         down = up = math.hypot(half_width(easier), half_width(harder))
     else:
         (low, high), (lowest, highest) = wilson(first, len(easier)), wilson(second, len(harder))
@@ -92,20 +120,21 @@ def fall(easier: Sequence[float], harder: Sequence[float], score: str) -> tuple[
     return first - second, first - second - down, first - second + up
 
 
-def steps_table(results: Results) -> str:
+def steps_table(results: Results, track: str) -> str:
     """Return how far agents fall from level to level where the interval excludes 0, in Markdown.
 
-    SPL is left out where success says it already.
+    The second score, such as SPL, is left out where the first says it already.
     """
+    digits = 2 if track == "navigation" else 0
     lines = ["", "| from | to | falls |", "|---|---|---|"]
     for easier, harder in itertools.pairwise(LEVELS):
         falls = []
-        for agent in AGENTS[:-1]:
+        for agent in AGENTS[track][:-1]:
             pair = results.get((easier, agent)), results.get((harder, agent))
-            for score in SCORES if None not in pair else ():
+            for score in SCORES[track] if None not in pair else ():
                 by, low, high = fall(*(one[score] for one in pair), score)
                 if low > 0.0 or high < 0.0:
-                    falls.append(f"`{agent}` {score} {by:.2f} ({low:.2f} to {high:.2f})")
+                    falls.append(f"`{agent}` {score} {by:.{digits}f} ({low:.{digits}f} to {high:.{digits}f})")
                     break
         lines.append(f"| {easier} | {harder} | {', '.join(falls)} |")
     return "\n".join(lines) + "\n"
@@ -116,7 +145,7 @@ def draw(results: Results, picture: Path) -> None:
     from matplotlib import pyplot as plt
 
     figure, axes = plt.subplots(figsize=(8.0, 4.4), layout="constrained")
-    for agent, marker in zip(AGENTS, "x^vDsPo*", strict=True):
+    for agent, marker in zip(AGENTS["navigation"], "x^vDsPo*", strict=True):
         places = [place for place, level in enumerate(LEVELS) if (level, agent) in results]
         found = [results[list(LEVELS)[place], agent]["success"] for place in places]
         middles = [statistics.fmean(successes) for successes in found]
@@ -134,7 +163,12 @@ def draw(results: Results, picture: Path) -> None:
 
 def main(
     levels: Annotated[str, typer.Option(help="Levels to play, separated by commas.")] = ",".join(LEVELS),
-    agents: Annotated[str, typer.Option(help="Agents to add, separated by commas.")] = ",".join(AGENTS),
+    track: Annotated[Literal["navigation", "gathering", "battle"], typer.Option(help="The track.")] = (
+        "navigation"
+    ),
+    agents: Annotated[
+        str | None, typer.Option(help="Agents to add, separated by commas.", show_default="all")
+    ] = None,
     matches: Annotated[int, typer.Option(help="Matches of each agent on a level.", min=2)] = 100,
     out: Annotated[Path, typer.Option(help="Folder of the trainings.")] = Path("out/levels"),
     picture: Annotated[Path | None, typer.Option(help="File for the picture.")] = None,
@@ -142,16 +176,19 @@ def main(
 ) -> None:
     """Play what is missing; print the tables."""
     chosen: list[Any] = [level for level in LEVELS if level in levels.split(",")]
+    folder = RESULTS if track == "navigation" else RESULTS / track
     for level in chosen:
-        for name in filter(None, agents.split(",")):
+        for name in AGENTS[track] if agents is None else filter(None, agents.split(",")):
             add(
-                RESULTS / f"{level}-{name}.json",
-                lambda level=level, name=name: measured(level, name, matches, out),
+                folder / f"{level}-{name}.json",
+                lambda level=level, name=name: measured(track, level, name, matches, out),
             )
-    results = {(one["level"], one["agent"]): one for one in results_in(RESULTS)}
-    for score in SCORES:
-        sys.stdout.write(table(results, score))
-    sys.stdout.write(steps_table(results))
+    results = {(one["level"], one["agent"]): one for one in results_in(folder)}
+    for score, shown in SCORES[track].items():
+        sys.stdout.write(table(results, track, score, shown))
+    if scaled := normalized(results, track) if track in REFERENCES else {}:
+        sys.stdout.write(table(scaled, track, "supplies", mean))
+    sys.stdout.write(steps_table(results, track))
     for level in chosen if ways else ():
         found = [way_of(spec) for spec in matches_on("navigation", level, matches)]
         sys.stdout.write(f"{level}: {said_of(found)}\n")

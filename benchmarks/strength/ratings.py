@@ -1,4 +1,4 @@
-"""Time to rate the entrants of a tournament, and how often ratings separate those that are identical."""
+"""Time to rate entrants, how often ratings separate identical ones, and how many matches a rank needs."""
 
 import time
 from collections.abc import Callable
@@ -12,7 +12,7 @@ from benchmarks.report import Figure, JsonFile, publish
 from tests.evaluator.ratings.simulated_tournaments import simulated_tournament
 
 from wildscav_evaluator.ratings.bands import rank_entrants, significantly_better
-from wildscav_evaluator.ratings.fit import fit
+from wildscav_evaluator.ratings.fit import ELO, fit
 from wildscav_evaluator.ratings.head_to_head import head_to_head
 from wildscav_evaluator.ratings.ladder import ladder
 from wildscav_evaluator.ratings.picture import draw_standings
@@ -38,6 +38,10 @@ FIELDS: tuple[tuple[str, list[float], dict[str, int]], ...] = (
     ),
 )
 
+# Entrants, each so many points of Elo above the next; the matches of each that are tried, four in a match.
+TEAMS, GAPS, MATCHES = 10, (50, 100, 200), (12, 24, 48, 100, 200, 400, 800, 1600)
+OFTEN = 0.9  # share of the seasons in which a rank must be right
+
 
 def main(
     tournaments: Annotated[int, typer.Option(help="Simulated tournaments of each field.")] = 200,
@@ -47,6 +51,7 @@ def main(
     rate(simulated_tournament([0.0] * 4, 0))  # imports what is imported late
     figures = [figure for size in SIZES for figure in _times(*size)]
     figures += [figure for field in FIELDS for figure in _separated(*field, tournaments)]
+    figures += [figure for gap in GAPS for figure in _needed(gap, tournaments // 2)]
     publish(
         f"Ratings: processor time, and who is told apart in {tournaments} tournaments", figures, json_file
     )
@@ -92,6 +97,22 @@ def _separated(name: str, strengths: list[float], plan: dict[str, int], tourname
     if stronger.any():
         figures.append(Figure(f"{name}: different pairs told apart", 100.0 * np.mean(found), "%"))
     return figures
+
+
+def _needed(gap: int, seasons: int) -> list[Figure]:
+    """Return how many matches each of ten entrants needs until a rank is right often enough."""
+    strengths = [gap / ELO * step for step in range(TEAMS, 0, -1)]
+    needed: dict[str, int] = {}
+    for matches in MATCHES:
+        plan = {"games": matches * TEAMS // 8, "seats": 4, "repeats": 2}
+        fits = [fit(simulated_tournament(strengths, seed, **plan)) for seed in range(seasons)]
+        right = np.equal([np.argsort(-one.ratings) for one in fits], range(TEAMS))
+        for what, share in (("the first leads", right[:, 0].mean()), ("a rank is right", right.mean())):
+            if share >= OFTEN:
+                needed.setdefault(what, matches)
+        if len(needed) == 2:
+            break
+    return [Figure(f"{TEAMS} entrants, {gap} points apart: {one}", needed[one], "matches") for one in needed]
 
 
 if __name__ == "__main__":

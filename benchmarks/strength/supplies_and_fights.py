@@ -9,23 +9,18 @@ first with each of the others, match by match. ``robot:fighter`` is the robot of
 import contextlib
 import math
 import statistics
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from operator import attrgetter
 from typing import Annotated, Literal, NamedTuple
 
-import numpy as np
 import typer
 from rich.console import Console
 from rich.progress import track as progress
 
-from wildscav_engine.maps.cache import map_of
-from wildscav_engine.simulation.batch import Batch
-from wildscav_engine.specs.actions import no_actions
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_evaluator.suites.suite import suite
 from wildscav_training.opponents import submission
-from wildscav_training.trials import SURE
+from wildscav_training.trials import SURE, play_out
 
 FIRST_SEED = 100  # of the suite's rounds
 MAPS = 10  # matches of each round, one on each map
@@ -59,8 +54,8 @@ def play(name: str, spec: MatchSpec) -> Played:
     if name.startswith(ROBOT):
         seats = (*spec.seats[:seat], name.removeprefix(ROBOT), *spec.seats[seat + 1 :])
         spec = spec.model_copy(update={"seats": seats})
-    batch = Batch([spec], [map_of(spec.map)])
-    times = list(_steps(batch, None if name.startswith(ROBOT) else name, seat))
+    players = [] if name.startswith(ROBOT) else [(submission(name), [seat])]
+    batch, times = play_out(players, spec, [seat])
     agents = batch.state.agents
     placement = int(agents.placement[0, seat])
     return Played(
@@ -71,21 +66,6 @@ def play(name: str, spec: MatchSpec) -> Played:
         act_time=statistics.fmean(times),
         slowest=max(times),
     )
-
-
-def _steps(batch: Batch, name: str | None, seat: int) -> Iterator[float]:
-    """Play a match until it is over or the agent is out; yield the processor time of each of its steps, s."""
-    match, seats = np.zeros(1, np.int64), np.array([seat])
-    actions = no_actions(len(batch.specs[0].seats))[None]
-    player = None if name is None else submission(name)
-    if player is not None:
-        player.begin(batch, match, seats)
-    while not batch.state.matches.over[0] and batch.state.agents.placement[0, seat] == 0:
-        began = time.process_time()
-        if player is not None:
-            actions[0, seat] = player.act(batch, match, seats)[0]
-        yield time.process_time() - began
-        batch.step(actions)
 
 
 def interval(values: list[float], digits: int = 1) -> str:

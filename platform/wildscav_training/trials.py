@@ -9,6 +9,7 @@ import numpy as np
 
 from wildscav_engine.envs import SeatController
 from wildscav_engine.envs.settings.config import read_config
+from wildscav_engine.envs.settings.ladders import GROUND, LADDERS
 from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
 from wildscav_engine.maps.cache import map_of
 from wildscav_engine.maps.levels import Level
@@ -16,7 +17,6 @@ from wildscav_engine.maps.pools import random_maps
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.specs.actions import no_actions
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_engine.tracks import TRACKS
 from wildscav_training.opponents import Oracle
 
 SURE = 1.96  # standard errors in a 95 % interval
@@ -39,31 +39,69 @@ class Estimate(NamedTuple):
 
 
 def matches_on(track: str, level: Level, count: int) -> Iterator[MatchSpec]:
-    """Yield one match on each test map of a level, with the track's opponents and its time limit."""
-    spec = read_config(track, {"level": level}).match_spec()
-    pool = random_maps(level, split="test", size=count)
+    """Yield one match on each test map of a level, of the track's ladder or else as environments have it."""
+    ladder = {"preset": f"ladder-{track}"} if f"ladder-{track}" in LADDERS else {}
+    config = read_config(track, {"level": level, **ladder})
+    pool = random_maps(GROUND if ladder else level, split="test", size=count)
     for number in range(count):
-        yield spec.model_copy(update={"map": pool[number].spec, "seed": number})
+        yield config.match_spec().model_copy(update={"map": pool[number].spec, "seed": number})
 
 
-def play(agent: SeatController, spec: MatchSpec) -> Trial:
-    """Let an agent play in the first seat of a match, until the match is over or the agent out of it.
+def play(
+    agent: SeatController,
+    spec: MatchSpec,
+    seats: Sequence[int] = (0,),
+    others: Sequence[tuple[SeatController, int]] = (),
+) -> Trial:
+    """Let an agent play in some seats of a match, until the match is over or the agent out of it.
 
     The oracle stops at every corner of its path, so its steps are single frames.
+
+    Args:
+        agent: The agent.
+        spec: The match.
+        seats: The agent's seats; its metrics are their means.
+        others: Who plays in the other seats for submissions.
     """
     if isinstance(agent, Oracle):
         spec = spec.model_copy(update={"frames_per_action": 1})
-    batch, times = Batch([spec], [map_of(spec.map)]), []
-    match, seat = np.zeros(1, np.int64), np.zeros(1, np.int64)
-    agent.begin(batch, match, seat)
+    batch, times = play_out([(agent, seats), *((other, (seat,)) for other, seat in others)], spec, seats)
+    return Trial(_mean_metrics(batch, seats), statistics.fmean(times) / len(seats))
+
+
+def _mean_metrics(batch: Batch, seats: Sequence[int]) -> dict[str, float]:
+    """Return the means over some seats of all metrics of a track."""
+    track, view = batch.track, MatchInBatch(batch, 0)
+    measured = [{**track.measure(view, seat), **track.measure_slow(view, seat)} for seat in seats]
+    return {name: statistics.fmean(each[name] for each in measured) for name in measured[0]}
+
+
+def play_out(
+    players: Sequence[tuple[SeatController, Sequence[int]]], spec: MatchSpec, own: Sequence[int]
+) -> tuple[Batch, list[float]]:
+    """Play a match until it is over or some seats are out of it.
+
+    Args:
+        players: Who plays, with their seats; robots play in those that nobody has.
+        spec: The match.
+        own: The seats that matter.
+
+    Returns:
+        The match as it ended, and the processor time that the first player took for each step, s.
+    """
+    batch, times = Batch([spec], [map_of(spec.map)]), [0.0]
+    seated = [(player, np.array(seats), np.zeros(len(seats), np.int64)) for player, seats in players]
+    for player, seats, matches in seated:
+        player.begin(batch, matches, seats)
     actions = no_actions(len(spec.seats))[None]
-    while not batch.state.matches.over[0] and batch.state.agents.placement[0, 0] == 0:
-        began = time.process_time()
-        actions[0, 0] = agent.act(batch, match, seat)[0]
-        times.append(time.process_time() - began)
+    while not batch.state.matches.over[0] and (batch.state.agents.placement[0, own] == 0).any():
+        for place, (player, seats, matches) in enumerate(seated):
+            began = time.process_time()
+            actions[0, seats] = player.act(batch, matches, seats)
+            if place == 0:
+                times.append(time.process_time() - began)
         batch.step(actions)
-    track, view = TRACKS[spec.track], MatchInBatch(batch, 0)
-    return Trial({**track.measure(view, 0), **track.measure_slow(view, 0)}, statistics.fmean(times))
+    return batch, times[1:] or times
 
 
 def estimate(name: str, trials: Sequence[Trial]) -> Estimate:
@@ -96,6 +134,6 @@ def rate(successes: Sequence[float]) -> str:
     return f"{100.0 * share:.1f} % ({100.0 * low:.1f}–{100.0 * high:.1f})"
 
 
-def mean(values: Sequence[float], sign: str = "") -> str:
+def mean(values: Sequence[float], sign: str = "", digits: int = 3) -> str:
     """Return a mean with its 95 % interval."""
-    return f"{statistics.fmean(values):{sign}.3f} ± {half_width(values):.3f}"
+    return f"{statistics.fmean(values):{sign}.{digits}f} ± {half_width(values):.{digits}f}"

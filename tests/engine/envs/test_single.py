@@ -222,6 +222,15 @@ def test_the_paper_presets_hold_an_action_for_15_frames_and_play_its_matches() -
     assert SingleEnv("capture", preset="paper-capture").arena.template.team_of_seats == (0, 0, 0, 0)
 
 
+def test_a_ladder_has_the_company_of_a_level() -> None:
+    config = SingleEnv("battle", preset="ladder-battle", level="brutal").config
+    assert config.seats == ("submission", *("fighter",) * 9)
+    assert (config.rules.bounty, config.time_limit) == (20, 120.0)
+    assert SingleEnv("gathering", preset="ladder-gathering", level="easy").config.seats == ("submission",)
+    with pytest.raises(ValueError, match=r"^level: Input should be"):
+        SingleEnv("battle", preset="ladder-battle", level="hardest")
+
+
 @pytest.mark.parametrize(("track", "steps"), [("navigation", 400), ("gathering", 600), ("capture", 400)])
 def test_a_preset_has_as_many_actions_as_the_papers_episodes(track: str, steps: int) -> None:
     assert SingleEnv(track, preset=f"paper-{track}").arena.template.step_limit == steps

@@ -12,13 +12,20 @@ OPEN = MapSpec(config=MapConfig(size=40, houses=0, relief=0.0, water=0.0, vegeta
 
 
 def test_every_agent_plays_the_same_matches_on_the_test_maps_of_a_level() -> None:
-    drawn = list(matches_on("battle", "easy", 3))
+    drawn = list(matches_on("navigation", "easy", 3))
 
     pool = random_maps("easy", "test", size=3)
     assert [spec.map for spec in drawn] == [pool[number].spec for number in range(3)]
     assert [spec.seed for spec in drawn] == [0, 1, 2]
-    assert {spec.seats for spec in drawn} == {(SUBMISSION, *("fighter",) * 9)}
-    assert {spec.time_limit for spec in matches_on("navigation", "easy", 2)} == {120.0}
+    assert {(spec.seats, spec.time_limit) for spec in drawn} == {((SUBMISSION,), 120.0)}
+
+
+def test_levels_of_gathering_and_battle_differ_in_the_company_alone() -> None:
+    easy, expert = (next(iter(matches_on("battle", level, 1))) for level in ("easy", "expert"))
+
+    assert easy.seats == (SUBMISSION, *("gatherer-easy",) * 9)
+    assert expert == easy.model_copy(update={"seats": (SUBMISSION, *("fighter-hard",) * 19)})
+    assert next(iter(matches_on("gathering", "easy", 1))).map == easy.map
 
 
 @pytest.mark.parametrize("name", ["straight", "oracle", "homing"])

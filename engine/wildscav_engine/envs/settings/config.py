@@ -293,7 +293,7 @@ def read_config(track: str, options: Mapping[str, Any], **defaults: Any) -> EnvC
 
     given = dict(options)
     preset = given.pop("preset", None)
-    base = {} if preset is None else preset_options(preset, track)
+    base = {} if preset is None else preset_options(preset, track, given.get("level", "normal"))
     unknown = sorted(given.keys() - set(EnvConfig.model_fields))
     if unknown:
         known = ["preset", *(name for name in EnvConfig.model_fields if name != "track")]

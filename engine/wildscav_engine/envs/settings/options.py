@@ -45,7 +45,7 @@ class EpisodeOptions(TypedDict, total=False):
 class EnvOptions(EpisodeOptions, total=False):
     """The options of an environment besides its track: these and ``EpisodeOptions``. All are optional."""
 
-    preset: str | None  # a preset to start from, a name in ``PRESETS``
+    preset: str | None  # a preset to start from, a name in ``PRESETS``, or of a ladder
     # Seats
     agents: int
     teammates: Sequence[Entry]

@@ -1,6 +1,8 @@
-"""The setups of the paper's experiments, by name."""
+"""Setups by name: those of the paper's experiments, and the ladders of gathering and battle."""
 
 from typing import Any
+
+from wildscav_engine.envs.settings.ladders import LADDERS, company_on
 
 # Per action: 120 s for the paper's 400 actions in navigation and capture, 180 s for its 600 in gathering.
 PAPER_FRAMES = 15
@@ -45,15 +47,15 @@ PRESETS: dict[str, tuple[str, dict[str, Any]]] = {
 }
 
 
-def preset_options(name: str, track: str) -> dict[str, Any]:
-    """Return the options of a preset.
+def preset_options(name: str, track: str, level: Any = "normal") -> dict[str, Any]:
+    """Return the options of a preset or of a ladder's level.
 
     Raises:
         ValueError: There is no preset of this name, or it is for another track.
     """
-    if name not in PRESETS:
-        raise ValueError(f"preset is {name!r}; the presets are {', '.join(PRESETS)}")
-    of_track, options = PRESETS[name]
+    if name not in (known := PRESETS | LADDERS):
+        raise ValueError(f"preset is {name!r}; the presets are {', '.join(known)}")
+    of_track, options = known[name]
     if of_track != track:
         raise ValueError(f"preset {name!r} is for the track {of_track!r}, not for {track!r}")
-    return dict(options)
+    return options | (company_on(name, level) if name in LADDERS else {})
