@@ -45,8 +45,8 @@ NO_STORE = {"Cache-Control": "no-store"}
 # in the cache says when it was used last, so a constant one is told.
 LONG_AGO = "Thu, 01 Jan 1970 00:00:00 GMT"
 # A record never changes, and neither does what is rendered from it.
-FOR_EVER = "private, max-age=31536000, immutable"  # what an address names exactly
 KEPT = {"Cache-Control": "private, max-age=86400", "X-Content-Type-Options": "nosniff"}
+FOR_EVER = "private, max-age=31536000, immutable"  # what an address names exactly
 FORMS: Mapping[str, tuple[str, dict[str, str]]] = {
     "trails": ("application/json", {"Content-Encoding": "gzip"}),
     "map": ("application/octet-stream", {"Content-Encoding": "gzip"}),
