@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -15,11 +16,13 @@ from rerun.chunk import RrdReader
 
 from wildscav.errors import UserError
 from wildscav_engine.maps import map_of
-from wildscav_engine.record import read_record
+from wildscav_engine.record import RecordError, read_record
+from wildscav_engine.record.format import save
 from wildscav_engine.specs.map_spec import MapSpec
+from wildscav_leaderboard.spectating.render import render_map
 from wildscav_leaderboard.spectating.render_cache import PRODUCTS, RenderCache, Rendering
 from wildscav_stage.scene.map_file import map_file
-from wildscav_stage.scene.trails import trails_of_file
+from wildscav_stage.scene.trails import trails_of
 
 NOW = datetime(2030, 1, 1, tzinfo=UTC)
 PATIENCE = 120.0  # s
@@ -82,8 +85,19 @@ def test_what_a_page_needs_comes_from_one_process(cache: RenderCache, record_of_
 
     assert trails.path is not None
     assert game_map.path is not None
-    assert trails.path.read_bytes() == trails_of_file(record).compressed()
+    assert trails.path.read_bytes() == trails_of(read_record(record)).compressed()
     assert game_map.path.read_bytes() == map_file(map_of(read_record(record).spec.map))
+
+
+def test_another_map_than_that_of_the_match_is_not_drawn(record_of_track: Records, tmp_path: Path) -> None:
+    """After a change of the generator, trails of old matches may be there still, and their maps gone."""
+    record = tmp_path / "old.wsr"
+    save(replace(read_record(record_of_track("battle")), map_digest="0" * 32), record)
+
+    with pytest.raises(RecordError, match="another map"):
+        render_map(record, tmp_path / "map.gz")
+
+    assert not (tmp_path / "map.gz").exists()
 
 
 @pytest.mark.slow
