@@ -85,7 +85,7 @@ def test_what_is_still_rendered_is_waited_for_and_names_are_text(
 
 def test_a_map_that_failed_can_be_asked_for_again(page: Any, battle: Path, game_map: bytes) -> None:
     answers = [JSONResponse({"detail": "Not now"}, 200), Response(game_map, headers=GZIP)]
-    with match_page(lambda _: answer_with(trails_of_file(battle)), lambda: answers.pop(0)) as address:
+    with match_page(lambda _: answer_with(trails_of(read_record(battle))), lambda: answers.pop(0)) as address:
         page.goto(address)
         page.get_by_text("The map cannot be shown").wait_for()
         page.get_by_role("button", name="Try again").click()
