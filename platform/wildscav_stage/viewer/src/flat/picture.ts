@@ -43,7 +43,8 @@ export function drawMap(map: GameMap): OffscreenCanvas {
 }
 
 function contextOf(canvas: OffscreenCanvas): Context {
-  return canvas.getContext("2d") as Context;
+  // Drawn by the processor, which is quick at many small shapes.
+  return canvas.getContext("2d", { willReadFrequently: true }) as Context;
 }
 
 // The ground and the water on it, some pixels for each cell.
@@ -121,11 +122,18 @@ function drawShadows(map: GameMap, context: Context): void {
     const first = 3 * solids.first[solid];
     const level = heightAt(ground, corners[first], corners[first + 2]);
     context.beginPath();
-    for (const [place, at] of trianglesOf(map, solid).entries()) {
-      const above = Math.max(0, corners[at + 1] - level);
-      const [x, z] = [corners[at] - east * above, corners[at + 2] - north * above];
-      if (place % 3 === 0) context.moveTo(x, z);
-      else context.lineTo(x, z);
+    const triangles = trianglesOf(map, solid);
+    for (let place = 0; place < triangles.length; place += 3) {
+      const [a, b, c] = [triangles[place], triangles[place + 1], triangles[place + 2]];
+      const normal = normalOf(corners, a, b, c);
+      // Those that face the sun cover the whole shadow once.
+      if (normal[0] * light.sun[0] + normal[1] * light.sun[1] + normal[2] * light.sun[2] <= 0) continue;
+      for (const at of [a, b, c]) {
+        const above = Math.max(0, corners[at + 1] - level);
+        const [x, z] = [corners[at] - east * above, corners[at + 2] - north * above];
+        if (at === a) context.moveTo(x, z);
+        else context.lineTo(x, z);
+      }
     }
     context.fill();
   }

@@ -66,30 +66,43 @@ function turnLetters(isOn: boolean): void {
   }
 }
 
-// Whether a key pressed on an element means something else there.
-function isTaken(key: string, at: Element): boolean {
+// Whether a key pressed on an element means something else there. pressed: what a pointer pressed last, which has
+// the focus, but whose person thinks of the picture.
+function isTaken(key: string, at: Element, pressed: Element | null): boolean {
   if (at.closest("dialog, textarea, select, [contenteditable]")) return true;
   const field = at instanceof HTMLInputElement ? at.type : "";
   if (field && field !== "range" && field !== "checkbox") return true;
-  return key === " " && (at.closest("button, a, summary") !== null || field === "checkbox");
+  if (key !== " " || at === pressed) return false;
+  return at.closest("button, a, summary") !== null || field === "checkbox";
 }
 
 // Listen to keys: those pressed within an element, and those pressed nowhere, if isFirst says so.
 // Returns what ends that.
 export function listenToKeys(element: HTMLElement, actions: Actions, isFirst: () => boolean): () => void {
-  const listener = (press: KeyboardEvent) => {
+  let pressed: Element | null = null;
+  const onPointer = (press: PointerEvent) => {
+    pressed = (press.target as Element).closest("button, select");
+  };
+  // Once a pointer has chosen from a list, keys are for the picture again.
+  const onChange = (change: Event) => {
+    if (change.target === pressed && pressed instanceof HTMLSelectElement) pressed.blur();
+  };
+  const onKey = (press: KeyboardEvent) => {
     const at = press.target as Element;
-    const isHere =
-      element.contains(at) || ((at === document.body || at === document.documentElement) && isFirst());
-    if (!isHere || press.defaultPrevented || press.ctrlKey || press.metaKey || press.altKey) return;
+    const isNowhere = at === document.body || at === document.documentElement;
+    if (!element.contains(at) && !(isNowhere && isFirst())) return;
+    if (press.key === "Tab" || press.key === "Enter") pressed = null;
+    if (press.defaultPrevented || press.ctrlKey || press.metaKey || press.altKey) return;
     const action = actionOf(press.key);
-    if (!action || isTaken(press.key, at)) return;
+    if (!action || isTaken(press.key, at, pressed)) return;
     if (press.key.length === 1 && press.key !== " " && !areLettersOn()) return;
     press.preventDefault();
     action(actions);
   };
-  document.addEventListener("keydown", listener);
-  return () => document.removeEventListener("keydown", listener);
+  element.addEventListener("pointerdown", onPointer);
+  element.addEventListener("change", onChange);
+  document.addEventListener("keydown", onKey);
+  return () => document.removeEventListener("keydown", onKey);
 }
 
 // A dialog that tells of the keys.

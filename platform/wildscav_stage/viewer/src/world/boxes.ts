@@ -3,7 +3,7 @@
 import { DoubleSide, Group, Mesh, Vector3 } from "three";
 import type { Course } from "../data/course";
 import type { GameMap } from "../data/map";
-import { geometryOf, perCopy, square } from "./parts";
+import { geometryOf, PerSquare, perCopy, squares } from "./parts";
 import { material, type Shared } from "./shared";
 
 const METRE = 100; // units of the document
@@ -59,7 +59,7 @@ export function createBoxes(map: GameMap, course: Course, shared: Shared): Boxes
   const sparkSize = { value: 0 };
   const group = new Group();
   let crates = geometryOf(map.box);
-  let sparks = square();
+  let sparks = squares(0);
   const meshes = [
     new Mesh(crates, material(shared, VERTEX, FRAGMENT, { uniforms: { colors: { value: colors } } })),
     new Mesh(
@@ -75,15 +75,15 @@ export function createBoxes(map: GameMap, course: Course, shared: Shared): Boxes
   meshes[1].renderOrder = 3;
   for (const mesh of meshes) mesh.frustumCulled = false;
   group.add(...meshes);
-  let stand = perCopy(sparks, "stand", 4, 0);
+  let stand = new PerSquare(sparks, "stand", 0);
   let near = perCopy(crates, "stand", 4, 0);
   // A match that is being played gets more boxes.
   const makeRoom = (count: number) => {
     if (stand.count >= count) return;
     for (const mesh of meshes) mesh.geometry.dispose();
-    [crates, sparks] = [geometryOf(map.box), square()];
+    [crates, sparks] = [geometryOf(map.box), squares(2 * count)];
     [meshes[0].geometry, meshes[1].geometry] = [crates, sparks];
-    stand = perCopy(sparks, "stand", 4, 2 * count);
+    stand = new PerSquare(sparks, "stand", 2 * count);
     near = perCopy(crates, "stand", 4, 2 * count);
   };
   const show = (frame: number, from: Vector3, reach: number, size: number) => {
@@ -93,13 +93,14 @@ export function createBoxes(map: GameMap, course: Course, shared: Shared): Boxes
     for (const { x, z, height, dropped, appears, taken } of boxes) {
       if (appears > frame || (taken !== null && taken <= frame)) continue;
       const [east, up, north] = [x / METRE, height / METRE, z / METRE];
-      stand.setXYZW(count++, east, up, north, dropped ? 1 : 0);
+      stand.set(count++, east, up, north, dropped ? 1 : 0);
       const isNear = (east - from.x) ** 2 + (up - from.y) ** 2 + (north - from.z) ** 2 < reach * reach;
       if (isNear) near.setXYZW(crateCount++, east, up, north, dropped ? 1 : 0);
     }
-    sparks.instanceCount = count;
+    sparks.setDrawRange(0, 6 * count);
     crates.instanceCount = crateCount;
-    stand.needsUpdate = near.needsUpdate = true;
+    stand.send(count);
+    near.needsUpdate = true;
     sparkSize.value = size;
     meshes[1].visible = size > 0;
   };

@@ -50,7 +50,7 @@ float grains(vec2 at, float footprint) {
 void main() {
   vec3 normal = normalize(facing), ray = place - eye, color = base;
   float way = length(ray);
-  float footprint = far == 0.0 ? pixel : pixel * way / max(0.2, -dot(ray, normal) / way);
+  float footprint = far == 0.0 ? 2.0 * pixel : pixel * way / max(0.2, -dot(ray, normal) / way);
 #if DETAIL > 0
   color *= grains(place.xz, footprint);
 #endif

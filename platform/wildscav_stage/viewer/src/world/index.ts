@@ -19,6 +19,7 @@ import { createShared } from "./shared";
 import { showShots } from "./shots";
 import { createSky } from "./sky";
 import { createSolids } from "./solids";
+import { Still } from "./still";
 import { createTarget } from "./target";
 import { showTrails } from "./trails";
 import { createWater } from "./water";
@@ -66,6 +67,8 @@ export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Cou
   root.updateMatrixWorld(true);
   scene.matrixWorldAutoUpdate = false;
   const cameras = new Cameras(map, course, shared);
+  const statics = [ground.group, solids.group, water.mesh, sky];
+  const still = isSoftware ? new Still(renderer, root, statics, shared) : null;
   const pace = new Pace(isSoftware);
   const size = { width: 1, height: 1, ratio: 1 };
   let before = 0;
@@ -118,7 +121,7 @@ export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Cou
     boxes.show(
       frame,
       shared.eye.value,
-      isFromAbove ? (across > CRATES ? 0 : Infinity) : CRATES,
+      isFromAbove ? (across > CRATES ? 0 : Infinity) : Math.min(CRATES, 2 * reach),
       view.kind === "eyes" ? 0 : SPARK * ratio * (isFromAbove ? 0.7 : 1),
     );
     zone.show(frame, isFromAbove);
@@ -126,7 +129,9 @@ export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Cou
     trails.mesh.visible = isFromAbove;
     if (isFromAbove) showTrails(trails, course, frame, stage.trail ?? 0, ratio);
     sky.visible = !isFromAbove;
-    renderer.render(scene, shown.camera);
+    const isWhole = width === size.width;
+    if (still && isWhole) still.render(scene, shown.camera, shown.focus ? -1 : pace.level);
+    else renderer.render(scene, shown.camera);
   };
   // What an agent sees has no names in it.
   const showInset = (seat: number, frame: number) => {
@@ -154,6 +159,7 @@ export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Cou
     zoom: (factor) => zoom(factor, size.width / 2, size.height / 2),
     resize: (width, height, pixelRatio) => {
       Object.assign(size, { width, height, ratio: pixelRatio });
+      cameras.orbit.fit(width / height);
       fit();
     },
     dispose: () => {
@@ -162,6 +168,7 @@ export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Cou
         (each as Mesh).geometry?.dispose();
       });
       for (const part of [agents, labels, shadows, water]) part.dispose();
+      still?.dispose();
       sharing.dispose();
       renderer.dispose();
     },

@@ -5,7 +5,7 @@ import { CanvasTexture, DoubleSide, Group, LinearFilter, Mesh } from "three";
 import type { Course } from "../data/course";
 import type { Moment } from "../view/moment";
 import { drawName, LABEL_HEIGHT as HEIGHT, LABEL_WIDTH as WIDTH } from "../view/names";
-import { perCopy, square } from "./parts";
+import { PerSquare, squares } from "./parts";
 import { material, type Shared } from "./shared";
 
 const HEAD = 2.15; // m over the soles
@@ -95,10 +95,10 @@ export interface Labels {
 export function createLabels(course: Course, shared: Shared): Labels {
   const count = course.seats.length;
   const names = namesOf(course);
-  const geometry = square();
-  const head = perCopy(geometry, "head", 4, count);
-  const state = perCopy(geometry, "state", 4, count);
-  const paint = perCopy(geometry, "paint", 4, count);
+  const geometry = squares(count);
+  const head = new PerSquare(geometry, "head", count);
+  const state = new PerSquare(geometry, "state", count);
+  const paint = new PerSquare(geometry, "paint", count);
   const over = { transparent: true, depthTest: false, depthWrite: false, side: DoubleSide } as const;
   const labels = new Mesh(
     geometry,
@@ -124,13 +124,13 @@ export function createLabels(course: Course, shared: Shared): Labels {
       const { x, y, z, yaw, health } = states[seat];
       const share = Math.max(0, health / course.seats[seat].full_health);
       const [red, green, blue] = course.seats[seat].colors[TORSO];
-      head.setXYZW(copies, x, y + (health > 0 ? HEAD : 0.9), z, seat);
-      state.setXYZW(copies, names.widths[seat], share, share > 0 ? 1 : 0.55, withMarkers ? 11 : 2);
-      paint.setXYZW(copies, red / 255, green / 255, blue / 255, (yaw * Math.PI) / 180);
+      head.set(copies, x, y + (health > 0 ? HEAD : 0.9), z, seat);
+      state.set(copies, names.widths[seat], share, share > 0 ? 1 : 0.55, withMarkers ? 11 : 2);
+      paint.set(copies, red / 255, green / 255, blue / 255, (yaw * Math.PI) / 180);
       copies++;
     }
-    geometry.instanceCount = copies;
-    head.needsUpdate = state.needsUpdate = paint.needsUpdate = true;
+    geometry.setDrawRange(0, 6 * copies);
+    for (const each of [head, state, paint]) each.send(copies);
     markers.visible = withMarkers;
   };
   return { group, show, dispose: () => names.texture.dispose() };

@@ -1,8 +1,8 @@
 // Lines of a constant width on the screen: tracers of shots, and the trails of agents.
 
-import { DoubleSide, type InstancedBufferAttribute, type InstancedBufferGeometry, Mesh } from "three";
+import { type BufferGeometry, DoubleSide, Mesh } from "three";
 import type { Color } from "../data/map";
-import { perCopy, square } from "./parts";
+import { PerSquare, squares } from "./parts";
 import { material, type Shared } from "./shared";
 
 const VERTEX = /* glsl */ `
@@ -31,10 +31,10 @@ void main() { shown = vec4(color.rgb, color.a * (1.0 - square(aside) * 0.5)); }`
 
 export class Lines {
   readonly mesh: Mesh;
-  private geometry!: InstancedBufferGeometry;
-  private from!: InstancedBufferAttribute;
-  private to!: InstancedBufferAttribute;
-  private paint!: InstancedBufferAttribute;
+  private geometry!: BufferGeometry;
+  private from!: PerSquare;
+  private to!: PerSquare;
+  private paint!: PerSquare;
   private count = 0;
 
   // isHidden: whether what is before the lines hides them.
@@ -74,22 +74,22 @@ export class Lines {
     endOpacity: number,
     width: number,
   ): void {
-    this.from.setXYZW(this.count, x, y, z, width);
-    this.to.setXYZW(this.count, toX, toY, toZ, endOpacity);
-    this.paint.setXYZW(this.count, color[0] / 255, color[1] / 255, color[2] / 255, opacity);
+    this.from.set(this.count, x, y, z, width);
+    this.to.set(this.count, toX, toY, toZ, endOpacity);
+    this.paint.set(this.count, color[0] / 255, color[1] / 255, color[2] / 255, opacity);
     this.count++;
   }
 
   end(): void {
-    this.geometry.instanceCount = this.count;
+    this.geometry.setDrawRange(0, 6 * this.count);
     this.mesh.visible = this.count > 0;
-    if (this.count) this.from.needsUpdate = this.to.needsUpdate = this.paint.needsUpdate = true;
+    for (const each of [this.from, this.to, this.paint]) each.send(this.count);
   }
 
   private allocate(capacity: number): void {
-    this.geometry = square();
-    this.from = perCopy(this.geometry, "from", 4, capacity);
-    this.to = perCopy(this.geometry, "to", 4, capacity);
-    this.paint = perCopy(this.geometry, "paint", 4, capacity);
+    this.geometry = squares(capacity);
+    this.from = new PerSquare(this.geometry, "from", capacity);
+    this.to = new PerSquare(this.geometry, "to", capacity);
+    this.paint = new PerSquare(this.geometry, "paint", capacity);
   }
 }

@@ -24,9 +24,16 @@ export class Orbit {
   private yaw = -32;
   private pitch = 36;
   distance: number;
+  private isFitted = false;
 
   constructor(private readonly map: GameMap) {
     this.distance = 1.1 * map.size;
+  }
+
+  // Show the whole map at first, however narrow the picture is.
+  fit(aspect: number): void {
+    if (!this.isFitted) this.distance *= Math.min(2, Math.max(1, 1 / aspect));
+    this.isFitted = true;
   }
 
   drag(right: number, down: number, isShift: boolean, height: number): void {

@@ -1,6 +1,12 @@
 // The geometry of an object that stands at the origin and faces north, made of convex parts.
 
-import { BufferAttribute, DynamicDrawUsage, InstancedBufferAttribute, InstancedBufferGeometry } from "three";
+import {
+  BufferAttribute,
+  BufferGeometry,
+  DynamicDrawUsage,
+  InstancedBufferAttribute,
+  InstancedBufferGeometry,
+} from "three";
 import type { Corner } from "../data/map";
 
 // Four corners of each face of a part, one after the other around it; they have the bits (along, up, across).
@@ -13,6 +19,7 @@ const FACES = [
   [4, 5, 7, 6],
 ];
 const TRIANGLES = [0, 1, 2, 0, 2, 3];
+const SQUARE = [-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0];
 
 // Positions, normals and the number of the part, without a vertex in two faces.
 export function geometryOf(parts: Corner[][]): InstancedBufferGeometry {
@@ -52,16 +59,44 @@ export function perCopy(
   return values;
 }
 
-// A square from -1 to 1, to be copied: the corner of labels, markers and lines.
-export function square(): InstancedBufferGeometry {
-  const geometry = new InstancedBufferGeometry();
-  geometry.setAttribute(
-    "position",
-    new BufferAttribute(new Float32Array([-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0]), 3),
+// So many squares from -1 to 1, for labels, markers and lines; of these as many are drawn as setDrawRange says.
+// They are no copies of one, since software takes long for each copy.
+export function squares(count: number): BufferGeometry {
+  const geometry = new BufferGeometry();
+  const corners = Array.from({ length: Math.max(1, count) }, () => SQUARE).flat();
+  geometry.setAttribute("position", new BufferAttribute(new Float32Array(corners), 3));
+  const first = corners.length / SQUARE.length;
+  geometry.setIndex(
+    Array.from({ length: first }, (_, at) => TRIANGLES.map((corner) => 4 * at + corner)).flat(),
   );
-  geometry.setIndex(TRIANGLES);
-  geometry.instanceCount = 0;
+  geometry.setDrawRange(0, 0);
   return geometry;
+}
+
+// Four numbers of each square, to be written before each picture.
+export class PerSquare {
+  private readonly values: BufferAttribute;
+
+  constructor(
+    geometry: BufferGeometry,
+    name: string,
+    readonly count: number,
+  ) {
+    this.values = new BufferAttribute(new Float32Array(16 * Math.max(1, count)), 4);
+    this.values.setUsage(DynamicDrawUsage);
+    geometry.setAttribute(name, this.values);
+  }
+
+  set(at: number, x: number, y: number, z: number, w: number): void {
+    for (let corner = 4 * at; corner < 4 * at + 4; corner++) this.values.setXYZW(corner, x, y, z, w);
+  }
+
+  // Hand the numbers of the first squares to the graphics processor.
+  send(squares: number): void {
+    this.values.clearUpdateRanges();
+    this.values.addUpdateRange(0, 16 * squares);
+    this.values.needsUpdate = true;
+  }
 }
 
 function outward(ring: number[][], middle: number[]): { ring: number[][]; normal: number[] } {

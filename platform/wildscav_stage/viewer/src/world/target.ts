@@ -2,6 +2,7 @@
 
 import { BufferAttribute, BufferGeometry, DoubleSide, Group, Mesh } from "three";
 import type { Course } from "../data/course";
+import { squares } from "./parts";
 import { material, type Shared } from "./shared";
 
 const SIDES = 24;
@@ -57,8 +58,10 @@ export function createTarget(course: Course, shared: Shared): Group {
     side: DoubleSide,
   };
   const beam = new Mesh(beamGeometry(), material(shared, VERTEX, FRAGMENT, options));
+  const square = squares(1);
+  square.setDrawRange(0, Infinity);
   const mark = new Mesh(
-    markGeometry(),
+    square,
     material(shared, MARK_VERTEX, MARK_FRAGMENT, { ...options, depthTest: false }),
   );
   beam.frustumCulled = mark.frustumCulled = false;
@@ -85,13 +88,5 @@ function beamGeometry(): BufferGeometry {
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(new Float32Array(places), 3));
   geometry.setIndex(triangles);
-  return geometry;
-}
-
-function markGeometry(): BufferGeometry {
-  const geometry = new BufferGeometry();
-  const corners = new Float32Array([-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0]);
-  geometry.setAttribute("position", new BufferAttribute(corners, 3));
-  geometry.setIndex([0, 1, 2, 0, 2, 3]);
   return geometry;
 }

@@ -4,7 +4,8 @@ import type { Course } from "../data/course";
 import type { Lines } from "./lines";
 
 const METRE = 100; // units of the document
-const LEAP = 4 * METRE; // between two samples beyond what anyone walks: a respawn
+const PIECE = 2; // samples from one end of a line to the other
+const LEAP = 6 * METRE; // between its ends beyond what anyone walks: a respawn
 const ABOVE = 0.4; // m over the soles
 const TORSO = 2; // the part of a body that has the colour of its team
 const OPACITY = 0.9; // of the newest part
@@ -24,17 +25,18 @@ export function showTrails(
   for (let seat = 0; seat < course.seats.length; seat++) {
     const { x, z, height, health } = course.samples[seat];
     const color = course.seats[seat].colors[TORSO];
-    for (let at = first + 1; at <= last; at++) {
-      if (health[at] <= 0 || Math.abs(x[at] - x[at - 1]) + Math.abs(z[at] - z[at - 1]) > LEAP) continue;
+    for (let at = last, from = at; at > first; at = from) {
+      from = Math.max(first, PIECE * Math.floor((at - 1) / PIECE)); // so that old lines stay the same
+      if (health[at] <= 0 || Math.abs(x[at] - x[from]) + Math.abs(z[at] - z[from]) > LEAP) continue;
       lines.add(
-        x[at - 1] / METRE,
-        height[at - 1] / METRE + ABOVE,
-        z[at - 1] / METRE,
+        x[from] / METRE,
+        height[from] / METRE + ABOVE,
+        z[from] / METRE,
         x[at] / METRE,
         height[at] / METRE + ABOVE,
         z[at] / METRE,
         color,
-        opacity(at - 1),
+        opacity(from),
         opacity(at),
         WIDTH * pixelRatio,
       );

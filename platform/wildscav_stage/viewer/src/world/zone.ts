@@ -27,9 +27,17 @@ void main() {
   float height = place.y;
   float bars = smoothstep(0.9, 1.0, abs(2.0 * fract(angle / 6.0) - 1.0));
   float rings = smoothstep(0.85, 1.0, abs(2.0 * fract(height / 6.0) - 1.0));
-  float seen = far == 0.0 ? 0.9 : (0.16 + 0.2 * max(bars, rings)) * (1.0 - smoothstep(0.3, 1.0, rise));
+  float seen = (0.16 + 0.2 * max(bars, rings)) * (1.0 - smoothstep(0.3, 1.0, rise));
   shown = vec4(0.74, 0.36, 1.0, seen);
 }`;
+// The border from above, of constant width.
+const BORDER_VERTEX = /* glsl */ `
+void main() {
+  float radius = zone.z + (2.0 * position.y - 1.0) * 1.2 * perPixel * pixel;
+  gl_Position = project(vec3(zone.x + position.x * radius, top, zone.y + position.z * radius));
+}`;
+const BORDER_FRAGMENT = /* glsl */ `
+void main() { shown = vec4(0.78, 0.42, 1.0, 0.95); }`;
 const RING_VERTEX = /* glsl */ `
 out vec3 place;
 void main() { place = position; gl_Position = project(position); }`;
@@ -55,13 +63,19 @@ export function createZone(map: GameMap, course: Course, shared: Shared): Zone {
     new BufferGeometry(),
     material(shared, RING_VERTEX, RING_FRAGMENT, { transparent: true, depthWrite: false, side: DoubleSide }),
   );
+  const border = new Mesh(
+    wall.geometry,
+    material(shared, bounds + BORDER_VERTEX, BORDER_FRAGMENT, {
+      ...{ uniforms: range, transparent: true, depthTest: false, side: DoubleSide },
+    }),
+  );
   const places = new BufferAttribute(new Float32Array(6 * (SIDES + 1)), 3).setUsage(DynamicDrawUsage);
   ring.geometry.setAttribute("position", places);
   ring.geometry.setIndex(strip());
-  wall.frustumCulled = ring.frustumCulled = false;
-  [ring.renderOrder, wall.renderOrder] = [3, 5];
+  wall.frustumCulled = ring.frustumCulled = border.frustumCulled = false;
+  [ring.renderOrder, wall.renderOrder, border.renderOrder] = [3, 5, 4];
   const group = new Group();
-  group.add(ring, wall);
+  group.add(ring, wall, border);
   let drawn = "";
   const show = (frame: number, isFromAbove: boolean) => {
     const zone = course.zoneAt(frame);
@@ -71,9 +85,12 @@ export function createZone(map: GameMap, course: Course, shared: Shared): Zone {
       return;
     }
     const { now, next } = zone;
+    border.visible = isFromAbove;
+    wall.visible = !isFromAbove;
+    ring.material.depthTest = !isFromAbove;
     shared.zone.value.set(now.x, now.z, now.radius, 1);
     const ground = heightAt(map.ground, now.x, now.z);
-    range.bottom.value = ground + (isFromAbove ? 0 : WALL[0]);
+    range.bottom.value = ground + WALL[0];
     range.top.value = ground + WALL[1];
     const key = `${next.x},${next.z},${next.radius}`;
     if (key !== drawn) layRing(places, map, next);
