@@ -3,7 +3,7 @@
 import { Color, Group, LinearSRGBColorSpace, type Mesh, Scene, WebGLRenderer } from "three";
 import type { Course } from "../data/course";
 import type { GameMap } from "../data/map";
-import type { Stage, View } from "../stage";
+import type { Stage, StageOptions, View } from "../stage";
 import { Input } from "../view/gestures";
 import { momentOf } from "../view/moment";
 import { createAgents } from "./agents";
@@ -33,7 +33,12 @@ const ENLARGED = 0.016; // of what is in view from above: how tall agents are dr
 const TALL = 1.8; // m, an agent
 
 // Throws an Error where the browser has no WebGL 2.
-export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Course): Stage {
+export function createStage(
+  canvas: HTMLCanvasElement,
+  map: GameMap,
+  course: Course,
+  { hasLabels = true, over }: StageOptions = {},
+): Stage {
   const isSoftware = probe();
   const renderer = new WebGLRenderer({
     canvas,
@@ -61,6 +66,7 @@ export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Cou
   root.add(ground.group, solids.group, water.mesh, sky, agents.group, boxes.group);
   root.add(labels.group, zone.group, createTarget(course, shared), tracers.mesh, trails.mesh);
   scene.add(root);
+  labels.group.visible = hasLabels;
   ground.see(shared.eye.value, Infinity);
   solids.see(shared.eye.value, Infinity, true);
   const shadows = castShadows(renderer, map, [ground.group, solids.group], shared);
@@ -125,7 +131,7 @@ export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Cou
       view.kind === "eyes" ? 0 : SPARK * ratio * (isFromAbove ? 0.7 : 1),
     );
     zone.show(frame, isFromAbove);
-    showShots(tracers, course, frame, ratio);
+    showShots(tracers, course, frame, ratio, hidden);
     trails.mesh.visible = isFromAbove;
     if (isFromAbove) showTrails(trails, course, frame, stage.trail ?? 0, ratio);
     sky.visible = !isFromAbove;
@@ -139,7 +145,7 @@ export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Cou
     inCorner(renderer, shared, size, (width, height) =>
       show({ kind: "eyes", seat }, frame, width, height, 0),
     );
-    labels.group.visible = true;
+    labels.group.visible = hasLabels;
   };
 
   const stage: Stage = {
@@ -154,6 +160,7 @@ export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Cou
       if (pace.note(seconds)) fit();
       move(Math.min(0.1, seconds));
       show(stage.view, frame, size.width, size.height, seconds);
+      over?.(renderer);
       if (typeof stage.inset === "number") showInset(stage.inset, frame);
     },
     zoom: (factor) => zoom(factor, size.width / 2, size.height / 2),
