@@ -61,7 +61,7 @@ const handlers: Handlers = {
     endMatch();
     course = new WatchedCourse(message, table.track);
     names = message.seats.map(({ name }) => name);
-    hud.begin(message, view.seat, true);
+    hud.begin(message, followed(), true);
     game.toggleAttribute("data-weapon", message.weapon);
     game.toggleAttribute("data-supplies", message.supplies);
     game.dataset.state = "watching";
@@ -149,14 +149,19 @@ function showViews(): void {
 function choose(chosen: View): void {
   view = chosen;
   if (picture) picture.stage.view = view;
-  game.dataset.view = view.kind === "eyes" || view.kind === "behind" ? view.kind : "overview";
-  game.dataset.seat = game.dataset.view === "overview" ? "" : String(view.seat);
-  if (begun) hud.begin(begun, view.seat, true);
+  game.dataset.view = followed() === null ? "overview" : view.kind;
+  game.dataset.seat = String(followed() ?? "");
+  if (begun) hud.begin(begun, followed(), true);
   showViews();
 }
 
+// The seat that is seen through or followed.
+function followed(): number | null {
+  return view.kind === "eyes" || view.kind === "behind" ? view.seat : null;
+}
+
 function ownOfSeat(): Own | null {
-  const row = latest?.agents.find((agent) => agent[0] === view.seat);
+  const row = latest?.agents.find((agent) => agent[0] === followed());
   return row ? ownOf(row.slice(1)) : null;
 }
 
@@ -164,7 +169,7 @@ eachPicture((now) => {
   if (!picture || !course || game.dataset.state !== "watching") return;
   const frame = clock.frame(now);
   picture.draw(frame, now);
-  const own = game.dataset.view === "overview" ? null : ownOfSeat();
+  const own = ownOfSeat();
   if (own) hud.show(own, course.at(view.seat, frame), course);
   hud.showPace(latest?.ping ?? null, picture.rate, null);
 });
@@ -176,7 +181,7 @@ addEventListener("keydown", (event) => {
   const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
   if (/^[0-9]$/.test(event.key) && Number(event.key) <= names.length) choose(all[Number(event.key)][1]);
   else if (event.code === "KeyF") choose(all[all.length - 1][1]);
-  else if (event.code === "KeyV" && game.dataset.view !== "overview")
+  else if (event.code === "KeyV" && followed() !== null)
     choose({ ...view, kind: view.kind === "eyes" ? "behind" : "eyes" });
   else if (step && view.kind !== "free") choose(all[(here + all.length + step) % all.length][1]);
 });
