@@ -4,10 +4,14 @@ import re
 import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from io import BytesIO
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from PIL import Image
 from tests.browsers import CHROMIUM, DESK, IN_3D, PHONE, chromium
 from tests.leaderboard.spectating.served import served
 
@@ -20,6 +24,7 @@ pytestmark = pytest.mark.slow
 Records = Callable[[str], Path]
 PATIENCE = 60_000  # ms, with software that draws
 TIME = "Time of the match"
+CHANGED = 0.5  # of 255, on average, if something moved
 BLOCKED = "--disable-3d-apis"
 
 
@@ -67,29 +72,37 @@ def picture_of(page: Any) -> bytes:
     return last
 
 
+def difference(one: bytes, other: bytes) -> float:
+    """Return how far two pictures are apart, of 255; where pictures are slow, they are drawn less finely."""
+    small = [
+        np.asarray(Image.open(BytesIO(each)).convert("RGB").resize((160, 90)), float) for each in (one, other)
+    ]
+    return float(np.abs(small[0] - small[1]).mean())
+
+
 def test_it_plays_and_a_link_leads_to_a_moment_and_a_view(browser: Any, site: str) -> None:
-    with opened(browser, f"{site}#t=10&view=above") as page:
+    with opened(browser, f"{site}#t=10&view=behind&seat=1") as page:
         first = picture_of(page)
         wait_for(page, "0:10 of 0:30")
         page.get_by_role("button", name="Play", exact=True).click()
         wait_for(page, "0:12 of")
         page.get_by_role("button", name="Pause").click()
-        assert picture_of(page) != first
-        page.evaluate("location.hash = '#view=above&t=10'")
+        moved = picture_of(page)
+        page.evaluate("location.hash = '#view=behind&seat=1&t=10'")
         wait_for(page, "0:10 of 0:30")
-        assert picture_of(page) == first
+        assert difference(picture_of(page), first) < 0.5 * difference(moved, first)
 
 
 def test_each_view_shows_something_else(browser: Any, site: str) -> None:
     with opened(browser, f"{site}#t=5&view=above") as page:
-        shown = {picture_of(page)}
+        shown = [picture_of(page)]
         for view in ("Behind", "Eyes", "Free"):
             page.get_by_role("button", name=view, exact=True).click()
-            shown.add(picture_of(page))
+            shown.append(picture_of(page))
         page.locator(".player-seat").nth(2).click()
-        shown.add(picture_of(page))
+        shown.append(picture_of(page))
 
-        assert len(shown) == 5
+        assert min(difference(*pair) for pair in combinations(shown, 2)) > 3
 
 
 def test_keys_events_and_the_slider_lead_through_the_match(
@@ -120,7 +133,7 @@ def test_each_track_plays_on_a_phone_without_sideways_scrolling(
         first = picture_of(page)
         page.get_by_role("button", name="On 5 seconds").click()
 
-        assert picture_of(page) != first
+        assert difference(picture_of(page), first) > CHANGED
         assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
 
 
@@ -133,7 +146,7 @@ def test_without_webgl_the_match_is_shown_from_above(browser: Any, site: str) ->
         assert "from above" in str(page.locator(".player-note").text_content())
         first = picture_of(page)
         page.get_by_role("button", name="On 5 seconds").click()
-        assert picture_of(page) != first
+        assert difference(picture_of(page), first) > CHANGED
 
 
 def test_a_file_plays_without_a_server(browser: Any, tmp_path: Path, record_of_track: Records) -> None:
@@ -145,7 +158,7 @@ def test_a_file_plays_without_a_server(browser: Any, tmp_path: Path, record_of_t
         page.on("request", lambda request: asked.append(request.url))
         first = picture_of(page)
         page.get_by_role("button", name="On 5 seconds").click()
-        assert picture_of(page) != first
+        assert difference(picture_of(page), first) > CHANGED
         wait_for(page, "0:15 of 0:30")
     assert asked == []
 
