@@ -42,23 +42,26 @@ class Person:
         Raises:
             ServerUnreachableError: The match was ended before it was over.
         """
-        loop = asyncio.get_running_loop()
         self.controls.release()
-        async with Connection(address, token, __version__) as connection:
-            info = connection.match
-            observation = await connection.first()
-            self._sight = Sight(match, info.seat)
-            due = loop.time()
-            while observation is not None:
-                self._sight.note()
-                noted()
-                self._tell()
-                due = max(due + info.step_time, loop.time() - MAX_BEHIND)
-                await asyncio.sleep(max(0.0, due - loop.time()))
-                await self.clock_runs.wait()
-                action = self.controls.take(observation.yaw, info.frames_per_action)
-                observation = await connection.answer(observation.step, action)
-        self._sight = None
+        try:
+            async with Connection(address, token, __version__) as connection:
+                await self._play(connection, match, noted)
+        finally:
+            self._sight = None
+
+    async def _play(self, connection: Connection, match: "Match", noted: Callable[[], None]) -> None:
+        loop, info = asyncio.get_running_loop(), connection.match
+        observation = await connection.first()
+        self._sight, due = Sight(match, info.seat), loop.time()
+        while observation is not None:
+            self._sight.note()
+            noted()
+            self._tell()
+            due = max(due + info.step_time, loop.time() - MAX_BEHIND)
+            await asyncio.sleep(max(0.0, due - loop.time()))
+            await self.clock_runs.wait()
+            action = self.controls.take(observation.yaw, info.frames_per_action)
+            observation = await connection.answer(observation.step, action)
 
     def _tell(self) -> None:
         self._changed.set()
