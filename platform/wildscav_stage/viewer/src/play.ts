@@ -7,7 +7,7 @@ import { fillTable, Hud, titlesOf } from "./play/hud";
 import { Lobby } from "./play/lobby";
 import { Match } from "./play/match";
 import type { Begin, Handlers, Message, Now, Over, Table } from "./play/messages";
-import { eachPicture, loadMap } from "./play/scene";
+import { eachPicture, withMap } from "./play/scene";
 import { settingsIn } from "./play/settings";
 import { Sounds } from "./play/sounds";
 
@@ -35,6 +35,7 @@ const isTouched = matchMedia("(pointer: coarse)").matches;
 let table!: Table; // what is played here
 let begun: Begin | null = null; // the present match
 let match: Match | null = null;
+let waiting: Now[] | null = null; // moments of a match whose map is being loaded
 let isLoading = false; // whether the match waits until it can be shown
 let number = 0; // of the last input
 let lastSent = "";
@@ -105,6 +106,7 @@ const handlers: Handlers = {
   },
   now: (moment) => {
     if (match) match.take(moment);
+    else if (waiting) waiting.push(moment);
     else if (begun) beginMatch(begun, moment);
   },
   paused: ({ paused }) => isLoading || showPause(paused),
@@ -119,33 +121,25 @@ const isPlaying = () => game.dataset.state === "playing";
 const showsPeople = () =>
   Boolean(table) && (table.people > 1 || isHost()) && WAITING.includes(game.dataset.state as string);
 
-// Moments that come while the map is loaded wait for it.
+// Begin with the first moment; those that come until the map is there wait for it.
 function beginMatch(begin: Begin, first: Now): void {
-  const waiting: Now[] = [];
-  const seat = table.seat as number;
-  const own = {
-    take: (moment: Now) => waiting.push(moment),
-    draw: () => {},
-    send: () => {},
-    dispose: () => {},
-  };
-  match = own as unknown as Match;
-  loadMap().then(
+  const own: Now[] = [];
+  waiting = own;
+  withMap(
     (map) => {
-      if (begun !== begin || (match as unknown) !== own) return;
-      match = new Match(begin, table.track, seat, map, settings, hud, sounds, first);
-      for (const moment of waiting) match.take(moment);
-      if (!isLoading) return;
+      if (waiting !== own) return;
+      match = new Match(begin, table.track, table.seat as number, map, settings, hud, sounds, first);
+      for (const moment of own) match.take(moment);
+      if (isLoading) connection.send({ kind: "pause", paused: false });
       isLoading = false;
-      connection.send({ kind: "pause", paused: false });
     },
-    (error: Error) => showPanel("failed", "The match cannot be shown", `${error.message}.`),
+    (why) => showPanel("failed", "The match cannot be shown", why),
   );
 }
 
 function endMatch(): void {
   match?.dispose();
-  match = null;
+  match = waiting = null;
 }
 
 function play(): void {

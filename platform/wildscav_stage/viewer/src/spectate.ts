@@ -15,7 +15,7 @@ import {
   ownOf,
   type Table,
 } from "./play/messages";
-import { eachPicture, loadMap, Picture } from "./play/scene";
+import { eachPicture, Picture, withMap } from "./play/scene";
 import type { View } from "./stage";
 
 const BEHIND = 7; // frames that everybody is shown in the past
@@ -94,13 +94,13 @@ const handlers: Handlers = {
 };
 
 function show(begin: Begin, own: WatchedCourse): void {
-  loadMap().then(
+  withMap(
     (map) => {
       if (begun !== begin || course !== own) return;
       picture = new Picture(map, own, {});
       choose(view);
     },
-    (error: Error) => showPanel("failed", "The match cannot be shown", `${error.message}.`),
+    (why) => showPanel("failed", "The match cannot be shown", why),
   );
 }
 

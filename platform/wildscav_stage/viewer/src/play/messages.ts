@@ -2,8 +2,6 @@
 
 import type { Seat } from "../data/trails";
 
-export type Row = [number, ...number[]];
-
 // What happened, and what is new, since the last moment. Lengths are cm, angles hundredths of a degree.
 export interface Moment {
   number: number;

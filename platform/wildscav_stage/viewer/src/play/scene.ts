@@ -11,12 +11,14 @@ const LONGEST = 1000; // ms between two pictures; after more, the page was not s
 
 let map: Promise<GameMap> | null = null; // all matches of a table are played on one
 
-export function loadMap(): Promise<GameMap> {
-  map ??= fetchMap().catch((error) => {
+// Use the map once it is there, or tell why the match cannot be shown.
+export function withMap(use: (map: GameMap) => void, fail: (why: string) => void): void {
+  map ??= fetchMap();
+  map.then(use).catch((error: Error) => {
     map = null; // to be tried again
-    throw error;
+    console.error(error);
+    fail(`${error.message}.`);
   });
-  return map;
 }
 
 async function fetchMap(): Promise<GameMap> {
