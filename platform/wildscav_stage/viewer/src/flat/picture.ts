@@ -13,12 +13,12 @@ const CLEAR = 0.9; // m of depth at which a quarter of the bed's colour is still
 const SHADE = 0.36; // opacity of shadows
 const UP: Corner = [0, 1, 0];
 
-type Context = OffscreenCanvasRenderingContext2D;
+type Context = CanvasRenderingContext2D;
 
-export function drawMap(map: GameMap): OffscreenCanvas {
+export function drawMap(map: GameMap): HTMLCanvasElement {
   const scale = Math.min(FINEST, LARGEST / map.size);
   const side = Math.round(scale * map.size);
-  const canvas = new OffscreenCanvas(side, side);
+  const canvas = canvasOf(side, side);
   const context = contextOf(canvas);
   context.imageSmoothingQuality = "high";
   context.drawImage(drawGround(map), 0, 0, side, side);
@@ -31,7 +31,7 @@ export function drawMap(map: GameMap): OffscreenCanvas {
       -scale * map.ground.corner[0],
       side + scale * map.ground.corner[1],
     );
-  const shadows = new OffscreenCanvas(side, side);
+  const shadows = canvasOf(side, side);
   place(contextOf(shadows));
   drawShadows(map, contextOf(shadows));
   context.globalAlpha = SHADE;
@@ -42,16 +42,22 @@ export function drawMap(map: GameMap): OffscreenCanvas {
   return canvas;
 }
 
-function contextOf(canvas: OffscreenCanvas): Context {
+function canvasOf(width: number, height: number): HTMLCanvasElement {
+  const canvas = document.createElement("canvas");
+  [canvas.width, canvas.height] = [width, height];
+  return canvas;
+}
+
+function contextOf(canvas: HTMLCanvasElement): Context {
   // Drawn by the processor, which is quick at many small shapes.
   return canvas.getContext("2d", { willReadFrequently: true }) as Context;
 }
 
 // The ground and the water on it, some pixels for each cell.
-function drawGround(map: GameMap): OffscreenCanvas {
+function drawGround(map: GameMap): HTMLCanvasElement {
   const { ground, light } = map;
   const [width, height] = [PER_CELL * (ground.columns - 1), PER_CELL * (ground.rows - 1)];
-  const canvas = new OffscreenCanvas(width, height);
+  const canvas = canvasOf(width, height);
   const image = new ImageData(width, height);
   const shaded = shadedCorners(map);
   const levels = new Float32Array(ground.rows * ground.columns).fill(-Infinity);

@@ -17,16 +17,23 @@ export function drawName(
   context.save();
   if (middle !== undefined) context.translate(-width / 2, middle);
   context.fillStyle = "rgba(12, 16, 22, 0.82)";
-  context.beginPath();
-  context.roundRect(0, 0, width, LABEL_HEIGHT - 1, 4);
-  context.fill();
+  fillRounded(context, 0, 0, width, LABEL_HEIGHT - 1, 4);
   context.fillStyle = `rgb(${color.join(" ")})`;
-  context.beginPath();
-  context.roundRect(4, 4, 7, LABEL_HEIGHT - 9, 2);
-  context.fill();
+  fillRounded(context, 4, 4, 7, LABEL_HEIGHT - 9, 2);
   context.fillStyle = "#fff";
   context.textBaseline = "middle";
   context.fillText(name, 15, LABEL_HEIGHT / 2, width - 19);
   context.restore();
   return width;
+}
+
+// Old browsers have no rounded rectangles.
+function fillRounded(
+  context: CanvasRenderingContext2D,
+  ...[x, y, width, height, radius]: [number, number, number, number, number]
+): void {
+  context.beginPath();
+  if (typeof context.roundRect === "function") context.roundRect(x, y, width, height, radius);
+  else context.rect(x, y, width, height);
+  context.fill();
 }

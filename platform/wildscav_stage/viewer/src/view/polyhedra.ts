@@ -4,18 +4,17 @@ import type { Corner, GameMap, Solids } from "../data/map";
 
 // The outward unit normal of a triangle, given where its corners' coordinates begin.
 export function normalOf(corners: Float32Array, a: number, b: number, c: number): Corner {
-  const [x1, y1, z1] = [
-    corners[b] - corners[a],
-    corners[b + 1] - corners[a + 1],
-    corners[b + 2] - corners[a + 2],
-  ];
-  const [x2, y2, z2] = [
-    corners[c] - corners[a],
-    corners[c + 1] - corners[a + 1],
-    corners[c + 2] - corners[a + 2],
-  ];
-  const [x, y, z] = [y1 * z2 - z1 * y2, z1 * x2 - x1 * z2, x1 * y2 - y1 * x2];
-  const length = Math.hypot(x, y, z) || 1;
+  // Written out, since it is asked for hundreds of thousands of triangles.
+  const x1 = corners[b] - corners[a];
+  const y1 = corners[b + 1] - corners[a + 1];
+  const z1 = corners[b + 2] - corners[a + 2];
+  const x2 = corners[c] - corners[a];
+  const y2 = corners[c + 1] - corners[a + 1];
+  const z2 = corners[c + 2] - corners[a + 2];
+  const x = y1 * z2 - z1 * y2;
+  const y = z1 * x2 - x1 * z2;
+  const z = x1 * y2 - y1 * x2;
+  const length = Math.sqrt(x * x + y * y + z * z) || 1;
   return [x / length, y / length, z / length];
 }
 

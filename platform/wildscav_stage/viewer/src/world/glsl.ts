@@ -1,6 +1,6 @@
 // What all shaders of the world share. Places and directions are in the game's frame: x east, y up, z north.
-// DETAIL says how much of surfaces is drawn: 0 = plain ones, 1 = grain of the ground, ripples, and the shade under
-// roofs, 2 = textures of solids too, 3 = the finest grain. Colours are as the engine's cameras compute with them: 0-1, without conversion.
+// Colours are as the engine's cameras compute with them: 0-1, without conversion. DETAIL says how much of surfaces
+// is drawn: 0 = the coarser grain of the ground, 1 = textures of solids as well, 2 = the finest grain too.
 
 import { AMBIENT, DIRECT, ROOFED } from "../view/light";
 
@@ -54,9 +54,6 @@ float sunShare(vec3 place, vec3 normal) {
 
 // How much of the sky is seen between floors and roofs.
 float skyShare(vec3 place, vec3 normal) {
-#if DETAIL == 0
-  return 1.0;
-#endif
   if (shadowFrame.w == 0.0) return 1.0;
   vec3 at = inShadowMap(place + 0.12 * normal + vec3(0.0, 0.06, 0.0), vec2(0.0));
   if (abs(at.x) > 1.0 || abs(at.y) > 1.0) return 1.0;

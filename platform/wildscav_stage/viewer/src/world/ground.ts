@@ -41,7 +41,7 @@ float grains(vec2 at, float footprint) {
   float coarse = 0.20 * sharpness(2.3, footprint), medium = 0.26 * sharpness(0.45, footprint);
   if (coarse > 0.0) bright += coarse * (noise(at / 2.3) - 0.5);
   if (medium > 0.0) bright += medium * (noise(at / 0.45) - 0.5);
-#if DETAIL == 3
+#if DETAIL == 2
   float fine = 0.34 * sharpness(0.11, footprint);
   if (fine > 0.0) bright += fine * (noise(at / 0.11) - 0.5);
 #endif
@@ -50,10 +50,8 @@ float grains(vec2 at, float footprint) {
 void main() {
   vec3 normal = normalize(facing), ray = place - eye, color = base;
   float way = length(ray);
-  float footprint = far == 0.0 ? 2.0 * pixel : pixel * way / max(0.2, -dot(ray, normal) / way);
-#if DETAIL > 0
+  float footprint = far == 0.0 ? 4.0 * pixel : pixel * way / max(0.2, -dot(ray, normal) / way);
   color *= grains(place.xz, footprint);
-#endif
   color *= isBeyond > 0.0 ? lightOn(normal, 1.0, 1.0) : lightOn(normal, sunShare(place, normal), skyShare(place, normal));
   shown = vec4(throughAir(color, place), 1.0);
 }`;

@@ -1,8 +1,8 @@
 // How much is drawn: less after pictures have been slow for a while, so that all computers show some ten a second.
 
-// s between two pictures: what is too long, and what leaves time for more.
+// s between two pictures that is too long; half of it leaves time for more.
 const SLOW = 1 / 24;
-const FAST = 1 / 48;
+const SLOW_OF_SOFTWARE = 1 / 12;
 const PAUSE = 4; // s beyond which nobody was drawing
 const PATIENCE = 12; // pictures, over whose median it is judged, unless they take too long
 const LONGEST = 2; // s
@@ -18,11 +18,11 @@ export interface Quality {
 }
 
 export const QUALITIES: Quality[] = [
-  { detail: 3, scale: 1, maxRatio: 2, reach: 240, shadows: true },
-  { detail: 3, scale: 1, maxRatio: 1.25, reach: 120, shadows: true },
-  { detail: 2, scale: 1, maxRatio: 1, reach: 60, shadows: true },
-  { detail: 1, scale: 1, maxRatio: 1, reach: 24, shadows: true },
-  { detail: 1, scale: 0.75, maxRatio: 1, reach: 16, shadows: true },
+  { detail: 2, scale: 1, maxRatio: 2, reach: 240, shadows: true },
+  { detail: 2, scale: 1, maxRatio: 1.25, reach: 120, shadows: true },
+  { detail: 1, scale: 1, maxRatio: 1, reach: 60, shadows: true },
+  { detail: 0, scale: 1, maxRatio: 1, reach: 24, shadows: true },
+  { detail: 0, scale: 0.75, maxRatio: 1, reach: 16, shadows: true },
   { detail: 0, scale: 0.6, maxRatio: 1, reach: 10, shadows: true },
   { detail: 0, scale: 0.5, maxRatio: 1, reach: 6, shadows: false },
 ];
@@ -41,12 +41,14 @@ export function probe(): boolean {
 export class Pace {
   level: number;
   private readonly best: number;
+  private readonly slow: number;
   private readonly tooSlow = QUALITIES.map(() => 0); // how often each quality was
   private times: number[] = [];
   private fast = 0;
 
   constructor(isSoftware: boolean) {
     this.level = this.best = isSoftware ? OF_SOFTWARE : 0;
+    this.slow = isSoftware ? SLOW_OF_SOFTWARE : SLOW;
   }
 
   get quality(): Quality {
@@ -62,8 +64,8 @@ export class Pace {
     if (!isEnough) return false;
     const median = this.times.sort((one, other) => one - other)[this.times.length >> 1];
     this.times = [];
-    this.fast = median < FAST ? this.fast + 1 : 0;
-    if (median > SLOW) return this.worsen(median);
+    this.fast = median < this.slow / 2 ? this.fast + 1 : 0;
+    if (median > this.slow) return this.worsen(median);
     return this.fast >= SURE && this.improve();
   }
 
@@ -71,7 +73,7 @@ export class Pace {
   private worsen(median: number): boolean {
     const before = this.level;
     this.tooSlow[before]++;
-    this.level = Math.min(QUALITIES.length - 1, before + (median > 4 * SLOW ? 2 : 1));
+    this.level = Math.min(QUALITIES.length - 1, before + (median > 4 * this.slow ? 2 : 1));
     return this.level !== before;
   }
 

@@ -65,9 +65,12 @@ function outerFaces(map: GameMap, solid: number, floors: Float32Array[]): number
   if (triangles.length > BOX) return triangles;
   const kept: number[] = [];
   for (let at = 0; at < triangles.length; at += 3) {
-    const [a, b, c] = [0, 1, 2].map((place) => first + 3 * triangles[at + place]);
+    const a = first + 3 * triangles[at];
+    const b = first + 3 * triangles[at + 1];
+    const c = first + 3 * triangles[at + 2];
+    if (isNarrow(corners, a, b, c)) continue;
     const normal = normalOf(corners, a, b, c);
-    if (Math.abs(normal[1]) > 0.5 || isNarrow(corners, a, b, c)) continue;
+    if (Math.abs(normal[1]) > 0.5) continue;
     const x = (corners[a] + corners[b] + corners[c]) / 3 + OUTSIDE * normal[0];
     const z = (corners[a + 2] + corners[b + 2] + corners[c + 2]) / 3 + OUTSIDE * normal[2];
     if (!floors.some((floor) => isOver(floor, x, z)))
@@ -78,9 +81,16 @@ function outerFaces(map: GameMap, solid: number, floors: Float32Array[]): number
 
 // Whether the level extent of a triangle is small.
 function isNarrow(corners: Float32Array, a: number, b: number, c: number): boolean {
-  const level = (one: number, other: number) =>
-    Math.hypot(corners[one] - corners[other], corners[one + 2] - corners[other + 2]);
-  return Math.max(level(a, b), level(b, c), level(c, a)) < LEAST;
+  return (
+    levelSquare(corners, a, b) < LEAST * LEAST &&
+    levelSquare(corners, b, c) < LEAST * LEAST &&
+    levelSquare(corners, c, a) < LEAST * LEAST
+  );
+}
+
+function levelSquare(corners: Float32Array, one: number, other: number): number {
+  const [x, z] = [corners[one] - corners[other], corners[one + 2] - corners[other + 2]];
+  return x * x + z * z;
 }
 
 function isOver(planes: Float32Array, x: number, z: number): boolean {

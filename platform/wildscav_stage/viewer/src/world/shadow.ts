@@ -11,6 +11,7 @@ import {
   LinearFilter,
   NoColorSpace,
   type Object3D,
+  RedFormat,
   Scene,
   type ShaderMaterial,
   UnsignedShortType,
@@ -22,6 +23,7 @@ import { material, type Shared } from "./shared";
 
 const FINEST = 0.1; // m that a number of the map covers, where there is room
 const MOST = 4096; // numbers along a side
+const MOST_BY_TOUCH = 2048; // the same on phones and tablets
 const COARSER = 2; // how much wider the numbers of the map of roofs are
 
 const VERTEX = /* glsl */ `
@@ -52,7 +54,8 @@ export function castShadows(
   casters: Group[],
   shared: Shared,
 ): Shadows {
-  const most = Math.min(MOST, renderer.capabilities.maxTextureSize);
+  const isTouched = matchMedia("(pointer: coarse)").matches;
+  const most = Math.min(isTouched ? MOST_BY_TOUCH : MOST, renderer.capabilities.maxTextureSize);
   const size = Math.min(most, powerOfTwo(map.size / FINEST));
   const [low, high] = heightsOf(map);
   shared.shadowFrame.value.set(map.size / 2 + 1, low, high, 0);
@@ -86,7 +89,11 @@ function targetOf(size: number): WebGLRenderTarget {
   depth.compareFunction = LessEqualCompare;
   depth.minFilter = depth.magFilter = LinearFilter;
   depth.colorSpace = NoColorSpace;
-  return new WebGLRenderTarget(size, size, { depthTexture: depth, stencilBuffer: false });
+  return new WebGLRenderTarget(size, size, {
+    depthTexture: depth,
+    format: RedFormat, // of colours, which nobody reads
+    stencilBuffer: false,
+  });
 }
 
 function drawCasters(

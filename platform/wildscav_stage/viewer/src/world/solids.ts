@@ -2,7 +2,7 @@
 
 import { BufferAttribute, BufferGeometry, Group, Mesh, type ShaderMaterial, Sphere, Vector3 } from "three";
 import type { GameMap } from "../data/map";
-import { endOf, normalOf, trianglesOf } from "../view/polyhedra";
+import { endOf, normalOf } from "../view/polyhedra";
 import { distantTriangles, floorsAmong, reducedTriangles } from "./reduced";
 import { material, type Shared } from "./shared";
 import { TEXTURES } from "./textures";
@@ -131,7 +131,7 @@ function createPiece(map: GameMap, members: number[], own: ShaderMaterial): Piec
     add((solid) => reducedTriangles(map, solid)),
     add((solid) => topologies[solids.topology[solid]]),
   ];
-  geometry.setIndex(triangles);
+  geometry.setIndex(new BufferAttribute(new Uint32Array(triangles), 1));
   return { mesh: new Mesh(geometry, own), ranges };
 }
 
@@ -166,9 +166,11 @@ function cornersOf(map: GameMap, members: number[]): { geometry: BufferGeometry;
 
 // The level part of the normal of a solid's first upright face; east without one.
 function axisOf(map: GameMap, solid: number): [number, number] {
-  const triangles = trianglesOf(map, solid);
+  const { corners, first, topology } = map.solids;
+  const triangles = map.topologies[topology[solid]];
+  const corner = (at: number) => 3 * (first[solid] + triangles[at]);
   for (let at = 0; at < triangles.length; at += 3) {
-    const [x, y, z] = normalOf(map.solids.corners, triangles[at], triangles[at + 1], triangles[at + 2]);
+    const [x, y, z] = normalOf(corners, corner(at), corner(at + 1), corner(at + 2));
     if (Math.abs(y) < UPRIGHT) return [x, z];
   }
   return [1, 0];

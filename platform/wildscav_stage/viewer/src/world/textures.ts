@@ -68,7 +68,7 @@ vec3 textured(int kind, vec3 color, vec3 normal, vec3 at, vec2 axis, float footp
   if (kind == FLOOR && !isTop) return 0.8 * color;
   if (kind == STAIR && !isTop) return 0.68 * color;
   if (kind == ROOF && normal.y < 0.05) return 0.62 * color;
-#if DETAIL < 2
+#if DETAIL < 1
   return color;
 #else
   bool isFlat = kind == ROOF && normal.y > 0.995;

@@ -21,9 +21,6 @@ in vec3 place;
 in vec2 at;
 uniform sampler2D beds; // their colours, and how deep they lie
 vec3 rippled(float footprint) {
-#if DETAIL == 0
-  return vec3(0.0, 1.0, 0.0);
-#endif
   float steep = 0.16 * sharpness(0.9, footprint);
   if (steep == 0.0) return vec3(0.0, 1.0, 0.0);
   vec2 wave = place.xz / 0.9;

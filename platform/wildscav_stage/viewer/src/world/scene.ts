@@ -1,0 +1,137 @@
+// The scene of a match: the map, and what moves on it. All is placed in the game's frame, in a group that is
+// mirrored, since z points south in three.js.
+
+import { Group, type Mesh, type Object3D, Scene, type WebGLRenderer } from "three";
+import type { Course } from "../data/course";
+import type { GameMap } from "../data/map";
+import type { ViewKind } from "../stage";
+import type { Moment } from "../view/moment";
+import { createAgents } from "./agents";
+import { createBoxes } from "./boxes";
+import type { Shown } from "./cameras";
+import { createGround } from "./ground";
+import { createLabels } from "./labels";
+import { Lines } from "./lines";
+import { castShadows, type Shadows } from "./shadow";
+import type { Shared } from "./shared";
+import { showShots } from "./shots";
+import { createSky } from "./sky";
+import { createSolids } from "./solids";
+import { createTarget } from "./target";
+import { showTrails } from "./trails";
+import { createWater } from "./water";
+import { createZone } from "./zone";
+
+const SPARK = 5; // CSS pixels, of the sparks over boxes
+const SPARK_ABOVE = 3.5; // the same from above
+const ROOFLESS = 45; // m in view from above, from where on houses are shown without roofs
+const CRATES = 130; // m, up to which boxes are shown as crates
+const SOME_WAY_OFF = 330; // m; from the camera above, all is farther away, and within some times as far
+const ENLARGED = 0.016; // of what is in view from above: how tall agents are drawn at least
+const TALL = 1.8; // m, an agent
+const FEW = 64; // lines that there is room for at first
+
+export interface MatchScene {
+  scene: Scene;
+  root: Group;
+  statics: Object3D[]; // what stands still
+  names: Object3D; // of agents
+  // Compute the shadows of the map, before the first picture.
+  cast(renderer: WebGLRenderer): void;
+  // Prepare a picture. reach: m, up to which solids have all their triangles; trail: s of trails from above.
+  show(moment: Moment, shown: Shown, kind: ViewKind, reach: number, trail: number): void;
+  dispose(): void;
+}
+
+export function createScene(map: GameMap, course: Course, shared: Shared): MatchScene {
+  const land = createLand(map, shared);
+  const life = createLife(map, course, shared);
+  const root = new Group();
+  root.scale.z = -1;
+  root.add(...land.statics, ...life.objects);
+  const scene = new Scene();
+  scene.add(root);
+  scene.matrixWorldAutoUpdate = false;
+  let shadows: Shadows | null = null;
+  return {
+    scene,
+    root,
+    statics: land.statics,
+    names: life.names,
+    cast: (renderer) => {
+      shadows?.dispose();
+      shadows = land.cast(renderer);
+      root.updateMatrixWorld(true);
+    },
+    show: (moment, shown, kind, reach, trail) => {
+      land.show(shown, reach);
+      life.show(moment, shown, kind, reach, trail);
+    },
+    dispose: () => {
+      root.traverse((each) => {
+        (each as Mesh).geometry?.dispose();
+      });
+      shadows?.dispose();
+      land.dispose();
+      life.dispose();
+    },
+  };
+}
+
+// The map: ground, solids, water and sky.
+function createLand(map: GameMap, shared: Shared) {
+  const ground = createGround(map, shared);
+  const solids = createSolids(map, shared);
+  const water = createWater(map, shared);
+  const sky = createSky(shared);
+  const cast = (renderer: WebGLRenderer) => {
+    ground.see(shared.eye.value, Infinity);
+    solids.see(shared.eye.value, Infinity, true);
+    return castShadows(renderer, map, [ground.group, solids.group], shared);
+  };
+  const show = ({ isFromAbove, across, focus }: Shown, most: number) => {
+    const reach = isFromAbove ? reachFromAbove(across, most) : most;
+    ground.see(shared.eye.value, 1.5 * reach);
+    solids.see(shared.eye.value, reach, !isFromAbove || across > ROOFLESS);
+    solids.cut(focus);
+    sky.visible = !isFromAbove;
+  };
+  return { statics: [ground.group, solids.group, water.mesh, sky], cast, show, dispose: water.dispose };
+}
+
+// What moves on the map.
+function createLife(map: GameMap, course: Course, shared: Shared) {
+  const agents = createAgents(map, course, shared);
+  const boxes = createBoxes(map, course, shared);
+  const labels = createLabels(course, shared);
+  const zone = createZone(map, course, shared);
+  const tracers = new Lines(shared, FEW, true);
+  const trails = new Lines(shared, FEW, false);
+  const groups = [agents.group, boxes.group, labels.group, zone.group, createTarget(course, shared)];
+  const show = (moment: Moment, shown: Shown, kind: ViewKind, reach: number, trail: number) => {
+    const { frame } = moment;
+    const { hidden, isFromAbove, across } = shown;
+    const ratio = shared.perPixel.value;
+    agents.show(moment, hidden, isFromAbove ? Math.max(1, (ENLARGED * across) / TALL) : 1);
+    labels.show(moment, hidden, isFromAbove);
+    const crates = isFromAbove ? (across > CRATES ? 0 : Infinity) : Math.min(CRATES, 2 * reach);
+    const spark = kind === "eyes" ? 0 : isFromAbove ? SPARK_ABOVE : SPARK;
+    boxes.show(frame, shared.eye.value, crates, spark * ratio);
+    zone.show(frame, isFromAbove);
+    showShots(tracers, course, frame, ratio, hidden);
+    if (isFromAbove) showTrails(trails, course, frame, trail, ratio);
+    else trails.mesh.visible = false;
+  };
+  const dispose = () => {
+    agents.dispose();
+    labels.dispose();
+  };
+  const objects = [...groups, tracers.mesh, trails.mesh];
+  return { objects, names: labels.group, show, dispose };
+}
+
+// The reach of a view from above, whose camera is far away from everything.
+function reachFromAbove(across: number, reach: number): number {
+  if (across < reach) return Infinity;
+  return across < 5 * reach ? SOME_WAY_OFF : 0;
+}
