@@ -2,7 +2,6 @@
 // data-map and data-trails are the URLs of the two files, or data-embedded says that the page holds them;
 // data-names has the names of seats as people read them, as JSON by number;
 // data-live says that the match is being played: new samples are asked for until it is over;
-// data-sync names a group of players that play in step.
 
 import { createFlatStage } from "./flat";
 import { show } from "./player/show";

@@ -4,6 +4,8 @@ import type { WebGLRenderer } from "three";
 import type { Course } from "./data/course";
 import type { GameMap } from "./data/map";
 
+export const TRAIL = 30; // s of trails that are shown at first
+
 export type ViewKind = "free" | "behind" | "eyes" | "above";
 
 export interface View {
@@ -21,7 +23,7 @@ export interface Stage {
   readonly kinds: ViewKind[]; // of views that it can show
   view: View;
   // Whether its camera moves by itself, so that even the same moment must be drawn again.
-  readonly moving?: boolean;
+  readonly moving: boolean;
   // The seat whose eyes a corner shows; null for none. A stage that cannot do it leaves it out.
   inset?: number | null;
   // How many seconds of trails are shown; a stage that shows none leaves it out.

@@ -3,6 +3,7 @@ import { PackedFile, unzipped } from "../src/data/arrays";
 import { Course } from "../src/data/course";
 import { readMap } from "../src/data/map";
 import { readTrails, type Trails } from "../src/data/trails";
+import { event, trails } from "./matches";
 
 function packed(header: object, content: Uint8Array): ArrayBuffer {
   let text = JSON.stringify(header);
@@ -14,37 +15,17 @@ function packed(header: object, content: Uint8Array): ArrayBuffer {
   return file.buffer;
 }
 
-function trails(changes: Partial<Trails> = {}): Trails {
-  const none = { frames: [], seats: [], x: [], z: [], height: [] };
-  const seat = {
+function match(changes: Partial<Trails> = {}): Trails {
+  const one = {
     x: [100, 100, 5000],
     z: [0, 0, 0],
     height: [200, 0, 0],
     yaw: [350, 20, 0],
     pitch: [0, 0, 0],
+    health: [100, -40, -60],
+    supplies: [0, 3, 0],
   };
-  return {
-    version: 2,
-    over: true,
-    first: true,
-    cursor: "",
-    track: "battle",
-    title: "Battle",
-    frames_per_second: 50,
-    frames: 15,
-    frame_limit: 100,
-    ending: "time_up",
-    outcome: "nobody wins",
-    map: { west: -5000, north: 5000, width: 10000, height: 10000 },
-    target: null,
-    seats: [{ seat: 0, name: "a", kind: "submission", team: 0, colors: [], full_health: 100, result: null }],
-    samples: { frames: [0, 10, 5], seats: [{ ...seat, health: [100, -40, -60], supplies: [0, 3, 0] }] },
-    shots: none,
-    events: [],
-    zone: [],
-    boxes: [],
-    ...changes,
-  };
+  return trails([[0]], [], { samples: { frames: [0, 10, 5], seats: [one] }, ...changes });
 }
 
 describe("packed arrays", () => {
@@ -79,7 +60,7 @@ describe("files of other versions are refused", () => {
 });
 
 describe("the course of a match", () => {
-  const course = new Course(trails(), { 0: "shown" });
+  const course = new Course(match(), { 0: "shown" });
 
   test("places and angles are interpolated, in metres and degrees; health is not", () => {
     expect(course.at(0, 5)).toEqual({ x: 1.5, y: 2, z: 0, yaw: 360, pitch: 0, health: 100, supplies: 0 });
@@ -91,22 +72,37 @@ describe("the course of a match", () => {
     expect(course.at(0, 15)).toMatchObject({ x: 52, health: 0 });
   });
 
+  test("samples far apart in time are far apart in place", () => {
+    const { seats } = match().samples;
+    const slow = new Course(match({ samples: { frames: [0, 10, 500], seats } }));
+    expect(slow.at(0, 260).x).toBe(27);
+    expect([1, 2].map((sample) => [slow.leaps(sample, 0), course.leaps(sample, 0)])).toEqual([
+      [false, false],
+      [false, true],
+    ]);
+  });
+
+  test("a match may be very long", () => {
+    const events = Array(300_000).fill(event(1, "hit"));
+    expect(new Course(match({ events })).events.length).toBe(300_000);
+  });
+
   test("after the last sample nothing changes", () => {
     expect(course.at(0, 1000)).toEqual(course.at(0, 15));
   });
 
   test("a document that is not the first one is added", () => {
-    const live = new Course(trails({ over: false }));
+    const live = new Course(match({ over: false }));
     const one = { x: [0], z: [0], height: [0], yaw: [0], pitch: [0], health: [9], supplies: [4] };
-    live.extend(trails({ first: false, samples: { frames: [25], seats: [one] } }));
+    live.extend(match({ first: false, samples: { frames: [25], seats: [one] } }));
     expect([live.frames, live.at(0, 25).health]).toEqual([[0, 10, 15, 25], 9]);
-    live.extend(trails({ samples: { frames: [5], seats: [one] } }));
+    live.extend(match({ samples: { frames: [5], seats: [one] } }));
     expect(live.frames).toEqual([5]);
   });
 
   test("boxes lie from their appearance until they are taken", () => {
     const box = { x: 0, z: 0, height: 0, dropped: false, quantity: 1, appears: 5, taken: 10 };
-    const withBox = new Course(trails({ boxes: [box] }));
+    const withBox = new Course(match({ boxes: [box] }));
     expect([4, 5, 9, 10].map((frame) => withBox.boxesAt(frame).length)).toEqual([0, 1, 1, 0]);
   });
 
@@ -115,7 +111,7 @@ describe("the course of a match", () => {
       { x: 0, z: 0, radius: 1000 },
       { x: 400, z: 0, radius: 200 },
     ];
-    const zoned = new Course(trails({ zone: [{ start: 10, end: 20, before, after, damage: 1 }] }));
+    const zoned = new Course(match({ zone: [{ start: 10, end: 20, before, after, damage: 1 }] }));
     expect([0, 15, 50].map((frame) => zoned.zoneAt(frame)?.now)).toEqual([
       { x: 0, z: 0, radius: 10 },
       { x: 2, z: 0, radius: 6 },

@@ -1,9 +1,17 @@
 // The course of a match: what its document says about any moment. Lengths are metres, angles degrees, times frames.
 
-import type { Box, Circle, MatchEvent, SampleName, Seat, ShotName, Trails } from "./trails";
+import {
+  type Box,
+  type Circle,
+  type MatchEvent,
+  METRE,
+  type SampleName,
+  type Seat,
+  type ShotName,
+  type Trails,
+} from "./trails";
 
-const METRE = 100; // units of the document
-const LEAP = 4; // m between two samples beyond what anyone walks: a respawn
+const LEAP = 0.4; // m a frame beyond what anyone walks: a respawn
 const SAMPLES: SampleName[] = ["x", "z", "height", "yaw", "pitch", "health", "supplies"];
 const SHOTS: ShotName[] = ["frames", "seats", "x", "z", "height"];
 
@@ -82,9 +90,7 @@ export class Course {
     const here = this.sampleAt(frame);
     const next = Math.min(here + 1, this.frames.length - 1);
     const length = this.frames[next] - this.frames[here];
-    const leaps =
-      Math.hypot(samples.x[next] - samples.x[here], samples.z[next] - samples.z[here]) > LEAP * METRE;
-    const share = length > 0 && !leaps ? clamped((frame - this.frames[here]) / length) : 0;
+    const share = length > 0 && !this.leaps(next, seat) ? clamped((frame - this.frames[here]) / length) : 0;
     const between = (name: SampleName) =>
       samples[name][here] + share * (samples[name][next] - samples[name][here]);
     return {
@@ -98,10 +104,11 @@ export class Course {
     };
   }
 
-  // How many kills a seat has up to a frame.
-  kills(seat: number, frame: number): number {
-    const isKill = (event: MatchEvent) => event.kind === "death" || event.kind === "out";
-    return this.eventsBetween(0, frame + 1).filter((event) => isKill(event) && event.other === seat).length;
+  // Whether a seat came to a sample by a respawn, and not on its feet.
+  leaps(sample: number, seat: number): boolean {
+    const { x, z } = this.samples[seat];
+    const most = LEAP * METRE * (this.frames[sample] - this.frames[sample - 1]);
+    return (x[sample] - x[sample - 1]) ** 2 + (z[sample] - z[sample - 1]) ** 2 > most * most;
   }
 
   // The boxes that lie on the map in a frame, lengths in centimetres.
@@ -122,16 +129,16 @@ export class Course {
   }
 
   private add(trails: Trails): void {
-    this.frames.push(...summed(trails.samples.frames));
+    addSums(this.frames, trails.samples.frames);
     trails.samples.seats.forEach((samples, seat) => {
-      for (const name of SAMPLES) this.samples[seat][name].push(...summed(samples[name]));
+      for (const name of SAMPLES) addSums(this.samples[seat][name], samples[name]);
     });
-    const columns = SHOTS.map((name) => summed(trails.shots[name]));
+    const columns = SHOTS.map((name) => addSums([], trails.shots[name]));
     for (let place = 0; place < columns[0].length; place++) {
       const [frame, seat, x, z, y] = columns.map((column) => column[place]);
       this.shots.push({ frame, seat, x: x / METRE, y: y / METRE, z: z / METRE });
     }
-    this.events.push(...trails.events);
+    for (const event of trails.events) this.events.push(event);
   }
 }
 
@@ -139,12 +146,14 @@ function emptied(names: SampleName[]): Record<SampleName, number[]> {
   return Object.fromEntries(names.map((name) => [name, [] as number[]])) as Record<SampleName, number[]>;
 }
 
-function summed(differences: number[]): number[] {
+// Add what differences sum up to; in a loop, since a call takes no more than some 100,000 arguments.
+function addSums(list: number[], differences: number[]): number[] {
   let sum = 0;
-  return differences.map((difference) => {
+  for (const difference of differences) {
     sum += difference;
-    return sum;
-  });
+    list.push(sum);
+  }
+  return list;
 }
 
 function clamped(share: number): number {

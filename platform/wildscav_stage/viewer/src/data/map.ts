@@ -3,7 +3,7 @@
 
 import { PackedFile } from "./arrays";
 
-export const MAP_VERSION = 1;
+const MAP_VERSION = 1;
 const METRE = 100; // units of the file
 
 export type Color = [number, number, number];

@@ -1,6 +1,8 @@
 // The document of a match, as platform/wildscav_stage/scene/document.py describes it. Lengths are centimetres there.
 
-export const TRAILS_VERSION = 2;
+const TRAILS_VERSION = 2;
+export const METRE = 100; // units of the document
+export const CLOTHES = 2; // the part of a body that is seen best: of its colours, the one of its team
 
 export type EventKind = "hit" | "death" | "out" | "respawn" | "pick_up" | "target" | "zone";
 

@@ -2,11 +2,12 @@
 
 import type { Course } from "../data/course";
 import type { GameMap } from "../data/map";
-import type { Stage } from "../stage";
+import { type Stage, TRAIL } from "../stage";
 import { Input } from "../view/gestures";
 import { MapView } from "../view/map_view";
 import { momentOf } from "../view/moment";
-import { type Canvas, drawAgents, drawBoxes, drawShots, drawTarget, drawTrails, drawZone } from "./overlay";
+import { createWays } from "../view/ways";
+import { type Canvas, drawAgents, drawBoxes, drawShots, drawTarget, drawWays, drawZone } from "./overlay";
 import { drawMap } from "./picture";
 
 const BEYOND = "#6f8a5c"; // what surrounds the map
@@ -25,6 +26,7 @@ export function createFlatStage(canvas: HTMLCanvasElement, map: GameMap, course:
     },
     () => true,
   );
+  const waysIn = createWays(course);
   let before = performance.now();
   const move = () => {
     const seconds = Math.min(0.1, (performance.now() - before) / 1000);
@@ -56,7 +58,10 @@ export function createFlatStage(canvas: HTMLCanvasElement, map: GameMap, course:
   const stage: Stage = {
     kinds: ["above"],
     view: { kind: "above", seat: 0 },
-    trail: 20,
+    get moving() {
+      return input.isHeld;
+    },
+    trail: TRAIL,
     draw: (frame) => {
       move();
       const seen = begin();
@@ -64,7 +69,7 @@ export function createFlatStage(canvas: HTMLCanvasElement, map: GameMap, course:
       drawZone(seen, course, frame, map.size);
       drawTarget(seen, course);
       drawBoxes(seen, course, frame);
-      drawTrails(seen, course, frame, stage.trail ?? 0);
+      drawWays(seen, course, waysIn(frame, stage.trail ?? 0));
       drawShots(seen, course, frame);
       drawAgents(seen, course, frame, momentOf(course, frame).flashes);
     },

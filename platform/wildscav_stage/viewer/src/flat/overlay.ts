@@ -1,12 +1,11 @@
 // What moves on the map, drawn on the picture of it: lengths are metres, north is up.
 
 import type { Course, SeatState } from "../data/course";
+import { CLOTHES, METRE } from "../data/trails";
 import { drawName, LABEL_HEIGHT } from "../view/names";
+import type { Way } from "../view/ways";
 
-const METRE = 100; // units of the document
 const SHOT = 9; // frames that a shot is seen
-const TORSO = 2; // the part of a body that has the colour of its team
-const LEAP = 4 * METRE; // between two samples beyond what anyone walks
 
 export interface Canvas {
   context: CanvasRenderingContext2D;
@@ -64,23 +63,18 @@ export function drawTarget({ context, pixel }: Canvas, course: Course): void {
 }
 
 // The last seconds of everybody's way.
-export function drawTrails({ context, pixel }: Canvas, course: Course, frame: number, seconds: number): void {
-  const last = course.sampleAt(frame);
-  const first = course.sampleAt(frame - seconds * course.trails.frames_per_second);
+export function drawWays({ context, pixel }: Canvas, course: Course, ways: Way[]): void {
   context.lineWidth = 2 * pixel;
   context.lineCap = "round";
-  course.seats.forEach((seat, place) => {
-    const { x, z, health } = course.samples[place];
-    context.strokeStyle = colorOf(seat.colors[TORSO]);
-    for (let at = first + 1; at <= last; at++) {
-      if (health[at] <= 0 || Math.abs(x[at] - x[at - 1]) + Math.abs(z[at] - z[at - 1]) > LEAP) continue;
-      context.globalAlpha = (0.9 * (at - first)) / (last - first);
-      context.beginPath();
-      context.moveTo(x[at - 1] / METRE, z[at - 1] / METRE);
-      context.lineTo(x[at] / METRE, z[at] / METRE);
-      context.stroke();
-    }
-  });
+  for (const { seat, from, to, toOpacity } of ways) {
+    const { x, z } = course.samples[seat];
+    context.strokeStyle = colorOf(course.seats[seat].colors[CLOTHES]);
+    context.globalAlpha = toOpacity;
+    context.beginPath();
+    context.moveTo(x[from] / METRE, z[from] / METRE);
+    context.lineTo(x[to] / METRE, z[to] / METRE);
+    context.stroke();
+  }
   context.globalAlpha = 1;
 }
 
@@ -105,9 +99,9 @@ export function drawAgents(canvas: Canvas, course: Course, frame: number, hits: 
     context.save();
     context.translate(state.x, state.z);
     context.scale(pixel, pixel);
-    if (state.health > 0) drawMarker(context, seat.colors[TORSO], state, hits[place]);
-    else drawCross(context, seat.colors[TORSO]);
-    drawLabel(context, seat.name, seat.colors[TORSO], state.health / seat.full_health);
+    if (state.health > 0) drawMarker(context, seat.colors[CLOTHES], state, hits[place]);
+    else drawCross(context, seat.colors[CLOTHES]);
+    drawLabel(context, seat.name, seat.colors[CLOTHES], state.health / seat.full_health);
     context.restore();
   });
 }

@@ -1,10 +1,9 @@
 // The course of a match that is being played, as far as its spectators or one of its seats are told of it.
 
 import { Course, type SeatState } from "../data/course";
-import { TRAILS_VERSION, type Trails } from "../data/trails";
+import { METRE, type Trails } from "../data/trails";
 import { type All, type Begin, FRAMES, type Moment, type Now, ownOf } from "./messages";
 
-const METRE = 100; // units of messages
 const NOWHERE = 1e5; // m, where nobody is drawn
 const GAP = 10; // frames without word of an agent after which it comes anew
 const LYING = 200; // frames for which somebody is seen who died in sight
@@ -145,7 +144,7 @@ function phaseOf([start, end, ...rest]: number[]): Trails["zone"][number] {
 
 function emptyTrails(begin: Begin, track: string): Trails {
   return {
-    version: TRAILS_VERSION,
+    version: 0, // of no file
     over: false,
     first: true,
     cursor: "",

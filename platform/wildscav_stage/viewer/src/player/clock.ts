@@ -1,4 +1,4 @@
-// The time of a match that is shown. Players that are compared share one clock.
+// The time of a match that is shown.
 
 export const SPEEDS = [0.25, 0.5, 1, 2, 4, 8, 16];
 const LONGEST_TICK = 0.25; // s; a page that was asleep does not leap
@@ -8,11 +8,11 @@ const ARRIVED = 0.01; // s
 
 export class Clock {
   seconds = 0;
+  end = 0; // s
   speed = 1;
   isPlaying = false;
   isFollowingLive = false;
   isOpen = false; // while the match is being played: its end will come later
-  private readonly ends = new Map<object, number>();
   private readonly listeners = new Set<() => void>();
   private lastTick: number | null = null;
 
@@ -22,25 +22,16 @@ export class Clock {
     return () => this.listeners.delete(listener);
   }
 
-  // The longest of the matches that share the clock decides when it stops.
-  setEnd(match: object, seconds: number): void {
-    this.ends.set(match, seconds);
+  setEnd(seconds: number): void {
+    this.end = seconds;
     this.tell();
-  }
-
-  leave(match: object): void {
-    this.ends.delete(match);
-  }
-
-  get end(): number {
-    return Math.max(0, ...this.ends.values());
   }
 
   get isRunning(): boolean {
     return this.isPlaying || (this.isFollowingLive && this.end - this.seconds > 0);
   }
 
-  // Let time pass up to now, in ms; several players may say the same now.
+  // Let time pass up to now, in ms.
   advance(now: number): void {
     const passed = this.lastTick === null ? 0 : Math.min((now - this.lastTick) / 1000, LONGEST_TICK);
     this.lastTick = now;

@@ -1,8 +1,7 @@
 // The colours by which people know seats: those of the bodies in the picture.
 
-import type { Seat } from "../data/trails";
+import { CLOTHES, type Seat } from "../data/trails";
 
-const CLOTHES = 2; // the part of a body that is seen best
 const UNKNOWN: [number, number, number] = [200, 200, 200];
 const DARK = "#16181a";
 

@@ -1,13 +1,13 @@
 // The buttons below the picture.
 
 import type { Seat } from "../data/trails";
-import type { ViewKind } from "../stage";
+import { TRAIL, type ViewKind } from "../stage";
 import { followsSeat } from "./address";
 import { type Clock, SPEEDS } from "./clock";
 import { iconButton, make, picker, rename, setIcon } from "./dom";
 import type { Told } from "./views";
 
-export const VIEW_TITLES: Record<ViewKind, string> = {
+const VIEW_TITLES: Record<ViewKind, string> = {
   behind: "Behind",
   eyes: "Eyes",
   above: "Above",
@@ -27,7 +27,6 @@ const TRAILS: [string, number][] = [
   ["all trails", Number.POSITIVE_INFINITY],
 ];
 const DIRECTED = "directed";
-export const FIRST_TRAIL = 30; // s
 
 // What buttons and keys can do.
 export interface Actions {
@@ -80,7 +79,7 @@ export class Controls {
       value === DIRECTED ? actions.direct() : actions.follow(Number(value)),
     );
     this.seat.classList.add("player-follow");
-    this.trail = picker("Trails", TRAILS, FIRST_TRAIL, (value) => actions.setTrail(Number(value)));
+    this.trail = picker("Trails", TRAILS, TRAIL, (value) => actions.setTrail(Number(value)));
     this.views.setAttribute("aria-label", "View");
     this.inset.hidden = this.trail.hidden = this.views.hidden = true;
     this.element = make("div", { className: "player-buttons" }, this.times(), this.extras(), this.looks());

@@ -106,7 +106,7 @@ export class EventList {
     press.preventDefault();
     const items = [...this.element.children];
     const at = items.findIndex((item) => item.contains(document.activeElement));
-    const next = at < 0 ? items.findIndex((item) => item === this.current) : at + step;
+    const next = at < 0 ? items.indexOf(this.current as Element) : at + step;
     const button = items[Math.min(Math.max(0, next), items.length - 1)]?.firstElementChild;
     if (button instanceof HTMLElement) button.focus();
   }

@@ -7,6 +7,7 @@ import { readTrails, type Trails } from "../data/trails";
 const PAUSE = 1000; // ms between two questions about a file that is being made
 export const POLL = 400; // ms between two questions about a match that is being played
 export const RETRY = 2000; // ms after a question that was not answered
+const REFUSALS = [401, 403, 404, 410]; // answers to which waiting changes nothing
 
 export type Say = (text: string) => void;
 
@@ -14,6 +15,9 @@ export interface Source {
   map(say: Say): Promise<GameMap>;
   trails(say: Say, cursor?: string): Promise<Trails>;
 }
+
+// What a server does not tell, however often it is asked.
+export class Refusal extends Error {}
 
 export const pause = (time: number) => new Promise<void>((resolve) => setTimeout(resolve, time));
 
@@ -41,7 +45,8 @@ async function fetched(address: string | undefined, say: Say): Promise<ArrayBuff
     const told = await answer.json().catch(() => ({}));
     const reason = told.error ?? told.detail;
     if (answer.status !== 202 || told.state === "failed") {
-      throw new Error(typeof reason === "string" ? reason : `the server answered ${answer.status}`);
+      const Kind = REFUSALS.includes(answer.status) ? Refusal : Error;
+      throw new Kind(typeof reason === "string" ? reason : `the server answered ${answer.status}`);
     }
     say(reason ?? "It is being prepared …");
     await pause(PAUSE);

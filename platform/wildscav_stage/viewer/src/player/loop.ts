@@ -2,13 +2,12 @@
 
 import type { Clock } from "./clock";
 
-const SETTLED = 1000; // ms after which the camera of a stage that does not say so has come to rest
 const CALM = 500; // ms between two live pictures for people who asked for less motion
 
 // What a loop asks of its player.
 export interface Drawn {
   readonly frame: number;
-  readonly isCameraMoving: boolean | undefined; // undefined: it cannot be told
+  readonly isCameraMoving: boolean; // by itself
   draw(now: number, isStale: boolean): void;
   dispose(): void;
 }
@@ -21,7 +20,6 @@ export class Loop {
   private request = 0;
   private drawnFrame = -1;
   private drawnAt = 0; // ms
-  private changedAt = 0; // ms
   private isStale = true; // what is shown differs from what is
   private isStirred = false; // a person moved the camera
 
@@ -72,20 +70,15 @@ export class Loop {
   private tick(now: number): void {
     this.request = 0;
     this.clock.advance(now);
-    if (this.isStale || this.isStirred) this.changedAt = now;
     if (this.isDue(now)) this.draw(now);
-    if (this.clock.isRunning || this.isMoving(now)) this.ask();
+    if (this.clock.isRunning || this.player.isCameraMoving) this.ask();
     else this.clock.rest();
   }
 
   private isDue(now: number): boolean {
     const isHeld = this.clock.isFollowingLive && this.isCalm && now - this.drawnAt < CALM;
     const isLater = this.player.frame !== this.drawnFrame && !isHeld;
-    return this.isStale || this.isStirred || isLater || this.isMoving(now);
-  }
-
-  private isMoving(now: number): boolean {
-    return this.player.isCameraMoving ?? now - this.changedAt < SETTLED;
+    return this.isStale || this.isStirred || isLater || this.player.isCameraMoving;
   }
 
   private draw(now: number): void {

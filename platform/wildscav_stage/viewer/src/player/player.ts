@@ -114,10 +114,15 @@ export class Player implements Actions, Drawn {
     this.controls.status.replaceChildren(...what);
   }
 
+  // Ask for no more samples, and say why.
+  giveUp(why: string): void {
+    this.clock.close();
+    this.say(why);
+  }
+
   dispose(): void {
     this.loop.dispose();
     for (const stop of this.stops) stop();
-    this.clock.leave(this);
     this.timeline.dispose();
     this.screen.dispose();
   }
@@ -191,7 +196,12 @@ export class Player implements Actions, Drawn {
   }
 
   async copyLink(): Promise<void> {
-    history.replaceState(null, "", this.views.link(this.clock.seconds));
+    try {
+      history.replaceState(null, "", this.views.link(this.clock.seconds));
+    } catch {
+      this.sayBriefly("This page is inside another one and has no link of its own");
+      return;
+    }
     try {
       await navigator.clipboard.writeText(location.href);
       this.sayBriefly("Link copied");
@@ -229,7 +239,7 @@ export class Player implements Actions, Drawn {
   }
 
   private setEnd(): void {
-    this.clock.setEnd(this, this.course.seconds(this.course.lastFrame));
+    this.clock.setEnd(this.course.seconds(this.course.lastFrame));
   }
 
   private seekFrame(frame: number): void {
@@ -245,7 +255,7 @@ export class Player implements Actions, Drawn {
 
   // Drawing.
 
-  get isCameraMoving(): boolean | undefined {
+  get isCameraMoving(): boolean {
     return this.screen.isMoving;
   }
 

@@ -1,7 +1,7 @@
 // The standings of a match at a moment.
 
 import type { Course, SeatState } from "../data/course";
-import type { MatchEvent, Seat } from "../data/trails";
+import { type MatchEvent, METRE, type Seat } from "../data/trails";
 
 export interface Standing {
   seat: Seat;
@@ -30,10 +30,10 @@ export class Tally {
     this.update();
   }
 
-  // Take in the events that have come since.
+  // Take in the events that have come since, or begin anew with the match.
   update(): void {
-    const { events } = this.course;
-    if (events.length < this.counted) this.clear();
+    const { events, trails } = this.course;
+    if (trails.first) this.clear();
     for (const event of events.slice(this.counted)) this.add(event);
     this.counted = events.length;
   }
@@ -56,7 +56,7 @@ export class Tally {
   private standing(seat: Seat, state: SeatState, frame: number): Standing {
     const { target } = this.course.trails;
     const reached = upTo(this.reached[seat.seat], frame);
-    const away = target && Math.hypot(target.x / 100 - state.x, target.z / 100 - state.z);
+    const away = target && Math.hypot(target.x / METRE - state.x, target.z / METRE - state.z);
     return {
       seat,
       place: 0,

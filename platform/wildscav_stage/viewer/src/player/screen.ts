@@ -6,6 +6,7 @@ import type { Stage, StageMaker, View, ViewKind } from "../stage";
 import { iconButton, make } from "./dom";
 
 const SHARPEST = 2; // pixels of the canvas to one of the page
+const BACK = 4000; // ms in which 3D must be back, or the match is shown from above
 const NO_3D = "This browser cannot draw the match in 3D, so it is shown from above.";
 const LOST_3D = "The browser stopped drawing in 3D, so the match is shown from above.";
 const NO_STAGE = "This browser cannot draw the match. The events tell it.";
@@ -42,14 +43,14 @@ export class Screen {
     this.watcher.observe(this.element);
   }
 
-  say(text: string): void {
-    this.message.textContent = text;
+  say(...what: (Node | string)[]): void {
+    this.message.replaceChildren(...what);
   }
 
   // Draw on the map from now on.
   show(map: GameMap): void {
     this.map = map;
-    this.say("");
+    this.say();
     this.raise(0);
   }
 
@@ -58,9 +59,9 @@ export class Screen {
     if (this.isOnPage) this.stage?.draw(frame);
   }
 
-  // Whether the camera moves by itself; undefined if the stage does not say so.
-  get isMoving(): boolean | undefined {
-    return this.stage && this.isOnPage ? this.stage.moving : false;
+  // Whether the camera moves by itself.
+  get isMoving(): boolean {
+    return this.isOnPage && this.stage?.moving === true;
   }
 
   look(view: View): void {
@@ -117,7 +118,7 @@ export class Screen {
       console.info(error);
       return false;
     }
-    canvas.addEventListener("webglcontextlost", () => this.lose(place));
+    this.waitForContext(canvas, place);
     for (const name of ["pointerdown", "pointermove", "pointerup", "wheel", "keydown"]) {
       canvas.addEventListener(name, this.redraw, { passive: true });
     }
@@ -128,8 +129,21 @@ export class Screen {
     return true;
   }
 
+  // A browser that takes the graphics processor away mostly gives it back; the stage then draws on.
+  private waitForContext(canvas: HTMLCanvasElement, place: number): void {
+    let wait = 0;
+    canvas.addEventListener("webglcontextlost", () => {
+      wait = window.setTimeout(() => this.lose(place), BACK);
+    });
+    canvas.addEventListener("webglcontextrestored", () => {
+      clearTimeout(wait);
+      this.redraw();
+    });
+  }
+
   private lose(place: number): void {
-    this.stage?.dispose();
+    if (!this.stage) return;
+    this.stage.dispose();
     this.stage = null;
     this.raise(place + 1);
     if (this.stage) this.note.textContent = LOST_3D;

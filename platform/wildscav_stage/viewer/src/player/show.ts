@@ -1,32 +1,27 @@
 // A player in an element of a page: loads its match, says how that goes, and asks for more while it is being played.
 
 import { Course } from "../data/course";
+import type { GameMap } from "../data/map";
 import type { Trails } from "../data/trails";
 import type { StageMaker } from "../stage";
 import { readMoment } from "./address";
 import { Clock } from "./clock";
 import { make } from "./dom";
-import { POLL, pause, RETRY, type Source, sourceOf } from "./loading";
+import { POLL, pause, RETRY, Refusal, type Source, sourceOf } from "./loading";
 import { Player } from "./player";
 
 const PATIENCE = 10_000; // ms for which a match waits for its map
 
 const players: Player[] = [];
-const groups = new Map<string, Clock>();
 
 // The player to which the address of the page and keys pressed nowhere belong.
 const first = () => players.find(({ root }) => root.isConnected);
 
 // Fill an element with the player of its match. It never fails: what goes wrong is said in the element.
 export async function show(root: HTMLElement, makers: StageMaker[]): Promise<void> {
-  const message = make("p", {
-    className: "player-message",
-    role: "status",
-    textContent: "The match is loading …",
-  });
-  const tell = (text: string) => {
-    message.textContent = text;
-  };
+  const message = make("p", { className: "player-message", role: "status" });
+  const tell = (text: string) => message.replaceChildren(text);
+  tell("The match is loading …");
   root.classList.add("player");
   root.replaceChildren(message);
   const source = sourceOf(root);
@@ -35,19 +30,22 @@ export async function show(root: HTMLElement, makers: StageMaker[]): Promise<voi
     map.catch(() => {}); // is handled below, but perhaps later than the browser complains
     const trails = await firstTrails(source, tell);
     const player = enter(root, new Course(trails, namesOf(root)), makers);
-    const shown = showMap(player, map);
+    const shown = showMap(player, source, map);
     await Promise.race([shown, pause(PATIENCE)]);
     player.start(first() === player ? readMoment(location.hash) : null);
     if ("live" in root.dataset) await watch(player, source);
     await shown;
   } catch (error) {
     console.warn(error);
+    forget(root);
     tell(`The match cannot be shown: ${(error as Error).message}. `);
-    message.append(
-      make("button", { type: "button", textContent: "Try again", onclick: () => show(root, makers) }),
-    );
+    message.append(again(() => show(root, makers)));
     root.replaceChildren(message);
   }
+}
+
+function again(onclick: () => void): HTMLButtonElement {
+  return make("button", { type: "button", textContent: "Try again", onclick });
 }
 
 // The document of a match, when it has begun.
@@ -62,36 +60,35 @@ async function firstTrails(source: Source, tell: (text: string) => void): Promis
 }
 
 function enter(root: HTMLElement, course: Course, makers: StageMaker[]): Player {
-  forgetRemoved();
-  const clock = clockOf(root.dataset.sync);
-  clock.isOpen ||= "live" in root.dataset && !course.trails.over;
+  forget(root);
+  const clock = new Clock();
+  clock.isOpen = "live" in root.dataset && !course.trails.over;
   const player = new Player(root, course, clock, makers, () => first() === player);
   players.push(player);
   return player;
 }
 
-// Players whose elements have left the page draw no more, and let go of what they hold.
-function forgetRemoved(): void {
-  for (const player of players.filter(({ root }) => !root.isConnected)) {
+// Players of an element, and those whose elements have left the page, draw no more and let go of what they hold.
+function forget(given: HTMLElement): void {
+  for (const player of players.filter(({ root }) => root === given || !root.isConnected)) {
     player.dispose();
     players.splice(players.indexOf(player), 1);
   }
 }
 
-// Players of one group share a clock.
-function clockOf(group: string | undefined): Clock {
-  if (!group) return new Clock();
-  const clock = groups.get(group) ?? new Clock();
-  groups.set(group, clock);
-  return clock;
-}
-
-async function showMap(player: Player, map: ReturnType<Source["map"]>): Promise<void> {
-  player.screen.say("The map is loading …");
+async function showMap(player: Player, source: Source, map: Promise<GameMap>): Promise<void> {
+  const { screen } = player;
+  screen.say("The map is loading …");
   try {
     player.showMap(await map);
   } catch (error) {
-    player.screen.say(`The map cannot be shown: ${(error as Error).message}.`);
+    const retry = () =>
+      showMap(
+        player,
+        source,
+        source.map((text) => screen.say(text)),
+      );
+    screen.say(make("span", {}, `The map cannot be shown: ${(error as Error).message}. `, again(retry)));
   }
 }
 
@@ -103,22 +100,20 @@ function namesOf(root: HTMLElement): Record<number, string> {
   }
 }
 
-// Ask for new samples until the match is over.
+// Ask for new samples until the match is over, or the server tells no more.
 async function watch(player: Player, source: Source): Promise<void> {
+  let isLost = false;
   while (!player.course.trails.over && player.root.isConnected) {
-    let wait = POLL;
-    try {
-      const next = await source.trails(() => {}, player.course.trails.cursor);
-      player.extend(next);
-      player.say(
-        ...(next.over ? ["The match is over. ", make("a", { href: "", textContent: "See its result" })] : []),
-      );
-    } catch {
-      player.say("The connection is lost; trying again …");
-      wait = RETRY;
-    }
-    await pause(wait);
+    const { cursor } = player.course.trails;
+    const next = await source.trails(() => {}, cursor).catch((error: Error) => error);
+    if (next instanceof Refusal) return player.giveUp(`The match cannot be followed: ${next.message}.`);
+    if (next instanceof Error) player.say("The connection is lost; trying again …");
+    else player.extend(next);
+    if (isLost && !(next instanceof Error)) player.say();
+    isLost = next instanceof Error;
+    await pause(isLost ? RETRY : POLL);
   }
+  player.say("The match is over. ", make("a", { href: "", textContent: "See its result" }));
 }
 
 window.addEventListener("hashchange", () => {

@@ -43,7 +43,9 @@ export class Standings {
   }
 
   mark(followed: number | null): void {
-    this.rows.forEach((row, seat) => row.button.setAttribute("aria-pressed", String(seat === followed)));
+    this.rows.forEach(({ button }, seat) => {
+      button.setAttribute("aria-pressed", String(seat === followed));
+    });
   }
 
   private row(seat: Seat): Row {

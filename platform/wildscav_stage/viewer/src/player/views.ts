@@ -2,9 +2,8 @@
 
 import type { Course } from "../data/course";
 import type { Seat } from "../data/trails";
-import type { View, ViewKind } from "../stage";
+import { TRAIL, type View, type ViewKind } from "../stage";
 import { followsSeat, type Moment, writeMoment } from "./address";
-import { FIRST_TRAIL } from "./controls";
 import { Director } from "./director";
 import type { Screen } from "./screen";
 
@@ -22,7 +21,7 @@ export class Views {
   private readonly director: Director;
   private isDirected: boolean;
   private isInset = false;
-  private trail = FIRST_TRAIL; // s
+  private trail = TRAIL; // s
 
   // tell: told whenever something of it changes.
   constructor(

@@ -55,6 +55,11 @@ export class Input {
     return [Math.sign(right), Math.sign(ahead)];
   }
 
+  // Whether keys are held that move the view.
+  get isHeld(): boolean {
+    return this.isMoved() && this.heading().some((part) => part !== 0);
+  }
+
   dispose(): void {
     this.ending.abort();
   }
@@ -74,7 +79,10 @@ export class Input {
     pointer.x = event.offsetX;
     pointer.y = event.offsetY;
     const count = this.pointers.size;
-    if (count === 1) return this.gestures.drag(right, down, event.shiftKey || (event.buttons & 6) !== 0);
+    if (count === 1) {
+      this.gestures.drag(right, down, event.shiftKey || (event.buttons & 6) !== 0);
+      return;
+    }
     const after = this.spread();
     this.gestures.drag(right / count, down / count, true);
     if (before.width > 0 && after.width > 0) this.gestures.zoom(after.width / before.width, after.x, after.y);

@@ -73,8 +73,8 @@ export class Obstacles {
   }
 
   private planesOf(solid: number): Float32Array {
-    let planes = this.planes.get(solid);
-    if (!planes) this.planes.set(solid, (planes = planesOf(this.map, solid)));
+    const planes = this.planes.get(solid) ?? planesOf(this.map, solid);
+    this.planes.set(solid, planes);
     return planes;
   }
 }

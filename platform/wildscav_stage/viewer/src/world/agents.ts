@@ -46,10 +46,7 @@ void main() {
 }`;
 const FRAGMENT = /* glsl */ `
 in vec3 place, facing, base;
-void main() {
-  vec3 normal = normalize(facing);
-  shown = vec4(throughAir(base * lightOn(normal, sunShare(place, normal), skyShare(place, normal)), place), 1.0);
-}`;
+void main() { shown = objectAt(place, facing, base, 0.0); }`;
 const SHADOW_VERTEX = /* glsl */ `
 ${POSE}
 in vec2 slope; // of the ground, to the east and to the north

@@ -3,10 +3,9 @@
 import { DoubleSide, Group, Mesh, Vector3 } from "three";
 import type { Course } from "../data/course";
 import type { GameMap } from "../data/map";
+import { METRE } from "../data/trails";
 import { geometryOf, PerSquare, perCopy, squares } from "./parts";
 import { material, type Shared } from "./shared";
-
-const METRE = 100; // units of the document
 
 const VERTEX = /* glsl */ `
 in float part;
@@ -22,11 +21,7 @@ void main() {
 }`;
 const FRAGMENT = /* glsl */ `
 in vec3 place, facing, base;
-void main() {
-  vec3 normal = normalize(facing);
-  vec3 light = max(lightOn(normal, sunShare(place, normal), skyShare(place, normal)), vec3(0.75));
-  shown = vec4(throughAir(base * light, place), 1.0);
-}`;
+void main() { shown = objectAt(place, facing, base, 0.75); }`;
 const SPARK_VERTEX = /* glsl */ `
 in vec4 stand;
 uniform float size; // pixels

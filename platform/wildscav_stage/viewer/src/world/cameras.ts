@@ -42,6 +42,11 @@ export class Cameras {
     for (const camera of [this.perspective, this.orthographic]) camera.rotation.order = "YXZ";
   }
 
+  // Whether the camera behind a seat goes back, even while nothing else moves.
+  get isGliding(): boolean {
+    return this.follower.isGliding;
+  }
+
   // Place the camera of a view, for a canvas of so many CSS pixels.
   place(view: View, moment: Moment, width: number, height: number, seconds: number): Shown {
     const { kind, seat } = view;

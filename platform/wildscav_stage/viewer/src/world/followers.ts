@@ -17,6 +17,7 @@ const TURN = 25; // frames before and after, over whose mean it turns
 const PIECES = 8; // of them
 const FALLEN = 26; // degrees that it looks down more at the dead
 const OPENING = 0.9; // s in which it goes back by about two thirds of the way
+const ARRIVED = 0.05; // m
 const JUMP = 50; // frames beyond which it does not glide
 
 export function atTheEyes(state: SeatState): Pose {
@@ -27,6 +28,7 @@ export function atTheEyes(state: SeatState): Pose {
 export class Follower {
   readonly focus = new Vector3(); // m, what it looks at
   isBlocked = false; // whether something stands between the camera and that
+  isGliding = false; // whether it has yet to go back
   private distance = BEHIND; // m, from the head
   private seat = -1;
   private frame = 0;
@@ -53,7 +55,9 @@ export class Follower {
     this.focus.set(state.x, state.y + 1, state.z);
     const isJump = seat !== this.seat || Math.abs(frame - this.frame) > JUMP;
     const share = isJump || room < this.distance ? 1 : 1 - Math.exp(-seconds / OPENING);
-    this.distance += (Math.max(NEAREST, Math.min(BEHIND, room)) - this.distance) * share;
+    const wanted = Math.max(NEAREST, Math.min(BEHIND, room));
+    this.distance += (wanted - this.distance) * share;
+    this.isGliding = wanted - this.distance > ARRIVED;
     [this.seat, this.frame] = [seat, frame];
     const far = this.distance;
     return { x: x + back[0] * far, y: y + back[1] * far, z: z + back[2] * far, yaw, pitch };

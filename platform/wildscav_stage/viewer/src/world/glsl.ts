@@ -79,6 +79,13 @@ vec3 throughAir(vec3 color, vec3 place) {
   float way = length(ray);
   return mix(color, haze(ray.y / way), square(min(1.0, way / far)));
 }
+
+// What is seen of an object, on which so much light falls at least.
+vec4 objectAt(vec3 place, vec3 facing, vec3 base, float least) {
+  vec3 normal = normalize(facing);
+  vec3 light = lightOn(normal, sunShare(place, normal), skyShare(place, normal));
+  return vec4(throughAir(base * max(light, vec3(least)), place), 1.0);
+}
 `;
 
 export const PROJECT = /* glsl */ `

@@ -3,7 +3,7 @@
 import { Color, LinearSRGBColorSpace, WebGLRenderer } from "three";
 import type { Course } from "../data/course";
 import type { GameMap } from "../data/map";
-import type { Stage, StageOptions, View } from "../stage";
+import { type Stage, TRAIL, type View } from "../stage";
 import { type Moment, momentOf } from "../view/moment";
 import { Cameras } from "./cameras";
 import { inCorner } from "./inset";
@@ -35,8 +35,9 @@ export function createStage(
   const size = { width: 1, height: 1, ratio: 1 };
   const steering = createSteering(canvas, cameras, () => stage.view, size);
   let before = 0; // s, when the last picture was drawn
+  let isOther = false; // the quality, than in the last picture
 
-  const fit = () => {
+  const adapt = () => {
     const { scale, maxRatio, detail, shadows } = pace.quality;
     const ratio = Math.min(size.ratio, maxRatio) * scale;
     renderer.setPixelRatio(ratio);
@@ -52,10 +53,17 @@ export function createStage(
     before = now;
     return seconds;
   };
+  // A picture takes until the page can draw again; the next one may be wanted much later.
+  const judge = () => {
+    const start = performance.now();
+    requestAnimationFrame(() => {
+      if (pace.note((performance.now() - start) / 1000)) isOther = true;
+    });
+  };
   // A browser may take the graphics processor away, and give it back without the shadows.
   const recast = () => {
     parts.cast(renderer);
-    fit();
+    adapt();
   };
   canvas.addEventListener("webglcontextrestored", recast);
 
@@ -78,10 +86,15 @@ export function createStage(
     kinds: ["free", "behind", "eyes", "above"],
     view: { kind: "free", seat: 0 },
     inset: null,
-    trail: 20,
+    get moving() {
+      return steering.isHeld() || (stage.view.kind === "behind" && cameras.isGliding);
+    },
+    trail: TRAIL,
     draw: (frame) => {
       const seconds = elapsed();
-      if (pace.note(seconds)) fit();
+      judge();
+      if (isOther) adapt();
+      isOther = false;
       steering.move(Math.min(LONGEST, seconds));
       const moment = momentOf(course, frame);
       const shown = place(stage.view, moment, size.width, size.height, seconds);
@@ -94,7 +107,7 @@ export function createStage(
     resize: (width, height, ratio) => {
       Object.assign(size, { width, height, ratio });
       cameras.orbit.fit(width / height);
-      fit();
+      adapt();
     },
     dispose: () => {
       canvas.removeEventListener("webglcontextrestored", recast);

@@ -3,13 +3,13 @@
 
 import { CanvasTexture, DoubleSide, Group, LinearFilter, Mesh } from "three";
 import type { Course } from "../data/course";
+import { CLOTHES } from "../data/trails";
 import type { Moment } from "../view/moment";
 import { drawName, LABEL_HEIGHT as HEIGHT, LABEL_WIDTH as WIDTH } from "../view/names";
 import { PerSquare, squares } from "./parts";
 import { material, type Shared } from "./shared";
 
 const HEAD = 2.15; // m over the soles
-const TORSO = 2; // the part of a body that has the colour of its team
 // CSS pixels: the height of the bar of health, and half the side of a marker.
 const BAR = 7;
 const MARKER = 15;
@@ -123,7 +123,7 @@ export function createLabels(course: Course, shared: Shared): Labels {
       if (seat === hidden) continue;
       const { x, y, z, yaw, health } = states[seat];
       const share = Math.max(0, health / course.seats[seat].full_health);
-      const [red, green, blue] = course.seats[seat].colors[TORSO];
+      const [red, green, blue] = course.seats[seat].colors[CLOTHES];
       head.set(copies, x, y + (health > 0 ? HEAD : 0.9), z, seat);
       state.set(copies, names.widths[seat], share, share > 0 ? 1 : 0.55, withMarkers ? 11 : 2);
       paint.set(copies, red / 255, green / 255, blue / 255, (yaw * Math.PI) / 180);
@@ -148,7 +148,7 @@ function namesOf(course: Course): { texture: CanvasTexture; widths: number[]; ce
   const widths = course.seats.map((seat, place) => {
     context.save();
     context.translate((place % COLUMNS) * WIDTH, Math.floor(place / COLUMNS) * HEIGHT);
-    const width = drawName(context, seat.name, seat.colors[TORSO]);
+    const width = drawName(context, seat.name, seat.colors[CLOTHES]);
     context.restore();
     return width;
   });

@@ -55,7 +55,7 @@ export class Pace {
     return QUALITIES[this.level];
   }
 
-  // Note the time since the last picture; true if another quality is to be used from now on.
+  // Note the time that a picture took; true if another quality is to be used from now on.
   note(seconds: number): boolean {
     if (seconds > PAUSE) return false;
     this.times.push(seconds);

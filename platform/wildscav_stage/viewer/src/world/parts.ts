@@ -63,13 +63,35 @@ export function perCopy(
 // They are no copies of one, since software takes long for each copy.
 export function squares(count: number): BufferGeometry {
   const geometry = new BufferGeometry();
-  const corners = Array.from({ length: Math.max(1, count) }, () => SQUARE).flat();
-  geometry.setAttribute("position", new BufferAttribute(new Float32Array(corners), 3));
-  const first = corners.length / SQUARE.length;
-  geometry.setIndex(
-    Array.from({ length: first }, (_, at) => TRIANGLES.map((corner) => 4 * at + corner)).flat(),
-  );
+  const corners = new Float32Array(SQUARE.length * Math.max(1, count));
+  const triangles = new Uint32Array(TRIANGLES.length * Math.max(1, count));
+  for (let at = 0; at < corners.length; at++) corners[at] = SQUARE[at % SQUARE.length];
+  for (let at = 0; at < triangles.length; at++)
+    triangles[at] = 4 * Math.floor(at / TRIANGLES.length) + TRIANGLES[at % TRIANGLES.length];
+  geometry.setAttribute("position", new BufferAttribute(corners, 3));
+  geometry.setIndex(new BufferAttribute(triangles, 1));
   geometry.setDrawRange(0, 0);
+  return geometry;
+}
+
+// The side of an upright cylinder of radius 1, with rings of corners at some heights.
+export function cylinder(sides: number, heights: number[]): BufferGeometry {
+  const places: number[] = [];
+  const triangles: number[] = [];
+  for (let side = 0; side <= sides; side++) {
+    const angle = (2 * Math.PI * side) / sides;
+    for (const height of heights) places.push(Math.sin(angle), height, Math.cos(angle));
+  }
+  for (let side = 0; side < sides; side++) {
+    for (let level = 0; level < heights.length - 1; level++) {
+      const at = heights.length * side + level;
+      const next = at + heights.length;
+      triangles.push(at, at + 1, next, at + 1, next + 1, next);
+    }
+  }
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(new Float32Array(places), 3));
+  geometry.setIndex(triangles);
   return geometry;
 }
 

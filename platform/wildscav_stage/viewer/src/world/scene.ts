@@ -18,7 +18,7 @@ import { showShots } from "./shots";
 import { createSky } from "./sky";
 import { createSolids } from "./solids";
 import { createTarget } from "./target";
-import { showTrails } from "./trails";
+import { createTrails } from "./trails";
 import { createWater } from "./water";
 import { createZone } from "./zone";
 
@@ -106,7 +106,7 @@ function createLife(map: GameMap, course: Course, shared: Shared) {
   const labels = createLabels(course, shared);
   const zone = createZone(map, course, shared);
   const tracers = new Lines(shared, FEW, true);
-  const trails = new Lines(shared, FEW, false);
+  const trails = createTrails(course, shared);
   const groups = [agents.group, boxes.group, labels.group, zone.group, createTarget(course, shared)];
   const show = (moment: Moment, shown: Shown, kind: ViewKind, reach: number, trail: number) => {
     const { frame } = moment;
@@ -119,14 +119,14 @@ function createLife(map: GameMap, course: Course, shared: Shared) {
     boxes.show(frame, shared.eye.value, crates, spark * ratio);
     zone.show(frame, isFromAbove);
     showShots(tracers, course, frame, ratio, hidden);
-    if (isFromAbove) showTrails(trails, course, frame, trail, ratio);
-    else trails.mesh.visible = false;
+    trails.group.visible = isFromAbove;
+    if (isFromAbove) trails.show(moment, trail, ratio);
   };
   const dispose = () => {
     agents.dispose();
     labels.dispose();
   };
-  const objects = [...groups, tracers.mesh, trails.mesh];
+  const objects = [...groups, tracers.mesh, trails.group];
   return { objects, names: labels.group, show, dispose };
 }
 

@@ -4,7 +4,7 @@ import type { Course } from "../data/course";
 import type { Color } from "../data/map";
 import type { Lines } from "./lines";
 
-export const SEEN = 9; // frames
+const SEEN = 9; // frames
 const MUZZLE = [0.1, 1.22, 0.45]; // m to the right, up and ahead of the soles of the shooter
 const EYE = 1.5; // m over the soles
 const IN_VIEW = [0.17, 0.19, 1.1]; // m to the right, down and ahead of the eye: the muzzle of one's own weapon

@@ -12,6 +12,7 @@ export interface Size {
 }
 
 export interface Steering {
+  isHeld(): boolean; // whether keys are
   // Move as held keys say, for so many seconds.
   move(seconds: number): void;
   // Come nearer to the middle, or go away.
@@ -47,5 +48,5 @@ export function createSteering(
       mapView.drag(-PACE * right * seconds, PACE * ahead * seconds, size.width, size.height);
   };
   const zoom = (factor: number) => gestures.zoom(factor, size.width / 2, size.height / 2);
-  return { move, zoom, dispose: () => input.dispose() };
+  return { isHeld: () => input.isHeld, move, zoom, dispose: () => input.dispose() };
 }

@@ -1,12 +1,12 @@
 // The target of a navigation: a beam of light, seen from everywhere.
 
-import { BufferAttribute, BufferGeometry, DoubleSide, Group, Mesh } from "three";
+import { DoubleSide, Group, Mesh } from "three";
 import type { Course } from "../data/course";
-import { squares } from "./parts";
+import { METRE } from "../data/trails";
+import { cylinder, squares } from "./parts";
 import { material, type Shared } from "./shared";
 
 const SIDES = 24;
-const METRE = 100; // units of the document
 const RADIUS = 0.45; // m
 const RISE = 40; // m
 
@@ -57,7 +57,7 @@ export function createTarget(course: Course, shared: Shared): Group {
     depthWrite: false,
     side: DoubleSide,
   };
-  const beam = new Mesh(beamGeometry(), material(shared, VERTEX, FRAGMENT, options));
+  const beam = new Mesh(cylinder(SIDES, [0, 0.02, 1]), material(shared, VERTEX, FRAGMENT, options));
   const square = squares(1);
   square.setDrawRange(0, Infinity);
   const mark = new Mesh(
@@ -68,25 +68,4 @@ export function createTarget(course: Course, shared: Shared): Group {
   [beam.renderOrder, mark.renderOrder] = [5, 7];
   group.add(beam, mark);
   return group;
-}
-
-function beamGeometry(): BufferGeometry {
-  const places: number[] = [];
-  const triangles: number[] = [];
-  const levels = [0, 0.02, 1];
-  for (let side = 0; side <= SIDES; side++) {
-    const angle = (2 * Math.PI * side) / SIDES;
-    for (const rise of levels) places.push(Math.sin(angle), rise, Math.cos(angle));
-  }
-  for (let side = 0; side < SIDES; side++) {
-    for (let level = 0; level < levels.length - 1; level++) {
-      const at = levels.length * side + level;
-      const next = at + levels.length;
-      triangles.push(at, at + 1, next, at + 1, next + 1, next);
-    }
-  }
-  const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(new Float32Array(places), 3));
-  geometry.setIndex(triangles);
-  return geometry;
 }

@@ -1,61 +1,77 @@
 // Where each seat was some seconds before, for the view from above.
 
+import { Group } from "three";
 import type { Course } from "../data/course";
-import type { Lines } from "./lines";
+import { CLOTHES, METRE } from "../data/trails";
+import type { Moment } from "../view/moment";
+import { createWays, type Way } from "../view/ways";
+import { Lines } from "./lines";
+import type { Shared } from "./shared";
 
-const METRE = 100; // units of the document
-const PIECE = 2; // samples from one end of a line to the other
-const LEAP = 6 * METRE; // between its ends beyond what anyone walks: a respawn
 const ABOVE = 0.4; // m over the soles
-const TORSO = 2; // the part of a body that has the colour of its team
-const OPACITY = 0.9; // of the newest part
+const OPACITY = 0.9; // of the way since the last sample
 const WIDTH = 2; // pixels
+const FEW = 64; // lines that there is room for at first
 
-export function showTrails(
-  lines: Lines,
-  course: Course,
-  frame: number,
-  seconds: number,
-  pixelRatio: number,
-): void {
-  const last = course.sampleAt(frame);
-  const first = course.sampleAt(frame - seconds * course.trails.frames_per_second);
-  lines.begin((last - first + 1) * course.seats.length);
-  const opacity = (sample: number) => (OPACITY * (sample - first)) / Math.max(1, last - first);
-  for (let seat = 0; seat < course.seats.length; seat++) {
-    const { x, z, height, health } = course.samples[seat];
-    const color = course.seats[seat].colors[TORSO];
-    for (let at = last, from = at; at > first; at = from) {
-      from = Math.max(first, PIECE * Math.floor((at - 1) / PIECE)); // so that old lines stay the same
-      if (health[at] <= 0 || Math.abs(x[at] - x[from]) + Math.abs(z[at] - z[from]) > LEAP) continue;
-      lines.add(
-        x[from] / METRE,
-        height[from] / METRE + ABOVE,
-        z[from] / METRE,
-        x[at] / METRE,
-        height[at] / METRE + ABOVE,
-        z[at] / METRE,
-        color,
-        opacity(from),
-        opacity(at),
-        WIDTH * pixelRatio,
-      );
-    }
-    const now = course.at(seat, frame);
-    const end = 3;
-    if (now.health > 0 && Math.hypot(now.x - x[last] / METRE, now.z - z[last] / METRE) < end)
-      lines.add(
-        x[last] / METRE,
-        height[last] / METRE + ABOVE,
-        z[last] / METRE,
-        now.x,
-        now.y + ABOVE,
-        now.z,
-        color,
-        OPACITY,
-        OPACITY,
-        WIDTH * pixelRatio,
-      );
+export interface Trails {
+  group: Group;
+  show(moment: Moment, seconds: number, pixelRatio: number): void;
+}
+
+export function createTrails(course: Course, shared: Shared): Trails {
+  const [old, latest] = [new Lines(shared, FEW, false), new Lines(shared, course.seats.length, false)];
+  const group = new Group();
+  group.add(old.mesh, latest.mesh);
+  const waysIn = createWays(course);
+  let [shown, shownWidth]: [Way[] | null, number] = [null, 0];
+  const show = (moment: Moment, seconds: number, pixelRatio: number) => {
+    const [ways, width] = [waysIn(moment.frame, seconds), WIDTH * pixelRatio];
+    if (ways !== shown || width !== shownWidth) layWays(old, course, ways, width);
+    [shown, shownWidth] = [ways, width];
+    layLatest(latest, course, moment, seconds > 0 ? width : 0);
+  };
+  return { group, show };
+}
+
+function layWays(lines: Lines, course: Course, ways: Way[], width: number): void {
+  lines.begin(ways.length);
+  for (const { seat, from, to, fromOpacity, toOpacity } of ways) {
+    const { x, z, height } = course.samples[seat];
+    lines.add(
+      x[from] / METRE,
+      height[from] / METRE + ABOVE,
+      z[from] / METRE,
+      x[to] / METRE,
+      height[to] / METRE + ABOVE,
+      z[to] / METRE,
+      course.seats[seat].colors[CLOTHES],
+      fromOpacity,
+      toOpacity,
+      width,
+    );
   }
+  lines.end();
+}
+
+// From the last sample to where each seat is now.
+function layLatest(lines: Lines, course: Course, { frame, states }: Moment, width: number): void {
+  const last = course.sampleAt(frame);
+  lines.begin(states.length);
+  states.forEach((now, seat) => {
+    const { x, z, height } = course.samples[seat];
+    if (now.health <= 0 || !width) return;
+    lines.add(
+      x[last] / METRE,
+      height[last] / METRE + ABOVE,
+      z[last] / METRE,
+      now.x,
+      now.y + ABOVE,
+      now.z,
+      course.seats[seat].colors[CLOTHES],
+      OPACITY,
+      OPACITY,
+      width,
+    );
+  });
   lines.end();
 }

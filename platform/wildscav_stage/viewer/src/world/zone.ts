@@ -4,6 +4,7 @@ import { BufferAttribute, BufferGeometry, DoubleSide, DynamicDrawUsage, Group, M
 import type { Course } from "../data/course";
 import type { GameMap } from "../data/map";
 import { heightAt } from "../view/terrain";
+import { cylinder } from "./parts";
 import { material, type Shared } from "./shared";
 
 const SIDES = 180;
@@ -54,7 +55,7 @@ export function createZone(map: GameMap, course: Course, shared: Shared): Zone {
   const range = { bottom: { value: 0 }, top: { value: 0 } };
   const bounds = "uniform float bottom, top;";
   const wall = new Mesh(
-    wallGeometry(),
+    cylinder(SIDES, [0, 1]),
     material(shared, bounds + VERTEX, FRAGMENT, {
       ...{ uniforms: range, transparent: true, depthWrite: false, side: DoubleSide },
     }),
@@ -71,7 +72,7 @@ export function createZone(map: GameMap, course: Course, shared: Shared): Zone {
   );
   const places = new BufferAttribute(new Float32Array(6 * (SIDES + 1)), 3).setUsage(DynamicDrawUsage);
   ring.geometry.setAttribute("position", places);
-  ring.geometry.setIndex(strip());
+  ring.geometry.setIndex(wall.geometry.index);
   wall.frustumCulled = ring.frustumCulled = border.frustumCulled = false;
   [ring.renderOrder, wall.renderOrder, border.renderOrder] = [3, 5, 4];
   const group = new Group();
@@ -97,25 +98,6 @@ export function createZone(map: GameMap, course: Course, shared: Shared): Zone {
     drawn = key;
   };
   return { group, show };
-}
-
-function wallGeometry(): BufferGeometry {
-  const places: number[] = [];
-  for (let side = 0; side <= SIDES; side++) {
-    const angle = (2 * Math.PI * side) / SIDES;
-    for (const rise of [0, 1]) places.push(Math.sin(angle), rise, Math.cos(angle));
-  }
-  const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(new Float32Array(places), 3));
-  geometry.setIndex(strip());
-  return geometry;
-}
-
-function strip(): number[] {
-  return Array.from({ length: SIDES }, (_, side) => {
-    const at = 2 * side;
-    return [at, at + 1, at + 2, at + 1, at + 3, at + 2];
-  }).flat();
 }
 
 // Lay a ring on the ground, as far as there is ground.

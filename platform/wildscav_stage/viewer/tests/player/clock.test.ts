@@ -3,7 +3,7 @@ import { Clock, clockText } from "../../src/player/clock";
 
 function clockOf(end: number): Clock {
   const clock = new Clock();
-  clock.setEnd({}, end);
+  clock.setEnd(end);
   return clock;
 }
 
@@ -26,16 +26,6 @@ test("time passes while the match plays, at its speed", () => {
   expect(clock.seconds).toBeCloseTo(8);
 });
 
-test("several players that share a clock let time pass once", () => {
-  const clock = clockOf(60);
-  clock.play();
-  for (let now = 0; now <= 1000; now += 100) {
-    clock.advance(now);
-    clock.advance(now);
-  }
-  expect(clock.seconds).toBeCloseTo(1);
-});
-
 test("a page that slept does not leap", () => {
   const clock = clockOf(60);
   clock.play();
@@ -52,15 +42,6 @@ test("at the end it stops, and playing again begins anew", () => {
   expect(clock.isRunning).toBe(false);
   clock.play();
   expect(clock.seconds).toBe(0);
-});
-
-test("the longest of several matches decides the end", () => {
-  const clock = clockOf(10);
-  const other = {};
-  clock.setEnd(other, 20);
-  expect(clock.end).toBe(20);
-  clock.leave(other);
-  expect(clock.end).toBe(10);
 });
 
 test("one can go to any moment, but not beyond the match", () => {
@@ -81,14 +62,13 @@ test("speeds go up and down, and have ends", () => {
 
 test("a match that is being played is followed, a little behind its newest moment", () => {
   const clock = clockOf(20);
-  const match = {};
   clock.isOpen = true;
-  clock.setEnd(match, 20);
+  clock.setEnd(20);
   clock.followLive();
   expect(clock.seconds).toBe(20);
   let now = 0;
   for (let second = 21; second <= 25; second++) {
-    clock.setEnd(match, second);
+    clock.setEnd(second);
     now = pass(clock, 1, now);
   }
   expect(clock.seconds).toBeGreaterThan(24);
@@ -100,10 +80,9 @@ test("a match that is being played is followed, a little behind its newest momen
 
 test("a match that is played much faster than it can be watched is still followed", () => {
   const clock = clockOf(20);
-  const match = {};
   clock.isOpen = true;
   clock.followLive();
-  clock.setEnd(match, 200);
+  clock.setEnd(200);
   pass(clock, 0.3);
   expect(clock.seconds).toBeGreaterThan(199);
 });
@@ -113,7 +92,7 @@ test("whoever looks back is left alone, and returns by playing to the present", 
   clock.isOpen = true;
   clock.followLive();
   clock.seek(19);
-  clock.setEnd({}, 20.5);
+  clock.setEnd(20.5);
   pass(clock, 1);
   expect(clock.seconds).toBe(19);
   clock.play();
@@ -125,7 +104,7 @@ test("at the end of a match that was followed, time stands still", () => {
   const clock = clockOf(20);
   clock.isOpen = true;
   clock.followLive();
-  clock.setEnd({}, 21);
+  clock.setEnd(21);
   clock.close();
   pass(clock, 9);
   expect(clock.seconds).toBe(21);

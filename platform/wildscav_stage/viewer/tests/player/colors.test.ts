@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { colorsOf } from "../../src/player/colors";
-import { seat } from "./matches";
+import { seat } from "../matches";
 
 test.each<[[number, number, number], string, string]>([
   [[255, 254, 51], "rgb(255 254 51)", "#16181a"],

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { Director } from "../../src/player/director";
-import { course, event, trails } from "./matches";
+import { course, event, trails } from "../matches";
 
 const quiet = Array<number>(20).fill(0);
 const match = (...events: Parameters<typeof event>[]) =>

@@ -1,6 +1,6 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
-import { sourceOf } from "../../src/player/loading";
-import { trails } from "./matches";
+import { Refusal, sourceOf } from "../../src/player/loading";
+import { trails } from "../matches";
 
 const asked: string[] = [];
 const said: string[] = [];
@@ -68,6 +68,19 @@ test.each([
 ])("%s is said", async (_, response, message) => {
   answer(response);
   await expect(source({ trails: "/trails" }).trails(say)).rejects.toThrow(message);
+});
+
+test.each([
+  [403, true],
+  [404, true],
+  [500, false],
+  [502, false],
+])("whether asking again may help is told: after %i", async (status, isRefusal) => {
+  answer(told({}, status));
+  const error = await source({ trails: "/trails" })
+    .trails(say)
+    .catch((each) => each);
+  expect(error instanceof Refusal).toBe(isRefusal);
 });
 
 test("a page may hold its match", async () => {

@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import type { MatchEvent } from "../../src/data/trails";
 import { describe, feedAt, jumpFrom, stepFrom } from "../../src/player/moments";
-import { course, event } from "./matches";
+import { course, event } from "../matches";
 
 test.each<[MatchEvent, string]>([
   [event(0, "hit", 0, 1), "agent 0 hits agent 1, 1 hp left"],

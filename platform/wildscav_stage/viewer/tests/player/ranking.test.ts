@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { Tally } from "../../src/player/ranking";
-import { course, event, seat, trails } from "./matches";
+import { course, event, seat, trails } from "../matches";
 
 const places = (tally: Tally, frame: number) => tally.at(frame).map((each) => [each.place, each.seat.seat]);
 
@@ -86,9 +86,11 @@ test("a match that goes on, or begins anew, is counted anew", () => {
   match.extend({ ...next, first: false, samples: { frames: [55], seats: next.samples.seats.map(firsts) } });
   tally.update();
   expect(tally.at(60)[0].kills).toBe(2);
-  match.extend(trails([[0], [0]]));
-  tally.update();
-  expect(tally.at(50)[0].kills).toBe(0);
+  for (const kills of [0, 3]) {
+    match.extend(trails([[0], [0]], Array(kills).fill(event(20, "death", 1, 0))));
+    tally.update();
+    expect(tally.at(50)[0].kills).toBe(kills);
+  }
 });
 
 const firsts = <Lists extends Record<string, number[]>>(lists: Lists) =>

@@ -1,7 +1,7 @@
 // Small matches for tests.
 
-import { Course } from "../../src/data/course";
-import type { EventKind, MatchEvent, Seat, SeatSamples, Trails } from "../../src/data/trails";
+import { Course } from "../src/data/course";
+import type { EventKind, MatchEvent, Seat, SeatSamples, Trails } from "../src/data/trails";
 
 export function seat(number: number, name = `agent ${number}`): Seat {
   const colors = [0, 1, 2].map((): [number, number, number] => [255, 75, 51]);
