@@ -3,7 +3,7 @@
 import { Color, LinearSRGBColorSpace, WebGLRenderer } from "three";
 import type { Course } from "../data/course";
 import type { GameMap } from "../data/map";
-import { type Stage, TRAIL, type View } from "../stage";
+import { type Stage, type StageOptions, TRAIL, type View } from "../stage";
 import { type Moment, momentOf } from "../view/moment";
 import { Cameras } from "./cameras";
 import { inCorner } from "./inset";
