@@ -16,7 +16,6 @@ from wildscav_engine.maps.pools import random_maps
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.specs.actions import no_actions
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_engine.tracks import TRACKS
 from wildscav_training.opponents import Oracle
 
 SURE = 1.96  # standard errors in a 95 % interval
@@ -46,24 +45,45 @@ def matches_on(track: str, level: Level, count: int) -> Iterator[MatchSpec]:
         yield spec.model_copy(update={"map": pool[number].spec, "seed": number})
 
 
-def play(agent: SeatController, spec: MatchSpec) -> Trial:
-    """Let an agent play in the first seat of a match, until the match is over or the agent out of it.
+def play(
+    agent: SeatController,
+    spec: MatchSpec,
+    seats: Sequence[int] = (0,),
+    others: Sequence[tuple[SeatController, int]] = (),
+) -> Trial:
+    """Let an agent play in some seats of a match, until the match is over or the agent out of it.
 
     The oracle stops at every corner of its path, so its steps are single frames.
+
+    Args:
+        agent: The agent.
+        spec: The match.
+        seats: The agent's seats; its metrics are their means.
+        others: Who plays in the other seats for submissions.
     """
     if isinstance(agent, Oracle):
         spec = spec.model_copy(update={"frames_per_action": 1})
     batch, times = Batch([spec], [map_of(spec.map)]), []
-    match, seat = np.zeros(1, np.int64), np.zeros(1, np.int64)
-    agent.begin(batch, match, seat)
+    own = np.array(seats)
+    company = [(other, np.array([seat])) for other, seat in others]
+    for player, places in ((agent, own), *company):
+        player.begin(batch, np.zeros_like(places), places)
     actions = no_actions(len(spec.seats))[None]
-    while not batch.state.matches.over[0] and batch.state.agents.placement[0, 0] == 0:
+    while not batch.state.matches.over[0] and (batch.state.agents.placement[0, own] == 0).any():
         began = time.process_time()
-        actions[0, 0] = agent.act(batch, match, seat)[0]
-        times.append(time.process_time() - began)
+        actions[0, own] = agent.act(batch, np.zeros_like(own), own)
+        times.append((time.process_time() - began) / len(own))
+        for other, places in company:
+            actions[0, places] = other.act(batch, np.zeros_like(places), places)
         batch.step(actions)
-    track, view = TRACKS[spec.track], MatchInBatch(batch, 0)
-    return Trial({**track.measure(view, 0), **track.measure_slow(view, 0)}, statistics.fmean(times))
+    return Trial(_mean_metrics(batch, seats), statistics.fmean(times))
+
+
+def _mean_metrics(batch: Batch, seats: Sequence[int]) -> dict[str, float]:
+    """Return the means over some seats of all metrics of a track."""
+    track, view = batch.track, MatchInBatch(batch, 0)
+    measured = [{**track.measure(view, seat), **track.measure_slow(view, seat)} for seat in seats]
+    return {name: statistics.fmean(each[name] for each in measured) for name in measured[0]}
 
 
 def estimate(name: str, trials: Sequence[Trial]) -> Estimate:
@@ -96,6 +116,6 @@ def rate(successes: Sequence[float]) -> str:
     return f"{100.0 * share:.1f} % ({100.0 * low:.1f}–{100.0 * high:.1f})"
 
 
-def mean(values: Sequence[float], sign: str = "") -> str:
+def mean(values: Sequence[float], sign: str = "", digits: int = 3) -> str:
     """Return a mean with its 95 % interval."""
-    return f"{statistics.fmean(values):{sign}.3f} ± {half_width(values):.3f}"
+    return f"{statistics.fmean(values):{sign}.{digits}f} ± {half_width(values):.{digits}f}"

@@ -1,6 +1,7 @@
 """``wildscav baselines``: how strong the baselines, and agents beside them, are on the levels."""
 
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -8,16 +9,17 @@ import typer
 from wildscav.cli.shared_options import AsJson, named_in
 from wildscav.errors import UserError
 from wildscav_training.cli.level_option import level_names
+from wildscav_training.cli.playing import ALL, baselines_of, play_all, players_of
 
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from wildscav_training.cli.playing import Played
     from wildscav_training.trials import Trial
 
-    Played = dict[tuple[str, str], list[Trial]]  # by level and agent
-
-ALL = "all"
 MAX_MATCHES = 10_000
+LEVEL_MATCHES, SCENARIO_MATCHES = 100, 20  # by default
+DIGITS = {"score": 0, "random": 0, "reference": 0, "normalized": 2}  # of what is shown of scenarios
 
 
 def _tracks() -> Sequence[str]:
@@ -30,6 +32,12 @@ def _levels() -> Sequence[str]:
     return (*level_names(), ALL)
 
 
+def _scenarios() -> Sequence[str]:
+    from wildscav_training.company.scenarios import SCENARIOS
+
+    return (*SCENARIOS, ALL)
+
+
 def baselines(
     agents: Annotated[
         list[str] | None,
@@ -40,38 +48,54 @@ def baselines(
             show_default=False,
         ),
     ] = None,
-    track: Annotated[str, typer.Option(help="Track to play.", **named_in(_tracks))] = "navigation",
+    track: Annotated[
+        str | None, typer.Option(help="Default: navigation, or those of the scenarios.", **named_in(_tracks))
+    ] = None,
     level: Annotated[
-        str, typer.Option(help="The level whose test maps are played, or all.", **named_in(_levels))
-    ] = "hard",
+        str | None,
+        typer.Option(
+            help="The level whose test maps are played, or all. Default: hard.", **named_in(_levels)
+        ),
+    ] = None,
+    scenario: Annotated[
+        str | None,
+        typer.Option(
+            help="In place of a level, a scenario of held-out company, or all.", **named_in(_scenarios)
+        ),
+    ] = None,
     matches: Annotated[
-        int, typer.Option(help="Matches of each agent on a level, each on a map.", min=2, max=MAX_MATCHES)
-    ] = 100,
+        int | None,
+        typer.Option(
+            help="Matches of each agent, each on a map. Default: 100 on a level, 20 in a scenario.",
+            min=2,
+            max=MAX_MATCHES,
+        ),
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Let the baselines play on the test maps of a level, in this process, and show what they reach.
 
-    All agents play the same matches; each has the first seat, and the track's robots have the others.
+    All agents play the same matches; each has the first seat, and the track's robots have the others. In a
+    scenario, others have them whom nothing else draws, and normalized scores are 0 for random and 1 for
+    commando, the reference.
     """
     from wildscav.terminal.console import console, print_json
+    from wildscav_training.cli.scenarios import play_scenarios
 
-    names = agents or _baselines_of(track)
-    levels = level_names() if level == ALL else (level,)
-    played = _play(track, levels, names, matches)
-    console.print(_table(track, matches, played))
+    if scenario is not None:
+        if level is not None:
+            raise UserError("--scenario has maps of its own; omit --level", exit_code=2)
+        place, shown, matches = "scenario", tuple(DIGITS), matches or SCENARIO_MATCHES
+        played = play_scenarios(scenario, track, agents, matches)
+    else:
+        place, track, matches = "level", track or "navigation", matches or LEVEL_MATCHES
+        levels = level_names() if level == ALL else (level or "hard",)
+        shown = _shown(track)
+        played = _play(track, levels, agents or baselines_of(track), matches)
+    title = f"{track or 'held-out company'}, {matches} matches on test maps, with 95 % intervals"
+    console.print(_table(title, place, shown, played))
     if as_json:
-        print_json({"track": track, "matches": matches, "rows": _rows(played)})
-
-
-def _baselines_of(track: str) -> list[str]:
-    """Return the names of the baselines that play a track, between those that know the target."""
-    from wildscav.baselines import NAMES, baseline_folder
-    from wildscav.sdk.submission_folder import MANIFEST
-    from wildscav_engine.tracks import TRACKS
-    from wildscav_server.hosting.manifest import read_manifest
-
-    names = [name for name in NAMES if track in read_manifest(baseline_folder(name) / MANIFEST).tracks]
-    return ["straight", *names, "oracle"] if TRACKS[track].has_target else names
+        print_json({"track": track, "matches": matches, "rows": _rows(place, played)})
 
 
 def _play(track: str, levels: Sequence[Any], names: Sequence[str], matches: int) -> "Played":
@@ -80,60 +104,65 @@ def _play(track: str, levels: Sequence[Any], names: Sequence[str], matches: int)
     Raises:
         UserError: There is no such agent, or it does not play the track.
     """
-    from wildscav.terminal.console import error_console, progress_bar
-    from wildscav_engine.compilation.engine_progress import preparing
-    from wildscav_training.opponents import named_agent
     from wildscav_training.trials import matches_on, play
 
-    players = {name: named_agent(name) for name in names}
-    for player in players.values():
-        try:
-            player.check(track)
-        except ValueError as error:
-            raise UserError(str(error), exit_code=2) from None
-    played: Played = {(level, name): [] for level in levels for name in players}
-    with preparing(error_console), progress_bar() as progress:
-        task = progress.add_task("", total=len(played) * matches)
-        for level in levels:
-            for spec in matches_on(track, level, matches):
-                for name, player in players.items():
-                    progress.update(task, description=f"{level}, {name}")
-                    played[level, name].append(play(player, spec))
-                    progress.advance(task)
-    return played
+    players = players_of((track,), names)
+    each = (
+        ((level, name), partial(play, player, spec))
+        for level in levels
+        for spec in matches_on(track, level, matches)
+        for name, player in players.items()
+    )
+    return play_all(each, len(levels) * len(players) * matches)
 
 
-def _table(track: str, matches: int, played: "Played") -> "Table":
-    """Return a row for each agent on each level: success and SPL, or else the track's score."""
-    from wildscav.terminal.tables import FittingTable
+def _shown(track: str) -> tuple[str, ...]:
+    """Return the metrics of a track in the table: success and SPL, or else its score."""
     from wildscav_engine.tracks import TRACKS
-    from wildscav_training.trials import SUCCESS, mean, rate
+    from wildscav_training.trials import SUCCESS
 
-    shown = (SUCCESS, "spl") if TRACKS[track].has_target else (TRACKS[track].metrics[0].name,)
-    table = FittingTable(f"{track}, {matches} matches on test maps, with 95 % intervals")
-    for title in ("level", "agent"):
-        table.add_column(title, no_wrap=True)
+    return (SUCCESS, "spl") if TRACKS[track].has_target else (TRACKS[track].metrics[0].name,)
+
+
+def _table(title: str, place: str, shown: Sequence[str], played: "Played") -> "Table":
+    """Return a row for each agent on each level or in each scenario."""
+    from wildscav.terminal.tables import FittingTable
+
+    table = FittingTable(title)
+    for head in (place, "agent"):
+        table.add_column(head, no_wrap=True)
     for name in (*shown, "ms a step"):
         table.add_column("SPL" if name == "spl" else name, justify="right", no_wrap=True)
-    for (level, agent), trials in played.items():
-        values = ([trial.metrics[name] for trial in trials] for name in shown)
-        cells = [(rate if name == SUCCESS else mean)(each) for name, each in zip(shown, values, strict=True)]
-        table.add_row(level, agent, *cells, f"{_milliseconds(trials):.1f}")
+    for (where, agent), trials in played.items():
+        cells = [
+            _cell(name, [trial.metrics[name] for trial in trials if name in trial.metrics]) for name in shown
+        ]
+        table.add_row(where, agent, *cells, f"{_milliseconds(trials):.1f}" if trials else "")
     return table
 
 
-def _rows(played: "Played") -> list[dict[str, Any]]:
+def _cell(name: str, values: Sequence[float]) -> str:
+    """Return a metric with its interval; a dash if there is none."""
+    from wildscav_training.trials import SUCCESS, mean, rate
+
+    if not values:
+        return "–"
+    return rate(values) if name == SUCCESS else mean(values, digits=DIGITS.get(name, 3))
+
+
+def _rows(place: str, played: "Played") -> list[dict[str, Any]]:
     """Return the figures for JSON."""
     from wildscav_training.trials import estimate
 
     return [
         {
-            "level": level,
+            place: where,
             "agent": agent,
             "milliseconds": round(_milliseconds(trials), 3),
             "metrics": {name: estimate(name, trials)._asdict() for name in trials[0].metrics},
         }
-        for (level, agent), trials in played.items()
+        for (where, agent), trials in played.items()
+        if trials
     ]
 
 
