@@ -9,6 +9,8 @@ PART ?= tests/engine tests/platform
 PYTEST ?= -m pytest
 # The TypeScript of the page that draws matches.
 VIEWER := platform/wildscav_stage/viewer
+NPM := $(VIEWER)/node_modules/.package-lock.json
+BUILT := platform/wildscav_stage/static/viewer/viewer.js
 BENCHMARKS := speed.compile speed.environments speed.legacy speed.maps speed.processes speed.rays speed.steps \
 	speed.vector_sensors \
 	services.executor services.server services.service strength.ratings strength.schedule
@@ -40,22 +42,23 @@ help: ## Show this list.
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev,training]'
 	@touch $@ .venv/.dev .venv/.run
 
-# What npm installs, and the viewer that it builds into platform/wildscav_stage/static/viewer.
-.venv/.npm: $(VIEWER)/package.json $(VIEWER)/package-lock.json | .venv/bin/python
+# What npm installs. Where it installs Node.js as well, that has an environment of its own.
+$(NPM): $(VIEWER)/package.json $(VIEWER)/package-lock.json | .venv/bin/python
 	.ci/npm ci --silent --no-audit --no-fund
 	@touch $@
 
-.venv/.viewer: .venv/.npm $(VIEWER)/tsconfig.json $(shell find $(VIEWER)/src -type f)
+# Folders are named as well, which change when a file goes.
+$(BUILT): $(NPM) $(VIEWER)/tsconfig.json $(shell find $(VIEWER)/src)
 	.ci/npm run --silent build
 	@touch $@
 
-viewer: .venv/.viewer ## Build the page that draws matches in the browser, with Node.js 20 or newer, or one in .venv.
+viewer: $(BUILT) ## Build the page that draws matches in the browser, with Node.js 20.19, 22.12 or newer, or one in .venv.
 
-demo: .venv/.run .venv/.viewer ## Evaluate the three baselines on three of the five tracks (under 5 minutes).
+demo: .venv/.run $(BUILT) ## Evaluate the three baselines on three of the five tracks (under 5 minutes).
 	$(BIN)/wildscav evaluate random homing hunter --suite quick --replays first \
 		--track navigation --track gathering --track battle
 
-test: .venv/.dev .venv/.viewer ## Run the tests (about 5 minutes on two cores); with COVERAGE=1, print which lines and branches they reach.
+test: .venv/.dev $(BUILT) ## Run the tests (about 5 minutes on two cores); with COVERAGE=1, print which lines and branches they reach.
 	.ci/npm test --silent
 ifdef COVERAGE
 	rm -rf out/coverage && mkdir -p out/coverage
@@ -65,7 +68,7 @@ else
 	$(BIN)/python $(PYTEST) -n 2 --dist worksteal --durations=40
 endif
 
-test-slow: .venv/.training .venv/.viewer ## Run the slow tests, three at a time: they wait more than they compute.
+test-slow: .venv/.training $(BUILT) ## Run the slow tests, three at a time: they wait more than they compute.
 	$(BIN)/python $(PYTEST) -n 3 --dist worksteal -m slow --durations=40
 
 test-with: .venv/.dev ## Run PART of the tests with another Python or other releases: PYTHON=python3.14, RELEASES='numba==0.68.0'.
@@ -85,14 +88,14 @@ test-newest: .venv/.dev ## Run some tests with the newest Python that all depend
 		PART="tests/engine/versions tests/engine/envs tests/platform/wildscav/sdk tests/platform/server tests/platform/wildscav/system"; \
 		else echo 'Skipped: the tests with Python 3.14, which is not available.'; fi
 
-check: .venv/.dev .venv/.npm ## Lint, formatting, types and import contracts.
+check: .venv/.dev $(NPM) ## Lint, formatting, types and import contracts.
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	.ci/npm run --silent check
 
-format: .venv/.dev .venv/.npm ## Format the code, and fix what can be fixed automatically.
+format: .venv/.dev $(NPM) ## Format the code, and fix what can be fixed automatically.
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 	.ci/npm run --silent format
@@ -102,15 +105,15 @@ bench: .venv/.dev ## Run every benchmark; each prints a table.
 
 # Silences a notice that Material for MkDocs prints at every build: fixes end in May 2027, and Zensical succeeds it.
 docs: export NO_MKDOCS_2_WARNING = 1
-docs: .venv/.dev .venv/.viewer ## Build the site; warnings are errors.
+docs: .venv/.dev $(BUILT) ## Build the site; warnings are errors.
 	$(BIN)/mkdocs build --strict
 	@echo 'The site is in out/site: open out/site/index.html, or serve it with: make docs-serve'
 
 docs-serve: export NO_MKDOCS_2_WARNING = 1
-docs-serve: .venv/.dev .venv/.viewer ## Serve the site at http://127.0.0.1:8000/, and rebuild it when pages change.
+docs-serve: .venv/.dev $(BUILT) ## Serve the site at http://127.0.0.1:8000/, and rebuild it when pages change.
 	$(BIN)/mkdocs serve
 
-wheel: .venv/.dev .venv/.viewer ## Build the wheel in out/wheel with machine code for this Python and these releases.
+wheel: .venv/.dev $(BUILT) ## Build the wheel in out/wheel with machine code for this Python and these releases.
 	$(BIN)/python .ci/wheel out/wheel
 
 proto: .venv/.dev ## Generate the Python code of the protocol, and copy it to the agent in JavaScript.

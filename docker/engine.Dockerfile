@@ -36,6 +36,8 @@ ENTRYPOINT ["wildscav"]
 CMD ["--help"]
 
 FROM evaluator AS season
+RUN test -f /source/platform/wildscav_stage/static/viewer/viewer.js \
+    || { echo 'The viewer of matches is not built: run make viewer in the checkout, then build this image again.' >&2; exit 1; }
 RUN pip install --no-cache-dir --quiet '/source[postgresql]'
 WORKDIR /srv
 CMD ["season", "--help"]

@@ -1,5 +1,6 @@
-"""The records that commands take: by path, or by the number of a match of a season."""
+"""The records that commands take: by path, or by the number or the page of a match of a season."""
 
+import re
 from collections.abc import Callable
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -13,6 +14,10 @@ if TYPE_CHECKING:
     from wildscav_engine.record import Record
 
 SOURCES = "wildscav.record_sources"  # entry points: functions such as RecordSource
+# The address of a match's page, with one slash where a path has lost the other.
+PAGE = re.compile(
+    r"(?P<scheme>https?):/+(?P<site>[^?#]+)/matches/(?P<match>\d+)(/watch)?/?([?#].*)?", re.ASCII
+)
 # Returns the record of a match of a season. Its arguments are the match's number, and the season's address or
 # None for the one that the user logged in to.
 RecordSource = Callable[[int, str | None], Path]
@@ -27,13 +32,17 @@ SeasonOption = Annotated[
 
 
 def resolve_record(record: Path, season: str | None) -> Path:
-    """Return the path of a record: as it was named, or of the match that has this number.
+    """Return the path of a record: as it was named, or of the match that has this number or page.
 
     Raises:
         UserError: The number is of no match, nothing can ask for it, or there is a season but no number.
     """
     text = str(record)
-    if record.exists() or not (text.isascii() and text.isdigit()):
+    if page := PAGE.fullmatch(text):
+        if season is not None:
+            raise UserError("--season is for the number of a match, and this address names one", exit_code=2)
+        text, season = page["match"], f"{page['scheme']}://{page['site']}"
+    elif record.exists() or not (text.isascii() and text.isdigit()):
         if season is not None:
             raise UserError("--season is for the number of a match", exit_code=2)
         return record

@@ -26,7 +26,8 @@ def replay(
     record: Annotated[
         Path,
         typer.Argument(
-            help="Record file, or the number of a match of a season; with --web also a replay (.rrd).",
+            help="Record file, or the number or the page of a match of a season; with --web also a replay "
+            "(.rrd).",
             metavar="RECORD",
             show_default=False,
         ),
@@ -71,7 +72,8 @@ def replay(
     from wildscav_engine.view.video import VIDEOS
 
     if html or (out is not None and out.suffix.lower() == HTML):
-        if web or video or seat is not None or not images or wanted.given() is not None:
+        others = (seat, host, port, wanted.given())
+        if web or video or not images or any(other is not None for other in others):
             raise UserError("--html takes --out and --season, and no other options", exit_code=2)
         return write_page(resolve_record(record, season), out)
     if video or wanted.poster is not None or (out is not None and out.suffix.lower() in VIDEOS):

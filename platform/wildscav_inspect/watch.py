@@ -18,8 +18,8 @@ def watch(
     record: Annotated[
         Path,
         typer.Argument(
-            help="Record file, the number of a match of a season, or a folder with records, such as the "
-            "output of an evaluation.",
+            help="Record file, the number or the page of a match of a season, or a folder with records, "
+            "such as the output of an evaluation.",
             metavar="RECORD",
             show_default=False,
         ),
@@ -40,7 +40,7 @@ def watch(
     records = _records_in(path) if path.is_dir() else [path]
     viewer_addresses()  # before the link is printed
     with error_console.status(f"playing {escape(path.name)}"):
-        site = match_site(f"Matches of {path.resolve().name}", records)
+        site = match_site(f"Matches of {path.resolve().name}", records, host)
     listening = listen(host, port)
     link = link_to(host, listening.getsockname()[1])
     console.print(f"watch at {link}", "Ctrl-C ends it.", sep="\n")
@@ -77,6 +77,8 @@ def write_page(record: Path, out: Path | None) -> None:
     from wildscav_engine.storage.files import write_whole
     from wildscav_stage.match_page import scene_of, whole_page
 
+    if record.is_dir():
+        raise UserError(f"{record} is a folder: name one of its records", exit_code=2)
     path = out or record.with_suffix(HTML)
     if path.suffix.lower() != HTML:
         raise UserError(f"--out is {path}: the name of a page must end in {HTML}", exit_code=2)

@@ -4,6 +4,8 @@ import socket
 
 from wildscav.errors import AddressInUseError
 
+GRACE = 1  # s for open pages to be closed when a server ends
+
 
 def listen(host: str, port: int) -> socket.socket:
     """Return a socket that listens on an address; port 0 is any free one.

@@ -2,7 +2,8 @@
 
 import base64
 import hashlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from html import escape
 from pathlib import Path
 from string import Template
@@ -11,9 +12,10 @@ from typing import NamedTuple
 from wildscav.errors import UserError
 from wildscav_engine.maps import MapError, map_of
 from wildscav_engine.record import Record, RecordError, read_record
+from wildscav_engine.tracks import TRACKS
 from wildscav_stage.scene.map_file import map_file
 from wildscav_stage.scene.trails import trails_of
-from wildscav_stage.viewer_files import SCRIPT, STYLE, viewer_addresses, viewer_file
+from wildscav_stage.viewer_files import LICENSES, SCRIPT, STYLE, viewer_addresses, viewer_file
 
 STATIC = Path(__file__).parent / "static"
 PAGE_STYLE = "match.css"
@@ -29,19 +31,33 @@ class Scene(NamedTuple):
     trails: bytes  # compressed, as ``scene/document.py`` tells
 
 
-def scene_of(record: Path) -> Scene:
-    """Return what a record is drawn from.
+def scene_of(path: Path) -> Scene:
+    """Return what the record in a file is drawn from.
 
     Raises:
         UserError: It cannot be read, or not be played again.
     """
+    with _errors_about(path):
+        return scene_of_record(read_record(path))
+
+
+def title_of(path: Path) -> str:
+    """Return the title of the record in a file, which is not played again.
+
+    Raises:
+        UserError: It cannot be read.
+    """
+    with _errors_about(path):
+        return _title(read_record(path))
+
+
+@contextmanager
+def _errors_about(path: Path) -> Iterator[None]:
     try:
-        return scene_of_record(read_record(record))
-    except RecordError as error:
+        yield
+    except (RecordError, MapError) as error:
         message = str(error)
-        raise UserError(message if str(record) in message else f"{record}: {message}") from None
-    except MapError as error:
-        raise UserError(f"{record}: {error}") from None
+        raise UserError(message if str(path) in message else f"{path}: {message}") from None
 
 
 def scene_of_record(record: Record) -> Scene:
@@ -52,15 +68,14 @@ def scene_of_record(record: Record) -> Scene:
         MapError: Its map cannot be made.
     """
     trails = trails_of(record)
-    return Scene(
-        f"{trails.title}: {_some(record.names)}", map_file(map_of(record.spec.map)), trails.compressed()
-    )
+    return Scene(_title(record), map_file(map_of(record.spec.map)), trails.compressed())
 
 
-def _some(names: Sequence[str]) -> str:
-    """Return the first names, and how many others there are."""
-    others = len(names) - NAMED
-    return ", ".join(names) if others <= 1 else f"{', '.join(names[:NAMED])} and {others} others"
+def _title(record: Record) -> str:
+    """Return the track, the first names, and how many others there are."""
+    names, others = record.names, len(record.names) - NAMED
+    some = ", ".join(names) if others <= 1 else f"{', '.join(names[:NAMED])} and {others} others"
+    return f"{TRACKS[record.spec.track].title}: {some}"
 
 
 def match_page(title: str, address: str) -> str:
@@ -96,7 +111,7 @@ def text_page(title: str, text: str) -> str:
 
 
 def whole_page(scene: Scene) -> str:
-    """Return the page of a match with all that it needs in it, for a file.
+    """Return the page of a match with all that it needs in it, the licences of its code too, for a file.
 
     Raises:
         UserError: The viewer is not built.
@@ -114,7 +129,8 @@ def whole_page(scene: Scene) -> str:
     )
     code = f'<script type="module">{script}</script>'
     content = f"<div data-match data-embedded></div>{NO_SCRIPT}{data}{code}"
-    return _page(scene.title, f"<style>{style}</style>", content, policy)
+    licenses = viewer_file(LICENSES).decode().replace("--", "- -")  # which would end the comment
+    return _page(scene.title, f"<!--\n{licenses}\n--><style>{style}</style>", content, policy)
 
 
 def _page(title: str, head: str, content: str, policy: str = "") -> str:

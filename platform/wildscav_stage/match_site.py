@@ -2,8 +2,9 @@
 
 import contextlib
 import socket
+import threading
 from collections.abc import Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 
 import uvicorn
@@ -11,29 +12,34 @@ from starlette.applications import Starlette
 from starlette.exceptions import HTTPException
 from starlette.middleware import Middleware
 from starlette.requests import Request
-from starlette.responses import HTMLResponse, Response
+from starlette.responses import HTMLResponse, JSONResponse, Response
 from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
 
 from wildscav.errors import UserError
+from wildscav_engine.view.web import LOOPBACK
 from wildscav_stage.headers import SecurityHeaders
-from wildscav_stage.match_page import STATIC, Scene, list_page, match_page, scene_of, text_page
+from wildscav_stage.listening import GRACE
+from wildscav_stage.match_page import STATIC, Scene, list_page, match_page, scene_of, text_page, title_of
+from wildscav_stage.own_names import OwnNames
 from wildscav_stage.viewer_files import PATH, viewer_routes
 
 SCENES = 8  # that are kept
-JSON, BYTES = "application/json", "application/octet-stream"
+FORMS = {"map": "application/octet-stream", "trails": "application/json"}  # the files of a scene
 
 
-def match_site(title: str, records: Sequence[Path]) -> Starlette:
+def match_site(title: str, records: Sequence[Path], host: str = LOOPBACK) -> Starlette:
     """Return the site of some records; of one alone, its first page is the match.
 
     Args:
         title: Of the list of several.
         records: Their files.
+        host: The address that it is served on.
 
     Raises:
         UserError: There is one record alone, and it cannot be read, or not be played again.
     """
+    playing = threading.Lock()  # a page asks for two files of one match at a time
 
     @lru_cache(SCENES)
     def scene(number: int) -> Scene:
@@ -42,11 +48,11 @@ def match_site(title: str, records: Sequence[Path]) -> Starlette:
     if len(records) == 1:
         scene(0)
 
-    def asked_for(request: Request) -> tuple[str, Scene]:
-        number = request.path_params.get("number", 0)  # the first page has none
+    def asked_for(request: Request) -> int:
+        number: int = request.path_params.get("number", 0)  # the first page has none
         if number >= len(records):
             raise HTTPException(404)
-        return f"/matches/{number}", scene(number)
+        return number
 
     def first(request: Request) -> Response:
         if len(records) == 1:
@@ -55,26 +61,28 @@ def match_site(title: str, records: Sequence[Path]) -> Starlette:
         return HTMLResponse(list_page(title, links))
 
     def match(request: Request) -> Response:
-        address, found = asked_for(request)
-        return HTMLResponse(match_page(found.title, address))
+        number = asked_for(request)
+        return HTMLResponse(match_page(title_of(records[number]), f"/matches/{number}"))
 
-    def game_map(request: Request) -> Response:
-        return Response(asked_for(request)[1].map, headers={"Content-Encoding": "gzip"}, media_type=BYTES)
-
-    def trails(request: Request) -> Response:
-        return Response(asked_for(request)[1].trails, headers={"Content-Encoding": "gzip"}, media_type=JSON)
+    def file(name: str, request: Request) -> Response:
+        try:
+            number = asked_for(request)
+            with playing:
+                content = getattr(scene(number), name)
+        except UserError as error:
+            return JSONResponse({"error": str(error)}, 500)
+        return Response(content, headers={"Content-Encoding": "gzip"}, media_type=FORMS[name])
 
     each = "/matches/{number:int}"
     return Starlette(
         routes=[
             Route("/", first),
             Route(each, match),
-            Route(f"{each}/map", game_map),
-            Route(f"{each}/trails", trails),
+            *(Route(f"{each}/{name}", partial(file, name)) for name in FORMS),
             Mount("/static", StaticFiles(directory=STATIC)),
             Mount(PATH, viewer_routes()),
         ],
-        middleware=[Middleware(SecurityHeaders)],
+        middleware=[Middleware(SecurityHeaders), Middleware(OwnNames, host=host)],
         exception_handlers={HTTPException: _there_is_no_such_page, UserError: _it_cannot_be_shown},
     )
 
@@ -90,6 +98,13 @@ def _it_cannot_be_shown(_request: Request, error: Exception) -> Response:
 
 def serve(site: Starlette, listening: socket.socket) -> None:
     """Serve a site on a socket until Ctrl-C, and close the socket."""
-    config = uvicorn.Config(site, log_level="warning", access_log=False, lifespan="off", server_header=False)
+    config = uvicorn.Config(
+        site,
+        log_level="warning",
+        access_log=False,
+        lifespan="off",
+        server_header=False,
+        timeout_graceful_shutdown=GRACE,
+    )
     with listening, contextlib.suppress(KeyboardInterrupt):
         uvicorn.Server(config).run(sockets=[listening])

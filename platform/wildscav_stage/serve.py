@@ -18,7 +18,7 @@ from wildscav_server.leftovers import temporary_folder
 from wildscav_server.match_server import MatchServer
 from wildscav_stage.app import Site
 from wildscav_stage.links import Addresses, Base, Links, base_of
-from wildscav_stage.listening import listen
+from wildscav_stage.listening import GRACE, listen
 from wildscav_stage.plan import Plan
 from wildscav_stage.rounds import Agents, MatchHosting, playing
 from wildscav_stage.scene.map_file import map_file
@@ -27,7 +27,6 @@ from wildscav_stage.table import COUNTDOWN, Table
 
 LARGEST_MESSAGE = 4096  # bytes, from a page
 MAX_CONNECTIONS = 200  # open at one time, so that strangers cannot take all files that the match needs
-GRACE = 1  # s for open pages to be closed
 JOINING = EndpointSettings(connections=16)  # at one time, to where a submission or all people join
 
 

@@ -13,7 +13,7 @@ from starlette.routing import Route, Router
 from wildscav.errors import UserError
 
 FOLDER = Path(__file__).parent / "static" / "viewer"
-SCRIPT, STYLE = "viewer.js", "viewer.css"
+SCRIPT, STYLE, LICENSES = "viewer.js", "viewer.css", "viewer.js.LEGAL.txt"
 PATH = "/stage"  # where a site has these files
 TO_BUILD = "run make viewer in the checkout"
 TYPES = {".js": "text/javascript; charset=utf-8", ".css": "text/css; charset=utf-8"}
@@ -26,10 +26,12 @@ def viewer_file(name: str) -> bytes:
     Raises:
         UserError: The viewer is not built.
     """
+    path = FOLDER / name
     try:
-        return (FOLDER / name).read_bytes()
+        status = path.stat()
+        return _content(path, status.st_mtime_ns, status.st_size)
     except FileNotFoundError:
-        raise UserError(f"the viewer is not built, as {FOLDER / name} is missing: {TO_BUILD}") from None
+        raise UserError(f"the viewer is not built, as {path} is missing: {TO_BUILD}") from None
 
 
 def viewer_addresses() -> tuple[str, str]:
@@ -48,15 +50,22 @@ def viewer_routes() -> Router:
 
 
 def _answer(request: Request) -> Response:
-    path = FOLDER / request.path_params["name"]
-    if not path.is_file():
+    name = request.path_params["name"]
+    if name not in {path.name for path in FOLDER.glob("*")}:
         raise HTTPException(404)
-    content = path.read_bytes()
+    content = viewer_file(name)
     is_kept = request.query_params.get("v") == _digest(content)
     headers = {"Cache-Control": KEPT if is_kept else "no-cache", "Vary": "Accept-Encoding"}
     if "gzip" in request.headers.get("accept-encoding", ""):
         content, headers["Content-Encoding"] = _compressed(content), "gzip"
-    return Response(content, media_type=TYPES.get(path.suffix, "text/plain; charset=utf-8"), headers=headers)
+    media_type = TYPES.get(Path(name).suffix, "text/plain; charset=utf-8")
+    return Response(content, media_type=media_type, headers=headers)
+
+
+@lru_cache(8)
+def _content(path: Path, _changed: int, _size: int) -> bytes:
+    """Return the content of a file, which is read again when it has changed."""
+    return path.read_bytes()
 
 
 @lru_cache(8)

@@ -80,6 +80,7 @@ def test_it_has_the_viewer_and_not_what_it_is_built_of(run: Run) -> None:
     code += "viewer_addresses(); print(FOLDER)"
     folder = Path(run("python", "-c", code).stdout.strip())
     assert {path.name for path in folder.iterdir()} >= {"viewer.js", "viewer.css"}
+    assert "Permission is hereby granted" in (folder / "viewer.js.LEGAL.txt").read_text("utf-8")
     assert not (folder.parents[1] / "viewer").exists()
 
 

@@ -1,5 +1,6 @@
 """The home page: the README with a match that plays in it, and a card of links for each kind of reader."""
 
+import functools
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -22,6 +23,7 @@ PICTURE = re.compile(r"^!\[.*\)$", re.MULTILINE)
 IN_PAGE = f'<iframe class="match" src="{MATCH}" title="A battle of six robots in 3D"></iframe>'
 
 
+@functools.cache  # mkdocs serve builds the site again and again
 def match_page() -> str:
     """Return a page on which a battle of robots plays."""
     match = Match(SPEC)

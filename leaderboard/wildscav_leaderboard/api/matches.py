@@ -12,6 +12,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from wildscav.terminal.console import printable
+from wildscav_engine.specs.map_spec import MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.seats import ROBOT_ENTRANT
 from wildscav_leaderboard.access.requests import (
@@ -35,6 +36,7 @@ from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.teams.service import find_team
 from wildscav_leaderboard.visibility import Visible, record_path, seat_log, seen_by
+from wildscav_stage.scene.map_file import map_key
 
 STATUS = {"waiting": 202, "rendering": 202, "failed": 503}
 POLL_AFTER = "1"  # s
@@ -43,14 +45,11 @@ NO_STORE = {"Cache-Control": "no-store"}
 # in the cache says when it was used last, so a constant one is told.
 LONG_AGO = "Thu, 01 Jan 1970 00:00:00 GMT"
 # A record never changes, and neither does what is rendered from it.
+FOR_EVER = "private, max-age=31536000, immutable"  # what an address names exactly
 KEPT = {"Cache-Control": "private, max-age=86400", "X-Content-Type-Options": "nosniff"}
 FORMS: Mapping[str, tuple[str, dict[str, str]]] = {
     "trails": ("application/json", {"Content-Encoding": "gzip"}),
-    # Its address names its version, so it is never asked for again.
-    "map": (
-        "application/octet-stream",
-        {"Content-Encoding": "gzip", "Cache-Control": "private, max-age=31536000, immutable"},
-    ),
+    "map": ("application/octet-stream", {"Content-Encoding": "gzip"}),
     "replay": ("application/octet-stream", {}),
     "poster": ("image/jpeg", {}),
     "video": ("video/mp4", {}),
@@ -76,6 +75,11 @@ def progress_response(progress: Rendering) -> Response:
     headers = NO_STORE if progress.state in ("ready", "failed") else {**NO_STORE, "Retry-After": POLL_AFTER}
     content = {"state": progress.state, "detail": progress.detail}
     return JSONResponse(content, STATUS.get(progress.state, 200), headers)
+
+
+def map_spec_of(match: Match) -> MapSpec:
+    """Return what the map of a match is made of."""
+    return MatchSpec.model_validate(match.spec).map
 
 
 OUTCOME = ("status", "fault", "metrics")  # of a seat; its detail is for its own team
@@ -302,12 +306,20 @@ def trails(asked: Asked, request: Request, after: Annotated[str, Query(max_lengt
 
 
 @router.get("/matches/{match}/map", responses=RENDERED)
-def map_of_match(asked: Asked) -> Response:
-    """Return the map of a match: ground, water and solids, as ``scene/map_file.py`` of the stage tells."""
-    if not asked.is_live:
-        return file_response("map", asked.progress("map"))
-    spec = MatchSpec.model_validate(find_match(asked.session, asked.match).spec)
-    return file_response("map", asked.renders.progress("map", str(asked.match), spec.map, asked.now))
+def map_of_match(asked: Asked, v: Annotated[str, Query(max_length=40)] = "") -> Response:
+    """Return the map of a match: ground, water and solids, as ``scene/map_file.py`` of the stage tells.
+
+    Browsers keep it for ever where the address names this map and no other.
+    """
+    spec = map_spec_of(find_match(asked.session, asked.match))
+    if asked.is_live:
+        progress = asked.renders.progress("map", str(asked.match), spec, asked.now)
+    else:
+        progress = asked.progress("map")
+    answer = file_response("map", progress)
+    if progress.path is not None and v == map_key(spec):
+        answer.headers["Cache-Control"] = FOR_EVER
+    return answer
 
 
 @router.get("/matches/{match}/replay", responses=RENDERED)

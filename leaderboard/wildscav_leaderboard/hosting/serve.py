@@ -119,7 +119,12 @@ def _run_web(season: Season, log: Log) -> None:
     from wildscav_leaderboard.hosting.request_log import WebCounts
     from wildscav_leaderboard.hosting.web_server import run_web
     from wildscav_server.monitoring.metrics import serving_metrics
+    from wildscav_stage.viewer_files import viewer_addresses
 
+    try:
+        viewer_addresses()
+    except UserError as error:
+        log.warning("matches_not_shown", detail=str(error))
     database, counts = season.database(), WebCounts()
     metrics = SeasonMetrics(season, database, counts)
     try:

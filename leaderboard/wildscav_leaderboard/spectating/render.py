@@ -20,7 +20,7 @@ from wildscav_engine.view.video.encode import Pace, check_encoder, write_poster,
 from wildscav_engine.view.video.film import Film, Look, VideoError
 from wildscav_leaderboard.spectating.render_cache import PROGRESS, SPEC
 from wildscav_stage.scene.map_file import map_file
-from wildscav_stage.scene.trails import trails_of_file
+from wildscav_stage.scene.trails import trails_of
 
 VIDEO = Look("follow", width=640, height=360, detail=0.75)
 POSTER = Look("follow", width=1280, height=720, detail=1.0)
@@ -37,14 +37,19 @@ def pace_of(seconds: float) -> Pace:
 
 def render_trails(record: Path, target: Path) -> None:
     """Write the document of a match's trails, compressed."""
-    write_whole(target, trails_of_file(record).compressed())
+    write_whole(target, trails_of(read_record(record)).compressed())
 
 
 def render_map(source: Path, target: Path) -> None:
     """Write the file of a map: of a match's record, or of a file with a MapSpec."""
-    is_spec = source.suffix == SPEC
-    spec = MapSpec.model_validate_json(source.read_bytes()) if is_spec else read_record(source).spec.map
-    write_whole(target, map_file(map_of(spec)))
+    if source.suffix == SPEC:
+        game_map = map_of(MapSpec.model_validate_json(source.read_bytes()))
+    else:
+        record = read_record(source)
+        game_map = map_of(record.spec.map)
+        if game_map.digest != record.map_digest:
+            raise RecordError("this engine makes another map of its spec")
+    write_whole(target, map_file(game_map))
 
 
 def render_replay(record: Path, target: Path) -> None:

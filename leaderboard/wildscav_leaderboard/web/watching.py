@@ -12,8 +12,8 @@ from wildscav.errors import UserError
 from wildscav_evaluator.output.results import metric_infos
 from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Now, Number, Reading, Renders
 from wildscav_leaderboard.api.documents import MatchView, SeatView
-from wildscav_leaderboard.api.matches import match_views
-from wildscav_leaderboard.matches.models import FINISHED, PLAYING, VOID, WAITING
+from wildscav_leaderboard.api.matches import map_spec_of, match_views
+from wildscav_leaderboard.matches.models import FINISHED, PLAYING, VOID, WAITING, Match
 from wildscav_leaderboard.matches.service import find_match, list_matches
 from wildscav_leaderboard.playing.permission import open_tracks, refused_why
 from wildscav_leaderboard.seasons.folder import Season
@@ -25,7 +25,7 @@ from wildscav_leaderboard.teams.service import find_team, titles
 from wildscav_leaderboard.visibility import record_path, seen_by
 from wildscav_leaderboard.web.rendering import page
 from wildscav_stage.scene.document import TRAILS_VERSION
-from wildscav_stage.scene.map_file import MAP_VERSION
+from wildscav_stage.scene.map_file import map_key
 from wildscav_stage.viewer_files import viewer_addresses
 
 router = APIRouter()
@@ -96,7 +96,7 @@ def match(
         visible=view.hidden is None,
         live=found.state == PLAYING and not unwatched,
         unwatched=unwatched,
-        stage=_stage(view.id),
+        stage=_stage(found, view),
         film=film,
         playable=_playable(session, season, view),
         has_poster=view.hidden is None and renders.is_kept("poster", str(number)),
@@ -108,18 +108,19 @@ class MatchStage(NamedTuple):
 
     script: str
     style: str
-    map: str  # this and the next change with the form of the files
+    map: str  # this and the next are others where the files are
     trails: str
-    missing: str = ""  # why there is no viewer
 
 
-def _stage(match: int) -> MatchStage:
+def _stage(match: Match, view: MatchView) -> MatchStage | None:
+    """Return what draws a match; None if the viewer is not built."""
     try:
         script, style = viewer_addresses()
-    except UserError as error:
-        return MatchStage("", "", "", "", str(error))
-    files = f"/api/v1/matches/{match}"
-    return MatchStage(script, style, f"{files}/map?v={MAP_VERSION}", f"{files}/trails?v={TRAILS_VERSION}")
+    except UserError:
+        return None  # the log says so since the site began
+    files, record = f"/api/v1/matches/{match.id}", (view.record or "")[:16]
+    trails = f"{files}/trails?v={TRAILS_VERSION}{record and '-'}{record}"
+    return MatchStage(script, style, f"{files}/map?v={map_key(map_spec_of(match))}", trails)
 
 
 def _playable(session: Session, season: Season, view: MatchView) -> list[SeatView]:

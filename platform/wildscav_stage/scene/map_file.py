@@ -20,6 +20,7 @@ Its arrays are
   the ``corners`` (V, 3) of one solid after the other, less the first of their solid.
 """
 
+from hashlib import blake2b
 from typing import Any, Final
 
 import numpy as np
@@ -28,14 +29,15 @@ from numpy.typing import NDArray
 from wildscav_engine.geometry.polyhedra import polyhedron
 from wildscav_engine.geometry.world import CELL, Kind, World
 from wildscav_engine.maps.export.mesh import water_cells
-from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.maps.game_map import GENERATOR_VERSION, GameMap
 from wildscav_engine.rendering.palette import SKYLIGHT, SUN, SUNLIGHT, WATER, of_solids
 from wildscav_engine.rendering.shading.ground import ground_appearance
 from wildscav_engine.rendering.shading.sky import BELOW, CLOUD, HORIZON, SUN_COLOR, ZENITH
 from wildscav_engine.sensors.optics.object_parts import BODY_PARTS, CRATE_COLORS, CRATE_PARTS
+from wildscav_engine.specs.map_spec import MapSpec
 from wildscav_stage.scene.arrays import packed
 
-MAP_VERSION: Final = 1  # of the file; it moves when a field changes its meaning or goes
+MAP_VERSION: Final = 1  # of the file; it moves when the file of the same map changes in any way
 CENTIMETRES = 100  # in a metre
 KINDS = {kind.name.lower(): int(kind) for kind in Kind}
 # The light of cameras: the direction towards the sun, the light of sun and sky on a surface of colour 1 (see
@@ -56,6 +58,12 @@ LIGHT: Final[dict[str, Any]] = {
 def centimetres(metres: Any) -> NDArray[np.int32]:
     """Return lengths or coordinates in m as whole centimetres."""
     return np.asarray(np.rint(np.asarray(metres) * CENTIMETRES), np.int32)
+
+
+def map_key(spec: MapSpec) -> str:
+    """Return a name of a map's file that no other file has, for whoever keeps it."""
+    told = f"{MAP_VERSION} {GENERATOR_VERSION} {spec.model_dump_json()}"
+    return blake2b(told.encode(), digest_size=8).hexdigest()
 
 
 def map_file(game_map: GameMap) -> bytes:

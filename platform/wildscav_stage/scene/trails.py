@@ -1,14 +1,12 @@
 """The trails of a recorded match: the record is played again by the engine, and sampled."""
 
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav.errors import UserError
-from wildscav_engine.record import Record, RecordError, read_record, resimulate
+from wildscav_engine.record import Record, resimulate
 from wildscav_engine.sensors.optics.object_parts import colors_of_bodies
 from wildscav_engine.simulation.state import NOBODY, State
 from wildscav_engine.specs.match_spec import MatchSpec
@@ -35,18 +33,6 @@ from wildscav_stage.scene.document import (
 from wildscav_stage.scene.map_file import CENTIMETRES, centimetres
 
 SAMPLE_INTERVAL = 5  # frames, at least, between two samples: ten a second
-
-
-def trails_of_file(path: Path) -> Trails:
-    """Return the trails of a record's file.
-
-    Raises:
-        UserError: The record cannot be read, or not be played again.
-    """
-    try:
-        return trails_of(read_record(path))
-    except RecordError as error:
-        raise UserError(str(error)) from None
 
 
 def trails_of(record: Record) -> Trails:

@@ -16,7 +16,7 @@ from wildscav_evaluator.matches.snapshots import snapshot_of
 from wildscav_leaderboard.spectating.live import LiveMatches
 from wildscav_stage.scene.document import Trails
 from wildscav_stage.scene.map_file import map_file
-from wildscav_stage.scene.trails import trails_of_file
+from wildscav_stage.scene.trails import trails_of
 
 pytestmark = pytest.mark.slow
 
@@ -62,7 +62,7 @@ def answer_with(trails: Trails) -> Response:
 def test_what_is_still_rendered_is_waited_for_and_names_are_text(
     page: Any, battle: Path, game_map: bytes
 ) -> None:
-    trails, asked = trails_of_file(battle), {"trails": 0, "map": 0}
+    trails, asked = trails_of(read_record(battle)), {"trails": 0, "map": 0}
 
     def answer(name: str, ready: Response) -> Response:
         asked[name] += 1
@@ -86,7 +86,7 @@ def test_what_is_still_rendered_is_waited_for_and_names_are_text(
 def test_a_running_match_moves_by_itself_until_its_record_is_there(
     page: Any, tmp_path: Path, battle: Path, game_map: bytes
 ) -> None:
-    record, told = read_record(battle), trails_of_file(battle)
+    record, told = read_record(battle), trails_of(read_record(battle))
     moments = [snapshot_of(match) for match in resimulate(record)]
     live = LiveMatches(tmp_path)
     live.add("m1", record.spec, record.names, moments[:60])

@@ -19,7 +19,7 @@ from wildscav_engine.record import read_record
 from wildscav_engine.specs.map_spec import MapSpec
 from wildscav_leaderboard.spectating.render_cache import PRODUCTS, RenderCache, Rendering
 from wildscav_stage.scene.map_file import map_file
-from wildscav_stage.scene.trails import trails_of_file
+from wildscav_stage.scene.trails import trails_of
 
 NOW = datetime(2030, 1, 1, tzinfo=UTC)
 PATIENCE = 120.0  # s
@@ -82,7 +82,7 @@ def test_what_a_page_needs_comes_from_one_process(cache: RenderCache, record_of_
 
     assert trails.path is not None
     assert game_map.path is not None
-    assert trails.path.read_bytes() == trails_of_file(record).compressed()
+    assert trails.path.read_bytes() == trails_of(read_record(record)).compressed()
     assert game_map.path.read_bytes() == map_file(map_of(read_record(record).spec.map))
 
 

@@ -16,6 +16,7 @@ from tests.commands import Run, run_command
 from tests.platform.stage.built_viewer import viewer
 from tests.recorded_matches import record_of_track
 
+from wildscav_inspect import records
 from wildscav_stage.match_page import scene_of, whole_page
 
 __all__ = ["record_of_track", "viewer"]
@@ -65,6 +66,9 @@ def test_it_serves_the_match_until_ctrl_c(record: Path) -> None:
         (["replay", "linked.html", "--html"], 2, "is the record itself"),
         (["replay", "match.wsr", "--html", "--web"], 2, "no other options"),
         (["replay", "match.wsr", "--html", "--seat", "1"], 2, "no other options"),
+        (["replay", "match.wsr", "--html", "--port", "80"], 2, "no other options"),
+        (["replay", ".", "--html"], 2, ". is a folder"),
+        (["watch", "https://example.org/matches/3", "--season", "https://example.org"], 2, "names one"),
         (["replay", "match.wsr", "-o", "page.html", "--view", "behind"], 2, "no other options"),
     ],
 )
@@ -83,6 +87,22 @@ def test_what_cannot_be_done_is_one_clear_line(
     assert message in done.stderr
     assert "Traceback" not in done.stderr
     assert not list(folder.glob("*page*"))
+
+
+@pytest.mark.parametrize("more", ["", "/", "/watch", "#t=3.5&seat=1", "?video=true#video"])
+def test_the_page_of_a_match_names_its_season_and_its_number(
+    monkeypatch: pytest.MonkeyPatch, more: str
+) -> None:
+    asked: list[tuple[int, str | None]] = []
+
+    class Source:
+        def load(self) -> Callable[[int, str | None], Path]:
+            return lambda match, season: (asked.append((match, season)), Path("it.wsr"))[1]
+
+    monkeypatch.setattr(records, "entry_points", lambda group: [Source()])
+
+    assert records.resolve_record(Path(f"https://a.example:81/s/matches/12{more}"), None) == Path("it.wsr")
+    assert asked == [(12, "https://a.example:81/s")]
 
 
 @pytest.mark.usefixtures("viewer")

@@ -8,6 +8,8 @@ from wildscav_stage import viewer_files
 
 SCRIPT, STYLE = 'console.log("</script><!-- é");\n', ".player::after { content: '</style>'; }\n"
 
+LEGAL = "MIT --> License"
+
 
 @pytest.fixture
 def viewer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
@@ -16,5 +18,6 @@ def viewer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     folder.mkdir()
     (folder / "viewer.js").write_text(SCRIPT)
     (folder / "viewer.css").write_text(STYLE)
+    (folder / "viewer.js.LEGAL.txt").write_text(LEGAL)
     monkeypatch.setattr(viewer_files, "FOLDER", folder)
     return folder

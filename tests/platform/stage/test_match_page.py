@@ -8,7 +8,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
-from tests.platform.stage.built_viewer import SCRIPT
+from tests.platform.stage.built_viewer import LEGAL, SCRIPT
 from tests.recorded_matches import SMALL_MAP
 
 from wildscav.errors import UserError
@@ -27,6 +27,7 @@ class Elements(HTMLParser):
     def __init__(self, page: str) -> None:
         super().__init__()
         self.found: list[tuple[str, dict[str, str | None], str]] = []
+        self.comments: list[str] = []
         self.feed(page)
         self.close()
 
@@ -40,6 +41,9 @@ class Elements(HTMLParser):
         if self.found:
             tag, attributes, text = self.found[-1]
             self.found[-1] = (tag, attributes, text + data)
+
+    def handle_comment(self, data: str) -> None:
+        self.comments.append(data)
 
     def called(self, tag: str) -> list[tuple[dict[str, str | None], str]]:
         return [(attributes, text) for name, attributes, text in self.found if name == tag]
@@ -67,6 +71,7 @@ def test_a_whole_page_holds_the_two_files_and_allows_no_other_code(tmp_path: Pat
         assert f"{kind}-src 'sha256-{digest}'" in policy
     assert code == SCRIPT.replace("</", "<\\/").replace("<!", "<\\!")  # the same string to JavaScript
     assert "unsafe" not in policy
+    assert page.comments == [f"\n{LEGAL.replace('--', '- -')}\n"]
     assert page.called("h1")[0][1] == scene.title
 
 

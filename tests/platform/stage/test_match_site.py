@@ -1,5 +1,6 @@
 """The site of recorded matches: of one, and of several."""
 
+import socket
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,6 +12,7 @@ from tests.leaderboard.spectating.served import served
 from wildscav_stage.headers import HEADERS
 from wildscav_stage.match_page import scene_of
 from wildscav_stage.match_site import match_site
+from wildscav_stage.viewer_files import viewer_addresses
 
 Records = Callable[[str], Path]
 
@@ -49,11 +51,13 @@ def test_of_several_records_each_has_its_match(record_of_track: Records, tmp_pat
     with client_of(records, "Matches of out") as client:
         first = client.get("/").text
         second, third = (client.get(f"/matches/{number}") for number in (1, 2))
+        failed = client.get("/matches/1/map")
 
     for number, record in enumerate(records):
         assert f'<a href="/matches/{number}">{record.stem}</a>' in first
     assert "data-match" not in first
     assert "Navigation" in third.text
+    assert (failed.status_code, "broken.wsr" in failed.json()["error"]) == (500, True)
     assert (second.status_code, "broken.wsr" in second.text, "data-match" in second.text) == (
         500,
         True,
@@ -70,3 +74,31 @@ def test_there_is_nothing_else_and_every_answer_has_the_headers(record_of_track:
             answer = client.get(asked)
             assert answer.status_code == status, asked
             assert {name: answer.headers[name] for name in HEADERS} == HEADERS
+
+
+def test_a_page_of_a_list_does_not_wait_for_its_match(
+    record_of_track: Records, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    records = [record_of_track("battle"), record_of_track("navigation")]
+    titles = [scene_of(record).title for record in records]
+    monkeypatch.setattr("wildscav_stage.match_site.scene_of", None)
+
+    with client_of(records) as client:
+        for number, title in enumerate(titles):
+            assert f"<h1>{title}</h1>" in client.get(f"/matches/{number}").text
+
+
+def test_browsers_keep_the_viewer(record_of_track: Records) -> None:
+    with client_of([record_of_track("battle")]) as client:
+        assert "immutable" in client.get(viewer_addresses()[0]).headers["Cache-Control"]
+
+
+def test_only_names_of_this_machine_lead_to_it(record_of_track: Records) -> None:
+    """Another name could be led here by whoever owns it, to read the matches with a page of its own."""
+    own = ("127.0.0.1:80", "[::1]:80", "localhost", "LOCALHOST:1", "10.0.0.7", socket.gethostname())
+    others = ("evil.example", "127.0.0.1.evil.example:80", "localhost.evil.example", "", "[")
+    with client_of([record_of_track("battle")]) as client:
+        for hosts, status in ((own, 200), (others, 400)):
+            for host in hosts:
+                answer = client.get("/static/match.css", headers={"Host": host})
+                assert answer.status_code == status, host

@@ -43,6 +43,6 @@ def test_they_are_compressed_for_those_who_take_that(client: httpx.Client) -> No
         assert answer.text == SCRIPT
 
 
-@pytest.mark.parametrize("name", ["other.js", "..", "%2e%2e", "%2e%2e%2fplay.css", ""])
+@pytest.mark.parametrize("name", ["other.js", "..", "%2e%2e", "%2e%2e%2fplay.css", "", "a" * 300])
 def test_nothing_else_is_served(client: httpx.Client, name: str) -> None:
     assert client.get(f"{PATH}/{name}").status_code == 404

@@ -15,9 +15,10 @@ from PIL import Image
 from tests.browsers import CHROMIUM, DESK, IN_3D, PHONE, chromium
 from tests.leaderboard.spectating.served import served
 
+from wildscav_engine.record import read_record
 from wildscav_stage.match_page import scene_of, whole_page
 from wildscav_stage.match_site import match_site
-from wildscav_stage.scene.trails import trails_of_file
+from wildscav_stage.scene.trails import trails_of
 
 pytestmark = pytest.mark.slow
 
@@ -108,7 +109,7 @@ def test_each_view_shows_something_else(browser: Any, site: str) -> None:
 def test_keys_events_and_the_slider_lead_through_the_match(
     browser: Any, site: str, record_of_track: Records
 ) -> None:
-    trails = trails_of_file(record_of_track("battle"))
+    trails = trails_of(read_record(record_of_track("battle")))
     death = next(event for event in trails.events if event.kind == "death")
     with opened(browser, f"{site}#t=3") as page:
         page.keyboard.press("ArrowRight")

@@ -19,7 +19,7 @@ from wildscav_evaluator.cli.options.running import (
 )
 from wildscav_evaluator.cli.options.signing import KeyOption
 from wildscav_evaluator.output.layout import SEASON_FILE
-from wildscav_inspect.records import SeasonOption, resolve_record
+from wildscav_inspect.records import PAGE, SeasonOption, resolve_record
 
 if TYPE_CHECKING:
     from wildscav_evaluator.executors import Executor
@@ -176,6 +176,8 @@ def _kind_of(places: list[str], agent: str | None) -> str:
 
 
 def _kind_of_one(place: str) -> str:
+    if PAGE.fullmatch(place):
+        return "records"
     if "://" in place or (Path(place) / SEASON_FILE).is_file():
         return "a season"
     return "an evaluation" if Path(place).is_dir() else "records"

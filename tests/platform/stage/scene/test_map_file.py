@@ -15,7 +15,7 @@ from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.rendering.palette import SUN, of_solids
 from wildscav_engine.rendering.shading.ground import ground_appearance
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
-from wildscav_stage.scene.map_file import MAP_VERSION, map_file
+from wildscav_stage.scene.map_file import MAP_VERSION, map_file, map_key
 
 HALF = 0.5001  # cm, of rounding
 SPECS = {
@@ -45,6 +45,15 @@ def test_it_says_what_it_is_and_where_it_lies(file: File) -> None:
     assert fields["size"] == 200 * world.water.shape[0] == -2 * fields["corner"][0]
     assert fields["corner"] == [round(100 * value) for value in world.corner]
     np.testing.assert_allclose(fields["light"]["sun"], SUN / np.linalg.norm(SUN), atol=1e-4)
+
+
+def test_every_map_has_a_key_and_so_has_every_version(monkeypatch: pytest.MonkeyPatch) -> None:
+    keys = {map_key(spec) for spec in SPECS.values()}
+    for name in ("MAP_VERSION", "GENERATOR_VERSION"):
+        with monkeypatch.context() as changed:
+            changed.setattr(f"wildscav_stage.scene.map_file.{name}", 99)
+            keys |= {map_key(SMALL_MAP)}
+    assert len(keys) == len(SPECS) + 2
 
 
 def test_the_ground_is_the_engines(file: File) -> None:

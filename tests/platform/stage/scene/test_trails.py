@@ -8,14 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from wildscav.errors import UserError
 from wildscav_engine.record import read_record, record_of, resimulate
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.systems.zone import zone_at
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_stage.scene.document import Circle, Trails, ZonePhase, differences, values_of
-from wildscav_stage.scene.trails import trails_of, trails_of_file
+from wildscav_stage.scene.trails import trails_of
 
 TRACKS = ("navigation", "gathering", "battle", "capture", "royale")
 Records = Callable[[str], Path]
@@ -38,7 +37,7 @@ def circle_at(phases: list[ZonePhase], frame: int) -> tuple[float, float, float]
 
 
 def test_every_sample_is_where_the_agents_stood(path: Path) -> None:
-    record, trails = read_record(path), trails_of_file(path)
+    record, trails = read_record(path), trails_of(read_record(path))
     samples = {frame: place for place, frame in enumerate(values_of(trails.samples.frames))}
     shown = [
         {name: values_of(values) for name, values in seat.model_dump().items()}
@@ -69,12 +68,13 @@ def test_differences_add_up_to_the_values(values: list[int]) -> None:
 
 
 def test_a_turn_is_never_the_long_way_round(path: Path) -> None:
-    assert max(abs(turn) for seat in trails_of_file(path).samples.seats for turn in seat.yaw[1:]) <= 180
+    seats = trails_of(read_record(path)).samples.seats
+    assert max(abs(turn) for seat in seats for turn in seat.yaw[1:]) <= 180
 
 
 def test_shots_end_where_they_did(record_of_track: Records) -> None:
     path = record_of_track("battle")
-    shots, fired = trails_of_file(path).shots, 0
+    shots, fired = trails_of(read_record(path)).shots, 0
     columns = [values_of(each) for each in (shots.frames, shots.seats, shots.x, shots.height, shots.z)]
     there = {(frame, seat): place for frame, seat, *place in zip(*columns, strict=True)}
 
@@ -89,13 +89,13 @@ def test_shots_end_where_they_did(record_of_track: Records) -> None:
 
 
 def test_a_document_is_read_again_as_it_was(path: Path) -> None:
-    trails = trails_of_file(path)
+    trails = trails_of(read_record(path))
 
     assert Trails.model_validate_json(gzip.decompress(trails.compressed())) == trails
 
 
 def test_there_are_ten_samples_a_second_and_the_last_moment(path: Path) -> None:
-    trails = trails_of_file(path)
+    trails = trails_of(read_record(path))
     frames = np.array(values_of(trails.samples.frames))
 
     assert frames[0] == 0
@@ -105,7 +105,7 @@ def test_there_are_ten_samples_a_second_and_the_last_moment(path: Path) -> None:
 
 
 def test_names_kinds_teams_and_results_are_those_of_the_record(path: Path) -> None:
-    record, trails = read_record(path), trails_of_file(path)
+    record, trails = read_record(path), trails_of(read_record(path))
 
     for seat, shown in enumerate(trails.seats):
         result = record.result.seats[seat]
@@ -119,7 +119,7 @@ def test_names_kinds_teams_and_results_are_those_of_the_record(path: Path) -> No
 
 
 def test_events_add_up_to_the_results_of_a_battle(record_of_track: Records) -> None:
-    trails = trails_of_file(record_of_track("battle"))
+    trails = trails_of(read_record(record_of_track("battle")))
     results = [seat.result for seat in trails.seats if seat.result]
     kinds = Counter(event.kind for event in trails.events)
 
@@ -133,7 +133,7 @@ def test_events_add_up_to_the_results_of_a_battle(record_of_track: Records) -> N
 
 
 def test_who_is_out_of_a_royale_is_said_once(record_of_track: Records) -> None:
-    trails = trails_of_file(record_of_track("royale"))
+    trails = trails_of(read_record(record_of_track("royale")))
     out = [event.seat for event in trails.events if event.kind == "out"]
 
     assert sorted(out) == sorted(
@@ -144,7 +144,7 @@ def test_who_is_out_of_a_royale_is_said_once(record_of_track: Records) -> None:
 
 def test_the_safe_zone_of_a_page_is_that_of_the_rules(record_of_track: Records) -> None:
     path = record_of_track("royale")
-    trails = trails_of_file(path)
+    trails = trails_of(read_record(path))
     *_, match = resimulate(read_record(path))
 
     for frame in range(0, trails.frames, 50):
@@ -156,11 +156,11 @@ def test_the_safe_zone_of_a_page_is_that_of_the_rules(record_of_track: Records) 
 
 @pytest.mark.parametrize(("track", "has"), [("navigation", True), ("capture", True), ("battle", False)])
 def test_only_tracks_with_a_target_show_one(record_of_track: Records, track: str, has: bool) -> None:
-    assert (trails_of_file(record_of_track(track)).target is not None) is has
+    assert (trails_of(read_record(record_of_track(track))).target is not None) is has
 
 
 def test_reaching_the_target_is_an_event(record_of_track: Records) -> None:
-    trails = trails_of_file(record_of_track("navigation"))
+    trails = trails_of(read_record(record_of_track("navigation")))
 
     reached = [event for event in trails.events if event.kind == "target"]
     success = [seat.result and seat.result.metrics["success"] for seat in trails.seats]
@@ -168,21 +168,13 @@ def test_reaching_the_target_is_an_event(record_of_track: Records) -> None:
 
 
 def test_boxes_lie_there_until_somebody_takes_them(record_of_track: Records) -> None:
-    trails = trails_of_file(record_of_track("gathering"))
+    trails = trails_of(read_record(record_of_track("gathering")))
     taken = [box for box in trails.boxes if box.taken is not None]
 
     assert 0 < len(taken) < len(trails.boxes)
     assert sum(box.quantity for box in taken) == sum(
         event.amount for event in trails.events if event.kind == "pick_up"
     )
-
-
-def test_a_file_that_is_no_record_is_one_clear_error(tmp_path: Path) -> None:
-    broken = tmp_path / "broken.wsr"
-    broken.write_bytes(b"nothing")
-
-    with pytest.raises(UserError, match=r"broken\.wsr"):
-        trails_of_file(broken)
 
 
 @pytest.mark.slow
