@@ -1,16 +1,14 @@
-"""How soon a person sees what was done, and how many pictures a second arrive.
+"""How soon a person is told what came of what was done, and how much is sent.
 
-    python -m benchmarks.services.play [--people 1] [--seconds 20] [--json FILE]
+    python -m benchmarks.services.play [--people 1] [--opponents 9] [--seconds 20] [--json FILE]
 
-A client on this machine plays as the page does, without a browser: it turns the view all the time, and the
-delay is the time from sending an input to having decoded the first picture in which it took effect. A browser
-adds what it takes to draw the picture: up to one frame of its display. Measure on an idle machine.
+A client on this machine plays as the page does, without a browser: it walks and turns all the time, and the
+delay is the time from sending an input to having read the first message that tells of it. The page shows its
+own person's view and steps before that. Measure on an idle machine.
 """
 
 import asyncio
-import io
 import json
-import struct
 import time
 from contextlib import AsyncExitStack
 from pathlib import Path
@@ -20,7 +18,6 @@ from typing import Annotated
 
 import typer
 from benchmarks.report import Figure, JsonFile, publish
-from PIL import Image
 from websockets.asyncio.client import ClientConnection, connect
 
 from wildscav_stage.plan import make_plan
@@ -37,7 +34,7 @@ class Player:
         self._socket = socket
         self._sent: dict[int, float] = {}  # when inputs were sent, by their numbers
         self.delays: list[float] = []  # s
-        self.shown: list[float] = []  # when pictures had been decoded, s
+        self.shown: list[float] = []  # when messages about the match had been read, s
         self.bytes = 0
 
     async def turn(self) -> None:
@@ -46,36 +43,34 @@ class Player:
         while True:
             number += 1
             self._sent[number] = time.perf_counter()
-            await self._send({"kind": "input", "number": number, "turn": 1.5})
+            await self._send({"kind": "input", "number": number, "turn": 1.5, "forward": 1.0})
             await asyncio.sleep(1.0 / INPUTS)
 
     async def watch(self, seconds: float) -> None:
-        """Take pictures for some time."""
+        """Read messages for some time."""
         await self._send({"kind": "start"})
         end = float("inf")
         while time.perf_counter() < end:
-            data = await self._socket.recv()
-            if isinstance(data, bytes):
-                self._show(data)
+            text = await self._socket.recv()
+            if self.shown:
+                self.bytes += len(text)
+            message = json.loads(text)
+            if message["kind"] == "now":
+                self._note(message["input"])
                 end = min(end, self.shown[0] + WARM_UP + seconds)
-                (length,) = struct.unpack_from("<I", data)
-                await self._send({"kind": "seen", "picture": json.loads(data[4 : 4 + length])["picture"]})
+                await self._send({"kind": "seen", "number": message["number"]})
 
-    def _show(self, data: bytes) -> None:
-        (length,) = struct.unpack_from("<I", data)
-        head = json.loads(data[4 : 4 + length])
-        Image.open(io.BytesIO(data[4 + length :])).load()
+    def _note(self, taken: int) -> None:
         now = time.perf_counter()
         self.shown.append(now)
-        self.bytes += len(data)
-        for number in [number for number in self._sent if number <= head["input"]]:
+        for number in [number for number in self._sent if number <= taken]:
             sent = self._sent.pop(number)
-            if number == head["input"] and now > self.shown[0] + WARM_UP:
+            if number == taken and now > self.shown[0] + WARM_UP:
                 self.delays.append(now - sent)
 
     @property
     def rate(self) -> float:
-        """Pictures a second, after warming up."""
+        """Messages about the match a second, after warming up."""
         counted = [when for when in self.shown if when > self.shown[0] + WARM_UP]
         return (len(counted) - 1) / (counted[-1] - counted[0])
 
@@ -83,9 +78,9 @@ class Player:
         await self._socket.send(json.dumps(message))
 
 
-async def play(track: str, people: int, seconds: float, folder: Path) -> list[Figure]:
+async def play(track: str, people: int, opponents: int, seconds: float, folder: Path) -> list[Figure]:
     """Play, and return what was measured; with several people, the mean of what each of them gets."""
-    plan = make_plan(track, None, 0, None, 600.0, people)
+    plan = make_plan(track, None, 0, ["fighter"] * opponents, 600.0, people)
     prepare(plan)
     async with AsyncExitStack() as stack:
         links, _ = await stack.enter_async_context(served(plan, folder, "127.0.0.1", 0, print, countdown=0))
@@ -104,25 +99,25 @@ async def play(track: str, people: int, seconds: float, folder: Path) -> list[Fi
 
 def _figures(players: list[Player]) -> list[Figure]:
     delays = [delay for player in players for delay in player.delays]
-    rate = mean(player.rate for player in players)
-    size = mean(player.bytes / len(player.shown) for player in players)
+    size = mean(player.bytes / (player.shown[-1] - player.shown[0]) for player in players)
     return [
-        Figure("pictures of 640 × 360", rate, "/s"),
-        Figure("input to picture, median", 1000 * median(delays), "ms"),
-        Figure("input to picture, 95 % within", 1000 * quantiles(delays, n=20)[-1], "ms"),
-        Figure("stream", size * rate * 8e-6, "Mbit/s"),
+        Figure("messages about the match", mean(player.rate for player in players), "/s"),
+        Figure("input to message, median", 1000 * median(delays), "ms"),
+        Figure("input to message, 95 % within", 1000 * quantiles(delays, n=20)[-1], "ms"),
+        Figure("down", size / 1000, "kB/s"),
     ]
 
 
 def main(
-    track: Annotated[str, typer.Option(help="Track to play, against its usual robots.")] = "battle",
+    track: Annotated[str, typer.Option(help="Track to play.")] = "battle",
     people: Annotated[int, typer.Option(help="How many play.", min=1, max=8)] = 1,
+    opponents: Annotated[int, typer.Option(help="How many robots play besides.", min=0)] = 9,
     seconds: Annotated[float, typer.Option(help="How long to measure.")] = 20.0,
     json_file: JsonFile = None,
 ) -> None:
-    """Measure the delay from input to picture, and pictures a second."""
+    """Measure the delay from input to message, and what is sent."""
     with TemporaryDirectory() as folder:
-        figures = asyncio.run(play(track, people, seconds, Path(folder)))
+        figures = asyncio.run(play(track, people, opponents, seconds, Path(folder)))
     publish(f"{people} {'person plays' if people == 1 else 'people play'} {track}", figures, json_file)
 
 

@@ -1,7 +1,6 @@
 """The web application: the page, its scripts, and the WebSocket of whoever has the secret link."""
 
-import asyncio
-from concurrent.futures import ThreadPoolExecutor
+import json
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -22,14 +21,15 @@ from wildscav_stage.inputs import (
     Renew,
     Seen,
     Start,
-    Watch,
     decode_message,
     decode_of_spectator,
 )
 from wildscav_stage.links import Base, Links
 from wildscav_stage.lobby import LobbyError
 from wildscav_stage.page import POLICY_VIOLATION, TOO_MANY, UNSUPPORTED, Allowance, OpenPage, PageClosedError
+from wildscav_stage.sight import Known
 from wildscav_stage.table import MAX_SPECTATORS, Table
+from wildscav_stage.viewer_files import viewer_routes
 
 MAX_COMMANDS = 10  # a second: whatever is told to everybody
 STATIC = Path(__file__).parent / "static"
@@ -61,26 +61,22 @@ class SpectatorPage(OpenPage):
 
     def __init__(self, socket: WebSocket, table: Table) -> None:
         super().__init__(socket)
-        self._table, self._gallery = table, table.gallery
+        self._table = table
 
     async def serve(self) -> None:
         """Serve the page until it is closed."""
         if not self._table.admit(self):
             return await self._socket.close(TOO_MANY, f"{MAX_SPECTATORS} people watch already")
-        self._gallery.watch(self, None)
         try:
-            await self._serve(self._receive(), self._send_pictures())
+            await self._serve(self._receive(), self._send_moments())
         finally:
-            self._gallery.leave(self)
             self._table.dismiss(self)
 
-    async def _send_pictures(self) -> None:
+    async def _send_moments(self) -> None:
         number = 0
         while True:
-            hung = await self._gallery.next(self, number)
-            number = hung.number
-            delay = None if self.round_trip is None else 1000.0 * self.round_trip
-            await self._send_picture({"delay": delay, **hung.shown}, hung.picture)
+            number, body = await self._table.audience.next(number)
+            await self._send_moment("all", body)
 
     async def _receive(self) -> None:
         async for text in self._texts():
@@ -88,11 +84,7 @@ class SpectatorPage(OpenPage):
                 message = decode_of_spectator(text)
             except InputError as error:
                 raise PageClosedError(UNSUPPORTED, f"spectators only watch: {error}") from None
-            match message:
-                case Seen():
-                    self._note_seen(message.picture)
-                case Watch():
-                    self._gallery.watch(self, message.seat)
+            self._note_seen(message.number)
 
 
 class PlayerPage(OpenPage):
@@ -114,19 +106,16 @@ class PlayerPage(OpenPage):
         """Serve the page until it is closed, or another page takes its place."""
         self._table.attach(self._seat, self)
         try:
-            await self._serve(self._receive(), self._send_pictures())
+            await self._serve(self._receive(), self._send_moments())
         finally:
             self._table.detach(self._seat, self)
 
-    async def _send_pictures(self) -> None:
-        """Send a picture whenever there is something new to see, and the page has shown the last ones."""
-        loop, person, eyes = asyncio.get_running_loop(), self._player.person, self._player.eyes
-        # A thread of its own, which keeps the memory that pictures are made in.
-        with ThreadPoolExecutor(1, "pictures") as painter:
-            while True:
-                view = await person.look()
-                picture = await loop.run_in_executor(painter, eyes.picture, view.moment)
-                await self._send_picture({"input": view.taken, **view.display}, picture)
+    async def _send_moments(self) -> None:
+        """Send what is new to the seat as long as the page has seen the last moments."""
+        known = Known()
+        while True:
+            told = await self._player.person.look(known)
+            await self._send_moment("now", json.dumps(told, separators=(",", ":"))[1:])
 
     async def _receive(self) -> None:
         async for text in self._texts():
@@ -138,7 +127,7 @@ class PlayerPage(OpenPage):
                 case Input():
                     self._player.person.controls.receive(message)
                 case Seen():
-                    self._note_seen(message.picture)
+                    self._note_seen(message.number)
                 case _:
                     self._command(message)
 
@@ -174,9 +163,12 @@ class Site:
         self.app = Starlette(
             routes=[
                 Route("/play/{secret}", self._show),
+                Route("/play/{secret}/map", self._send_map),
                 WebSocketRoute("/play/{secret}/socket", self._connect),
                 Route("/watch/{secret}", self._show_match),
+                Route("/watch/{secret}/map", self._send_map),
                 WebSocketRoute("/watch/{secret}/socket", self._connect_spectator),
+                Mount("/static/viewer", viewer_routes()),  # compressed
                 Mount("/static", StaticFiles(directory=STATIC)),
                 Route("/{path:path}", _show_nothing),
             ],
@@ -208,6 +200,14 @@ class Site:
             return
         await socket.accept()
         await SpectatorPage(socket, self._table).serve()
+
+    async def _send_map(self, request: Request) -> Response:
+        """Send the map of the present match, or of the last one."""
+        secret, watches = request.path_params["secret"], request.url.path.startswith("/watch/")
+        valid = self._links.is_watching(secret) if watches else self._links.seat_of(secret) is not None
+        if not valid or self._table.map_file is None:
+            return _explain("wrong" if not valid else "nothing", request)
+        return Response(self._table.map_file, media_type="application/octet-stream")
 
     def _is_own_page(self, socket: WebSocket) -> bool:
         """Return whether a page of this site opens a WebSocket; programs other than browsers do not say."""

@@ -66,7 +66,9 @@ def human(
     from wildscav_stage.links import checked_public_url
     from wildscav_stage.plan import make_plan
     from wildscav_stage.serve import prepare
+    from wildscav_stage.viewer_files import viewer_file
 
+    viewer_file("play.js")
     check_folder("--records", records)
     public = None if public_url is None else checked_public_url(public_url)
     names = None if opponents is None else [name.strip() for name in opponents.split(",") if name.strip()]

@@ -45,10 +45,10 @@ else:
 
 
 class Seen(_Message):
-    """The number of the picture that the page has shown last."""
+    """The number of the last message about the match that the page has received."""
 
     kind: Literal["seen"]
-    picture: Count
+    number: Count
 
 
 class Start(_Message):
@@ -78,16 +78,9 @@ class Renew(_Message):
     seat: Count
 
 
-class Watch(_Message):
-    """What a spectator wants to see."""
-
-    kind: Literal["watch"]
-    seat: Count | None  # whose eyes; None for the overview
-
-
 Message = Input | Seen | Start | Pause | Rename | Renew
 _messages: TypeAdapter[Message] = TypeAdapter(Annotated[Message, Field(discriminator="kind")])
-_of_spectators: TypeAdapter[Watch | Seen] = TypeAdapter(Annotated[Watch | Seen, Field(discriminator="kind")])
+_of_spectators: TypeAdapter[Seen] = TypeAdapter(Seen)
 T = TypeVar("T")
 
 
@@ -100,7 +93,7 @@ def decode_message(text: str) -> Message:
     return _decoded(_messages, text)
 
 
-def decode_of_spectator(text: str) -> Watch | Seen:
+def decode_of_spectator(text: str) -> Seen:
     """Return the message in a text from a spectator's page.
 
     Raises:
@@ -122,7 +115,6 @@ class Controls:
     """Collects a person's inputs until the next step takes them."""
 
     def __init__(self) -> None:
-        self.taken = 0  # number of the last input that a step has taken
         self.release()
 
     @property
@@ -131,7 +123,8 @@ class Controls:
         return self._held.number
 
     def release(self) -> None:
-        """Let go of everything."""
+        """Let go of everything, and forget the numbers of inputs: another page counts anew."""
+        self.taken = 0  # number of the last input that a step has taken
         self._held = Input(kind="input", number=0)
         self._turn = self._look = 0.0
         self._flags = dict.fromkeys(FLAGS, False)

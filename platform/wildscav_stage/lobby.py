@@ -2,32 +2,22 @@
 
 import asyncio
 import unicodedata
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, Protocol
 
 from wildscav.errors import WildscavError
 from wildscav.sdk.connection import Connection
 from wildscav.version import __version__
-from wildscav_stage.display import Events, display_of
-from wildscav_stage.eyes import Eyes, Moment, moment_of
 from wildscav_stage.inputs import Controls
 from wildscav_stage.plan import Plan, numbered
+from wildscav_stage.sight import Known, Sight
 
 if TYPE_CHECKING:
-    from wildscav.agent import MatchInfo, Observation
     from wildscav_engine.simulation.match import Match
 
 MAX_BEHIND = 0.1  # s that the match may be behind real time before it stops catching up
 LONGEST_NAME = 20  # characters
 HOST = 0  # the seat of whoever started the table
-
-
-class View(NamedTuple):
-    """What there is to show of one moment."""
-
-    moment: Moment
-    display: dict[str, Any]
-    taken: int  # number of the last input that took effect before it
 
 
 class Person:
@@ -37,53 +27,57 @@ class Person:
         self.controls = Controls()
         self.clock_runs = asyncio.Event()  # cleared while the match is paused
         self.clock_runs.set()
-        self._events = Events()
-        self._shown = asyncio.Event()  # set when there is an observation that was not looked at
-        self._match: Match
-        self._info: MatchInfo
-        self._observation: Observation
+        self._sight: Sight | None = None  # in the present match
+        self._changed = asyncio.Event()  # set, and replaced, after each frame
 
-    async def play(self, match: "Match", address: str, token: str) -> None:
+    async def play(self, match: "Match", address: str, token: str, noted: Callable[[], None]) -> None:
         """Play a match to its end.
 
         Args:
-            match: The match that the server hosts, from which the seat's pictures are made.
+            match: The match that the server hosts, of which the seat's page is told what it may know.
             address: Where the server listens.
             token: The seat's token.
+            noted: Called after each frame.
 
         Raises:
             ServerUnreachableError: The match was ended before it was over.
         """
-        loop = asyncio.get_running_loop()
-        self._match = match
         self.controls.release()
-        async with Connection(address, token, __version__) as connection:
-            self._info = connection.match
-            observation = await connection.first()
-            due = loop.time()
-            while observation is not None:
-                self._note(observation)
-                due = max(due + self._info.step_time, loop.time() - MAX_BEHIND)
-                await asyncio.sleep(max(0.0, due - loop.time()))
-                await self.clock_runs.wait()
-                action = self.controls.take(observation.yaw, self._info.frames_per_action)
-                self._shown.clear()  # the match goes on, so what was not looked at by now is over
-                observation = await connection.answer(observation.step, action)
+        try:
+            async with Connection(address, token, __version__) as connection:
+                await self._play(connection, match, noted)
+        finally:
+            self._sight = None
 
-    def _note(self, observation: "Observation") -> None:
-        self._observation = observation
-        self._events.note(observation)
-        self._shown.set()
+    async def _play(self, connection: Connection, match: "Match", noted: Callable[[], None]) -> None:
+        loop, info = asyncio.get_running_loop(), connection.match
+        observation = await connection.first()
+        self._sight, due = Sight(match, info.seat), loop.time()
+        while observation is not None:
+            self._sight.note()
+            noted()
+            self._tell()
+            due = max(due + info.step_time, loop.time() - MAX_BEHIND)
+            await asyncio.sleep(max(0.0, due - loop.time()))
+            await self.clock_runs.wait()
+            action = self.controls.take(observation.yaw, info.frames_per_action)
+            observation = await connection.answer(observation.step, action)
 
-    async def look(self) -> View:
-        """Wait for a moment that was not looked at, and return it.
+    def _tell(self) -> None:
+        self._changed.set()
+        self._changed = asyncio.Event()
 
-        The match waits for this seat's answer, so it is still in the state of the last observation.
+    async def look(self, known: Known) -> dict[str, Any]:
+        """Wait until there is something to tell a page, and return it.
+
+        Args:
+            known: What the page was told; it is brought up to date.
         """
-        await self._shown.wait()
-        self._shown.clear()
-        shown = display_of(self._observation, self._info) | self._events.take()
-        return View(moment_of(self._match), shown, self.controls.taken)
+        while self._sight is None or (known.sight is self._sight and not self._sight.has_news_for(known)):
+            await self._changed.wait()
+        if known.sight is not self._sight:
+            known.begin(self._sight)
+        return {"input": self.controls.taken, **self._sight.message(known)}
 
 
 class LobbyError(WildscavError):
@@ -110,7 +104,7 @@ class PlayerSeat:
 
     def __init__(self, seat: int, name: str) -> None:
         self.seat, self.name = seat, name
-        self.person, self.eyes = Person(), Eyes(seat)
+        self.person = Person()
         self.page: Page | None = None  # the one that the person has open
         self.came = False  # whether somebody was ever here
 

@@ -1,8 +1,7 @@
-"""An open page: its WebSocket, by which messages and pictures go out and inputs come in."""
+"""An open page: its WebSocket, by which messages go out and inputs come in."""
 
 import asyncio
 import json
-import struct
 import time
 from collections.abc import AsyncIterator, Coroutine
 from typing import Any
@@ -11,8 +10,8 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from wildscav.errors import WildscavError
 
-MAX_UNSEEN = 2  # pictures on their way; more would wait in buffers, and be old when they are shown
-MAX_MESSAGES = 300  # a second, from a page
+MAX_UNSEEN = 6  # moments on their way; more would wait in buffers, and be old when they are shown
+MAX_MESSAGES = 600  # a second, from a page; displays show up to 360 pictures a second
 MAX_WAITING = 200  # messages to a page that does not read them
 LONGEST_REASON = 120  # bytes, of why a page is closed; the protocol allows 123
 # Why a page is closed, as the protocol and our pages know it.
@@ -63,10 +62,11 @@ class OpenPage:
         self._socket = socket
         self._messages: asyncio.Queue[dict[str, Any]] = asyncio.Queue(MAX_WAITING)
         self._sending = asyncio.Lock()
-        self._sent = self._seen = 0  # numbers of pictures
+        self._told = asyncio.Event()  # set when there are messages
+        self._sent = self._seen = 0  # numbers of moments
         self._has_seen = asyncio.Event()
-        self._sent_at: dict[int, float] = {}  # when pictures that were not seen were sent, s
-        self.round_trip: float | None = None  # s from sending a picture to hearing that it was shown
+        self._sent_at: dict[int, float] = {}  # when moments that were not seen were sent, s
+        self.ping: int | None = None  # ms from sending a moment to hearing that it was received
         self._allowance = Allowance(MAX_MESSAGES)
         self._dismissed: asyncio.Future[None] = asyncio.get_running_loop().create_future()
 
@@ -74,6 +74,7 @@ class OpenPage:
         """Send the page a message as soon as possible."""
         try:
             self._messages.put_nowait(message)
+            self._told.set()
         except asyncio.QueueFull:
             self.dismiss(POLICY_VIOLATION, "the page does not read what it is sent")
 
@@ -106,28 +107,38 @@ class OpenPage:
 
     async def _send_messages(self) -> None:
         while True:
-            text = json.dumps(await self._messages.get())
+            await self._told.wait()
             async with self._sending:
-                await self._socket.send_text(text)
+                await self._flush()
 
-    async def _send_picture(self, shown: dict[str, Any], picture: bytes) -> None:
-        """Send a picture and what is shown beside it, and wait until the page has shown the last ones."""
+    async def _flush(self) -> None:
+        self._told.clear()
+        while not self._messages.empty():
+            await self._socket.send_text(json.dumps(self._messages.get_nowait()))
+
+    async def _send_moment(self, kind: str, body: str) -> None:
+        """Send what is to be seen now, after all messages, and wait until the page has seen the last ones.
+
+        Args:
+            kind: Of the message.
+            body: Its fields as JSON, without the first brace.
+        """
         self._sent += 1
         self._sent_at[self._sent] = time.monotonic()
-        head = json.dumps({"picture": self._sent, **shown}).encode()
+        head = json.dumps({"kind": kind, "number": self._sent, "ping": self.ping})[:-1]
         async with self._sending:
-            # The length of the head, little-endian; the head, JSON; the picture, JPEG.
-            await self._socket.send_bytes(struct.pack("<I", len(head)) + head + picture)
+            await self._flush()
+            await self._socket.send_text(f"{head},{body}")
         while self._sent - self._seen >= MAX_UNSEEN:
             self._has_seen.clear()
             await self._has_seen.wait()
 
-    def _note_seen(self, picture: int) -> None:
-        """Note that the page has shown a picture."""
-        if (sent := self._sent_at.get(picture)) is not None:
-            self.round_trip = time.monotonic() - sent
-            self._sent_at = {number: when for number, when in self._sent_at.items() if number > picture}
-        self._seen = min(self._sent, max(self._seen, picture))
+    def _note_seen(self, number: int) -> None:
+        """Note that the page has received a moment."""
+        if (sent := self._sent_at.get(number)) is not None:
+            self.ping = round(1000.0 * (time.monotonic() - sent))
+            self._sent_at = {other: when for other, when in self._sent_at.items() if other > number}
+        self._seen = min(self._sent, max(self._seen, number))
         self._has_seen.set()
 
     async def _texts(self) -> AsyncIterator[str]:

@@ -4,7 +4,7 @@ import asyncio
 import os
 import sys
 import time
-from collections.abc import AsyncIterator, Mapping, Sequence
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, Protocol
@@ -115,17 +115,21 @@ async def hosted_match(
         hosted.cancel()  # does nothing after its end
 
 
-async def play_out(hosting: MatchHosting, hosted: "HostedMatch", people: Mapping[int, Person]) -> Path:
+async def play_out(
+    hosting: MatchHosting, hosted: "HostedMatch", people: Mapping[int, Person], noted: Callable[[], None]
+) -> Path:
     """Let people play a match to its end, and return its record.
 
     Args:
         hosting: Where it is played.
         hosted: The match.
         people: The person of each seat that one has.
+        noted: Called after each frame.
     """
     # The seats are joined at the same time, because the match begins when all are.
     joined = (
-        person.play(hosted.match, hosting.address, hosted.tokens[seat]) for seat, person in people.items()
+        person.play(hosted.match, hosting.address, hosted.tokens[seat], noted)
+        for seat, person in people.items()
     )
     await asyncio.gather(*joined)
     match = (await hosted.finished()).match

@@ -10,17 +10,19 @@ from typing import NamedTuple
 import uvicorn
 
 from wildscav_engine.sensors import parse_sensors
+from wildscav_engine.simulation.match import Match
+from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_server.endpoints.endpoint import EndpointSettings
-from wildscav_server.hosting.precompile import precompile
+from wildscav_server.hosting.precompile import precompile, small_map
 from wildscav_server.leftovers import temporary_folder
 from wildscav_server.match_server import MatchServer
 from wildscav_stage.app import Site
-from wildscav_stage.eyes import Eyes
 from wildscav_stage.links import Addresses, Base, Links, base_of
 from wildscav_stage.listening import GRACE, listen
-from wildscav_stage.lobby import HOST
 from wildscav_stage.plan import Plan
 from wildscav_stage.rounds import Agents, MatchHosting, playing
+from wildscav_stage.scene.map_file import map_file
+from wildscav_stage.sight import Known, Sight
 from wildscav_stage.table import COUNTDOWN, Table
 
 LARGEST_MESSAGE = 4096  # bytes, from a page
@@ -116,8 +118,12 @@ async def served_on(
 
 
 def prepare(plan: Plan) -> None:
-    """Compile all kernels that matches and pictures need, or load them from the cache."""
-    precompile([Eyes(HOST).camera])
+    """Compile all kernels that matches and what people see of them need, or load them from the cache."""
+    precompile([])
+    game_map = small_map()
+    spec = MatchSpec(track="battle", map=game_map.spec, seats=(SUBMISSION, "fighter"))
+    Sight(Match(spec, game_map), 0).message(Known())
+    map_file(game_map)
     for opponent in plan.opponents:
         precompile(parse_sensors(opponent.sensors or {}).values())
 

@@ -12,13 +12,15 @@ from wildscav.terminal.console import command
 from wildscav_engine.simulation.match import MatchSetupError
 from wildscav_engine.specs.actions import Field
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
+from wildscav_stage.audience import Audience
 from wildscav_stage.display import metric_titles, scores_of
-from wildscav_stage.gallery import Gallery
 from wildscav_stage.links import Base, Links
 from wildscav_stage.lobby import HOST, Lobby, LobbyError, Page, PlayerSeat
 from wildscav_stage.page import RENEWED, REPLACED
 from wildscav_stage.plan import Plan
 from wildscav_stage.rounds import MatchHosting, hosted_match, play_out
+from wildscav_stage.scene.map_file import map_file
+from wildscav_stage.scene.trails import seats_shown
 
 if TYPE_CHECKING:
     from wildscav_server.hosting.hosted_match import HostedMatch
@@ -26,6 +28,8 @@ if TYPE_CHECKING:
 SCORES_EVERY = 0.5  # s
 MAX_SPECTATORS = 20
 COUNTDOWN = 3  # s before a match of several people, so that all are ready
+# What a page needs to show what it expects until the server tells what happened.
+TOLD_RULES = ("water_speed_factor", "turn_speed", "fire_interval", "supply_sight")
 HOST_KNOWS, NOBODY_KNOWS = "The host's page says why.", "Something went wrong here. Try again in a moment."
 HOST_ALONE_KNOWS = ("record", "commands")  # of a match's end: where files lie
 
@@ -54,7 +58,8 @@ class Table:
         *,
         at_home: bool = True,
     ) -> None:
-        self.lobby, self.gallery = Lobby(plan), Gallery()
+        self.lobby, self.audience = Lobby(plan), Audience()
+        self.map_file: bytes | None = None  # of the present match, or of the last one
         self._spectators: dict[Page, None] = {}  # their pages, in the order in which they came
         self._plan, self._hosting, self._links, self._base, self._say = plan, hosting, links, base, say
         self._countdown, self._at_home = countdown, at_home
@@ -76,6 +81,7 @@ class Table:
         if player.page is not None:
             player.page.dismiss(REPLACED, "the link was opened elsewhere")
         player.page, player.came = page, True
+        player.person.controls.release()
         page.tell(self._introduction(player))
         self._tell_people()
         page.tell(self._present_to(player))
@@ -169,6 +175,7 @@ class Table:
             self._fail(describe(error))
         finally:
             self._playing = frozenset()
+            self.audience.end()
 
     def _fail(self, message: str) -> None:
         self._say(message)
@@ -180,13 +187,14 @@ class Table:
         self._played += 1
         people = {player.seat: player.person for player in self.lobby.seats if player.seat not in absent}
         async with hosted_match(self._hosting, self._plan, spec, names) as hosted:
-            await asyncio.to_thread(self.lobby.seats[HOST].eyes.prepare, hosted.match.game_map)
+            if self.map_file is None:  # all matches of a plan are played on one map
+                self.map_file = await asyncio.to_thread(map_file, hosted.match.game_map)
             self._playing = frozenset(people)
             if len(people) > 1:
                 await self._count_down()
             self._begin(hosted)
-            async with beside(self._tell_scores(hosted)), beside(self.gallery.show(hosted)):
-                path = await play_out(self._hosting, hosted, people)
+            async with beside(self._tell_scores(hosted)):
+                path = await play_out(self._hosting, hosted, people, self.audience.note)
             self._finish(hosted, path)
 
     async def _count_down(self) -> None:
@@ -197,7 +205,7 @@ class Table:
     def _begin(self, hosted: "HostedMatch") -> None:
         for seat in self._playing:
             self.lobby.seats[seat].person.clock_runs.set()
-        fields = hosted.match.track.fields
+        fields, spec = hosted.match.track.fields, hosted.match.spec
         self._change(
             {
                 "kind": "begin",
@@ -206,8 +214,12 @@ class Table:
                 "supplies": Field.PICK_UP in fields,
                 "has_target": hosted.match.track.has_target,
                 "metrics": metric_titles(hosted.match),
+                "seats": [seat.model_dump() for seat in seats_shown(spec, hosted.names, None)],
+                "frame_limit": spec.frame_limit,
+                "rules": {name: getattr(spec.rules, name) for name in TOLD_RULES},
             }
         )
+        self.audience.begin(hosted.match)
         if self.lobby.seats[HOST].page is None:
             self.pause(True)
 

@@ -37,6 +37,7 @@ from wildscav_stage.links import Base, Links
 from wildscav_stage.lobby import HOST
 from wildscav_stage.plan import DEFAULT_MAP, FRAMES_PER_ACTION, Opponent, Plan
 from wildscav_stage.serve import Served, prepare, served_on
+from wildscav_stage.viewer_files import viewer_file
 
 LOOKS = 0.5  # s between two looks at whether the person is here
 COMING = 120.0  # s in which the person must open the page for the first time
@@ -73,6 +74,7 @@ async def _serve(order: Order) -> str:
     sandbox = SANDBOXES[chosen_sandbox(season, LocalExecutor(1), open_log(None))]
     (submission,) = with_images([load_archive(season, order.archive, order.entrant)], sandbox.name)
     plan = plan_of(order, submission, rules.match)
+    viewer_file("play.js")
     prepare(plan)
     listening = socket.socket(socket.AF_UNIX)
     listening.bind(order.socket)

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import pytest
 from fastapi import FastAPI
-from tests.browsers import DESK, chromium
+from tests.browsers import DESK, IN_3D, chromium
 from tests.leaderboard.filled_season import COOKIE, FilledSeason
 from tests.leaderboard.spectating.served import served
 from tests.platform.stage.browsers import PATIENCE, wait_for_match
@@ -110,7 +110,7 @@ def test_somebody_plays_by_keys_against_a_submission_in_the_sandbox(hostile_seas
     if why := missing_promises(SANDBOXES["bubblewrap"], DEFAULT_LIMITS):
         pytest.skip(f"needs bubblewrap: {why}")
     filled, before = hostile_season, descendants()
-    with site(filled, "bubblewrap", idle=10.0) as served_site, chromium() as browser:
+    with site(filled, "bubblewrap", idle=10.0) as served_site, chromium(*IN_3D) as browser:
         context = browser.new_context(viewport=DESK, base_url=served_site.address)
         context.add_cookies(
             [{"name": COOKIE, "value": filled.people["other"].cookie, "url": served_site.address}]

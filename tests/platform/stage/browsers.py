@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from typing import Any
 
 import pytest
-from tests.browsers import chromium
+from tests.browsers import IN_3D, chromium
 
 PATIENCE = 300.0  # s, on a busy machine
 
@@ -13,7 +13,7 @@ PATIENCE = 300.0  # s, on a busy machine
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
     """A browser for the tests of a file."""
-    with chromium() as started:
+    with chromium(*IN_3D) as started:
         yield started
 
 

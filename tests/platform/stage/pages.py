@@ -3,7 +3,6 @@
 import asyncio
 import contextlib
 import json
-import struct
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
@@ -11,6 +10,7 @@ from typing import Any
 from websockets.asyncio.client import ClientConnection, connect
 
 PATIENCE = 60.0  # s
+MOMENTS = ("now", "all")  # kinds of messages about the match, to people and to spectators
 
 
 class PageClient:
@@ -18,41 +18,44 @@ class PageClient:
 
     def __init__(self, socket: ClientConnection) -> None:
         self.socket = socket
-        self.shown: dict[str, Any] = {}  # beside the last picture
-        self.picture = b""  # the last one, JPEG
-        self.pictures = 0
+        self.shown: dict[str, Any] = {}  # the last moment of the match
+        self.boxes: set[int] = set()  # serials of those that are known
+        self.moments = 0
+        self.texts: list[str] = []  # all that it was sent
 
     async def send(self, **message: Any) -> None:
         await self.socket.send(json.dumps(message))
 
     async def until(self, kind: str) -> dict[str, Any]:
-        """Read until there is a message of a kind; "picture" is one, too."""
+        """Read until there is a message of a kind; "moment" is one, too."""
         async with asyncio.timeout(PATIENCE):
             while True:
                 message = await self.read()
-                if message["kind"] == kind:
+                if message["kind"] == kind or (kind == "moment" and message["kind"] in MOMENTS):
                     return message
 
-    async def pictures_within(self, seconds: float) -> int:
-        """Read for some time, and return how many pictures came."""
-        before = self.pictures
+    async def moments_within(self, seconds: float) -> int:
+        """Read for some time, and return how many moments came."""
+        before = self.moments
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(seconds):
                 while True:
                     await self.read()
-        return self.pictures - before
+        return self.moments - before
 
     async def read(self) -> dict[str, Any]:
-        """Read the next message or picture, and acknowledge pictures as pages do."""
-        data = await self.socket.recv()
-        if isinstance(data, str):
-            message: dict[str, Any] = json.loads(data)
-            return message
-        (length,) = struct.unpack_from("<I", data)
-        self.shown, self.picture = json.loads(data[4 : 4 + length]), data[4 + length :]
-        self.pictures += 1
-        await self.send(kind="seen", picture=self.shown["picture"])
-        return {"kind": "picture", **self.shown}
+        """Read the next message, and acknowledge moments as pages do."""
+        text = await self.socket.recv()
+        assert isinstance(text, str)
+        self.texts.append(text)
+        message: dict[str, Any] = json.loads(text)
+        if message["kind"] in MOMENTS:
+            self.shown = message
+            self.boxes |= {box[0] for box in message.get("boxes", ())}
+            self.boxes -= set(message.get("gone", ()))
+            self.moments += 1
+            await self.send(kind="seen", number=message["number"])
+        return message
 
 
 @asynccontextmanager

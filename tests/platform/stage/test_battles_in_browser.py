@@ -16,8 +16,8 @@ from wildscav_engine.record import Record, read_record, verify_record
 from wildscav_engine.specs.map_spec import MapSpec
 from wildscav_stage.plan import Plan
 
-TURNING = 110.0  # degrees per second, with the arrow keys, as in controls.js
-WIDE = {"viewport": {"width": 960, "height": 600}}
+TURNING = 110.0  # degrees per second, with the arrow keys, as in controls.ts
+WIDE = {"viewport": {"width": 480, "height": 300}}  # small, as software draws
 PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
 
 __all__ = ["browser"]
@@ -60,7 +60,7 @@ def recorded(page: Any) -> Record:
 
 
 def test_two_browsers_fight_each_other_while_a_third_watches(tmp_path: Path, browser: Any) -> None:
-    with table_in_thread(face_to_face(people=2), tmp_path) as links, pages(browser) as new_page:
+    with table_in_thread(face_to_face(people=2, seconds=20.0), tmp_path) as links, pages(browser) as new_page:
         host, guest, spectator = (new_page(**WIDE) for _ in range(3))
         spectator.goto(links.watch)
         guest.goto(links.guests[0])
@@ -75,7 +75,7 @@ def test_two_browsers_fight_each_other_while_a_third_watches(tmp_path: Path, bro
         turn_to(guest, 180.0)
         host.keyboard.down("KeyF")
         guest.keyboard.down("KeyF")
-        spectator.wait_for_selector("#labels b >> text=Ada")
+        spectator.wait_for_selector("#views button >> text=Ada")
         spectator.keyboard.press("2")
         spectator.wait_for_selector("#game[data-view=eyes][data-seat='1']")
         record = recorded(host)
@@ -146,7 +146,7 @@ class Fingers:
 
 
 def test_a_phone_moves_looks_and_shoots_by_touch(tmp_path: Path, browser: Any) -> None:
-    plan = face_to_face(opponents=("walker-easy",), seconds=3.0)
+    plan = face_to_face(opponents=("walker-easy",), seconds=8.0)
     with table_in_thread(plan, tmp_path) as links, pages(browser) as new_page:
         page = new_page(**PHONE)
         start(page, links.host)

@@ -26,7 +26,7 @@ def given(**fields: Any) -> Input:
 def test_every_kind_of_message_is_read() -> None:
     walk = {"kind": "input", "number": 7, "forward": 1, "turn": -3.5, "shoot": True}
     assert decode_message(json.dumps(walk)) == given(number=7, forward=1.0, turn=-3.5, shoot=True)
-    assert decode_message('{"kind": "seen", "picture": 4}') == Seen(kind="seen", picture=4)
+    assert decode_message('{"kind": "seen", "number": 4}') == Seen(kind="seen", number=4)
     assert decode_message('{"kind": "start"}') == Start(kind="start")
     assert decode_message('{"kind": "rename", "name": "Ada"}') == Rename(kind="rename", name="Ada")
     assert decode_message('{"kind": "renew", "seat": 2}') == Renew(kind="renew", seat=2)
@@ -52,7 +52,7 @@ def test_every_kind_of_message_is_read() -> None:
         f'{{"kind": "rename", "name": "{"x" * 101}"}}',
         '{"kind": "renew", "seat": -1}',
         "[" * 4000,
-        '{"kind": "watch", "seat": 1}',  # spectators do
+        '{"kind": "watch", "seat": 1}',  # nor chooses what to be told
     ],
 )
 def test_anything_else_is_refused(text: str) -> None:

@@ -1,18 +1,23 @@
 """Matches that a real browser plays, by keys and mouse."""
 
+import sys
 import time
 from pathlib import Path
+from statistics import median
 from typing import Any
 
 import pytest
-from tests.platform.stage.browsers import PATIENCE, browser, pages, start
+from tests.platform.stage.browsers import PATIENCE, browser, pages, start, wait_for_match
+from tests.platform.stage.slow_network import far_away
 from tests.platform.stage.tables import small_plan, table_in_thread
 
 from wildscav_engine.record import read_record, verify_record
 
-MIDDLE = 640  # pixels from the left edge of the window
+MIDDLE = 320  # pixels from the left edge of the window
+HIGH = 200  # pixels from its upper edge
+SMALL = {"width": 640, "height": 400}  # as software draws
 AHEAD = 6.0  # degrees
-DEGREES_PER_PIXEL = 0.12  # of the mouse, as in controls.js
+DEGREES_PER_PIXEL = 0.12  # of the mouse, as in controls.ts
 KEY_TURN = 110.0  # degrees per second, likewise
 
 __all__ = ["browser"]
@@ -25,13 +30,13 @@ class Hands:
 
     def __init__(self, page: Any) -> None:
         self._page, self._x = page, MIDDLE
-        page.mouse.move(MIDDLE, 400)
+        page.mouse.move(MIDDLE, HIGH)
 
     def turn(self, degrees: float) -> None:
         """Turn right: by an arrow key if it is far or the mouse is at the edge, else by the mouse."""
         x = self._x + degrees / DEGREES_PER_PIXEL
         if abs(degrees) < 25.0 and 20 < x < 2 * MIDDLE - 20:
-            self._page.mouse.move(x, 400)
+            self._page.mouse.move(x, HIGH)
             self._x = x
         else:
             key = "ArrowRight" if degrees > 0 else "ArrowLeft"
@@ -46,7 +51,7 @@ def test_a_browser_finds_the_target_by_keys_and_mouse(tmp_path: Path, browser: A
         table_in_thread(small_plan(time_limit=120.0), tmp_path) as links,
         pages(browser) as new_page,
     ):
-        page = new_page(viewport={"width": 1280, "height": 800})
+        page = new_page(viewport=SMALL)
         start(page, links.host)
         hands = Hands(page)
         goal, end = page.locator("#goal"), time.monotonic() + PATIENCE
@@ -64,3 +69,62 @@ def test_a_browser_finds_the_target_by_keys_and_mouse(tmp_path: Path, browser: A
         record = read_record(Path(page.inner_text("#record code")))
     assert record.result.seats[0].metrics["success"] == 1.0
     assert verify_record(record).holds
+
+
+# Presses a key several times, and returns for each how long it took until the picture was another one, ms.
+PRESSES = """async ([code, element, name]) => {
+  const wait = (ms) => new Promise((done) => setTimeout(done, ms));
+  const send = (kind) => dispatchEvent(new KeyboardEvent(kind, { code }));
+  const shown = () => document.querySelector(element).dataset[name];
+  const delays = [];
+  for (let press = 0; press < 7; press++) {
+    const [before, began] = [shown(), performance.now()];
+    send("keydown");
+    while (shown() === before) await new Promise(requestAnimationFrame);
+    await new Promise(requestAnimationFrame); // when the picture is on the screen
+    delays.push(performance.now() - began);
+    await wait(150);
+    send("keyup");
+    await wait(700);
+  }
+  return delays;
+}"""
+
+
+def test_what_is_pressed_is_seen_within_100_ms_across_a_network_of_50_ms(
+    tmp_path: Path, browser: Any
+) -> None:
+    with (
+        table_in_thread(small_plan(time_limit=120.0), tmp_path) as links,
+        far_away(links.host, 0.05) as link,
+        pages(browser) as new_page,
+    ):
+        page = new_page(viewport={"width": 320, "height": 180})
+        start(page, link)
+        page.wait_for_function("Number(document.querySelector('#delay').dataset.ping) >= 100")
+        walked = page.evaluate(PRESSES, ["KeyW", "#picture", "place"])
+        turned = page.evaluate(PRESSES, ["ArrowRight", "#compass", "yaw"])
+        error = float(page.get_attribute("#delay", "data-error"))
+        sys.stdout.write(f"key to screen: {walked}, {turned} ms; 95 % expected to {error} m\n")
+    assert max(median(walked), median(turned)) < 100.0
+    assert error < 0.5  # m, 95 % of what was expected
+
+
+def test_nothing_keeps_people_out(tmp_path: Path, browser: Any) -> None:
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
+
+    def check(page: Any, state: str) -> None:
+        page.wait_for_selector(f"#game[data-state={state}]", timeout=PATIENCE * 1000)
+        found = axe.run(page, options={"resultTypes": ["violations"]})
+        assert found.violations_count == 0, found.generate_report()
+
+    plan = small_plan("battle", 60.0, ("walker-easy",))
+    with table_in_thread(plan, tmp_path) as links, pages(browser) as new_page:
+        page, spectator = new_page(bypass_csp=True), new_page(bypass_csp=True)
+        page.goto(links.host)
+        check(page, "lobby")
+        page.click("#go")
+        wait_for_match(page)
+        check(page, "playing")
+        spectator.goto(links.watch)
+        check(spectator, "watching")

@@ -38,12 +38,11 @@ def test_two_people_play_each_other_and_the_match_is_recorded(tmp_path: Path) ->
             while await everybody(host, "here", "here") != ["person 1", "Ada"]:
                 pass
             await host.send(kind="start")
-            await asyncio.gather(host.until("picture"), guest.until("picture"))
+            await asyncio.gather(host.until("moment"), guest.until("moment"))
             await host.send(kind="input", number=1, forward=1.0)
             await guest.send(kind="input", number=1, turn=45.0)
             ends = await asyncio.gather(host.until("over"), guest.until("over"))
-            assert host.shown["yaw"] != guest.shown["yaw"]
-            assert host.picture != guest.picture
+            assert host.shown["own"] != guest.shown["own"]
             return ends[0], ends[1]
 
     hosts, guests = asyncio.run(play())
@@ -64,18 +63,18 @@ def test_a_seat_stands_idle_until_its_person_is_back(tmp_path: Path) -> None:
             async with page(links.guests[0]) as guest:
                 await everybody(host, "here", "here")
                 await host.send(kind="start")
-                await guest.until("picture")
+                await guest.until("moment")
                 await guest.send(kind="input", number=1, forward=1.0)
                 while guest.shown["input"] < 1:
-                    await guest.until("picture")
+                    await guest.until("moment")
             await everybody(host, "here", "away")
-            before = (await host.until("picture"))["time"]
-            while host.shown["time"] < before + 0.5:
-                await host.until("picture")  # the match waits for nobody
+            before = (await host.until("moment"))["frame"]
+            while host.shown["frame"] < before + 25:
+                await host.until("moment")  # the match waits for nobody
             async with page(links.guests[0]) as guest:
                 await guest.until("begin")
                 await everybody(host, "here", "here")
-                await guest.until("picture")
+                await guest.until("moment")
                 await guest.send(kind="input", number=2, forward=-1.0)
                 return Path((await host.until("over"))["record"])
 
@@ -91,11 +90,11 @@ def test_a_robot_plays_for_whoever_comes_too_late(tmp_path: Path) -> None:
         plan = small_plan("navigation", 0.7, people=2)
         async with tables_links(plan, tmp_path) as links, page(links.host) as host:
             await host.send(kind="start")
-            await host.until("picture")
+            await host.until("moment")
             async with page(links.guests[0]) as guest:
                 await guest.until("elsewhere")
                 over, _ = await asyncio.gather(host.until("over"), guest.until("over"))
-                assert guest.pictures == 0
+                assert guest.moments == 0
                 await host.send(kind="start")  # they play again
                 await guest.until("begin")
                 return Path(over["record"])
@@ -132,12 +131,12 @@ def test_a_match_of_several_people_is_not_paused(tmp_path: Path) -> None:
             assert not (await host.until("table"))["may_pause"]
             await everybody(host, "here", "here")
             await host.send(kind="start")
-            await host.until("picture")
+            await host.until("moment")
             await guest.send(kind="pause", paused=True)
             await host.send(kind="pause", paused=True)
-            time = (await host.until("picture"))["time"]
-            while host.shown["time"] < time + 0.5:
-                await host.until("picture")
+            frame = (await host.until("moment"))["frame"]
+            while host.shown["frame"] < frame + 25:
+                await host.until("moment")
 
     asyncio.run(play())
 
@@ -219,6 +218,6 @@ def test_a_match_of_several_people_is_counted_down(tmp_path: Path) -> None:
             await host.send(kind="start")
             for client in (host, guest):
                 assert (await client.until("countdown"))["seconds"] == 1
-                assert (await client.until("picture"))["time"] < 0.5
+                assert (await client.until("moment"))["frame"] < 25
 
     asyncio.run(play())

@@ -1,23 +1,21 @@
 """Spectators: what they see, and that they do nothing."""
 
 import asyncio
-import io
 import json
 from contextlib import AsyncExitStack
 from pathlib import Path
 
+import httpx
 import pytest
-from PIL import Image
 from tests.platform.stage.pages import page
 from tests.platform.stage.tables import small_plan, tables_links
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from wildscav_engine.record import read_record, verify_record
 from wildscav_stage.page import TOO_MANY, UNSUPPORTED
 from wildscav_stage.table import MAX_SPECTATORS
 
 
-def test_a_spectator_sees_everybody_from_above_or_through_any_eyes(tmp_path: Path) -> None:
+def test_a_spectator_is_told_of_everybody(tmp_path: Path) -> None:
     async def play() -> None:
         plan = small_plan("battle", 60.0, ("fighter-easy",), people=2)
         async with tables_links(plan, tmp_path) as links, AsyncExitStack() as stack:
@@ -29,37 +27,32 @@ def test_a_spectator_sees_everybody_from_above_or_through_any_eyes(tmp_path: Pat
             assert "watch_link" not in shown
             assert (await host.until("people"))["spectators"] == 1
             await host.send(kind="start")
-            above = await spectator.until("picture")
-            assert above["seat"] is None
-            assert {label["seat"] for label in above["labels"]} == {0, 1, 2}
-            assert all(0 < label["x"] < 1 and 0 < label["y"] < 1 for label in above["labels"])
-            assert Image.open(io.BytesIO(spectator.picture)).size == (640, 360)
-            for seat in range(3):  # the host, the robot in the guest's seat, and the robot
-                await spectator.send(kind="watch", seat=seat)
-                while spectator.shown["seat"] != seat:
-                    await spectator.until("picture")
-                assert spectator.shown["health"] <= 100
-            await spectator.send(kind="watch", seat=None)
-            while spectator.shown["seat"] is not None:
-                await spectator.until("picture")
+            first = await spectator.until("moment")
+            # The host, the robot in the guest's seat, and the robot.
+            assert [row[0] for row in first["agents"]] == [0, 1, 2]
+            assert (first["all"], len(first["boxes"]) > 0) == (1, True)
+            assert "all" not in await spectator.until("moment")
+            async with page(links.watch) as later:
+                assert (await later.until("moment"))["all"] == 1
+                assert later.boxes == spectator.boxes
 
     asyncio.run(play())
 
 
-def test_who_watches_the_same_gets_the_same_pictures(tmp_path: Path) -> None:
+def test_spectators_are_told_the_same_and_one_who_comes_to_a_paused_match_sees_it(tmp_path: Path) -> None:
     async def play() -> None:
         async with tables_links(small_plan(), tmp_path) as links, AsyncExitStack() as stack:
             links_of_all = (links.watch, links.watch, links.host)
             first, second, host = [await stack.enter_async_context(page(link)) for link in links_of_all]
-            await first.send(kind="watch", seat=0)
-            await second.send(kind="watch", seat=0)
             await host.send(kind="start")
-            await first.until("picture")
+            await first.until("moment")
             await host.send(kind="pause", paused=True)
             await asyncio.gather(first.until("paused"), second.until("paused"))
-            await asyncio.gather(first.pictures_within(0.3), second.pictures_within(0.3))
-            assert first.shown["time"] == second.shown["time"]
-            assert first.picture == second.picture
+            await asyncio.gather(first.moments_within(0.3), second.moments_within(0.3))
+            async with page(links.watch) as late:
+                await late.until("moment")
+                told = [each.shown["agents"] for each in (first, second, late)]
+            assert told[0] == told[1] == told[2]
 
     asyncio.run(play())
 
@@ -72,7 +65,7 @@ def test_who_watches_the_same_gets_the_same_pictures(tmp_path: Path) -> None:
         {"kind": "pause", "paused": True},
         {"kind": "rename", "name": "nobody"},
         {"kind": "renew", "seat": 1},
-        {"kind": "watch", "seat": -1},
+        {"kind": "watch", "seat": 0},
     ],
 )
 def test_a_spectator_who_tries_to_act_is_closed(tmp_path: Path, message: dict[str, object]) -> None:
@@ -87,20 +80,17 @@ def test_a_spectator_who_tries_to_act_is_closed(tmp_path: Path, message: dict[st
     asyncio.run(play())
 
 
-def test_a_seat_that_is_not_there_has_no_pictures(tmp_path: Path) -> None:
+def test_the_map_is_sent_to_whoever_has_a_link(tmp_path: Path) -> None:
+    def status(link: str) -> int:
+        return httpx.get(f"{link}/map", trust_env=False).status_code
+
     async def play() -> None:
-        plan = small_plan("navigation", 1.0)
-        async with (
-            tables_links(plan, tmp_path) as links,
-            page(links.watch) as spectator,
-            page(links.host) as host,
-        ):
-            await spectator.send(kind="watch", seat=7)
+        async with tables_links(small_plan(), tmp_path) as links, page(links.host) as host:
+            assert await asyncio.to_thread(status, links.host) == 404  # there is none yet
             await host.send(kind="start")
-            await spectator.until("over")
-            assert spectator.pictures == 0
-            record = read_record(Path((await host.until("over"))["record"]))
-            assert verify_record(record).holds
+            await host.until("begin")
+            for link, expected in ((links.host, 200), (links.watch, 200), (f"{links.host}x", 404)):
+                assert await asyncio.to_thread(status, link) == expected
 
     asyncio.run(play())
 

@@ -1,18 +1,18 @@
 """Matches of a person at a real table: a match server, a web server, and a WebSocket as a page opens it."""
 
 import asyncio
-import io
 from pathlib import Path
 from urllib.request import ProxyHandler, build_opener
 
 import pytest
-from PIL import Image
 from tests.platform.stage.pages import page
 from tests.platform.stage.tables import small_plan, table
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from wildscav_engine.record import read_record, verify_record
 from wildscav_stage.page import MAX_MESSAGES, MAX_UNSEEN
+
+YAW, COUNTS_START = 3, 9  # in a seat's row
 
 
 def test_a_match_ends_in_a_record_that_holds(tmp_path: Path) -> None:
@@ -24,9 +24,8 @@ def test_a_match_ends_in_a_record_that_holds(tmp_path: Path) -> None:
             assert (await person.until("begin"))["has_target"]
             await person.send(kind="input", number=1, forward=1.0, turn=90.0)
             over = await person.until("over")
-            assert Image.open(io.BytesIO(person.picture)).size == (640, 360)
             assert person.shown["input"] == 1
-            assert person.shown["health"] == 100
+            assert person.shown["own"][COUNTS_START] == 100  # hp
             return over
 
     over = asyncio.run(play())
@@ -40,17 +39,17 @@ def test_a_match_ends_in_a_record_that_holds(tmp_path: Path) -> None:
 
 
 def test_inputs_turn_the_view(tmp_path: Path) -> None:
-    async def play() -> tuple[float, float]:
+    async def play() -> tuple[int, int]:
         async with table(small_plan(), tmp_path) as link, page(link) as person:
             await person.send(kind="start")
-            before = (await person.until("picture"))["yaw"]
+            before = (await person.until("moment"))["own"][YAW]
             await person.send(kind="input", number=5, turn=25.0)
             while person.shown["input"] < 5:
-                await person.until("picture")
-            return before, person.shown["yaw"]
+                await person.until("moment")
+            return before, person.shown["own"][YAW]
 
     before, after = asyncio.run(play())
-    assert (after - before) % 360.0 == pytest.approx(25.0)
+    assert (after - before) % 36000 == 2500  # hundredths of a degree
 
 
 def test_a_match_against_robots_waits_while_it_is_paused(tmp_path: Path) -> None:
@@ -58,13 +57,13 @@ def test_a_match_against_robots_waits_while_it_is_paused(tmp_path: Path) -> None
         plan = small_plan("battle", 60.0, ("fighter-easy",))
         async with table(plan, tmp_path) as link, page(link) as person:
             await person.send(kind="start")
-            await person.until("picture")
+            await person.until("moment")
             await person.send(kind="pause", paused=True)
             assert (await person.until("paused"))["paused"]
-            assert await person.pictures_within(1.0) <= MAX_UNSEEN  # those that were on their way
+            assert await person.moments_within(1.0) <= MAX_UNSEEN  # those that were on their way
             await person.send(kind="pause", paused=False)
             assert not (await person.until("paused"))["paused"]
-            await person.until("picture")
+            await person.until("moment")
 
     asyncio.run(play())
 
@@ -74,7 +73,7 @@ def test_a_match_against_robots_waits_for_a_page_that_was_closed(tmp_path: Path)
         async with table(small_plan(), tmp_path) as link:
             async with page(link) as first:
                 await first.send(kind="start")
-                await first.until("picture")
+                await first.until("moment")
             await asyncio.sleep(0.2)
             async with page(link) as second:
                 assert (await second.until("begin"))["paused"]
@@ -86,14 +85,14 @@ def test_whoever_opens_the_link_again_goes_on_there(tmp_path: Path) -> None:
     async def play() -> None:
         async with table(small_plan(), tmp_path) as link, page(link) as first:
             await first.send(kind="start")
-            time = (await first.until("picture"))["time"]
+            frame = (await first.until("moment"))["frame"]
             async with page(link) as second:
                 assert not (await second.until("begin"))["paused"]
                 with pytest.raises(ConnectionClosed) as closed:
                     await first.until("over")
                 assert closed.value.rcvd is not None
                 assert closed.value.rcvd.code == 4001
-                assert (await second.until("picture"))["time"] > time
+                assert (await second.until("moment"))["frame"] > frame
 
     asyncio.run(play())
 
@@ -119,7 +118,7 @@ def test_a_page_that_sends_too_much_is_closed(tmp_path: Path) -> None:
             for _ in range(
                 2 * MAX_MESSAGES + 1
             ):  # if a second ends meanwhile, there are too many in the next
-                await person.send(kind="seen", picture=0)
+                await person.send(kind="seen", number=0)
             with pytest.raises(ConnectionClosed, match="too many messages"):
                 await person.until("over")
 
@@ -150,16 +149,7 @@ def test_pages_load_nothing_from_elsewhere(tmp_path: Path) -> None:
             assert policy.startswith("default-src 'none'; script-src 'self'; ")
             assert "unsafe" not in policy
             assert b"//" not in content
-            for name in (
-                "main.js",
-                "connection.js",
-                "controls.js",
-                "hud.js",
-                "lobby.js",
-                "sounds.js",
-                "play.css",
-            ):
-                place = f"{link.partition('/play/')[0]}/static/{name}"
-                assert b"://" not in (await asyncio.to_thread(ask, place))[1]
+            style = f"{link.partition('/play/')[0]}/static/play.css"
+            assert b"://" not in (await asyncio.to_thread(ask, style))[1]
 
     asyncio.run(play())

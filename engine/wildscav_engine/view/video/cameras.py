@@ -32,7 +32,6 @@ MARGIN, LEAST_EXTENT = 12.0, 70.0  # m around the agents, and m in view at least
 FROM = np.array([0.0, 0.8, -0.6])  # the direction of the camera above everybody: the south
 EDGE = 3.0  # m that it keeps from the edge of the map
 ROOF = 8.0  # m above the agents, in view
-OPENING, CLOSING = 0.5, 2.5  # s in which the view widens and narrows by about two thirds of the way
 
 
 class Camera(NamedTuple):
@@ -213,40 +212,3 @@ def _corners(low: Vector, high: Vector) -> NDArray[np.float64]:
     return np.array(
         [[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]
     )
-
-
-class LiveAbove:
-    """Follows those who are alive, so that all are in view.
-
-    Args:
-        world: The world of the match.
-        aspect: The width of pictures over their height.
-    """
-
-    def __init__(self, world: World, aspect: float) -> None:
-        self._world, self._aspect = world, aspect
-        self._box: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None  # (3,) m each, in view
-        self._time = 0.0
-
-    def at(self, positions: NDArray[np.float64], time: float) -> Camera:
-        """Return the camera at a time in s, that never decreases, given (N, 3) m the places of the living."""
-        if self._box is None or len(positions):
-            places = positions if len(positions) else np.zeros((1, 3))
-            self._box = self._glided(*widened(places.min(axis=0), places.max(axis=0)), time)
-        self._time = time
-        view = view_above(*self._box, self._aspect)
-        return camera_above(over_map(self._world, view.eye[None], view.target[None])[0], view.target)
-
-    def _glided(
-        self, low: NDArray[np.float64], high: NDArray[np.float64], time: float
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return the box that is in view, moved towards another one."""
-        if self._box is None:
-            return low, high
-        passed = time - self._time
-        wide, narrow = (1.0 - np.exp(-passed / seconds) for seconds in (OPENING, CLOSING))
-        own_low, own_high = self._box
-        return (
-            own_low + np.where(low < own_low, wide, narrow) * (low - own_low),
-            own_high + np.where(high > own_high, wide, narrow) * (high - own_high),
-        )

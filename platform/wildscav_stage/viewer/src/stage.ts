@@ -1,5 +1,6 @@
 // What draws a match: in 3D, or from above where a browser has no WebGL 2.
 
+import type { WebGLRenderer } from "three";
 import type { Course } from "./data/course";
 import type { GameMap } from "./data/map";
 
@@ -10,6 +11,12 @@ export type ViewKind = "free" | "behind" | "eyes" | "above";
 export interface View {
   kind: ViewKind;
   seat: number; // that is followed; of no matter to "free" and "above"
+  across?: number; // degrees, the field of view through the eyes; if none is given, that of the engine's cameras
+}
+
+export interface StageOptions {
+  hasLabels?: boolean; // whether names and health are over heads; they are unless said otherwise
+  over?(renderer: WebGLRenderer): void; // draws over each picture
 }
 
 export interface Stage {

@@ -65,6 +65,7 @@ export class Input {
   }
 
   private press(event: PointerEvent): void {
+    if (!this.isMoved()) return; // browsers capture no pointer that a page has locked
     this.canvas.focus({ preventScroll: true });
     this.canvas.setPointerCapture(event.pointerId);
     this.pointers.set(event.pointerId, { x: event.offsetX, y: event.offsetY });

@@ -52,7 +52,7 @@ export class Cameras {
     const { kind, seat } = view;
     if (kind === "above") return this.placeAbove(width, height);
     if (kind === "eyes") {
-      this.look(atTheEyes(moment.states[seat]), width / height, 0.08, FAR);
+      this.look(atTheEyes(moment.states[seat]), width / height, 0.08, FAR, view.across);
       return { camera: this.perspective, hidden: seat, isFromAbove: false, across: 0, focus: null };
     }
     if (kind === "behind") {
@@ -78,9 +78,11 @@ export class Cameras {
     return { camera, hidden: null, isFromAbove: true, across: scale * Math.min(width, height), focus: null };
   }
 
-  private look(pose: Pose, aspect: number, near: number, far: number): void {
+  // across: degrees, beyond which nothing is shown however wide the picture is.
+  private look(pose: Pose, aspect: number, near: number, far: number, across?: number): void {
     const camera = this.perspective;
-    const up = Math.max(Math.tan(radians(ACROSS / 2)) * (9 / 16), Math.tan(radians(NARROWEST / 2)) / aspect);
+    const wide = Math.tan(radians((across ?? ACROSS) / 2)) / Math.max(16 / 9, across ? aspect : 0);
+    const up = Math.max(wide, Math.tan(radians(NARROWEST / 2)) / aspect);
     camera.fov = (360 / Math.PI) * Math.atan(up);
     [camera.aspect, camera.near, camera.far] = [aspect, near, 1.05 * far];
     this.put(camera, pose, far);

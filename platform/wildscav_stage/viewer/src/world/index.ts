@@ -3,7 +3,7 @@
 import { Color, LinearSRGBColorSpace, WebGLRenderer } from "three";
 import type { Course } from "../data/course";
 import type { GameMap } from "../data/map";
-import { type Stage, TRAIL, type View } from "../stage";
+import { type Stage, type StageOptions, TRAIL, type View } from "../stage";
 import { type Moment, momentOf } from "../view/moment";
 import { Cameras } from "./cameras";
 import { inCorner } from "./inset";
@@ -16,13 +16,19 @@ import { Still } from "./still";
 const LONGEST = 0.1; // s that held keys count for one picture
 
 // Throws an Error where the browser has no WebGL 2.
-export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Course): Stage {
+export function createStage(
+  canvas: HTMLCanvasElement,
+  map: GameMap,
+  course: Course,
+  { hasLabels = true, over }: StageOptions = {},
+): Stage {
   const isSoftware = probe();
   const renderer = createRenderer(canvas, isSoftware);
   const sharing = createShared(map.light);
   const { shared } = sharing;
   const parts = createScene(map, course, shared);
   parts.cast(renderer);
+  parts.names.visible = hasLabels;
   const still = isSoftware ? new Still(renderer, parts.root, parts.statics, shared) : null;
   const cameras = new Cameras(map, course, shared);
   const pace = new Pace(isSoftware);
@@ -74,7 +80,7 @@ export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Cou
     inCorner(renderer, shared, size, (width, height) => {
       renderer.render(parts.scene, place({ kind: "eyes", seat }, moment, width, height, 0).camera);
     });
-    parts.names.visible = true;
+    parts.names.visible = hasLabels;
   };
 
   const stage: Stage = {
@@ -95,6 +101,7 @@ export function createStage(canvas: HTMLCanvasElement, map: GameMap, course: Cou
       const shown = place(stage.view, moment, size.width, size.height, seconds);
       if (still) still.render(parts.scene, shown.camera, shown.focus ? -1 : pace.level);
       else renderer.render(parts.scene, shown.camera);
+      over?.(renderer);
       if (typeof stage.inset === "number") showInset(stage.inset, moment);
     },
     zoom: steering.zoom,

@@ -118,7 +118,7 @@ function createLife(map: GameMap, course: Course, shared: Shared) {
     const spark = kind === "eyes" ? 0 : isFromAbove ? SPARK_ABOVE : SPARK;
     boxes.show(frame, shared.eye.value, crates, spark * ratio);
     zone.show(frame, isFromAbove);
-    showShots(tracers, course, frame, ratio);
+    showShots(tracers, course, frame, ratio, hidden);
     trails.group.visible = isFromAbove;
     if (isFromAbove) trails.show(moment, trail, ratio);
   };

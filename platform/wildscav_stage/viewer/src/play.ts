@@ -1,0 +1,254 @@
+// The page of a person who plays: it shows what the server tells, and sends what the person does.
+
+import { Connection } from "./play/connection";
+import { Controls, type Input } from "./play/controls";
+import { find } from "./play/dom";
+import { fillTable, Hud, titlesOf } from "./play/hud";
+import { Lobby } from "./play/lobby";
+import { Match } from "./play/match";
+import type { Begin, Handlers, Message, Now, Over, Table } from "./play/messages";
+import { eachPicture, withMap } from "./play/scene";
+import { settingsIn } from "./play/settings";
+import { Sounds } from "./play/sounds";
+
+const REPLACED = 4001; // close code: the link was opened elsewhere
+const RENEWED = 4002; // close code: it has ended
+const HOST = 0; // the seat that starts matches
+const GOALS: Record<string, string> = {
+  navigation: "Find the way to the target, as fast as you can. The compass points to it: ◆.",
+  gathering: "Gather as many supplies as you can. The compass shows boxes nearby: ▪.",
+  capture: "Find the hidden target.",
+  battle: "Gather supplies, and fight for those that others carry.",
+  royale: "Be the last who stands. Stay inside the safe zone.",
+};
+// States in which it is shown who is here.
+const WAITING = ["lobby", "preparing", "elsewhere", "over", "failed"];
+
+const game = find("game");
+const settings = settingsIn(find("settings") as HTMLFormElement);
+const buttons = document.querySelectorAll<HTMLElement>("#buttons button");
+const controls = new Controls(find("picture"), find("stick"), buttons, settings);
+const hud = new Hud();
+const sounds = new Sounds(settings);
+const isTouched = matchMedia("(pointer: coarse)").matches;
+
+let table!: Table; // what is played here
+let begun: Begin | null = null; // the present match
+let match: Match | null = null;
+let waiting: Now[] | null = null; // moments of a match whose map is being loaded
+let isLoading = false; // whether the match waits until it can be shown
+let number = 0; // of the last input
+let lastSent = "";
+
+const connection = new Connection({
+  receive: (message) => (handlers[message.kind] as ((message: Message) => void) | undefined)?.(message),
+  lose: () => {
+    const idle = "Your seat stands idle until you are back. ";
+    const meanwhile = !table ? "" : table.may_pause ? "The match waits for you. " : idle;
+    showPanel("lost", "Connection lost", `${meanwhile}Trying to connect again …`);
+  },
+  close: (code, reason) => {
+    if (code === REPLACED) {
+      const words = "You play on in the page that opened your link last.";
+      return showPanel("closed", "Opened elsewhere", words, "Play here");
+    }
+    if (code === RENEWED) {
+      const words = "The host has made a new link for this seat. Ask the host for it.";
+      return showPanel("closed", "This link was replaced", words);
+    }
+    const why = reason
+      ? `The server closed the connection: ${reason}.`
+      : "The game does not answer. It may have ended; if it was started anew, its links have changed.";
+    showPanel("closed", "Not connected", why, "Try again");
+  },
+});
+const lobby = new Lobby(find("lobby"), (message) => connection.send(message));
+
+const handlers: Handlers = {
+  table: (message) => {
+    table = message;
+    number = 0;
+    find("escape").textContent = table.may_pause ? "free the mouse, pause" : "free the mouse";
+  },
+  people: (message) => {
+    lobby.update(message, table.seat as number, table.stand_in);
+    find("lobby").hidden = !showsPeople();
+  },
+  refused: ({ message }) => lobby.say(`${message[0].toUpperCase()}${message.slice(1)}.`),
+  lobby: () => {
+    game.toggleAttribute("data-weapon", ["battle", "royale"].includes(table.track));
+    game.toggleAttribute("data-supplies", table.track !== "navigation" && table.track !== "capture");
+    const others = table.names.slice(table.people);
+    const who = table.people > 1 ? "Robots and agents" : "Against you";
+    const against = others.length ? ` ${who}: ${others.join(", ")}.` : "";
+    const fingers = isTouched ? " Walk with the stick, and swipe over the picture to look around." : "";
+    const waits = isHost() ? "" : " The host starts the match.";
+    const words = `${GOALS[table.track] ?? ""}${against}${fingers}${waits}`;
+    showPanel("lobby", `Wildscav: ${table.track}`, words, startButton("Play"), true);
+  },
+  preparing: () => showPanel("preparing", "Making the map …", "This takes a few seconds."),
+  countdown: ({ seconds }) => {
+    showPanel("countdown", `The match starts in ${seconds} …`, GOALS[table.track] ?? "", "", true);
+    sounds.tick();
+  },
+  elsewhere: () =>
+    showPanel("elsewhere", "A match is being played", "It began without you. You take part in the next one."),
+  begin: (message) => {
+    begun = message;
+    endMatch();
+    hud.begin(message, table.seat);
+    game.toggleAttribute("data-weapon", message.weapon);
+    game.toggleAttribute("data-supplies", message.supplies);
+    isLoading = table.may_pause && !message.paused;
+    if (isLoading) connection.send({ kind: "pause", paused: true });
+    else if (message.paused) showPause(true);
+    else play();
+  },
+  now: (moment) => {
+    if (match) match.take(moment);
+    else if (waiting) waiting.push(moment);
+    else if (begun) beginMatch(begun, moment);
+  },
+  paused: ({ paused }) => isLoading || showPause(paused),
+  scores: ({ rows }) => begun && hud.showScores(rows),
+  failed: ({ message }) => showPanel("failed", "The match was not played", message, startButton("Try again")),
+  over: showEnd,
+};
+
+const isHost = () => table.seat === HOST;
+const startButton = (text: string) => (isHost() ? text : "");
+const isPlaying = () => game.dataset.state === "playing";
+const showsPeople = () =>
+  Boolean(table) && (table.people > 1 || isHost()) && WAITING.includes(game.dataset.state as string);
+
+// Begin with the first moment; those that come until the map is there wait for it.
+function beginMatch(begin: Begin, first: Now): void {
+  const own: Now[] = [];
+  waiting = own;
+  withMap(
+    (map) => {
+      if (waiting !== own) return;
+      match = new Match(begin, table.track, table.seat as number, map, settings, hud, sounds, first);
+      for (const moment of own) match.take(moment);
+      if (isLoading) connection.send({ kind: "pause", paused: false });
+      isLoading = false;
+    },
+    (why) => showPanel("failed", "The match cannot be shown", why),
+  );
+}
+
+function endMatch(): void {
+  match?.dispose();
+  match = waiting = null;
+}
+
+function play(): void {
+  game.dataset.state = "playing";
+  find("panel").hidden = true;
+  find("hud").hidden = false;
+  find("touch").hidden = !isTouched;
+  controls.enabled = true;
+  if (!isTouched && !document.pointerLockElement)
+    hud.notice("Click the picture to look around with the mouse", 4000);
+}
+
+function showPause(paused: boolean): void {
+  if (paused) showPanel("paused", "Paused", "The match waits for you.", "Go on", true);
+  else play();
+}
+
+function showPanel(state: string, title: string, words: string, button = "", keys = false): void {
+  game.dataset.state = state;
+  controls.enabled = false;
+  controls.release();
+  // Browsers give the mouse on a click only, so the one on Play keeps it while the map is made.
+  if (document.pointerLockElement && state !== "preparing") document.exitPointerLock();
+  find("title").textContent = title;
+  find("words").textContent = words;
+  find("go").textContent = button;
+  find("go").hidden = !button;
+  find("keys").hidden = !keys || isTouched;
+  find("settings").hidden = !keys;
+  find("result").hidden = find("record").hidden = true;
+  find("touch").hidden = true;
+  find("lobby").hidden = !showsPeople();
+  find("panel").hidden = false;
+  find("hud").hidden = state !== "paused";
+}
+
+function headline({ ending, time, rows }: Over): string {
+  const first = rows[0].seat === table.seat;
+  if (table.track === "navigation" || table.track === "capture") {
+    if (ending !== "goal") return "Time is up";
+    const isBeaten = rows.length > 1 && !first;
+    return isBeaten ? `${rows[0].name} was faster` : `You reached the target in ${time.toFixed(1)} s`;
+  }
+  if (rows.length === 1) return `You have ${rows[0].values[0]} supplies after ${time.toFixed(1)} s`;
+  const place = 1 + rows.findIndex(({ seat }) => seat === table.seat);
+  return first ? "You won" : `You are number ${place} of ${rows.length}`;
+}
+
+function showEnd(message: Over): void {
+  begun = null;
+  endMatch();
+  const ending = message.ending === "time_up" ? "The time is up." : "The match is over.";
+  const waits = isHost() ? "" : " The host starts the next one.";
+  showPanel("over", headline(message), `${ending}${waits}`, startButton("Play again"));
+  fillTable(find("result"), titlesOf(message.metrics), message.rows, table.seat);
+  find("record code").textContent = message.record ?? "";
+  find("record pre").textContent = message.commands?.join("\n") ?? "";
+  find("result").hidden = false;
+  find("record").hidden = !message.record; // where it lies is the host's business
+  find("panel").scrollTop = 0;
+  find("go").focus({ preventScroll: true });
+  sounds.end();
+}
+
+// Send what the person does; only steps and turns are repeated while they last.
+function send(input: Input): void {
+  const text = JSON.stringify(input);
+  if (text === lastSent && !(input.turn || input.look || input.forward || input.right)) return;
+  lastSent = text;
+  number += 1;
+  match?.send(number, input);
+  connection.send({ kind: "input", number, ...input });
+}
+
+eachPicture((now, length) => {
+  if (!isPlaying() && game.dataset.state !== "paused") return;
+  const input = controls.take(Math.min(0.1, length / 1000), begun?.rules.turn_speed);
+  if (isPlaying()) send(input);
+  match?.draw(input, now, length);
+});
+
+find("go").addEventListener("click", () => {
+  sounds.unlock();
+  controls.lock();
+  if (game.dataset.state === "closed") {
+    showPanel("connecting", "Wildscav", "Connecting …");
+    connection.open();
+  } else {
+    connection.send(game.dataset.state === "paused" ? { kind: "pause", paused: false } : { kind: "start" });
+  }
+});
+find("picture").addEventListener("click", () => {
+  if (controls.enabled && !controls.locked) controls.lock();
+});
+document.addEventListener("pointerlockchange", () => {
+  if (!document.pointerLockElement) askToPause();
+});
+document.addEventListener("visibilitychange", () => {
+  if (!document.hidden) return;
+  controls.release();
+  if (isPlaying()) send(controls.take(0)); // a hidden page draws nothing, and so sends nothing
+  askToPause();
+});
+addEventListener("keydown", (event) => {
+  if (event.target instanceof HTMLInputElement) return;
+  if (event.code === "KeyM") sounds.on = !sounds.on;
+  if (event.code === "Escape") askToPause();
+});
+
+function askToPause(): void {
+  if (isPlaying() && table.may_pause) connection.send({ kind: "pause", paused: true });
+}

@@ -1,0 +1,198 @@
+// Keys, mouse, touch and gamepad, gathered into the inputs that the server takes.
+
+import type { Held } from "./prediction";
+import type { Settings } from "./settings";
+
+const DEGREES_PER_PIXEL = 0.12; // of the mouse
+const DEGREES_PER_TOUCH = 0.3; // per pixel that a finger moves over the picture
+const KEY_TURN = 110; // degrees per second, with the arrow keys
+const STICK_TURN = 200; // degrees per second, with a gamepad's stick
+const DEAD = 0.15; // of a stick's way, from where on it counts
+const AXES: Record<string, ["forward" | "right" | "turning" | "looking", number]> = {
+  KeyW: ["forward", 1],
+  KeyS: ["forward", -1],
+  KeyD: ["right", 1],
+  KeyA: ["right", -1],
+  ArrowRight: ["turning", 1],
+  ArrowLeft: ["turning", -1],
+  ArrowDown: ["looking", 1],
+  ArrowUp: ["looking", -1],
+};
+export const KEYS: Record<string, Flag> = { Space: "jump", KeyF: "shoot", KeyR: "reload", KeyE: "pick_up" };
+const PAD: [number, Flag][] = [
+  [0, "jump"],
+  [7, "shoot"],
+  [2, "reload"],
+  [3, "pick_up"],
+]; // buttons of a standard gamepad
+
+export type Flag = "jump" | "shoot" | "reload" | "pick_up";
+export type Input = Held & Record<Flag, boolean>;
+
+export class Controls {
+  enabled = false;
+  locked = false; // whether the mouse is
+  private readonly keys = new Set<string>();
+  private readonly touched = new Set<Flag>(); // those whose buttons fingers hold
+  private readonly pressed = new Set<Flag>(); // those that were pressed since the last input
+  private stick = [0, 0]; // right and forward, -1 to 1
+  private mouse = false; // whether its left button is held
+  private turn = 0; // degrees since the last input
+  private look = 0;
+
+  constructor(
+    private readonly picture: HTMLElement,
+    stick: HTMLElement,
+    buttons: Iterable<HTMLElement>,
+    private readonly settings: Settings,
+  ) {
+    this.listenToKeys();
+    this.listenToMouse();
+    this.listenToStick(stick);
+    for (const button of buttons) this.listenToButton(button);
+    this.listenToSwipes();
+  }
+
+  // Take the mouse, where there is one.
+  lock(): void {
+    if (!matchMedia("(pointer: fine)").matches) return;
+    const plainly = () => Promise.resolve(this.picture.requestPointerLock()).catch(() => {});
+    Promise.resolve(this.picture.requestPointerLock({ unadjustedMovement: true })).catch(plainly);
+  }
+
+  release(): void {
+    for (const held of [this.keys, this.touched, this.pressed]) held.clear();
+    this.stick = [0, 0];
+    this.mouse = false;
+    this.turn = this.look = 0;
+  }
+
+  // Return what is held, and what was turned and pressed since the last call, some seconds ago.
+  take(seconds: number, turnSpeed = Infinity): Input {
+    const held = { forward: this.stick[1], right: this.stick[0], turning: 0, looking: 0 };
+    for (const code of this.keys) {
+      if (code in AXES) held[AXES[code][0]] += AXES[code][1];
+      else this.pressed.add(KEYS[code]);
+    }
+    if (this.mouse) this.pressed.add("shoot");
+    for (const flag of this.touched) this.pressed.add(flag);
+    const [turn, look] = this.readGamepad(held);
+    const within = (value: number, most: number) => Math.max(-most, Math.min(most, value));
+    const most = Math.min(3600, turnSpeed * Math.max(seconds, 0.001));
+    const input = {
+      forward: within(held.forward, 1),
+      right: within(held.right, 1),
+      turn: within(this.turn + (held.turning * KEY_TURN + turn) * seconds, most),
+      look: within(this.look + (held.looking * KEY_TURN + look) * seconds, most),
+      jump: this.pressed.has("jump"),
+      shoot: this.pressed.has("shoot"),
+      reload: this.pressed.has("reload"),
+      pick_up: this.pressed.has("pick_up"),
+    };
+    this.turn = this.look = 0;
+    this.pressed.clear();
+    return input;
+  }
+
+  // Add what a gamepad holds, and return how fast it turns, in degrees a second to the right and down.
+  private readGamepad(held: { forward: number; right: number }): [number, number] {
+    const pad = navigator.getGamepads().find((each) => each?.mapping === "standard");
+    if (!pad || !this.enabled) return [0, 0];
+    const [right, back, turn, look] = pad.axes.map((value) => (Math.abs(value) < DEAD ? 0 : value));
+    held.right += right;
+    held.forward -= back;
+    for (const [button, flag] of PAD) if (pad.buttons[button]?.pressed) this.pressed.add(flag);
+    const speed = STICK_TURN * this.settings.sensitivity;
+    return [turn * Math.abs(turn) * speed, look * Math.abs(look) * speed * (this.settings.invert ? -1 : 1)];
+  }
+
+  private listenToKeys(): void {
+    addEventListener("keydown", (event) => {
+      const { code } = event;
+      if (!this.enabled || !(code in AXES || code in KEYS) || event.ctrlKey || event.metaKey || event.altKey)
+        return;
+      event.preventDefault();
+      this.keys.add(code);
+      if (code in KEYS) this.pressed.add(KEYS[code]);
+    });
+    addEventListener("keyup", (event) => this.keys.delete(event.code));
+    addEventListener("blur", () => this.release());
+  }
+
+  private listenToMouse(): void {
+    document.addEventListener("pointerlockchange", () => {
+      this.locked = document.pointerLockElement === this.picture;
+    });
+    addEventListener("mousemove", (event) => {
+      if (this.enabled && this.locked) this.turnBy(event.movementX, event.movementY, DEGREES_PER_PIXEL);
+    });
+    addEventListener("mousedown", (event) => {
+      if (!this.enabled || !this.locked || event.button !== 0) return;
+      this.mouse = true;
+      this.pressed.add("shoot");
+    });
+    addEventListener("mouseup", () => {
+      this.mouse = false;
+    });
+  }
+
+  private turnBy(right: number, down: number, degrees: number): void {
+    const { sensitivity, invert } = this.settings;
+    this.turn += right * degrees * sensitivity;
+    this.look += down * degrees * sensitivity * (invert ? -1 : 1);
+  }
+
+  private listenToStick(stick: HTMLElement): void {
+    const knob = stick.querySelector("i") as HTMLElement;
+    const move = (event: PointerEvent) => {
+      const { left, top, width } = stick.getBoundingClientRect();
+      const x = (2 * (event.clientX - left)) / width - 1;
+      const y = (2 * (event.clientY - top)) / width - 1;
+      const longest = Math.max(1, Math.hypot(x, y));
+      this.stick = [x / longest, -y / longest];
+      knob.style.transform = `translate(${this.stick[0] * width * 0.3}px, ${-this.stick[1] * width * 0.3}px)`;
+    };
+    const leave = () => {
+      this.stick = [0, 0];
+      knob.style.transform = "";
+    };
+    stick.addEventListener("pointerdown", (event) => {
+      stick.setPointerCapture(event.pointerId);
+      move(event);
+    });
+    stick.addEventListener("pointermove", (event) => stick.hasPointerCapture(event.pointerId) && move(event));
+    stick.addEventListener("pointerup", leave);
+    stick.addEventListener("pointercancel", leave);
+  }
+
+  private listenToButton(button: HTMLElement): void {
+    const flag = button.dataset.flag as Flag;
+    const hold = (held: boolean) => {
+      button.classList.toggle("held", held);
+      if (held) this.touched.add(flag);
+      else this.touched.delete(flag);
+    };
+    button.addEventListener("pointerdown", () => {
+      this.pressed.add(flag);
+      hold(true);
+    });
+    for (const end of ["pointerup", "pointercancel", "pointerleave"])
+      button.addEventListener(end, () => hold(false));
+  }
+
+  // A finger that moves over the picture turns the view.
+  private listenToSwipes(): void {
+    const last = new Map<number, [number, number]>();
+    this.picture.addEventListener("pointerdown", (event) => {
+      if (event.pointerType !== "mouse") last.set(event.pointerId, [event.clientX, event.clientY]);
+    });
+    addEventListener("pointermove", (event) => {
+      const from = last.get(event.pointerId);
+      if (!from || !this.enabled) return;
+      this.turnBy(event.clientX - from[0], event.clientY - from[1], DEGREES_PER_TOUCH);
+      last.set(event.pointerId, [event.clientX, event.clientY]);
+    });
+    for (const end of ["pointerup", "pointercancel"] as const)
+      addEventListener(end, (event) => last.delete(event.pointerId));
+  }
+}

@@ -1,0 +1,167 @@
+// The course of a match that is being played, as far as its spectators or one of its seats are told of it.
+
+import { Course, type SeatState } from "../data/course";
+import { METRE, type Trails } from "../data/trails";
+import { type All, type Begin, FRAMES, type Moment, type Now, ownOf } from "./messages";
+
+const NOWHERE = 1e5; // m, where nobody is drawn
+const GAP = 10; // frames without word of an agent after which it comes anew
+const LYING = 200; // frames for which somebody is seen who died in sight
+const KEPT = 100; // frames for which sightings are kept
+
+export abstract class LiveCourse extends Course {
+  private readonly boxes = new Map<number, Trails["boxes"][number]>();
+
+  constructor(begin: Begin, track: string) {
+    super(emptyTrails(begin, track));
+  }
+
+  // own: the seat whose shots are shown in the frame that is being drawn, now.
+  protected take(moment: Moment, own: number | null = null, now = 0): void {
+    const { frame } = moment;
+    for (const [seat, x, y, z] of moment.shots ?? []) {
+      if (x === undefined) continue;
+      const shot = { frame: seat === own ? now : frame, seat, x: x / METRE, y: y / METRE, z: z / METRE };
+      insert(this.shots, shot);
+    }
+    for (const [seat, by] of moment.deaths ?? [])
+      insert(this.events, { frame, kind: "death", seat, other: by < 0 ? null : by, amount: 0 });
+    for (const [serial, x, height, z] of moment.boxes ?? [])
+      this.boxes.set(serial, { x, z, height, dropped: false, quantity: 1, appears: 0, taken: null });
+    for (const serial of moment.gone ?? []) this.boxes.delete(serial);
+    if (moment.boxes || moment.gone) this.trails.boxes = [...this.boxes.values()];
+    if (moment.target) {
+      const [x, height, z] = moment.target;
+      this.trails.target = { x, z, height };
+    }
+    if (moment.zone) this.trails.zone = [phaseOf(moment.zone)];
+  }
+
+  protected forgetBoxes(): void {
+    this.boxes.clear();
+  }
+}
+
+// What spectators see: everybody.
+export class WatchedCourse extends LiveCourse {
+  learn(moment: All): void {
+    if (moment.all) this.forgetBoxes();
+    this.frames.push(moment.frame);
+    this.samples.forEach((samples, seat) => {
+      const row = moment.agents.find((agent) => agent[0] === seat);
+      const own = row ? ownOf(row.slice(1)) : null;
+      const before = samples.yaw[samples.yaw.length - 1] ?? 0;
+      samples.x.push(own ? METRE * own.x : METRE * NOWHERE);
+      samples.z.push(own ? METRE * own.z : METRE * NOWHERE);
+      samples.height.push(own ? METRE * own.y : 0);
+      samples.yaw.push(own ? before + turned(own.yaw - before) : before);
+      samples.pitch.push(own?.pitch ?? 0);
+      samples.health.push(own?.health ?? 0);
+      samples.supplies.push(own?.supplies ?? 0);
+    });
+    this.take(moment);
+  }
+}
+
+interface Sighting {
+  frame: number;
+  state: SeatState;
+}
+
+// What the person in a seat sees. Their own state is whatever the page expects it to be.
+export class SeenCourse extends LiveCourse {
+  own: SeatState = unseen();
+  private newest = 0;
+  private readonly sightings: Sighting[][];
+
+  constructor(
+    begin: Begin,
+    track: string,
+    readonly seat: number,
+  ) {
+    super(begin, track);
+    this.sightings = this.seats.map(() => []);
+  }
+
+  // now: the frame that is being drawn, when one's own shots are shown.
+  learn(moment: Now, now: number): void {
+    const { frame } = moment;
+    this.newest = frame;
+    for (const [seat, ...row] of moment.others ?? []) {
+      const [x, y, z, yaw] = row.map((value) => value / METRE);
+      const health = this.seats[seat].full_health;
+      const state = { x, y, z, yaw, pitch: 0, health, supplies: 0 };
+      this.sightings[seat] = this.sightings[seat].filter((each) => each.frame > frame - KEPT);
+      this.sightings[seat].push({ frame, state });
+    }
+    for (const other of moment.hits ?? [])
+      insert(this.events, { frame: now, kind: "hit", seat: this.seat, other, amount: 0 });
+    this.take(moment, this.seat, now);
+  }
+
+  override at(seat: number, frame: number): SeatState {
+    if (seat === this.seat) return this.own;
+    const all = this.sightings[seat];
+    const next = all.findIndex((each) => each.frame > frame);
+    const last = all[(next < 0 ? all.length : next) - 1];
+    if (!last) return unseen();
+    const died = this.events.some(
+      (event) => event.kind === "death" && event.seat === seat && Math.abs(event.frame - last.frame) <= GAP,
+    );
+    if (died && frame - last.frame < LYING) return { ...last.state, health: 0 };
+    if (next < 0) return this.newest - last.frame > 0 && frame > last.frame ? unseen() : last.state;
+    if (all[next].frame - last.frame > GAP) return unseen();
+    return between(last.state, all[next].state, (frame - last.frame) / (all[next].frame - last.frame));
+  }
+}
+
+// An angle in degrees as the equal one in (-180, 180].
+export function turned(angle: number): number {
+  return 180 - ((((180 - angle) % 360) + 360) % 360);
+}
+
+// Insert an entry into a list in the order of frames, whose last entries alone may be later.
+function insert<T extends { frame: number }>(list: T[], entry: T): void {
+  let place = list.length;
+  while (place > 0 && list[place - 1].frame > entry.frame) place--;
+  list.splice(place, 0, entry);
+}
+
+function between(from: SeatState, to: SeatState, share: number): SeatState {
+  const mixed = (name: "x" | "y" | "z") => from[name] + share * (to[name] - from[name]);
+  const yaw = from.yaw + share * turned(to.yaw - from.yaw);
+  return { ...to, x: mixed("x"), y: mixed("y"), z: mixed("z"), yaw };
+}
+
+function unseen(): SeatState {
+  return { x: NOWHERE, y: 0, z: NOWHERE, yaw: 0, pitch: 0, health: 1, supplies: 0 };
+}
+
+function phaseOf([start, end, ...rest]: number[]): Trails["zone"][number] {
+  const circle = (at: number) => ({ x: rest[at], z: rest[at + 1], radius: rest[at + 2] });
+  return { start, end, before: circle(0), after: circle(3), damage: rest[6] };
+}
+
+function emptyTrails(begin: Begin, track: string): Trails {
+  return {
+    version: 0, // of no file
+    over: false,
+    first: true,
+    cursor: "",
+    track,
+    title: track,
+    frames_per_second: FRAMES,
+    frames: 0,
+    frame_limit: begin.frame_limit,
+    ending: "none",
+    outcome: "",
+    map: { west: 0, north: 0, width: 0, height: 0 },
+    target: null,
+    seats: begin.seats,
+    samples: { frames: [], seats: [] },
+    shots: { frames: [], seats: [], x: [], z: [], height: [] },
+    events: [],
+    zone: [],
+    boxes: [],
+  };
+}

@@ -1,0 +1,153 @@
+// One match of the person: what they are told, what they do, and the picture of both.
+
+import type { WebGLRenderer } from "three";
+import type { GameMap } from "../data/map";
+import { heightAt } from "../view/terrain";
+import { Clock } from "./clock";
+import type { Input } from "./controls";
+import { find } from "./dom";
+import { bearingOf, type Hud } from "./hud";
+import { SeenCourse, turned } from "./live_course";
+import { type Begin, type Now, type Own, ownOf } from "./messages";
+import { Prediction } from "./prediction";
+import { Picture } from "./scene";
+import type { Settings } from "./settings";
+import type { Sounds } from "./sounds";
+import { Weapon } from "./weapon";
+
+const BEHIND = 4; // frames that others are shown in the past
+const EXPECTED = 0.6; // s within which a shot is told that was shown already
+const RELOAD = 100; // frames of a reload
+
+export class Match {
+  own: Own | null = null;
+  private readonly course: SeenCourse;
+  private readonly prediction: Prediction;
+  private readonly picture: Picture;
+  private readonly clock = new Clock(BEHIND);
+  private readonly weapon = new Weapon();
+  private firedAt = -Infinity; // ms
+  private seconds = 0; // since the last picture
+  private ping: number | null = null;
+
+  constructor(
+    private readonly begin: Begin,
+    track: string,
+    private readonly seat: number,
+    map: GameMap,
+    private readonly settings: Settings,
+    private readonly hud: Hud,
+    private readonly sounds: Sounds,
+    first: Now, // what the person is told at first
+  ) {
+    this.course = new SeenCourse(begin, track, seat);
+    this.prediction = new Prediction(begin.rules, (x, z) => heightAt(map.ground, x, z));
+    this.take(first);
+    const over = (renderer: WebGLRenderer) => this.drawWeapon(renderer);
+    this.picture = new Picture(map, this.course, { hasLabels: false, over });
+  }
+
+  // Note an input that is sent.
+  send(number: number, input: Input): void {
+    this.prediction.send(number, input, performance.now());
+  }
+
+  take(moment: Now): void {
+    const now = performance.now();
+    this.own = ownOf(moment.own);
+    this.ping = moment.ping;
+    this.clock.note(moment.frame, now);
+    this.prediction.take(this.own, moment.frame, moment.input, now);
+    this.course.learn(moment, this.clock.frame(now));
+    this.hud.showTime(moment.frame);
+    this.tell(moment);
+  }
+
+  // Draw the picture of now, some ms after the last one, while something is held.
+  draw(input: Input, now: number, length: number): void {
+    if (!this.own) return;
+    this.seconds = length / 1000;
+    this.prediction.advance(input, length, now);
+    this.fire(input, now);
+    const [x, y, z] = this.prediction.place;
+    const { yaw, pitch } = this.prediction;
+    const { health, supplies } = this.own;
+    this.course.own = { x, y, z, yaw, pitch, health, supplies };
+    const kind = health > 0 ? "eyes" : "behind";
+    this.picture.stage.view = { kind, seat: this.seat, across: this.settings.field };
+    this.picture.draw(this.clock.frame(now), now);
+    this.hud.show(this.own, { x, z, yaw }, this.course);
+    this.showPace();
+    find("game").toggleAttribute("data-dead", health <= 0);
+    find("picture").dataset.place = this.prediction.place.map((part) => part.toFixed(3)).join();
+  }
+
+  dispose(): void {
+    this.picture.dispose();
+  }
+
+  // Show and sound what happened.
+  private tell(moment: Now): void {
+    for (const [seat] of moment.shots ?? []) this.tellShot(seat);
+    for (const _ of moment.hits ?? []) {
+      this.hud.flash("crosshair", "hit");
+      this.sounds.hit();
+    }
+    for (const seat of moment.hurt ?? []) {
+      const shooter = moment.others?.find((other) => other[0] === seat);
+      this.hud.showHurt(shooter ? this.angleTo(shooter[1] / 100, shooter[3] / 100) : null);
+      this.sounds.hurt();
+    }
+    for (const [seat, by] of moment.deaths ?? []) this.hud.showDeath(seat, by);
+    if (moment.gained) {
+      this.hud.notice(`+${moment.gained} supplies`);
+      this.sounds.gain();
+    }
+  }
+
+  private tellShot(seat: number): void {
+    const now = performance.now();
+    if (seat === this.seat) {
+      if (now - this.firedAt > 1000 * EXPECTED) this.showFire(now);
+      return;
+    }
+    const { x, z } = this.course.at(seat, this.clock.newest);
+    const [ownX, , ownZ] = this.prediction.place;
+    const distance = Math.hypot(x - ownX, z - ownZ);
+    this.sounds.shot(Math.sin((this.angleTo(x, z) * Math.PI) / 180), distance);
+  }
+
+  // Show a shot at once if the weapon is ready as far as one knows.
+  private fire(input: Input, now: number): void {
+    const { health, clip, reload } = this.own as Own;
+    const isReady = now - this.firedAt >= 1000 * this.begin.rules.fire_interval;
+    if (input.shoot && this.begin.weapon && isReady && health > 0 && clip > 0 && !reload) this.showFire(now);
+  }
+
+  private showFire(now: number): void {
+    this.firedAt = now;
+    this.weapon.fire(now);
+    this.hud.flash("crosshair", "fired");
+    this.sounds.shot();
+  }
+
+  private drawWeapon(renderer: WebGLRenderer): void {
+    if (!this.own || this.own.health <= 0 || !this.begin.weapon) return;
+    const [east, , north] = this.own.velocity;
+    const reload = this.own.reload ? Math.max(0.1, 1 - this.own.reload / RELOAD) : 0;
+    this.weapon.draw(renderer, performance.now(), this.seconds, Math.hypot(east, north), reload);
+  }
+
+  private showPace(): void {
+    const { errors } = this.prediction;
+    const sorted = [...errors].sort((a, b) => a - b);
+    const usual = sorted.length ? sorted[Math.floor(0.95 * sorted.length)] : null;
+    this.hud.showPace(this.ping, this.picture.rate, usual);
+  }
+
+  // Degrees to the right of the view.
+  private angleTo(x: number, z: number): number {
+    const [ownX, , ownZ] = this.prediction.place;
+    return turned(bearingOf({ x: ownX, z: ownZ }, { x, z }).bearing - this.prediction.yaw);
+  }
+}

@@ -1,0 +1,143 @@
+// What the server sends to the pages of people and spectators: see sight.py, audience.py and table.py.
+
+import type { Seat } from "../data/trails";
+
+// What happened, and what is new, since the last moment. Lengths are cm, angles hundredths of a degree.
+export interface Moment {
+  number: number;
+  ping: number | null; // ms
+  frame: number;
+  shots?: number[][]; // seat, and where the shot ended if that is known: x, y, z
+  deaths?: [number, number][]; // who, and by whom or -1
+  boxes?: number[][]; // serial, x, y, z
+  gone?: number[];
+  target?: [number, number, number];
+  zone?: number[];
+}
+
+export interface Now extends Moment {
+  kind: "now";
+  input: number; // the last one that took effect
+  own: number[]; // as rowOf reads it
+  others?: number[][]; // seat, x, y, z, yaw, flags
+  hits?: number[];
+  hurt?: number[];
+  gained?: number;
+}
+
+export interface All extends Moment {
+  kind: "all";
+  all?: 1; // whether these are all boxes
+  agents: number[][]; // seat, and what rowOf reads
+}
+
+export interface Person {
+  seat: number;
+  name: string;
+  where: "here" | "away" | "expected";
+  host: boolean;
+}
+
+export interface People {
+  kind: "people";
+  people: Person[];
+  spectators: number;
+  links?: Record<string, string>;
+  watch_link?: string;
+  local_only?: boolean;
+}
+
+export interface Table {
+  kind: "table";
+  track: string;
+  names: string[];
+  people: number;
+  seat: number | null;
+  time_limit: number;
+  may_pause: boolean;
+  stand_in: string;
+}
+
+export interface Metric {
+  title: string;
+  unit: string;
+}
+
+export interface ScoreRow {
+  seat: number;
+  name: string;
+  values: number[];
+}
+
+export interface Rules {
+  water_speed_factor: number;
+  turn_speed: number; // degrees a second
+  fire_interval: number; // s
+  supply_sight: number; // m
+}
+
+export interface Begin {
+  kind: "begin";
+  paused: boolean;
+  weapon: boolean;
+  supplies: boolean;
+  has_target: boolean;
+  metrics: Metric[];
+  seats: Seat[];
+  frame_limit: number;
+  rules: Rules;
+}
+
+export interface Over {
+  kind: "over";
+  ending: string;
+  time: number;
+  metrics: Metric[];
+  rows: ScoreRow[];
+  record?: string;
+  commands?: string[];
+}
+
+export type Message =
+  | Now
+  | All
+  | People
+  | Table
+  | Begin
+  | Over
+  | { kind: "refused" | "failed"; message: string }
+  | { kind: "lobby" | "preparing" | "elsewhere" }
+  | { kind: "countdown"; seconds: number }
+  | { kind: "paused"; paused: boolean }
+  | { kind: "scores"; rows: ScoreRow[] };
+
+// A page does something for some kinds of messages.
+export type Handlers = { [M in Message as M["kind"]]?: (message: M) => void };
+
+export const FRAMES = 50; // a second
+export const [ON_GROUND, IN_WATER, CAN_PICK_UP, INVINCIBLE] = [1, 2, 4, 8]; // flags
+
+// A seat in full. Lengths are m, angles degrees, times frames.
+export interface Own {
+  x: number;
+  y: number;
+  z: number;
+  yaw: number;
+  pitch: number;
+  velocity: [number, number, number];
+  flags: number;
+  health: number;
+  clip: number;
+  spare: number;
+  supplies: number;
+  reload: number;
+  respawn: number;
+  invincible: number;
+}
+
+export function ownOf(row: number[]): Own {
+  const [x, y, z, yaw, pitch, east, up, north] = row.slice(0, 8).map((value) => value / 100);
+  const [flags, health, clip, spare, supplies, reload, respawn, invincible] = row.slice(8);
+  const velocity: Own["velocity"] = [east, up, north];
+  return { x, y, z, yaw, pitch, velocity, flags, health, clip, spare, supplies, reload, respawn, invincible };
+}
