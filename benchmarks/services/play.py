@@ -4,17 +4,21 @@
 
 A client on this machine plays as the page does, without a browser: it walks and turns all the time, and the
 delay is the time from sending an input to having read the first message that tells of it. The page shows its
-own person's view and steps before that. Measure on an idle machine.
+own person's view and steps before that. A spectator looks on, and what a browser loads once is counted as it
+is sent, compressed. Measure on an idle machine.
 """
 
 import asyncio
 import json
+import re
 import time
 from contextlib import AsyncExitStack
 from pathlib import Path
 from statistics import mean, median, quantiles
 from tempfile import TemporaryDirectory
 from typing import Annotated
+from urllib.parse import urljoin
+from urllib.request import ProxyHandler, build_opener
 
 import typer
 from benchmarks.report import Figure, JsonFile, publish
@@ -28,7 +32,7 @@ WARM_UP = 2.0  # s
 
 
 class Player:
-    """Plays as the page does, and measures."""
+    """Plays as the page does, or watches, and measures."""
 
     def __init__(self, socket: ClientConnection) -> None:
         self._socket = socket
@@ -48,15 +52,14 @@ class Player:
 
     async def watch(self, seconds: float) -> None:
         """Read messages for some time."""
-        await self._send({"kind": "start"})
         end = float("inf")
         while time.perf_counter() < end:
             text = await self._socket.recv()
             if self.shown:
                 self.bytes += len(text)
             message = json.loads(text)
-            if message["kind"] == "now":
-                self._note(message["input"])
+            if message["kind"] in ("now", "all"):
+                self._note(message.get("input", 0))
                 end = min(end, self.shown[0] + WARM_UP + seconds)
                 await self._send({"kind": "seen", "number": message["number"]})
 
@@ -74,6 +77,15 @@ class Player:
         counted = [when for when in self.shown if when > self.shown[0] + WARM_UP]
         return (len(counted) - 1) / (counted[-1] - counted[0])
 
+    @property
+    def down(self) -> float:
+        """Bytes a second that were sent here."""
+        return self.bytes / (self.shown[-1] - self.shown[0])
+
+    async def start(self) -> None:
+        """Start the match."""
+        await self._send({"kind": "start"})
+
     async def _send(self, message: dict[str, object]) -> None:
         await self._socket.send(json.dumps(message))
 
@@ -84,22 +96,41 @@ async def play(track: str, people: int, opponents: int, seconds: float, folder: 
     prepare(plan)
     async with AsyncExitStack() as stack:
         links, _ = await stack.enter_async_context(served(plan, folder, "127.0.0.1", 0, print, countdown=0))
-        players = []
-        for link in (*links.guests, links.host):  # the host starts the match, and so comes last
+        everybody = []
+        for link in (links.watch, links.host, *links.guests):
             address = f"{link.replace('http:', 'ws:')}/socket"
-            players.append(
+            everybody.append(
                 Player(await stack.enter_async_context(connect(address, proxy=None, max_queue=None)))
             )
+        spectator, *players = everybody
+        await players[0].start()
         turning = [asyncio.create_task(player.turn()) for player in players]
-        await asyncio.gather(*(player.watch(seconds) for player in players))
+        await asyncio.gather(*(each.watch(seconds) for each in everybody))
         for task in turning:
             task.cancel()
-    return _figures(players)
+        once = await asyncio.to_thread(_loaded_once, links.host)
+    return [*_figures(players), Figure("down to a spectator", spectator.down / 1000, "kB/s"), *once]
+
+
+def _loaded_once(link: str) -> list[Figure]:
+    """Return the sizes of what a player's browser loads."""
+    opener = build_opener(ProxyHandler({}))
+    opener.addheaders = [("Accept-Encoding", "gzip")]
+
+    def loaded(address: str) -> bytes:
+        with opener.open(urljoin(link, address)) as answer:
+            content: bytes = answer.read()
+        return content
+
+    page = loaded(link)
+    files = re.findall(r'(?:src|href)="([^"]+)"', page.decode())
+    size = len(page) + sum(len(loaded(file)) for file in files)
+    return [Figure("page", size / 1000, "kB"), Figure("map", len(loaded(f"{link}/map")) / 1000, "kB")]
 
 
 def _figures(players: list[Player]) -> list[Figure]:
     delays = [delay for player in players for delay in player.delays]
-    size = mean(player.bytes / (player.shown[-1] - player.shown[0]) for player in players)
+    size = mean(player.down for player in players)
     return [
         Figure("messages about the match", mean(player.rate for player in players), "/s"),
         Figure("input to message, median", 1000 * median(delays), "ms"),

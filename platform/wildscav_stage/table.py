@@ -29,7 +29,7 @@ SCORES_EVERY = 0.5  # s
 MAX_SPECTATORS = 20
 COUNTDOWN = 3  # s before a match of several people, so that all are ready
 # What a page needs to show what it expects until the server tells what happened.
-TOLD_RULES = ("water_speed_factor", "turn_speed", "fire_interval", "supply_sight")
+TOLD_RULES = ("water_speed_factor", "turn_speed", "fire_interval", "reload_time", "supply_sight")
 HOST_KNOWS, NOBODY_KNOWS = "The host's page says why.", "Something went wrong here. Try again in a moment."
 HOST_ALONE_KNOWS = ("record", "commands")  # of a match's end: where files lie
 
@@ -212,7 +212,6 @@ class Table:
                 "paused": False,
                 "weapon": Field.SHOOT in fields,
                 "supplies": Field.PICK_UP in fields,
-                "has_target": hosted.match.track.has_target,
                 "metrics": metric_titles(hosted.match),
                 "seats": [seat.model_dump() for seat in seats_shown(spec, hosted.names, None)],
                 "frame_limit": spec.frame_limit,
@@ -254,7 +253,6 @@ class Table:
             "names": [each.name for each in self.lobby.seats] + list(self._plan.names[self._plan.people :]),
             "people": self._plan.people,
             "seat": None if player is None else player.seat,
-            "time_limit": spec.time_limit,
             "may_pause": self._plan.may_pause,
             "stand_in": self._plan.stand_in,
         }

@@ -53,7 +53,6 @@ export interface Table {
   names: string[];
   people: number;
   seat: number | null;
-  time_limit: number;
   may_pause: boolean;
   stand_in: string;
 }
@@ -81,7 +80,6 @@ export interface Begin {
   paused: boolean;
   weapon: boolean;
   supplies: boolean;
-  has_target: boolean;
   metrics: Metric[];
   seats: Seat[];
   frame_limit: number;
