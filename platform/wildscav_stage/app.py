@@ -1,13 +1,14 @@
 """The web application: the page, its scripts, and the WebSocket of whoever has the secret link."""
 
 import json
+from http import HTTPStatus
 from pathlib import Path
 from urllib.parse import urlsplit
 
 from starlette.applications import Starlette
 from starlette.middleware import Middleware
 from starlette.requests import Request
-from starlette.responses import FileResponse, HTMLResponse, Response
+from starlette.responses import HTMLResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket
@@ -29,7 +30,7 @@ from wildscav_stage.lobby import LobbyError
 from wildscav_stage.page import POLICY_VIOLATION, TOO_MANY, UNSUPPORTED, Allowance, OpenPage, PageClosedError
 from wildscav_stage.sight import Known
 from wildscav_stage.table import MAX_SPECTATORS, Table
-from wildscav_stage.viewer_files import viewer_routes
+from wildscav_stage.viewer_files import digest, versioned, viewer_routes
 
 MAX_COMMANDS = 10  # a second: whatever is told to everybody
 STATIC = Path(__file__).parent / "static"
@@ -178,7 +179,7 @@ class Site:
     async def _show(self, request: Request) -> Response:
         secret = request.path_params["secret"]
         if self._links.seat_of(secret) is not None:
-            return FileResponse(STATIC / "play.html")
+            return _page("play.html", "play.js")
         return _explain("renewed" if self._links.was_replaced(secret) else "wrong", request)
 
     async def _connect(self, socket: WebSocket) -> None:
@@ -191,7 +192,7 @@ class Site:
 
     async def _show_match(self, request: Request) -> Response:
         if self._links.is_watching(request.path_params["secret"]):
-            return FileResponse(STATIC / "watch.html")
+            return _page("watch.html", "spectate.js")
         return _explain("wrong", request)
 
     async def _connect_spectator(self, socket: WebSocket) -> None:
@@ -207,13 +208,22 @@ class Site:
         valid = self._links.is_watching(secret) if watches else self._links.seat_of(secret) is not None
         if not valid or self._table.map_file is None:
             return _explain("wrong" if not valid else "nothing", request)
-        return Response(self._table.map_file, media_type="application/octet-stream")
+        key = f'"{digest(self._table.map_file)}"'
+        headers = {"ETag": key, "Cache-Control": "no-cache"}
+        if key in request.headers.get("if-none-match", ""):
+            return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=headers)
+        return Response(self._table.map_file, media_type="application/octet-stream", headers=headers)
 
     def _is_own_page(self, socket: WebSocket) -> bool:
         """Return whether a page of this site opens a WebSocket; programs other than browsers do not say."""
         origin = socket.headers.get("origin")
         own = socket.headers.get("host"), urlsplit(self._base.invited).netloc
         return origin is None or urlsplit(origin).netloc in own
+
+
+def _page(name: str, script: str) -> Response:
+    """Return a page, with a script that a browser keeps as long as it does not change."""
+    return HTMLResponse((STATIC / name).read_text("utf-8").replace("{script}", versioned(script)))
 
 
 async def _show_nothing(request: Request) -> Response:

@@ -1,4 +1,4 @@
-"""What spectators are sent: one message a moment, made once for all of them.
+"""What spectators are sent: one message a moment, made once for all of them when the first one takes it.
 
 A message is JSON in the units of ``sight.py``: ``frame``; ``agents``, of each that is in the match the seat
 and its row; ``shots`` and ``deaths``; ``boxes`` and ``gone``; ``zone``. The first one to a page, and the next
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from wildscav_engine.simulation.match import Match
 
 AUDIENCE_FRAMES = 4  # from one message to the next
-NEW_MATCH = 2  # numbers that a new match goes on, so that nobody has the one before its first message
 
 
 class Audience:
@@ -32,12 +31,12 @@ class Audience:
     def begin(self, match: "Match") -> None:
         """Show a match from now on."""
         self._match, self._happenings = match, Happenings(match)
-        self._number += NEW_MATCH
+        self._number += 1  # so that nobody has the one before the first message
         self._shots: list[list[int]] = []
         self._deaths: list[list[int]] = []
         self._boxes: dict[int, list[int]] = {}  # the rows of those that were told, by serials
         self._noted = match.frame
-        self._make()
+        self._offer()
 
     def end(self) -> None:
         """Show nothing."""
@@ -49,35 +48,43 @@ class Audience:
         if match is None or match.frame == self._noted:
             return
         self._noted = match.frame
-        self._shots += [self._happenings.shot_of(seat) for seat in self._happenings.shooters()]
+        shooters = self._happenings.shooters()
+        ends = centimetres(match.state.agents.shot_end[0, shooters]).tolist()
+        self._shots += [[seat, *end] for seat, end in zip(shooters, ends, strict=True)]
         self._deaths += self._happenings.deaths()
         if match.frame % AUDIENCE_FRAMES == 0:
-            self._number += 1
-            self._make()
+            self._offer()
+
+    def _offer(self) -> None:
+        """Offer a message of this moment to everybody; what nobody took of the last one is forgotten."""
+        self._number += 1
+        self._happened = {"shots": self._shots, "deaths": self._deaths}
+        self._shots, self._deaths = [], []
+        self._told: dict[str, Any] = {}  # not made yet
+        self._changed.set()
+        self._changed = asyncio.Event()
 
     def _make(self) -> None:
-        """Make the message of this moment, and tell everybody."""
         match = self._present()
         agents = [[seat, *row] for seat, row in enumerate(rows_of(match).tolist())]
         present = {row[0]: row for row in box_rows(match, boxes_of(match))}
         told = {
             "agents": [agents[seat] for seat in np.flatnonzero(match.state.agents.present[0]).tolist()],
-            "shots": self._shots,
-            "deaths": self._deaths,
             "zone": zone_of(match),
+            **self._happened,
         }
         new = [row for serial, row in present.items() if serial not in self._boxes]
         gone = [serial for serial in self._boxes if serial not in present]
         self._told = {"frame": match.frame} | {name: value for name, value in told.items() if value}
         self._news = {name: value for name, value in (("boxes", new), ("gone", gone)) if value}
-        self._boxes, self._shots, self._deaths, self._texts = present, [], [], dict[bool, str]()
-        self._changed.set()
-        self._changed = asyncio.Event()
+        self._boxes, self._texts = present, dict[bool, str]()
 
     async def next(self, after: int) -> tuple[int, str]:
         """Wait for a message that is newer than a number; return its number, and JSON without ``{``."""
         while self._match is None or self._number <= after:
             await self._changed.wait()
+        if not self._told:
+            self._make()
         is_next = self._number == after + 1
         if is_next not in self._texts:
             more = self._news if is_next else self._everything()

@@ -124,7 +124,8 @@ class Controls:
 
     def release(self) -> None:
         """Let go of everything, and forget the numbers of inputs: another page counts anew."""
-        self.taken = 0  # number of the last input that a step has taken
+        self.taken = 0  # number of the last input that the present frame tells of
+        self._taking = 0  # and of the last one that a step has taken
         self._held = Input(kind="input", number=0)
         self._turn = self._look = 0.0
         self._flags = dict.fromkeys(FLAGS, False)
@@ -153,7 +154,11 @@ class Controls:
             look=self._look / frames,
             **self._flags,
         )
-        self.taken = max(self.taken, held.number)
+        self._taking = max(self._taking, held.number)
         self._turn = self._look = 0.0
         self._flags = {name: getattr(held, name) for name in FLAGS}
         return action
+
+    def confirm(self) -> None:
+        """Note that the step which took the last inputs was played."""
+        self.taken = self._taking

@@ -54,6 +54,7 @@ class Person:
         observation = await connection.first()
         self._sight, due = Sight(match, info.seat), loop.time()
         while observation is not None:
+            self.controls.confirm()
             self._sight.note()
             noted()
             self._tell()
@@ -73,11 +74,16 @@ class Person:
         Args:
             known: What the page was told; it is brought up to date.
         """
-        while self._sight is None or (known.sight is self._sight and not self._sight.has_news_for(known)):
+        while (sight := self._sight_for(known)) is None or not sight.has_news_for(known):
             await self._changed.wait()
-        if known.sight is not self._sight:
+        return {"input": self.controls.taken, **sight.message(known)}
+
+    def _sight_for(self, known: Known) -> Sight | None:
+        """Return what may be told of the present match; a page that did not know it is told no past."""
+        if self._sight is not None and known.sight is not self._sight:
             known.begin(self._sight)
-        return {"input": self.controls.taken, **self._sight.message(known)}
+            self._sight.forget()
+        return self._sight
 
 
 class LobbyError(WildscavError):

@@ -137,7 +137,7 @@ class OpenPage:
         """Note that the page has received a moment."""
         if (sent := self._sent_at.get(number)) is not None:
             self.ping = round(1000.0 * (time.monotonic() - sent))
-            self._sent_at = {other: when for other, when in self._sent_at.items() if other > number}
+        self._sent_at = {other: when for other, when in self._sent_at.items() if other > number}
         self._seen = min(self._sent, max(self._seen, number))
         self._has_seen.set()
 

@@ -22,7 +22,7 @@ from wildscav_engine.tracks import TRACKS
 from wildscav_server.hosting.manifest import read_manifest
 
 PERSON = "person"
-FRAMES_PER_ACTION = 1  # so that a person's inputs take effect, and pictures change, 50 times a second
+FRAMES_PER_ACTION = 1  # so that a person's inputs take effect 50 times a second
 DEFAULT_MAP = MapConfig(size=120, houses=5, water=0.05)
 STAND_INS = {  # the robots that play for people who are not here
     "navigation": "seeker-easy",

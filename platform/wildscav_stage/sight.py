@@ -3,18 +3,19 @@
 A message is JSON. Lengths are whole centimetres, angles hundredths of a degree, times frames. It has
 ``frame``, ``own`` (see ``rows_of``) and, where there is anything to tell,
 
-- ``others``: of each agent in sight its seat, x, y, z, yaw and flags;
-- ``shots`` since the last message: one's own and those of agents in sight, each the seat and, if that place
-  is in sight, x, y, z of where it ended;
+- ``others``: of each agent in sight its seat, x, y, z, yaw, and whether it is invincible, 0 or 1;
+- ``shots`` since the last message: one's own and those of agents in sight, each the seat, x, y, z of the
+  shooter's soles and, if it is one's own or that place is in sight, x, y, z of where it ended;
 - ``hits`` and ``hurt``: the seats that one hit, and those that hit one; ``gained``: supplies;
 - ``deaths``, which everybody is told: the seat, and the seat that did it or -1;
-- ``boxes`` that were not told before: serial, x, y, z; and ``gone``, the serials of those that are not there
-  anymore, as far as the person can see;
+- ``boxes`` that the page was not told of before: serial, x, y, z; and ``gone``, the serials of those that are
+  not there anymore, as far as the person can see;
 - ``target``, once it is known: x, y, z; and ``zone``, the present phase of the safe zone as in
   ``Matches.zone``, when it is another one.
 
-Agents and boxes are in sight as for an agent with the rule ``senses = "sighted"``. Where the rules tell of
-boxes behind walls, a person knows of them, too.
+Agents and boxes are in sight as for an agent with the rule ``senses = "sighted"``, but boxes at any distance,
+as for a camera. Where the rules tell of boxes behind walls, a person knows of them, too. A page that is
+opened later is told of all boxes that the person knows of, but not of what happened before.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -35,9 +36,8 @@ if TYPE_CHECKING:
 
 HUNDREDTHS = 100  # of a degree
 MESSAGE_FRAMES = 2  # from one message to the next
-# Bits of an agent's flags; one that others can see is in SHOWN.
-ON_GROUND, IN_WATER, CAN_PICK_UP, INVINCIBLE = 1, 2, 4, 8
-SHOWN = ON_GROUND | INVINCIBLE
+SHORT = 0.05  # m before the end of a shot: the end is on a surface, which may hide it
+ON_GROUND, IN_WATER, CAN_PICK_UP, INVINCIBLE = 1, 2, 4, 8  # bits of an agent's flags
 COUNTS = ("health", "clip", "spare_ammo", "supplies", "reload_left", "respawn_left", "invincible_left")
 
 
@@ -94,10 +94,6 @@ class Happenings:
         """Return the seats that fired in this frame."""
         return np.flatnonzero(self._match.state.agents.fired[0]).tolist()
 
-    def shot_of(self, seat: int) -> list[int]:
-        """Return a seat, and where its last shot ended."""
-        return [seat, *centimetres(self._match.state.agents.shot_end[0, seat]).tolist()]
-
     def deaths(self) -> list[list[int]]:
         """Return the seats that died since the last call, each with the seat that did it or NOBODY."""
         agents = self._match.state.agents
@@ -116,7 +112,7 @@ class Known:
         """Forget everything, since another match is shown."""
         self.sight = sight
         self.due = 0  # the frame from which on it is told more
-        self.boxes: dict[int, NDArray[np.float32]] = {}  # places by serials
+        self.boxes: set[int] = set()  # their serials
         self.target = False
         self.zone: list[int] | None = None
 
@@ -131,10 +127,12 @@ class Sight:
 
     def __init__(self, match: "Match", seat: int) -> None:
         self._match, self._seat = match, seat
-        self._happenings = Happenings(match)
-        self._forget()
+        self._happenings, self._noted = Happenings(match), match.frame
+        self._boxes: dict[int, NDArray[np.float32]] = {}  # places of known ones, by serials
+        self.forget()
 
-    def _forget(self) -> None:
+    def forget(self) -> None:
+        """Forget what happened up to now and was not told."""
         self._shots: list[list[int]] = []
         self._deaths: list[list[int]] = []
         self._hits: list[int] = []
@@ -144,6 +142,7 @@ class Sight:
     def note(self) -> None:
         """Note what happened in a frame that was played."""
         agents, seat = self._match.state.agents, self._seat
+        self._noted = self._match.frame
         self._deaths += self._happenings.deaths()
         self._shots += self._shots_seen(self._happenings.shooters())
         for noted, seats in ((self._hits, agents.hit_seat), (self._hurt, agents.hit_by_seat)):
@@ -156,22 +155,26 @@ class Sight:
             return []
         seen = self._sees_agents()
         seen[self._seat] = True
-        ends = self._match.state.agents.shot_end[0]
-        return [
-            self._happenings.shot_of(shooter) if self._sees(ends[shooter]) else [shooter]
-            for shooter in shooters
-            if seen[shooter]
-        ]
+        return [self._shot_of(shooter) for shooter in shooters if seen[shooter]]
+
+    def _shot_of(self, shooter: int) -> list[int]:
+        agents = self._match.state.agents
+        soles, end = agents.position[0, shooter], agents.shot_end[0, shooter]
+        way = end - soles - (0.0, EYE_HEIGHT, 0.0)
+        before = end - way * min(1.0, SHORT / max(SHORT, float(np.linalg.norm(way))))
+        is_told = shooter == self._seat or self._sees_all(before[None], 0.0)[0]
+        return [shooter, *centimetres(soles).tolist(), *(centimetres(end).tolist() if is_told else ())]
 
     def has_news_for(self, known: Known) -> bool:
-        """Return whether it is time for another message to a page."""
-        return self._match.frame >= known.due
+        """Return whether it is time for another message to a page, and the present frame was noted."""
+        return self._noted == self._match.frame >= known.due
 
     def message(self, known: Known) -> dict[str, Any]:
         """Return what is new since the last message, and note in ``known`` what is told."""
         match, rows = self._match, rows_of(self._match)
         others = np.flatnonzero(self._sees_agents())
-        shown = np.column_stack([others, rows[others, :4], rows[others, 8] & SHOWN]).tolist()
+        shown = np.column_stack([others, rows[others, :4], rows[others, 8] & INVINCIBLE > 0]).tolist()
+        self._look_at_boxes()
         told = {
             "others": shown,
             "shots": self._shots,
@@ -180,34 +183,33 @@ class Sight:
             "hurt": self._hurt,
             "gained": self._gained,
             "boxes": self._new_boxes(known),
-            "gone": self._gone_boxes(known),
+            "gone": sorted(known.boxes - self._boxes.keys()),
             "target": self._new_target(known),
             "zone": self._new_zone(known),
         }
-        self._forget()
+        self.forget()
+        known.boxes = set(self._boxes)
         known.due = match.frame + MESSAGE_FRAMES
         return {"frame": match.frame, "own": rows[self._seat].tolist()} | {
             name: value for name, value in told.items() if value
         }
 
     def _new_boxes(self, known: Known) -> list[list[int]]:
+        new = ((serial, place) for serial, place in self._boxes.items() if serial not in known.boxes)
+        return [[serial, *centimetres(place).tolist()] for serial, place in new]
+
+    def _look_at_boxes(self) -> None:
+        """Note new boxes, and forget those that are gone and would be in sight or reach if they were not."""
         supplies, slots = self._match.state.supplies, boxes_of(self._match)
-        new = slots[[serial not in known.boxes for serial in supplies.serial[0][slots].tolist()]]
+        present = supplies.serial[0][slots].tolist()
+        for serial in self._boxes.keys() - present:
+            if self._misses(self._boxes[serial]):
+                del self._boxes[serial]
+        new = slots[[serial not in self._boxes for serial in present]]
         seen = self._sees_all(supplies.position[0][new], BOX_TOP)
         seen |= np.isin(new, self._match.seen.supplies[0, self._seat])
         found = new[seen]
-        known.boxes.update(zip(supplies.serial[0][found].tolist(), supplies.position[0][found], strict=True))
-        return box_rows(self._match, found)
-
-    def _gone_boxes(self, known: Known) -> list[int]:
-        """Return which of the known boxes are gone and would be in sight or in reach if they were not."""
-        present = set(self._match.state.supplies.serial[0][boxes_of(self._match)].tolist())
-        gone = [
-            serial for serial in known.boxes if serial not in present and self._misses(known.boxes[serial])
-        ]
-        for serial in gone:
-            del known.boxes[serial]
-        return gone
+        self._boxes.update(zip(supplies.serial[0][found].tolist(), supplies.position[0][found], strict=True))
 
     def _misses(self, place: NDArray[np.float32]) -> bool:
         reach = self._match.spec.rules.pick_up_distance
@@ -247,9 +249,6 @@ class Sight:
         else:
             _keep_bodies_in_sight(self._match.game_map.world, eye, agents.position[0], seen)
         return seen
-
-    def _sees(self, place: NDArray[Any]) -> bool:
-        return bool(self._sees_all(place[None], 0.0)[0])
 
     def _sees_all(self, places: NDArray[Any], above: float) -> NDArray[np.bool_]:
         """Return (N,) which points, some m above places, are in sight."""

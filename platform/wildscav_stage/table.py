@@ -219,7 +219,6 @@ class Table:
                 "paused": False,
                 "weapon": Field.SHOOT in fields,
                 "supplies": Field.PICK_UP in fields,
-                "has_target": hosted.match.track.has_target,
                 "metrics": metric_titles(hosted.match),
                 "seats": [seat.model_dump() for seat in seats_shown(spec, hosted.names, None)],
                 "frame_limit": spec.frame_limit,
@@ -261,7 +260,6 @@ class Table:
             "names": [each.name for each in self.lobby.seats] + list(self._plan.names[self._plan.people :]),
             "people": self._plan.people,
             "seat": None if player is None else player.seat,
-            "time_limit": spec.time_limit,
             "may_pause": self._plan.may_pause,
             "stand_in": self._plan.stand_in,
         }

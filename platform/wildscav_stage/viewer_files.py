@@ -40,8 +40,16 @@ def viewer_addresses() -> tuple[str, str]:
     Raises:
         UserError: The viewer is not built.
     """
-    script, style = (f"{PATH}/{name}?v={_digest(viewer_file(name))}" for name in (SCRIPT, STYLE))
-    return script, style
+    return f"{PATH}/{versioned(SCRIPT)}", f"{PATH}/{versioned(STYLE)}"
+
+
+def versioned(name: str) -> str:
+    """Return the name of a file, and its version as a query.
+
+    Raises:
+        UserError: The viewer is not built.
+    """
+    return f"{name}?v={digest(viewer_file(name))}"
 
 
 def viewer_routes() -> Router:
@@ -54,7 +62,7 @@ def _answer(request: Request) -> Response:
     if name not in {path.name for path in FOLDER.glob("*")}:
         raise HTTPException(404)
     content = viewer_file(name)
-    is_kept = request.query_params.get("v") == _digest(content)
+    is_kept = request.query_params.get("v") == digest(content)
     headers = {"Cache-Control": KEPT if is_kept else "no-cache", "Vary": "Accept-Encoding"}
     if "gzip" in request.headers.get("accept-encoding", ""):
         content, headers["Content-Encoding"] = _compressed(content), "gzip"
@@ -69,7 +77,8 @@ def _content(path: Path, _changed: int, _size: int) -> bytes:
 
 
 @lru_cache(8)
-def _digest(content: bytes) -> str:
+def digest(content: bytes) -> str:
+    """Return what names a content."""
     return hashlib.blake2b(content, digest_size=8).hexdigest()
 
 

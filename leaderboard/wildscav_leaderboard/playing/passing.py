@@ -7,6 +7,7 @@ from typing import Any
 from urllib.parse import quote
 
 import httpx
+from starlette.requests import Request
 from starlette.responses import Response
 from starlette.websockets import WebSocket, WebSocketDisconnect
 from websockets.asyncio.client import ClientConnection, unix_connect
@@ -14,8 +15,12 @@ from websockets.exceptions import ConnectionClosed, InvalidHandshake
 
 from wildscav_leaderboard.playing.tables import OpenTable
 
+ASKED = ("accept-encoding", "if-none-match")
 KEPT = (
     "content-type",
+    "content-encoding",
+    "vary",
+    "etag",
     "content-security-policy",
     "cache-control",
     "referrer-policy",
@@ -31,21 +36,27 @@ TOLD = 1.0  # s in which a table that ends says why
 SPECIAL = (1005, 1006, 1015)  # codes that say that there was none
 
 
-async def pass_request(table: OpenTable, path: str) -> Response:
+async def pass_request(table: OpenTable, path: str, request: Request) -> Response:
     """Return what a table answers to a GET request.
 
     Args:
         table: The table, which is ready.
         path: The path on its site.
+        request: The request.
     """
+    url = httpx.URL(f"http://table/{quote(path)}", query=request.url.query.encode())
+    asked = {name: request.headers.get(name, "") for name in ASKED}
     transport = httpx.AsyncHTTPTransport(uds=str(table.socket), verify=False)
     try:
-        async with httpx.AsyncClient(transport=transport, timeout=PATIENCE, trust_env=False) as client:
-            answer = await client.get(f"http://table/{quote(path)}")
+        async with (
+            httpx.AsyncClient(transport=transport, timeout=PATIENCE, trust_env=False) as client,
+            client.stream("GET", url, headers=asked) as answer,
+        ):
+            content = b"".join([part async for part in answer.aiter_raw()])  # as it was encoded
     except httpx.HTTPError:
         return Response("The game does not answer.", HTTPStatus.BAD_GATEWAY, media_type="text/plain")
     headers = {name: answer.headers[name] for name in KEPT if name in answer.headers}
-    return Response(answer.content, answer.status_code, headers)
+    return Response(content, answer.status_code, headers)
 
 
 async def pass_socket(table: OpenTable, path: str, page: WebSocket) -> None:

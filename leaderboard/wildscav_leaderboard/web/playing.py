@@ -100,7 +100,7 @@ async def table_page(
         raise (UnavailableError if table.failed else NotFoundError)(f"this game is over: {table.why}")
     if table.state == STARTING:
         return page(request, "play_wait.html", caller, HTTPStatus.ACCEPTED, wish=table.wish)
-    return await pass_request(table, path)
+    return await pass_request(table, path, request)
 
 
 @router.websocket("/play/{secret}/{path:path}")

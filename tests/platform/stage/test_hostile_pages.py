@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import Awaitable, Callable
 from contextlib import AsyncExitStack
 from pathlib import Path
+from typing import Any, cast
 from urllib.parse import urlsplit
 
 import pytest
@@ -12,7 +13,7 @@ from tests.platform.stage.tables import small_plan, tables_links
 from websockets.exceptions import ConnectionClosed
 
 from wildscav_engine.record import read_record, verify_record
-from wildscav_stage.page import MAX_MESSAGES
+from wildscav_stage.page import MAX_MESSAGES, MAX_UNSEEN, OpenPage
 
 Attack = Callable[[PageClient], Awaitable[None]]
 
@@ -76,6 +77,21 @@ def test_a_page_that_stops_reading_stops_nobody(tmp_path: Path) -> None:
             return Path((await host.until("over"))["record"])
 
     assert verify_record(read_record(asyncio.run(play()))).holds
+
+
+def test_a_page_that_has_seen_what_it_was_not_sent_costs_no_memory() -> None:
+    class Socket:
+        async def send_text(self, text: str) -> None:
+            assert text
+
+    async def play() -> None:
+        page = OpenPage(cast("Any", Socket()))
+        for _ in range(10 * MAX_UNSEEN):
+            await page._send_moment("now", "}")
+            page._note_seen(2**53)
+        assert (page._sent_at, page.ping) == ({}, None)
+
+    asyncio.run(play())
 
 
 def test_connections_that_say_nothing_do_not_keep_people_from_their_match(tmp_path: Path) -> None:

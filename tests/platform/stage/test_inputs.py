@@ -99,6 +99,8 @@ def test_a_key_that_was_released_before_the_step_counts_in_it() -> None:
     first, second = controls.take(0.0, 1), controls.take(0.0, 1)
     assert (first.shoot, first.jump) == (True, True)
     assert (second.shoot, second.jump) == (False, True)
+    assert controls.taken == 0  # nothing tells of these steps yet
+    controls.confirm()
     assert controls.taken == 2
 
 

@@ -14,9 +14,11 @@ from tests.platform.stage.tables import small_plan, tables_links
 from wildscav_engine.maps import generate_map
 from wildscav_engine.record import Record, read_record, resimulate
 from wildscav_engine.simulation.match import Match
-from wildscav_engine.simulation.systems.visibility import Eye, sees_body
+from wildscav_engine.simulation.systems.visibility import BOX_TOP, Eye, sees_body, sees_point
+from wildscav_engine.specs.actions import Field
 from wildscav_engine.specs.body import EYE_HEIGHT
 from wildscav_engine.specs.rules import NAMED, Senses
+from wildscav_stage.lobby import Person
 from wildscav_stage.plan import Plan
 from wildscav_stage.sight import Known, Sight
 
@@ -123,3 +125,133 @@ def test_a_box_that_is_taken_out_of_sight_stays_where_it_was_seen() -> None:
     assert "gone" not in sight.message(known)
     agents.yaw[0, 0] -= 180.0
     assert sight.message(known)["gone"] == [serial]
+
+
+def two_in_the_open() -> Match:
+    """Return a match of two people; the second one is 8 m to the north, and both look there."""
+    match = Match(small_plan("battle", 60.0, people=2).spec)
+    agents = match.state.agents
+    agents.yaw[0], agents.pitch[0], agents.invincible_left[0] = 0.0, 0.0, 0
+    for place in match.game_map.outdoor:
+        agents.position[0] = place, np.add(place, (0.0, 0.0, 8.0))
+        if abs(place[2]) < 15.0 and "others" in Sight(match, 0).message(Known()):
+            return match
+    raise LookupError("there is no such place")
+
+
+def shoot(match: Match, seat: int, frames: int, sight: Sight) -> None:
+    """Let a seat shoot at the ground before it, the shots near each other, and note it."""
+    agents, actions = match.state.agents, np.zeros((2, len(Field)), np.float32)
+    actions[seat, Field.SHOOT] = 1.0
+    for frame in range(frames):
+        agents.yaw[0, seat], agents.pitch[0, seat] = frame % 31 - 15.0, 15.0 + frame % 17
+        match.step(actions)
+        sight.note()
+
+
+def test_of_a_shot_that_is_seen_the_page_is_told_from_where_and_to_where() -> None:
+    match = two_in_the_open()
+    sight = Sight(match, 0)
+    shoot(match, 1, 200, sight)
+    shots = sight.message(Known())["shots"]
+    soles = np.rint(100 * match.state.agents.position[0, 1]).tolist()
+    assert len(shots) == 15  # all that were in the clip
+    assert all(shot[:4] == [1, *soles] and len(shot) == 7 for shot in shots)
+
+    match.state.agents.fired[0, 1] = True
+    match.state.agents.shot_end[0, 1, 1] -= 0.01  # m: rounding may put an end below the surface
+    sight.note()
+    assert len(sight.message(Known())["shots"][0]) == 7
+
+    match.state.agents.yaw[0, 0] = 180.0
+    shoot(match, 1, 20, sight)
+    assert "shots" not in sight.message(Known())
+
+
+def test_of_ones_own_shots_all_ends_are_told() -> None:
+    match = two_in_the_open()
+    sight = Sight(match, 0)
+    shoot(match, 0, 100, sight)
+    match.state.agents.fired[0, 0], match.state.agents.yaw[0, 0] = True, 180.0  # so that the end is behind
+    sight.note()
+    shots = sight.message(Known())["shots"]
+    assert len(shots) > 8
+    assert all(len(shot) == 7 for shot in shots)
+
+
+def test_who_is_hit_from_behind_knows_by_whom_alone() -> None:
+    match = two_in_the_open()
+    agents, sight = match.state.agents, Sight(match, 0)
+    agents.yaw[0] = 180.0
+    actions = np.zeros((2, len(Field)), np.float32)
+    actions[1, Field.SHOOT] = 1.0
+    match.step(actions)
+    sight.note()
+    message = sight.message(Known())
+    assert message["hurt"] == [1]
+    assert not {"shots", "others"} & message.keys()
+
+
+def test_of_others_only_their_invincibility_is_told() -> None:
+    match = two_in_the_open()
+    for left in (0, 9):
+        match.state.agents.invincible_left[0, 1] = left
+        (row,) = Sight(match, 0).message(Known())["others"]
+        assert (len(row), row[-1]) == (6, left > 0)
+
+
+@pytest.mark.parametrize("rules", ["original", "fair"])
+def test_boxes_are_told_at_any_distance_and_behind_walls_if_the_rules_say_so(rules: str) -> None:
+    match = Match(small_plan("gathering").spec.model_copy(update={"rules": NAMED[rules]}))
+    agents, told = match.state.agents, []
+    for yaw in range(0, 360, 45):
+        agents.yaw[0, 0] = yaw
+        match.step()
+        place, pitch = agents.position[0, 0], float(agents.pitch[0, 0])
+        eye = Eye(place[0], place[1] + EYE_HEIGHT, place[2], float(yaw), pitch, match.spec.rules.view_angle)
+        for _, x, y, z in Sight(match, 0).message(Known()).get("boxes", []):
+            box = 0.01 * np.array([x, y, z])
+            seen = sees_point(match.game_map.world, eye, box[0], box[1] + BOX_TOP, box[2])
+            told.append((seen, float(np.linalg.norm(box - place))))
+    near = match.spec.rules.supply_sight
+    assert any(seen and distance > near for seen, distance in told)
+    hidden = [distance for seen, distance in told if not seen]
+    assert bool(hidden) == (rules == "original")
+    assert all(distance < near + 0.1 for distance in hidden)
+
+
+def test_a_target_is_told_once_it_is_known() -> None:
+    match = Match(small_plan().spec)
+    sight, known = Sight(match, 0), Known()
+    told = []
+    for knows in (False, True, True):
+        match.state.agents.knows_target[0, 0] = knows
+        told.append("target" in sight.message(known))
+    assert told == [False, True, False]
+
+
+def test_a_page_that_comes_later_is_told_of_known_boxes_and_of_no_past() -> None:
+    def started() -> tuple[Match, Sight]:
+        match = Match(small_plan("gathering").spec)
+        return match, Sight(match, 0)
+
+    async def play() -> None:
+        person = Person()
+        match, person._sight = started()
+        boxes = (await person.look(known := Known()))["boxes"]
+        for _ in range(3):
+            match.step()
+            assert not person._sight.has_news_for(known)  # the frame was not noted
+            match.state.agents.fired[0, 0] = True
+            match.state.agents.yaw[0, 0] += 120.0
+            person._sight.note()
+            boxes += (await person.look(known)).get("boxes", []) if person._sight.has_news_for(known) else []
+        later = await person.look(Known())
+        assert sorted(later["boxes"]) == sorted(boxes)
+        assert "shots" not in later
+
+        _, person._sight = started()
+        assert (await person.look(known))["frame"] == 0
+        assert known.boxes
+
+    asyncio.run(play())

@@ -11,6 +11,8 @@ from tests.platform.stage.pages import page
 from tests.platform.stage.tables import small_plan, tables_links
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
+from wildscav_engine.simulation.match import Match
+from wildscav_stage.audience import Audience
 from wildscav_stage.page import TOO_MANY, UNSUPPORTED
 from wildscav_stage.table import MAX_SPECTATORS
 
@@ -80,9 +82,31 @@ def test_a_spectator_who_tries_to_act_is_closed(tmp_path: Path, message: dict[st
     asyncio.run(play())
 
 
-def test_the_map_is_sent_to_whoever_has_a_link(tmp_path: Path) -> None:
-    def status(link: str) -> int:
-        return httpx.get(f"{link}/map", trust_env=False).status_code
+def test_messages_are_made_for_those_who_take_them() -> None:
+    async def watch() -> None:
+        match, audience = Match(small_plan("battle", 60.0, ("fighter",) * 3).spec), Audience()
+        audience.begin(match)
+        told = []
+        for frame in range(1, 101):
+            match.step()
+            match.state.agents.fired[0, 1] = frame in (50, 98)
+            audience.note()
+            if frame in (60, 100):
+                told.append(await audience.next(0))
+        (_, before), (number, now) = told
+        assert '"shots"' not in before  # they are old
+        assert json.loads(f"{{{now}")["shots"][0][0] == 1
+        assert await audience.next(0) == (number, now)
+
+    asyncio.run(watch())
+
+
+def test_the_map_is_sent_to_whoever_has_a_link_and_does_not_have_it_yet(tmp_path: Path) -> None:
+    def status(link: str, **headers: str) -> int:
+        return httpx.get(f"{link}/map", trust_env=False, headers=headers).status_code
+
+    def key(link: str) -> str:
+        return httpx.get(f"{link}/map", trust_env=False).headers["ETag"]
 
     async def play() -> None:
         async with tables_links(small_plan(), tmp_path) as links, page(links.host) as host:
@@ -91,6 +115,8 @@ def test_the_map_is_sent_to_whoever_has_a_link(tmp_path: Path) -> None:
             await host.until("begin")
             for link, expected in ((links.host, 200), (links.watch, 200), (f"{links.host}x", 404)):
                 assert await asyncio.to_thread(status, link) == expected
+            kept = {"If-None-Match": await asyncio.to_thread(key, links.host)}
+            assert await asyncio.to_thread(status, links.watch, **kept) == 304
 
     asyncio.run(play())
 

@@ -11,6 +11,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from wildscav_engine.record import read_record, verify_record
 from wildscav_stage.page import MAX_MESSAGES, MAX_UNSEEN
+from wildscav_stage.viewer_files import versioned
 
 YAW, COUNTS_START = 3, 9  # in a seat's row
 
@@ -21,7 +22,7 @@ def test_a_match_ends_in_a_record_that_holds(tmp_path: Path) -> None:
             assert (await person.until("table"))["names"] == ["person"]
             await person.until("lobby")
             await person.send(kind="start")
-            assert (await person.until("begin"))["has_target"]
+            await person.until("begin")
             await person.send(kind="input", number=1, forward=1.0, turn=90.0)
             over = await person.until("over")
             assert person.shown["input"] == 1
@@ -138,7 +139,11 @@ def test_without_the_secret_nobody_plays(tmp_path: Path) -> None:
     asyncio.run(play())
 
 
-def test_pages_load_nothing_from_elsewhere(tmp_path: Path) -> None:
+def test_pages_load_nothing_from_elsewhere_and_name_the_version_of_their_script(
+    tmp_path: Path, viewer: Path
+) -> None:
+    (viewer / "play.js").write_text("1")
+
     def ask(address: str) -> tuple[str, bytes]:
         with build_opener(ProxyHandler({})).open(address) as answer:
             return answer.headers["Content-Security-Policy"], answer.read()
@@ -149,6 +154,7 @@ def test_pages_load_nothing_from_elsewhere(tmp_path: Path) -> None:
             assert policy.startswith("default-src 'none'; script-src 'self'; ")
             assert "unsafe" not in policy
             assert b"//" not in content
+            assert f'src="../static/viewer/{versioned("play.js")}"'.encode() in content
             style = f"{link.partition('/play/')[0]}/static/play.css"
             assert b"://" not in (await asyncio.to_thread(ask, style))[1]
 
