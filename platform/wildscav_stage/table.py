@@ -29,7 +29,14 @@ SCORES_EVERY = 0.5  # s
 MAX_SPECTATORS = 20
 COUNTDOWN = 3  # s before a match of several people, so that all are ready
 # What a page needs to show what it expects until the server tells what happened.
-TOLD_RULES = ("water_speed_factor", "turn_speed", "fire_interval", "reload_time", "supply_sight")
+TOLD_RULES = (
+    "water_speed_factor",
+    "turn_speed",
+    "fire_interval",
+    "supply_sight",
+    "reload_time",
+    "view_angle",
+)
 HOST_KNOWS, NOBODY_KNOWS = "The host's page says why.", "Something went wrong here. Try again in a moment."
 HOST_ALONE_KNOWS = ("record", "commands")  # of a match's end: where files lie
 

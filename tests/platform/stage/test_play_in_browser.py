@@ -110,6 +110,37 @@ def test_what_is_pressed_is_seen_within_100_ms_across_a_network_of_50_ms(
     assert error < 0.5  # m, 95 % of what was expected
 
 
+def test_a_page_without_gamepads_that_cannot_take_the_mouse_plays(tmp_path: Path, browser: Any) -> None:
+    with table_in_thread(small_plan(), tmp_path) as links, pages(browser) as new_page:
+        page = new_page(viewport=SMALL)
+        page.add_init_script(
+            "delete Navigator.prototype.getGamepads; delete Element.prototype.requestPointerLock"
+        )
+        start(page, links.host)
+        page.keyboard.down("KeyW")
+        page.wait_for_function("Math.abs(document.querySelector('#picture').dataset.place.split(',')[2]) > 1")
+
+
+def test_without_webgl_2_one_watches_from_above_and_is_not_asked_to_play(
+    tmp_path: Path, browser: Any
+) -> None:
+    with table_in_thread(small_plan(), tmp_path) as links, pages(browser) as new_page:
+        flat, other = new_page(viewport=SMALL), new_page(viewport=SMALL)
+        flat.add_init_script(
+            """const usual = HTMLCanvasElement.prototype.getContext;
+            HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
+              return kind === "webgl2" ? null : usual.call(this, kind, ...more);
+            };"""
+        )
+        flat.goto(links.host)
+        flat.wait_for_selector("#game[data-state=lobby] #words >> text=no WebGL 2")
+        assert flat.is_hidden("#go")
+        flat.goto(links.watch)
+        start(other, links.host)
+        flat.wait_for_selector("#delay:not(:empty)", timeout=PATIENCE * 1000)
+        assert flat.locator("#views button").all_inner_texts() == ["0From above"]
+
+
 def test_nothing_keeps_people_out(tmp_path: Path, browser: Any) -> None:
     axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
 

@@ -7,13 +7,14 @@ import { fillTable, Hud, titlesOf } from "./play/hud";
 import { Lobby } from "./play/lobby";
 import { Match } from "./play/match";
 import type { Begin, Handlers, Message, Now, Over, Table } from "./play/messages";
-import { eachPicture, withMap } from "./play/scene";
+import { eachPicture, hasWebGL, withMap } from "./play/scene";
 import { settingsIn } from "./play/settings";
 import { Sounds } from "./play/sounds";
 
 const REPLACED = 4001; // close code: the link was opened elsewhere
 const RENEWED = 4002; // close code: it has ended
 const HOST = 0; // the seat that starts matches
+const NO_3D = "This browser cannot draw the match: it has no WebGL 2.";
 const GOALS: Record<string, string> = {
   navigation: "Find the way to the target, as fast as you can. The compass points to it: ◆.",
   gathering: "Gather as many supplies as you can. The compass shows boxes nearby: ▪.",
@@ -31,12 +32,14 @@ const controls = new Controls(find("picture"), find("stick"), buttons, settings)
 const hud = new Hud();
 const sounds = new Sounds(settings);
 const isTouched = matchMedia("(pointer: coarse)").matches;
+const canDraw = hasWebGL();
 
 let table!: Table; // what is played here
 let begun: Begin | null = null; // the present match
 let match: Match | null = null;
-let waiting: Now[] | null = null; // moments of a match whose map is being loaded
+let waiting: [Now, number][] | null = null; // moments of a match whose map is being loaded, and when they came, ms
 let isLoading = false; // whether the match waits until it can be shown
+let asked = 0; // pauses and their ends that the server has not answered
 let number = 0; // of the last input
 let lastSent = "";
 
@@ -67,7 +70,8 @@ const lobby = new Lobby(find("lobby"), (message) => connection.send(message));
 const handlers: Handlers = {
   table: (message) => {
     table = message;
-    number = 0;
+    number = asked = 0;
+    lastSent = "";
     find("escape").textContent = table.may_pause ? "free the mouse, pause" : "free the mouse";
   },
   people: (message) => {
@@ -84,7 +88,9 @@ const handlers: Handlers = {
     const fingers = isTouched ? " Walk with the stick, and swipe over the picture to look around." : "";
     const waits = isHost() ? "" : " The host starts the match.";
     const words = `${GOALS[table.track] ?? ""}${against}${fingers}${waits}`;
-    showPanel("lobby", `Wildscav: ${table.track}`, words, startButton("Play"), true);
+    const title = `Wildscav: ${table.track}`;
+    if (canDraw) showPanel("lobby", title, words, startButton("Play"), true);
+    else showPanel("lobby", title, `${NO_3D} Open the link in another one.`);
   },
   preparing: () => showPanel("preparing", "Making the map …", "This takes a few seconds."),
   countdown: ({ seconds }) => {
@@ -95,23 +101,34 @@ const handlers: Handlers = {
     showPanel("elsewhere", "A match is being played", "It began without you. You take part in the next one."),
   begin: (message) => {
     begun = message;
+    asked = 0;
+    lastSent = "";
     endMatch();
     hud.begin(message, table.seat);
     game.toggleAttribute("data-weapon", message.weapon);
     game.toggleAttribute("data-supplies", message.supplies);
     isLoading = table.may_pause && !message.paused;
-    if (isLoading) connection.send({ kind: "pause", paused: true });
+    if (isLoading) pause(true);
     else if (message.paused) showPause(true);
     else play();
   },
   now: (moment) => {
     if (match) match.take(moment);
-    else if (waiting) waiting.push(moment);
+    else if (waiting) waiting.push([moment, performance.now()]);
     else if (begun) beginMatch(begun, moment);
   },
-  paused: ({ paused }) => isLoading || showPause(paused),
+  paused: ({ paused }) => {
+    asked = Math.max(0, asked - 1);
+    match?.pause(paused);
+    // What was asked for later counts.
+    if (!asked && !isLoading && game.dataset.state !== "failed") showPause(paused);
+  },
   scores: ({ rows }) => begun && hud.showScores(rows),
-  failed: ({ message }) => showPanel("failed", "The match was not played", message, startButton("Try again")),
+  failed: ({ message }) => {
+    begun = null;
+    endMatch();
+    showPanel("failed", "The match was not played", message, startButton("Try again"));
+  },
   over: showEnd,
 };
 
@@ -123,18 +140,30 @@ const showsPeople = () =>
 
 // Begin with the first moment; those that come until the map is there wait for it.
 function beginMatch(begin: Begin, first: Now): void {
-  const own: Now[] = [];
+  const own: [Now, number][] = [[first, performance.now()]];
   waiting = own;
   withMap(
     (map) => {
       if (waiting !== own) return;
-      match = new Match(begin, table.track, table.seat as number, map, settings, hud, sounds, first);
-      for (const moment of own) match.take(moment);
-      if (isLoading) connection.send({ kind: "pause", paused: false });
+      const lose = () => cannotShow("The browser stopped drawing in 3D.");
+      match = new Match(begin, table.track, table.seat as number, map, settings, hud, sounds, lose);
+      for (const [moment, came] of own) match.learn(moment, came);
+      if (isLoading) pause(document.hidden);
       isLoading = false;
     },
-    (why) => showPanel("failed", "The match cannot be shown", why),
+    (why) => waiting === own && cannotShow(canDraw ? why : NO_3D),
   );
+}
+
+// The match goes on without a picture until the page is loaded anew.
+function cannotShow(why: string): void {
+  showPanel("failed", "The match cannot be shown", why, "Try again");
+  if (table.may_pause) pause(false);
+}
+
+function pause(paused: boolean): void {
+  asked += 1;
+  connection.send({ kind: "pause", paused });
 }
 
 function endMatch(): void {
@@ -227,9 +256,9 @@ find("go").addEventListener("click", () => {
   if (game.dataset.state === "closed") {
     showPanel("connecting", "Wildscav", "Connecting …");
     connection.open();
-  } else {
-    connection.send(game.dataset.state === "paused" ? { kind: "pause", paused: false } : { kind: "start" });
-  }
+  } else if (game.dataset.state === "paused") pause(false);
+  else if (begun) location.reload();
+  else connection.send({ kind: "start" });
 });
 find("picture").addEventListener("click", () => {
   if (controls.enabled && !controls.locked) controls.lock();
@@ -250,5 +279,5 @@ addEventListener("keydown", (event) => {
 });
 
 function askToPause(): void {
-  if (isPlaying() && table.may_pause) connection.send({ kind: "pause", paused: true });
+  if (isPlaying() && table.may_pause) pause(true);
 }

@@ -1,8 +1,9 @@
 // The page of a spectator: a match from above, or with anybody.
 
+import { createFlatStage } from "./flat";
 import { Clock } from "./play/clock";
 import { Connection } from "./play/connection";
-import { button, element, find } from "./play/dom";
+import { find } from "./play/dom";
 import { fillTable, Hud, titlesOf } from "./play/hud";
 import { WatchedCourse } from "./play/live_course";
 import { personRow } from "./play/lobby";
@@ -15,8 +16,10 @@ import {
   ownOf,
   type Table,
 } from "./play/messages";
-import { eachPicture, Picture, withMap } from "./play/scene";
-import type { View } from "./stage";
+import { eachPicture, hasWebGL, Picture, withMap } from "./play/scene";
+import { make } from "./player/dom";
+import type { StageMaker, View } from "./stage";
+import { createStage } from "./world";
 
 const BEHIND = 7; // frames that everybody is shown in the past
 
@@ -31,6 +34,7 @@ let picture: Picture | null = null;
 let latest: All | null = null;
 let names: string[] = [];
 let view: View = { kind: "above", seat: 0 };
+let makeStage: StageMaker = hasWebGL() ? createStage : createFlatStage;
 
 new Connection({
   receive: (message) => (handlers[message.kind] as ((message: Message) => void) | undefined)?.(message),
@@ -97,16 +101,29 @@ function show(begin: Begin, own: WatchedCourse): void {
   withMap(
     (map) => {
       if (begun !== begin || course !== own) return;
-      picture = new Picture(map, own, {});
-      choose(view);
+      const lose = () => {
+        endPicture();
+        makeStage = createFlatStage;
+        find("picture").replaceWith(find("picture").cloneNode()); // one draws in 3D or flat
+        show(begin, own);
+      };
+      picture = new Picture(map, own, makeStage, lose);
+      const { kinds } = picture.stage;
+      choose(kinds.includes(view.kind) ? view : { ...view, kind: kinds[0] });
+      if (kinds.length === 1) hud.notice("The browser does not draw in 3D, so this is from above", 6000);
     },
     (why) => showPanel("failed", "The match cannot be shown", why),
   );
 }
 
-function endMatch(): void {
+function endPicture(): void {
   picture?.dispose();
-  picture = course = latest = null;
+  picture = null;
+}
+
+function endMatch(): void {
+  endPicture();
+  course = latest = null;
   clock = new Clock(BEHIND);
 }
 
@@ -120,9 +137,10 @@ function showPanel(state: string, title: string, words: string, people = false):
   find("panel").hidden = false;
 }
 
-// The views in the order of their buttons.
+// The views that the browser can show, in the order of their buttons.
 function views(): [string, View][] {
   const behind = view.kind === "behind" ? "behind" : "eyes";
+  if (makeStage === createFlatStage) return [["From above", { kind: "above", seat: view.seat }]];
   return [
     ["From above", { kind: "above", seat: view.seat }],
     ...names.map((name, seat): [string, View] => [name, { kind: behind, seat }]),
@@ -137,11 +155,10 @@ function showViews(): void {
   const all = views();
   find("views").replaceChildren(
     ...all.map(([title, own], index) => {
-      const made = button("", () => choose(own));
-      const key = index === all.length - 1 ? "F" : String(index);
-      made.append(...(index < 10 || key === "F" ? [element("kbd", key)] : []), title);
-      made.setAttribute("aria-pressed", String(isSame(own, view)));
-      return made;
+      const key = own.kind === "free" ? "F" : String(index);
+      const shown = index < 10 || key === "F" ? [make("kbd", {}, key), title] : [title];
+      const properties = { type: "button", onclick: () => choose(own), "aria-pressed": isSame(own, view) };
+      return make("button", properties, ...shown);
     }),
   );
 }
@@ -179,7 +196,8 @@ addEventListener("keydown", (event) => {
   const all = views();
   const here = all.findIndex(([, own]) => isSame(own, view));
   const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
-  if (/^[0-9]$/.test(event.key) && Number(event.key) <= names.length) choose(all[Number(event.key)][1]);
+  const numbered = all.filter(([, { kind }]) => kind !== "free");
+  if (/^[0-9]$/.test(event.key) && numbered[Number(event.key)]) choose(numbered[Number(event.key)][1]);
   else if (event.code === "KeyF") choose(all[all.length - 1][1]);
   else if (event.code === "KeyV" && followed() !== null)
     choose({ ...view, kind: view.kind === "eyes" ? "behind" : "eyes" });

@@ -11,7 +11,10 @@ export type ViewKind = "free" | "behind" | "eyes" | "above";
 export interface View {
   kind: ViewKind;
   seat: number; // that is followed; of no matter to "free" and "above"
-  across?: number; // degrees, the field of view through the eyes; if none is given, that of the engine's cameras
+  // Degrees, the field of view through the eyes, and its limit up and down; if none is given, that of the engine's
+  // cameras. A picture that is narrow shows more up and down, so that it shows enough aside.
+  across?: number;
+  tall?: number;
 }
 
 export interface StageOptions {

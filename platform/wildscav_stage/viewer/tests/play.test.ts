@@ -2,12 +2,36 @@
 
 import { expect, test } from "vitest";
 import { Clock } from "../src/play/clock";
+import { TurnLimit } from "../src/play/controls";
 import { SeenCourse } from "../src/play/live_course";
 import { type Begin, FRAMES, type Now, ON_GROUND, type Own } from "../src/play/messages";
 import { type Held, Prediction } from "../src/play/prediction";
 import { DEFAULTS, settingsOf } from "../src/play/settings";
 
-const RULES = { water_speed_factor: 0.5, turn_speed: 9000, fire_interval: 0.2, supply_sight: 20 };
+const RULES = {
+  water_speed_factor: 0.5,
+  turn_speed: 9000,
+  fire_interval: 0.2,
+  supply_sight: 20,
+  reload_time: 2,
+  view_angle: 90,
+};
+const OWN: Own = {
+  x: 0,
+  y: 0,
+  z: 0,
+  yaw: 0,
+  pitch: 0,
+  velocity: [0, 0, 0],
+  flags: ON_GROUND,
+  health: 100,
+  clip: 15,
+  spare: 60,
+  supplies: 0,
+  reload: 0,
+  respawn: 0,
+  invincible: 0,
+};
 const STILL: Held = { forward: 0, right: 0, turn: 0, look: 0, jump: false };
 const PICTURE = 1000 / 60; // ms
 
@@ -21,22 +45,7 @@ interface Sent {
 // what it tells comes after another one. Returns the prediction, and how far it moved by each picture.
 function play(heldAt: (time: number) => Held, delay: number, wall = Infinity, until = 3000) {
   const prediction = new Prediction(RULES, () => 0);
-  const own: Own = {
-    x: 0,
-    y: 0,
-    z: 0,
-    yaw: 0,
-    pitch: 0,
-    velocity: [0, 0, 0],
-    flags: ON_GROUND,
-    health: 100,
-    clip: 15,
-    spare: 60,
-    supplies: 0,
-    reload: 0,
-    respawn: 0,
-    invincible: 0,
-  };
+  const own = { ...OWN };
   const [sent, told]: [Sent[], { at: number; frame: number; input: number; own: Own }[]] = [[], []];
   const moved: { time: number; z: number; yaw: number }[] = [];
   let [held, taken, frame, step, picture] = [STILL, 0, 0, 7, 0];
@@ -109,6 +118,60 @@ test("a wall that holds the body is not walked through", () => {
   for (const { time, z } of moved) if (time > 1700) expect(Math.abs(z - 4)).toBeLessThan(0.3);
 });
 
+// Holds some keys for some ms of the page's time, picture by picture, and returns the places that are shown.
+function hold(prediction: Prediction, held: Held, from: number, until: number) {
+  const places: number[] = [];
+  for (let time = from; time < until; time += PICTURE) {
+    prediction.advance(held, PICTURE, time);
+    places.push(prediction.place[2]);
+  }
+  return places;
+}
+
+test("the dead do not turn, and who comes back is shown there at once", () => {
+  const prediction = new Prediction(RULES, () => 0);
+  prediction.take({ ...OWN, yaw: 10, health: 0 }, 2, 0, 40);
+  prediction.send(1, { ...STILL, turn: 30, look: 5 }, 50);
+  hold(prediction, walk(0)(0), 50, 100);
+  expect([prediction.yaw, prediction.pitch, prediction.place[2]]).toEqual([10, 0, 0]);
+  prediction.take({ ...OWN, yaw: 90, x: 1 }, 4, 1, 100);
+  expect([prediction.yaw, prediction.place[0]]).toEqual([90, 1]);
+});
+
+test("nobody moves in a pause, nor goes ahead and back after it", () => {
+  const prediction = new Prediction(RULES, () => 0);
+  prediction.send(1, STILL, -100);
+  prediction.take(OWN, 0, 0, 0);
+  prediction.take(OWN, 2, 1, 40); // 140 ms after the input that it tells of
+  const before = Math.max(...hold(prediction, walk(0)(0), 40, 90));
+  expect(before).toBeGreaterThan(0.4);
+  prediction.pause(true);
+  const during = hold(prediction, walk(0)(0), 100, 1100);
+  expect(Math.max(...during)).toBeLessThanOrEqual(before);
+  expect(during[during.length - 1]).toBeCloseTo(0, 3);
+  prediction.pause(false);
+  const after: number[] = [];
+  for (let frame = 4; frame < 20; frame += 2) {
+    prediction.take(OWN, frame, 1, 1020 + 20 * frame);
+    after.push(...hold(prediction, STILL, 1020 + 20 * frame, 1060 + 20 * frame));
+  }
+  expect(Math.max(...after.map(Math.abs))).toBeLessThan(0.01);
+});
+
+test.each([
+  [1 / 60, 300, 6], // a 60th of the 360° in a second
+  [1 / 30, 300, 7.2], // the engine turns no farther in a frame
+  [1, 300, 7.2], // nothing is saved up
+  [1 / 60, -2, -2], // what is slow enough is not limited
+])(
+  "in pictures of %f s a turn by %f° is one by %f° at most, at 360° a second",
+  (seconds, degrees, turned) => {
+    const limit = new TurnLimit();
+    for (let picture = 0; picture < 4; picture++)
+      expect(limit.take(degrees, seconds, 360)).toBeCloseTo(turned, 9);
+  },
+);
+
 const SEAT = { kind: "x", colors: [], full_health: 100, result: null };
 const BEGIN = {
   frame_limit: 500,
@@ -138,9 +201,29 @@ test("who dies in sight lies there for a while", () => {
   expect(course.at(1, 400).x).toBeGreaterThan(1000);
 });
 
+test("a shot of somebody who is out of sight at once comes from where the shooter stood", () => {
+  const course = new SeenCourse(BEGIN, "battle", 0);
+  course.learn(now(2, { others: [[1, 0, 0, 0, 0, 0]], shots: [[1, 100, 0, 200, 600, 100, 200]] }), 0);
+  course.learn(now(4, { shots: [[1, 100, 0, 200]] }), 2);
+  expect(course.shots).toMatchObject([{ frame: 2, x: 6, y: 1, z: 2, from: { x: 1, y: 0, z: 2, yaw: 90 } }]);
+});
+
+test("it is shown whom nobody can hurt", () => {
+  const course = new SeenCourse(BEGIN, "battle", 0);
+  course.learn(now(2, { others: [[1, 0, 0, 0, 0, 1]] }), 0);
+  expect(course.at(1, 2).isSafe).toBe(true);
+  course.learn(now(4, { others: [[1, 0, 0, 0, 0, 0]] }), 2);
+  expect(course.at(1, 4).isSafe).toBe(false);
+});
+
 test("one's own shots are shown at once, and those of others when they are drawn", () => {
   const course = new SeenCourse(BEGIN, "battle", 0);
-  course.learn(now(10, { shots: [[1, 1, 2, 3], [0, 4, 5, 6], [1]] }), 6);
+  const shots = [
+    [1, 0, 0, 0, 1, 2, 3],
+    [0, 0, 0, 0, 4, 5, 6],
+    [1, 0, 0, 0], // nobody saw where it ended
+  ];
+  course.learn(now(10, { shots }), 6);
   expect(course.shots.map(({ frame, seat }) => [frame, seat])).toEqual([
     [6, 0],
     [10, 1],

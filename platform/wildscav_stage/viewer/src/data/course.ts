@@ -23,6 +23,7 @@ export interface SeatState {
   pitch: number; // positive looks down
   health: number; // hp, 0 = dead
   supplies: number;
+  isSafe?: boolean; // whether nobody can hurt it, as far as that is told
 }
 
 export interface Shot {
@@ -31,6 +32,7 @@ export interface Shot {
   x: number; // where it ended
   y: number;
   z: number;
+  from?: SeatState; // the shooter, if that is not who the course has in this frame
 }
 
 export class Course {

@@ -1,5 +1,6 @@
 // Keys, mouse, touch and gamepad, gathered into the inputs that the server takes.
 
+import { FRAMES } from "./messages";
 import type { Held } from "./prediction";
 import type { Settings } from "./settings";
 
@@ -8,6 +9,7 @@ const DEGREES_PER_TOUCH = 0.3; // per pixel that a finger moves over the picture
 const KEY_TURN = 110; // degrees per second, with the arrow keys
 const STICK_TURN = 200; // degrees per second, with a gamepad's stick
 const DEAD = 0.15; // of a stick's way, from where on it counts
+const MOST_TURN = 3600; // degrees that an input may turn
 const AXES: Record<string, ["forward" | "right" | "turning" | "looking", number]> = {
   KeyW: ["forward", 1],
   KeyS: ["forward", -1],
@@ -29,6 +31,18 @@ const PAD: [number, Flag][] = [
 export type Flag = "jump" | "shoot" | "reload" | "pick_up";
 export type Input = Held & Record<Flag, boolean>;
 
+// Limits how fast the view turns, as the engine does: what is too fast is lost.
+export class TurnLimit {
+  private left = 0; // degrees that may be turned at once: at most those of a frame
+
+  take(degrees: number, seconds: number, speed: number): number {
+    this.left = Math.min(speed / FRAMES, this.left + speed * seconds);
+    const taken = within(degrees, this.left);
+    this.left -= Math.abs(taken);
+    return taken;
+  }
+}
+
 export class Controls {
   enabled = false;
   locked = false; // whether the mouse is
@@ -39,6 +53,7 @@ export class Controls {
   private mouse = false; // whether its left button is held
   private turn = 0; // degrees since the last input
   private look = 0;
+  private readonly limits = [new TurnLimit(), new TurnLimit()]; // of turn and look
 
   constructor(
     private readonly picture: HTMLElement,
@@ -56,8 +71,10 @@ export class Controls {
   // Take the mouse, where there is one.
   lock(): void {
     if (!matchMedia("(pointer: fine)").matches) return;
-    const plainly = () => Promise.resolve(this.picture.requestPointerLock()).catch(() => {});
-    Promise.resolve(this.picture.requestPointerLock({ unadjustedMovement: true })).catch(plainly);
+    const lock = async (how?: PointerLockOptions) => this.picture.requestPointerLock(how);
+    lock({ unadjustedMovement: true })
+      .catch(() => lock())
+      .catch(() => {});
   }
 
   release(): void {
@@ -68,7 +85,7 @@ export class Controls {
   }
 
   // Return what is held, and what was turned and pressed since the last call, some seconds ago.
-  take(seconds: number, turnSpeed = Infinity): Input {
+  take(seconds: number, turnSpeed = MOST_TURN * FRAMES): Input {
     const held = { forward: this.stick[1], right: this.stick[0], turning: 0, looking: 0 };
     for (const code of this.keys) {
       if (code in AXES) held[AXES[code][0]] += AXES[code][1];
@@ -77,13 +94,12 @@ export class Controls {
     if (this.mouse) this.pressed.add("shoot");
     for (const flag of this.touched) this.pressed.add(flag);
     const [turn, look] = this.readGamepad(held);
-    const within = (value: number, most: number) => Math.max(-most, Math.min(most, value));
-    const most = Math.min(3600, turnSpeed * Math.max(seconds, 0.001));
+    const [turning, looking] = this.limits;
     const input = {
       forward: within(held.forward, 1),
       right: within(held.right, 1),
-      turn: within(this.turn + (held.turning * KEY_TURN + turn) * seconds, most),
-      look: within(this.look + (held.looking * KEY_TURN + look) * seconds, most),
+      turn: turning.take(this.turn + (held.turning * KEY_TURN + turn) * seconds, seconds, turnSpeed),
+      look: looking.take(this.look + (held.looking * KEY_TURN + look) * seconds, seconds, turnSpeed),
       jump: this.pressed.has("jump"),
       shoot: this.pressed.has("shoot"),
       reload: this.pressed.has("reload"),
@@ -96,8 +112,8 @@ export class Controls {
 
   // Add what a gamepad holds, and return how fast it turns, in degrees a second to the right and down.
   private readGamepad(held: { forward: number; right: number }): [number, number] {
-    const pad = navigator.getGamepads().find((each) => each?.mapping === "standard");
-    if (!pad || !this.enabled) return [0, 0];
+    const pad = this.enabled ? standardGamepad() : undefined;
+    if (!pad) return [0, 0];
     const [right, back, turn, look] = pad.axes.map((value) => (Math.abs(value) < DEAD ? 0 : value));
     held.right += right;
     held.forward -= back;
@@ -194,5 +210,18 @@ export class Controls {
     });
     for (const end of ["pointerup", "pointercancel"] as const)
       addEventListener(end, (event) => last.delete(event.pointerId));
+  }
+}
+
+function within(value: number, most: number): number {
+  return Math.max(-most, Math.min(most, value));
+}
+
+// Some browsers have no gamepads on pages that are not encrypted, or forbid them.
+function standardGamepad(): Gamepad | null | undefined {
+  try {
+    return navigator.getGamepads?.().find((each) => each?.mapping === "standard");
+  } catch {
+    return null;
   }
 }

@@ -1,7 +1,9 @@
 // What is shown over the picture while a match is played.
 
 import type { Course } from "../data/course";
-import { element, find } from "./dom";
+import { clockText } from "../player/clock";
+import { make } from "../player/dom";
+import { find } from "./dom";
 import { turned } from "./live_course";
 import { type Begin, CAN_PICK_UP, FRAMES, type Metric, type Own, type ScoreRow } from "./messages";
 
@@ -49,9 +51,7 @@ export class Hud {
   }
 
   showTime(frame: number): void {
-    const seconds = Math.max(0, this.begun.frame_limit - frame) / FRAMES;
-    find("clock").textContent =
-      `${Math.floor(seconds / 60)}:${String(Math.floor(seconds % 60)).padStart(2, "0")}`;
+    find("clock").textContent = clockText(Math.max(0, this.begun.frame_limit - frame) / FRAMES);
   }
 
   // here: where one is and looks, as it is shown.
@@ -116,7 +116,7 @@ export class Hud {
   }
 
   private saidOf({ health, respawn, invincible, clip, reload }: Own): string {
-    const seconds = (frames: number) => `${(frames / FRAMES).toFixed(1)} s`;
+    const seconds = (frames: number) => `${Math.ceil(frames / FRAMES)} s`;
     if (this.watches) return health > 0 ? "" : "dead";
     const died = this.killer ? `${this.killer} shot you` : "You are dead";
     if (health <= 0) return respawn ? `${died}. Back in ${seconds(respawn)}` : `${died}, and you are out`;
@@ -138,7 +138,7 @@ export class Hud {
   }
 
   notice(text: string, time = NOTICE): void {
-    find("notice").textContent = text;
+    if (find("notice").textContent !== text) find("notice").textContent = text; // it is read out
     clearTimeout(this.clearing);
     this.clearing = setTimeout(() => {
       find("notice").textContent = "";
@@ -203,9 +203,9 @@ export function fillTable(
   ownName: string | null = "you",
 ): void {
   const table = shown as HTMLTableElement;
-  const row = (cells: string[], name: string) => {
+  const row = (cells: string[], name: "td" | "th") => {
     const line = document.createElement("tr");
-    for (const text of cells) line.append(element(text ? name : "td", text));
+    for (const textContent of cells) line.append(make(textContent ? name : "td", { textContent }));
     return line;
   };
   const best = rows.slice(0, most);

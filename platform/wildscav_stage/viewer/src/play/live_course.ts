@@ -16,14 +16,8 @@ export abstract class LiveCourse extends Course {
     super(emptyTrails(begin, track));
   }
 
-  // own: the seat whose shots are shown in the frame that is being drawn, now.
-  protected take(moment: Moment, own: number | null = null, now = 0): void {
+  protected take(moment: Moment): void {
     const { frame } = moment;
-    for (const [seat, x, y, z] of moment.shots ?? []) {
-      if (x === undefined) continue;
-      const shot = { frame: seat === own ? now : frame, seat, x: x / METRE, y: y / METRE, z: z / METRE };
-      insert(this.shots, shot);
-    }
     for (const [seat, by] of moment.deaths ?? [])
       insert(this.events, { frame, kind: "death", seat, other: by < 0 ? null : by, amount: 0 });
     for (const [serial, x, height, z] of moment.boxes ?? [])
@@ -35,6 +29,11 @@ export abstract class LiveCourse extends Course {
       this.trails.target = { x, z, height };
     }
     if (moment.zone) this.trails.zone = [phaseOf(moment.zone)];
+  }
+
+  protected noteShot(frame: number, seat: number, end: number[], from?: SeatState): void {
+    const [x, y, z] = end.map((value) => value / METRE);
+    insert(this.shots, { frame, seat, x, y, z, from });
   }
 
   protected forgetBoxes(): void {
@@ -59,6 +58,7 @@ export class WatchedCourse extends LiveCourse {
       samples.health.push(own?.health ?? 0);
       samples.supplies.push(own?.supplies ?? 0);
     });
+    for (const [seat, ...end] of moment.shots ?? []) this.noteShot(moment.frame, seat, end);
     this.take(moment);
   }
 }
@@ -90,13 +90,21 @@ export class SeenCourse extends LiveCourse {
     for (const [seat, ...row] of moment.others ?? []) {
       const [x, y, z, yaw] = row.map((value) => value / METRE);
       const health = this.seats[seat].full_health;
-      const state = { x, y, z, yaw, pitch: 0, health, supplies: 0 };
+      const state = { ...unseen(), x, y, z, yaw, health, isSafe: row[4] === 1 };
       this.sightings[seat] = this.sightings[seat].filter((each) => each.frame > frame - KEPT);
       this.sightings[seat].push({ frame, state });
     }
     for (const other of moment.hits ?? [])
       insert(this.events, { frame: now, kind: "hit", seat: this.seat, other, amount: 0 });
-    this.take(moment, this.seat, now);
+    for (const [seat, x, y, z, ...end] of moment.shots ?? []) {
+      if (!end.length) continue;
+      const yaw = (Math.atan2(end[0] - x, end[2] - z) * 180) / Math.PI;
+      const from = { ...unseen(), x: x / METRE, y: y / METRE, z: z / METRE, yaw };
+      // One's own shots are shown at once, from where one is shown.
+      if (seat === this.seat) this.noteShot(now, seat, end);
+      else this.noteShot(frame, seat, end, from);
+    }
+    this.take(moment);
   }
 
   override at(seat: number, frame: number): SeatState {

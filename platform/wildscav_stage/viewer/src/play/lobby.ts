@@ -1,6 +1,6 @@
 // Who is here, what they are called, and the links by which the host invites others.
 
-import { button, element } from "./dom";
+import { make } from "../player/dom";
 import type { People, Person } from "./messages";
 import { remember, remembered } from "./settings";
 
@@ -77,36 +77,36 @@ export class Lobby {
   }
 
   private renewButton({ seat, name }: Person): HTMLElement {
-    const made = button("New link", () => {
+    const title =
+      "Make another link for this seat; the present one ends, and so does the page that has it open";
+    const onclick = () => {
       if (confirm(`Make a new link for ${name}'s seat? The old one will no longer work.`))
         this.send({ kind: "renew", seat });
-    });
-    made.title =
-      "Make another link for this seat; the present one ends, and so does the page that has it open";
-    return made;
+    };
+    return make("button", { type: "button", textContent: "New link", title, onclick });
   }
 }
 
 // A line of the list of people; seat is one's own.
 export function personRow(person: Person, seat: number | null): HTMLElement {
-  const row = element("li");
+  const row = make("li");
   row.dataset.where = person.where;
   const roles = [person.seat === seat ? "you" : "", person.host ? "host" : ""].filter(Boolean);
   if (person.where !== "here" || !roles.length) roles.push(WHERE[person.where]);
-  const dot = element("i");
-  dot.setAttribute("aria-hidden", "true");
-  row.append(dot, element("b", person.name), element("small", roles.join(", ")));
+  const dot = make("i", { "aria-hidden": "true" });
+  row.append(dot, make("b", {}, person.name), make("small", {}, roles.join(", ")));
   return row;
 }
 
 // A button that copies a link.
 function copyButton(label: string, link: string): HTMLElement {
-  const made = button(label, async () => {
+  const onclick = async () => {
     made.textContent = (await copied(link)) ? "Copied" : "Not copied";
     setTimeout(() => {
       made.textContent = label;
     }, COPIED);
-  });
+  };
+  const made = make("button", { type: "button", textContent: label, onclick });
   made.dataset.link = link;
   return made;
 }
@@ -117,7 +117,7 @@ async function copied(text: string): Promise<boolean> {
     await navigator.clipboard.writeText(text);
     return true;
   } catch {
-    const area = document.body.appendChild(element("textarea", text)) as HTMLTextAreaElement;
+    const area = document.body.appendChild(make("textarea", { value: text }));
     area.select();
     const done = document.execCommand("copy");
     area.remove();

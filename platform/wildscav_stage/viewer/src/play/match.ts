@@ -2,13 +2,15 @@
 
 import type { WebGLRenderer } from "three";
 import type { GameMap } from "../data/map";
+import { METRE } from "../data/trails";
 import { heightAt } from "../view/terrain";
+import { createStage } from "../world";
 import { Clock } from "./clock";
 import type { Input } from "./controls";
 import { find } from "./dom";
 import { bearingOf, type Hud } from "./hud";
 import { SeenCourse, turned } from "./live_course";
-import { type Begin, type Now, type Own, ownOf } from "./messages";
+import { type Begin, FRAMES, type Now, type Own, ownOf } from "./messages";
 import { Prediction } from "./prediction";
 import { Picture } from "./scene";
 import type { Settings } from "./settings";
@@ -17,7 +19,7 @@ import { Weapon } from "./weapon";
 
 const BEHIND = 4; // frames that others are shown in the past
 const EXPECTED = 0.6; // s within which a shot is told that was shown already
-const RELOAD = 100; // frames of a reload
+const ASPECT = 9 / 16; // how far agents see up and down, of how far they see across
 
 export class Match {
   own: Own | null = null;
@@ -38,13 +40,13 @@ export class Match {
     private readonly settings: Settings,
     private readonly hud: Hud,
     private readonly sounds: Sounds,
-    first: Now, // what the person is told at first
+    lose: () => void, // called if the browser no longer draws
   ) {
     this.course = new SeenCourse(begin, track, seat);
     this.prediction = new Prediction(begin.rules, (x, z) => heightAt(map.ground, x, z));
-    this.take(first);
     const over = (renderer: WebGLRenderer) => this.drawWeapon(renderer);
-    this.picture = new Picture(map, this.course, { hasLabels: false, over });
+    const options = { hasLabels: false, over };
+    this.picture = new Picture(map, this.course, (...all) => createStage(...all, options), lose);
   }
 
   // Note an input that is sent.
@@ -52,15 +54,24 @@ export class Match {
     this.prediction.send(number, input, performance.now());
   }
 
+  // Take a moment, and show and sound what happened.
   take(moment: Now): void {
-    const now = performance.now();
+    this.learn(moment, performance.now());
+    this.tell(moment);
+  }
+
+  // Take a moment that came at a time.
+  learn(moment: Now, now: number): void {
     this.own = ownOf(moment.own);
     this.ping = moment.ping;
     this.clock.note(moment.frame, now);
     this.prediction.take(this.own, moment.frame, moment.input, now);
     this.course.learn(moment, this.clock.frame(now));
     this.hud.showTime(moment.frame);
-    this.tell(moment);
+  }
+
+  pause(isPaused: boolean): void {
+    this.prediction.pause(isPaused);
   }
 
   // Draw the picture of now, some ms after the last one, while something is held.
@@ -74,7 +85,9 @@ export class Match {
     const { health, supplies } = this.own;
     this.course.own = { x, y, z, yaw, pitch, health, supplies };
     const kind = health > 0 ? "eyes" : "behind";
-    this.picture.stage.view = { kind, seat: this.seat, across: this.settings.field };
+    const { view_angle: angle } = this.begin.rules; // what is farther aside, or up or down, is not told
+    const across = Math.min(this.settings.field, angle);
+    this.picture.stage.view = { kind, seat: this.seat, across, tall: ASPECT * angle };
     this.picture.draw(this.clock.frame(now), now);
     this.hud.show(this.own, { x, z, yaw }, this.course);
     this.showPace();
@@ -83,19 +96,19 @@ export class Match {
   }
 
   dispose(): void {
+    this.weapon.dispose();
     this.picture.dispose();
   }
 
-  // Show and sound what happened.
   private tell(moment: Now): void {
-    for (const [seat] of moment.shots ?? []) this.tellShot(seat);
+    for (const [seat, x, , z] of moment.shots ?? []) this.tellShot(seat, x / METRE, z / METRE);
     for (const _ of moment.hits ?? []) {
       this.hud.flash("crosshair", "hit");
       this.sounds.hit();
     }
     for (const seat of moment.hurt ?? []) {
       const shooter = moment.others?.find((other) => other[0] === seat);
-      this.hud.showHurt(shooter ? this.angleTo(shooter[1] / 100, shooter[3] / 100) : null);
+      this.hud.showHurt(shooter ? this.angleTo(shooter[1] / METRE, shooter[3] / METRE) : null);
       this.sounds.hurt();
     }
     for (const [seat, by] of moment.deaths ?? []) this.hud.showDeath(seat, by);
@@ -105,13 +118,12 @@ export class Match {
     }
   }
 
-  private tellShot(seat: number): void {
+  private tellShot(seat: number, x: number, z: number): void {
     const now = performance.now();
     if (seat === this.seat) {
       if (now - this.firedAt > 1000 * EXPECTED) this.showFire(now);
       return;
     }
-    const { x, z } = this.course.at(seat, this.clock.newest);
     const [ownX, , ownZ] = this.prediction.place;
     const distance = Math.hypot(x - ownX, z - ownZ);
     this.sounds.shot(Math.sin((this.angleTo(x, z) * Math.PI) / 180), distance);
@@ -134,7 +146,9 @@ export class Match {
   private drawWeapon(renderer: WebGLRenderer): void {
     if (!this.own || this.own.health <= 0 || !this.begin.weapon) return;
     const [east, , north] = this.own.velocity;
-    const reload = this.own.reload ? Math.max(0.1, 1 - this.own.reload / RELOAD) : 0;
+    const reload = this.own.reload
+      ? Math.max(0.1, 1 - this.own.reload / FRAMES / this.begin.rules.reload_time)
+      : 0;
     this.weapon.draw(renderer, performance.now(), this.seconds, Math.hypot(east, north), reload);
   }
 

@@ -7,7 +7,6 @@ export interface Moment {
   number: number;
   ping: number | null; // ms
   frame: number;
-  shots?: number[][]; // seat, and where the shot ended if that is known: x, y, z
   deaths?: [number, number][]; // who, and by whom or -1
   boxes?: number[][]; // serial, x, y, z
   gone?: number[];
@@ -18,8 +17,9 @@ export interface Moment {
 export interface Now extends Moment {
   kind: "now";
   input: number; // the last one that took effect
-  own: number[]; // as rowOf reads it
-  others?: number[][]; // seat, x, y, z, yaw, flags
+  own: number[]; // as ownOf reads it
+  others?: number[][]; // seat, x, y, z, yaw, and 1 if nobody can hurt it
+  shots?: number[][]; // seat, x, y, z of its soles, and where the shot ended if that is known: x, y, z
   hits?: number[];
   hurt?: number[];
   gained?: number;
@@ -28,7 +28,8 @@ export interface Now extends Moment {
 export interface All extends Moment {
   kind: "all";
   all?: 1; // whether these are all boxes
-  agents: number[][]; // seat, and what rowOf reads
+  agents: number[][]; // seat, and what ownOf reads
+  shots?: number[][]; // seat, and where the shot ended: x, y, z
 }
 
 export interface Person {
@@ -73,6 +74,8 @@ export interface Rules {
   turn_speed: number; // degrees a second
   fire_interval: number; // s
   supply_sight: number; // m
+  reload_time: number; // s
+  view_angle: number; // degrees across
 }
 
 export interface Begin {
@@ -113,7 +116,7 @@ export type Message =
 export type Handlers = { [M in Message as M["kind"]]?: (message: M) => void };
 
 export const FRAMES = 50; // a second
-export const [ON_GROUND, IN_WATER, CAN_PICK_UP, INVINCIBLE] = [1, 2, 4, 8]; // flags
+export const [ON_GROUND, IN_WATER, CAN_PICK_UP] = [1, 2, 4]; // flags
 
 // A seat in full. Lengths are m, angles degrees, times frames.
 export interface Own {

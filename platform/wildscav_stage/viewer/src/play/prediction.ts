@@ -1,6 +1,7 @@
 // Where one looks, and where one's own body is expected to be until the server tells: for display only.
 //
-// The view is exact: it is what the server told, and all turns that it had not taken by then. The body goes on from
+// The view is what the server told, and all turns that it had not taken by then; where rules limit how fast one turns,
+// the server may take less of two inputs in one frame. The body goes on from
 // where it was told to be, by what was held since the moment that this tells of. What turns out to be wrong fades
 // within some pictures.
 
@@ -47,6 +48,7 @@ export class Prediction {
   private readonly pending = new Map<number, { sent: number; turn: number; look: number }>();
   private ticks: Tick[] = [];
   private offset: Place = [0, 0, 0]; // of what is shown from what is expected
+  private isPaused = false;
 
   // floor: m, the height of the ground at a place.
   constructor(
@@ -66,30 +68,44 @@ export class Prediction {
     const [ahead, aside] = [held.forward * share * SPEED, held.right * share * SPEED];
     const east = ahead * Math.sin(bearing) + aside * Math.cos(bearing);
     const north = ahead * Math.cos(bearing) - aside * Math.sin(bearing);
-    this.ticks.push({ end: now, length, east, north, jump: held.jump });
+    if (!this.isPaused) this.ticks.push({ end: now, length, east, north, jump: held.jump });
     this.ticks = this.ticks.filter((tick) => tick.end > now - KEPT);
     this.offset = this.offset.map((part) => part * Math.exp(-length / FADING)) as Place;
     this.show();
   }
 
+  // Forget what was held before a pause, and expect nothing while it lasts.
+  pause(isPaused: boolean): void {
+    this.isPaused = isPaused;
+    this.ticks = [];
+    this.pending.clear();
+    this.arrival = -Infinity;
+    this.slide();
+  }
+
   // Take what the server tells of a frame before which an input was taken.
   take(own: Own, frame: number, input: number, now: number): void {
     const isOther = !this.own || this.own.health <= 0 || own.health <= 0;
-    const before = this.place;
     const arrival = now - (1000 * frame) / FRAMES;
     const isLate = this.own && Math.abs(arrival - this.arrival) < 500;
     this.arrival = isLate ? this.arrival + 0.1 * (arrival - this.arrival) : arrival;
     this.noteTaken(input, now);
     this.own = own;
     this.told = this.arrival + (1000 * frame) / FRAMES - this.lag;
+    const error = this.slide(isOther);
+    if (!isOther && error <= FARTHEST) this.errors = [...this.errors.slice(-249), error];
+  }
+
+  // Go from what was shown to what is expected now, by and by unless that is far off or at once is asked for. Returns
+  // how far it is, m.
+  private slide(atOnce = false): number {
+    const before = this.place;
     this.offset = [0, 0, 0];
     this.show();
     const offset = this.place.map((part, axis) => before[axis] - part) as Place;
     const error = Math.hypot(...offset);
-    if (isOther || error > FARTHEST) return;
-    this.offset = offset;
-    this.place = before;
-    this.errors = [...this.errors.slice(-249), error];
+    if (!atOnce && error <= FARTHEST) [this.offset, this.place] = [offset, before];
+    return error;
   }
 
   private noteTaken(input: number, now: number): void {
@@ -106,7 +122,8 @@ export class Prediction {
   private show(): void {
     if (!this.own) return;
     [this.yaw, this.pitch] = [this.own.yaw, this.own.pitch];
-    for (const { turn, look } of this.pending.values()) {
+    // The dead do not turn.
+    for (const { turn, look } of this.own.health > 0 ? this.pending.values() : []) {
       this.yaw += turn;
       this.pitch = Math.max(-90, Math.min(90, this.pitch + look));
     }

@@ -3,10 +3,10 @@
 import { unzipped } from "../data/arrays";
 import type { Course } from "../data/course";
 import { type GameMap, readMap } from "../data/map";
-import type { Stage, StageOptions } from "../stage";
-import { createStage } from "../world";
+import type { Stage, StageMaker } from "../stage";
 import { find } from "./dom";
 
+const BACK = 4000; // ms in which 3D must be back
 const LONGEST = 1000; // ms between two pictures; after more, the page was not shown
 
 let map: Promise<GameMap> | null = null; // all matches of a table are played on one
@@ -27,18 +27,34 @@ async function fetchMap(): Promise<GameMap> {
   return readMap(await unzipped(await answer.arrayBuffer()));
 }
 
+// Whether the browser has WebGL 2.
+export function hasWebGL(): boolean {
+  const context = document.createElement("canvas").getContext("webgl2");
+  context?.getExtension("WEBGL_lose_context")?.loseContext();
+  return context !== null;
+}
+
 // Draws one match on the page's canvas.
 export class Picture {
   readonly stage: Stage;
+  private readonly canvas = find("picture") as HTMLCanvasElement;
   private readonly observer: ResizeObserver;
   private shown: number[] = []; // when pictures were shown, ms
+  private waiting = 0; // for the browser, which mostly gives the graphics processor back
 
-  constructor(gameMap: GameMap, course: Course, options: StageOptions) {
-    const canvas = find("picture") as HTMLCanvasElement;
-    this.stage = createStage(canvas, gameMap, course, options);
-    this.observer = new ResizeObserver(() => this.fit(canvas));
-    this.observer.observe(canvas);
-    this.fit(canvas);
+  // lose: called if the browser no longer draws in 3D.
+  constructor(
+    gameMap: GameMap,
+    course: Course,
+    make: StageMaker,
+    private readonly lose: () => void,
+  ) {
+    this.stage = make(this.canvas, gameMap, course);
+    this.observer = new ResizeObserver(() => this.fit());
+    this.observer.observe(this.canvas);
+    this.canvas.addEventListener("webglcontextlost", this.wait);
+    this.canvas.addEventListener("webglcontextrestored", this.goOn);
+    this.fit();
   }
 
   draw(frame: number, now: number): void {
@@ -53,11 +69,19 @@ export class Picture {
 
   dispose(): void {
     this.observer.disconnect();
+    this.canvas.removeEventListener("webglcontextlost", this.wait);
+    this.canvas.removeEventListener("webglcontextrestored", this.goOn);
+    this.goOn();
     this.stage.dispose();
   }
 
-  private fit(canvas: HTMLCanvasElement): void {
-    this.stage.resize(canvas.clientWidth, canvas.clientHeight, devicePixelRatio);
+  private readonly wait = () => {
+    this.waiting = window.setTimeout(this.lose, BACK);
+  };
+  private readonly goOn = () => clearTimeout(this.waiting);
+
+  private fit(): void {
+    this.stage.resize(this.canvas.clientWidth, this.canvas.clientHeight, devicePixelRatio);
   }
 }
 

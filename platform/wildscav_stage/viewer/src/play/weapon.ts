@@ -80,6 +80,14 @@ export class Weapon {
     renderer.render(this.scene, this.camera);
     renderer.autoClear = autoClear;
   }
+
+  dispose(): void {
+    this.group.traverse((each) => {
+      if (!(each instanceof Mesh)) return;
+      each.geometry.dispose();
+      each.material.dispose();
+    });
+  }
 }
 
 function flash(): Group {

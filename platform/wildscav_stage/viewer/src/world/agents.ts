@@ -22,7 +22,7 @@ const STEP = 0.5; // m, over which the slope of the ground is measured
 const POSE = /* glsl */ `
 in float part;
 in vec4 stand; // where it stands, and its yaw in radians
-in vec4 state; // seat, whether it is dead, the flash of a hit, how much larger it is drawn
+in vec4 state; // seat, 1 if it is dead or -1 if nobody can hurt it, the flash of a hit, how much larger it is drawn
 vec3 lain(vec3 at) { return state.y > 0.5 ? vec3(at.x, at.z, -at.y) : at; }
 vec3 turned(vec3 at) {
   float east = sin(stand.w), north = cos(stand.w);
@@ -41,6 +41,7 @@ void main() {
   facing = turned(lain(normal));
   base = texelFetch(colors, ivec2(int(part), int(state.x)), 0).rgb;
   if (state.y > 0.5) base = mix(vec3(dot(base, vec3(0.3, 0.5, 0.2))), vec3(0.42), 0.6);
+  if (state.y < -0.5) base = mix(base, vec3(1.0), 0.5); // as in the engine's pictures
   base = mix(base, vec3(1.6, 0.5, 0.4), 0.8 * state.z);
   gl_Position = project(place);
 }`;
@@ -86,9 +87,9 @@ export function createAgents(map: GameMap, course: Course, shared: Shared): Agen
     let copies = 0;
     for (let seat = 0; seat < count; seat++) {
       if (seat === hidden) continue;
-      const { x, y, z, yaw, health } = states[seat];
+      const { x, y, z, yaw, health, isSafe } = states[seat];
       stand.setXYZW(copies, x, y, z, (yaw * Math.PI) / 180);
-      state.setXYZW(copies, seat, health > 0 ? 0 : 1, flashes[seat], scale);
+      state.setXYZW(copies, seat, health > 0 ? (isSafe ? -1 : 0) : 1, flashes[seat], scale);
       const height = heightAt(map.ground, x, z);
       const isOnGround = Math.abs(y - height) < ON_GROUND;
       const toEast = (heightAt(map.ground, x + STEP, z) - heightAt(map.ground, x - STEP, z)) / (2 * STEP);

@@ -52,7 +52,7 @@ export class Cameras {
     const { kind, seat } = view;
     if (kind === "above") return this.placeAbove(width, height);
     if (kind === "eyes") {
-      this.look(atTheEyes(moment.states[seat]), width / height, 0.08, FAR, view.across);
+      this.look(atTheEyes(moment.states[seat]), width / height, 0.08, FAR, view.across, view.tall);
       return { camera: this.perspective, hidden: seat, isFromAbove: false, across: 0, focus: null };
     }
     if (kind === "behind") {
@@ -78,11 +78,13 @@ export class Cameras {
     return { camera, hidden: null, isFromAbove: true, across: scale * Math.min(width, height), focus: null };
   }
 
-  // across: degrees, beyond which nothing is shown however wide the picture is.
-  private look(pose: Pose, aspect: number, near: number, far: number, across?: number): void {
+  // across: degrees, beyond which nothing is shown however wide the picture is. tall: likewise up and down, unless the
+  // picture is narrow.
+  private look(pose: Pose, aspect: number, near: number, far: number, across?: number, tall = 180): void {
     const camera = this.perspective;
     const wide = Math.tan(radians((across ?? ACROSS) / 2)) / Math.max(16 / 9, across ? aspect : 0);
-    const up = Math.max(wide, Math.tan(radians(NARROWEST / 2)) / aspect);
+    const most = Math.min(wide, Math.tan(radians(tall / 2)));
+    const up = Math.max(most, Math.tan(radians(NARROWEST / 2)) / aspect);
     camera.fov = (360 / Math.PI) * Math.atan(up);
     [camera.aspect, camera.near, camera.far] = [aspect, near, 1.05 * far];
     this.put(camera, pose, far);

@@ -22,7 +22,7 @@ export function showShots(
   const shots = course.shotsBetween(frame - SEEN, frame + 1e-6);
   lines.begin(shots.length);
   for (const shot of shots) {
-    const { x, y, z, yaw, pitch } = course.at(shot.seat, shot.frame);
+    const { x, y, z, yaw, pitch } = shot.from ?? course.at(shot.seat, shot.frame);
     const [right, up, ahead] = shot.seat === hidden ? inView((pitch * Math.PI) / 180) : MUZZLE;
     const [east, north] = [Math.sin((yaw * Math.PI) / 180), Math.cos((yaw * Math.PI) / 180)];
     const left = 1 - (0.7 * (frame - shot.frame)) / SEEN;
