@@ -1,6 +1,7 @@
 """What a season says of how it validates submissions, so that ``wildscav check`` does the same."""
 
 from http.client import HTTPException
+from urllib.error import HTTPError
 from urllib.request import urlopen
 
 from pydantic import BaseModel, ValidationError
@@ -48,6 +49,8 @@ class SeasonRules(BaseModel):
             with urlopen(f"{url.rstrip('/')}/api/v1/season", timeout=TIMEOUT) as answer:  # noqa: S310
                 return cls.model_validate_json(answer.read(LARGEST))
         except (OSError, HTTPException, ValueError) as error:
+            if isinstance(error, HTTPError):
+                error.close()  # it is the answer, too, and has the connection
             why = "this is no season of this version" if isinstance(error, ValidationError) else error
             raise UserError(
                 f"cannot ask the season {url}: {describe(why) if isinstance(why, OSError) else why}"
