@@ -162,6 +162,7 @@ def say_files(plan: Plan, ledger: LedgerWriter, results: Results, replay: str | 
     recorded = len({row.record for row in rows if row.record is not None})
     say("records", f"{plan.out / RECORDS} ({counted(recorded, 'match')})")
     say("", f"check them: {command('wildscav', 'verify', plan.out)}")
+    say("", f"watch them in 3D: {command('wildscav', 'watch', plan.out)}")
     if any(row.logs for row in rows):
         say("logs", f"{plan.out / LOGS} (what the agents printed)")
     replays = sorted({row.replay for row in rows if row.replay is not None})
