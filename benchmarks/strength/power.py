@@ -101,7 +101,9 @@ def draw(found: dict[str, list[Pair]], picture: Path) -> None:
     """Draw the power of each pair whose gap counts, and their median."""
     from matplotlib import pyplot as plt
 
-    figure, panels = plt.subplots(1, len(found), figsize=(8.0, 3.4), sharey=True, layout="constrained")
+    figure, (panels,) = plt.subplots(
+        1, len(found), figsize=(8.0, 3.4), sharey=True, layout="constrained", squeeze=False
+    )
     for axes, (where, pairs) in zip(panels, found.items(), strict=True):
         curves = 100.0 * np.array([pair.power for pair in pairs if pair.gap >= GAP])
         axes.plot([*STUDENT], curves.T, color="tab:blue", alpha=0.3, linewidth=1.0)
