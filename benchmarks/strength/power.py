@@ -72,9 +72,9 @@ def power_of(ahead: NDArray[np.float64], matches: int) -> float:
 
 def pairs_of(where: str) -> list[Pair]:
     """Return all pairs that played the same matches, those with the greatest gap first."""
-    found = []
+    found, played = [], results_of(where).values()
     for pair in itertools.combinations(AGENTS, 2):
-        rounds = [one for one in results_of(where).values() if set(pair) <= set(one)]
+        rounds = [one for one in played if set(pair) <= set(one)]
         if rounds:
             score = {name: np.array([match[0] for one in rounds for match in one[name]]) for name in pair}
             one, other = sorted(pair, key=lambda name: -score[name].mean())

@@ -30,7 +30,7 @@ from wildscav_stage.scene.document import (
     ZonePhase,
     differences,
 )
-from wildscav_stage.scene.map_file import CENTIMETRES, centimetres
+from wildscav_stage.scene.map_file import centimetres
 
 SAMPLE_INTERVAL = 5  # frames, at least, between two samples: ten a second
 
@@ -66,7 +66,7 @@ def trails_of(record: Record) -> Trails:
 
 def cm(metres: float) -> int:
     """Return a length or coordinate in m as whole centimetres."""
-    return round(float(metres) * CENTIMETRES)
+    return int(centimetres(metres))
 
 
 def map_extent(spec: MatchSpec) -> MapExtent:
