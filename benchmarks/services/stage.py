@@ -24,7 +24,7 @@ from wildscav_engine.record import write_record
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_stage.match_site import match_site
+from wildscav_stage.watching.match_site import match_site
 
 SEATS = (*("fighter",) * 4, *("fighter-hard",) * 3, *("gatherer",) * 3)
 LINE = {"offline": False, "latency": 20, "downloadThroughput": 1_250_000, "uploadThroughput": 1_250_000}

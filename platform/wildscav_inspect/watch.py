@@ -33,8 +33,8 @@ def watch(
     from wildscav.terminal.console import console, error_console
     from wildscav_engine.view.web import link_to
     from wildscav_stage.listening import listen
-    from wildscav_stage.match_site import match_site, serve
     from wildscav_stage.viewer_files import viewer_addresses
+    from wildscav_stage.watching.match_site import match_site, serve
 
     path = resolve_record(record, season)
     records = _records_in(path) if path.is_dir() else [path]
@@ -75,7 +75,7 @@ def write_page(record: Path, out: Path | None) -> None:
     """
     from wildscav.terminal.console import console, error_console
     from wildscav_engine.storage.files import write_whole
-    from wildscav_stage.match_page import scene_of, whole_page
+    from wildscav_stage.watching.match_page import scene_of, whole_page
 
     if record.is_dir():
         raise UserError(f"{record} is a folder: name one of its records", exit_code=2)

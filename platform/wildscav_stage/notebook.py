@@ -4,7 +4,7 @@ from html import escape
 from pathlib import Path
 
 from wildscav_engine.record import Record, read_record
-from wildscav_stage.match_page import scene_of_record, whole_page
+from wildscav_stage.watching.match_page import scene_of_record, whole_page
 
 HEIGHT = 640  # pixels
 

@@ -13,6 +13,7 @@ PACKAGES = {
     "engine": ROOT / "engine" / "wildscav_engine",
     "platform/wildscav": ROOT / "platform" / "wildscav",
     "platform/inspect": ROOT / "platform" / "wildscav_inspect",
+    "platform/language": ROOT / "platform" / "wildscav_language",
     "platform/legacy": ROOT / "platform" / "wildscav_legacy",
     "platform/server": ROOT / "platform" / "wildscav_server",
     "platform/stage": ROOT / "platform" / "wildscav_stage",

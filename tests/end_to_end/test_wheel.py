@@ -17,8 +17,8 @@ from wildscav_evaluator.submissions.submission import folder_digest
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = (
-    *("wildscav", "wildscav_engine", "wildscav_evaluator", "wildscav_inspect", "wildscav_leaderboard"),
-    *("wildscav_legacy", "wildscav_server", "wildscav_stage", "wildscav_training"),
+    *("wildscav", "wildscav_engine", "wildscav_evaluator", "wildscav_inspect", "wildscav_language"),
+    *("wildscav_leaderboard", "wildscav_legacy", "wildscav_server", "wildscav_stage", "wildscav_training"),
 )
 PARTS = ("engine", "platform", "evaluator", "leaderboard")
 Run = Callable[..., "subprocess.CompletedProcess[str]"]

@@ -9,7 +9,7 @@ from wildscav_engine.record import record_of
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_stage.match_page import scene_of_record, whole_page
+from wildscav_stage.watching.match_page import scene_of_record, whole_page
 
 MATCH = "assets/match.html"
 SPEC = MatchSpec(

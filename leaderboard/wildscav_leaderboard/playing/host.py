@@ -33,10 +33,10 @@ from wildscav_leaderboard.seasons.settings import Play, SeasonSettings
 from wildscav_leaderboard.submissions.archives import load_archive
 from wildscav_server.hosting.hosted_match import HostedMatch
 from wildscav_server.monitoring.logs import open_log
-from wildscav_stage.links import Base, Links
-from wildscav_stage.lobby import HOST
-from wildscav_stage.plan import DEFAULT_MAP, FRAMES_PER_ACTION, Opponent, Plan
-from wildscav_stage.serve import Served, prepare, served_on
+from wildscav_stage.playing.links import Base, Links
+from wildscav_stage.playing.lobby import HOST
+from wildscav_stage.playing.plan import DEFAULT_MAP, FRAMES_PER_ACTION, Opponent, Plan
+from wildscav_stage.playing.serve import Served, prepare, served_on
 from wildscav_stage.viewer_files import viewer_file
 
 LOOKS = 0.5  # s between two looks at whether the person is here
@@ -146,7 +146,7 @@ def plan_of(order: Order, submission: Submission, longest: float) -> Plan:
 
 @dataclass(frozen=True)
 class SandboxedAgents:
-    """Runs one submission, in all seats that are not a person's. See ``wildscav_stage.rounds.Agents``."""
+    """Runs one submission in all seats that are not a person's. See ``playing.rounds.Agents``."""
 
     submission: Submission  # ready for the sandbox
     sandbox: Sandbox

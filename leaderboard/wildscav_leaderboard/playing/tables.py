@@ -22,7 +22,7 @@ from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import NotFoundError, RefusalError, TooMuchError
 from wildscav_server import leftovers
 from wildscav_server.monitoring.logs import Log
-from wildscav_stage.links import new_secret
+from wildscav_stage.playing.links import new_secret
 
 
 class TableCounts:

@@ -14,8 +14,8 @@ from fastapi import FastAPI
 from tests.browsers import DESK, IN_3D, chromium
 from tests.leaderboard.filled_season import COOKIE, FilledSeason
 from tests.leaderboard.spectating.served import served
-from tests.platform.stage.browsers import PATIENCE, wait_for_match
-from tests.platform.stage.pages import page as page_of
+from tests.platform.stage.playing.browsers import PATIENCE, wait_for_match
+from tests.platform.stage.playing.pages import page as page_of
 from websockets.exceptions import ConnectionClosed
 
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES

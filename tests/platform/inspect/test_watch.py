@@ -17,7 +17,7 @@ from tests.platform.stage.built_viewer import viewer
 from tests.recorded_matches import record_of_track
 
 from wildscav_inspect import records
-from wildscav_stage.match_page import scene_of, whole_page
+from wildscav_stage.watching.match_page import scene_of, whole_page
 
 __all__ = ["record_of_track", "viewer"]
 COMMAND = [sys.executable, "-m", "wildscav.cli.main"]

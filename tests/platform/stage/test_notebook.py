@@ -6,8 +6,8 @@ from html import unescape
 from pathlib import Path
 
 from wildscav_engine.record import read_record
-from wildscav_stage.match_page import scene_of, whole_page
 from wildscav_stage.notebook import show
+from wildscav_stage.watching.match_page import scene_of, whole_page
 
 
 def test_a_cell_has_the_whole_page_which_cannot_reach_the_notebook(

@@ -15,7 +15,7 @@ from wildscav.errors import UserError
 from wildscav_engine.record import write_record
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_stage.match_page import Scene, list_page, match_page, scene_of, whole_page
+from wildscav_stage.watching.match_page import Scene, list_page, match_page, scene_of, whole_page
 
 HOSTILE = "</script><script>alert(1)</script>"
 Records = Callable[[str], Path]

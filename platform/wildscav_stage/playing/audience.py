@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from wildscav_stage.playing.sight import Happenings, box_rows, boxes_of, rows_of, zone_of
 from wildscav_stage.scene.map_file import centimetres
-from wildscav_stage.sight import Happenings, box_rows, boxes_of, rows_of, zone_of
 
 if TYPE_CHECKING:
     from wildscav_engine.simulation.match import Match

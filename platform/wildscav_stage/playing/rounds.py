@@ -13,8 +13,8 @@ from wildscav.sdk.run import ADDRESS_VARIABLE, TOKEN_VARIABLE
 from wildscav_engine.record import SUFFIX, write_record
 from wildscav_server.match_server import MatchServer
 from wildscav_server.time_limits import Clock
-from wildscav_stage.lobby import Person
-from wildscav_stage.plan import Plan
+from wildscav_stage.playing.lobby import Person
+from wildscav_stage.playing.plan import Plan
 
 if TYPE_CHECKING:
     from wildscav_engine.specs.match_spec import MatchSpec

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.platform.stage.pages import PageClient, page
-from tests.platform.stage.tables import small_plan, tables_links
+from tests.platform.stage.playing.pages import PageClient, page
+from tests.platform.stage.playing.tables import small_plan, tables_links
 
 from wildscav_engine.maps import generate_map
 from wildscav_engine.record import Record, read_record, resimulate
@@ -18,9 +18,9 @@ from wildscav_engine.simulation.systems.visibility import BOX_TOP, Eye, sees_bod
 from wildscav_engine.specs.actions import Field
 from wildscav_engine.specs.body import EYE_HEIGHT
 from wildscav_engine.specs.rules import NAMED, Senses
-from wildscav_stage.lobby import Person
-from wildscav_stage.plan import Plan
-from wildscav_stage.sight import Known, Sight
+from wildscav_stage.playing.lobby import Person
+from wildscav_stage.playing.plan import Plan
+from wildscav_stage.playing.sight import Known, Sight
 
 EVERYWHERE = 360.0  # degrees, of view
 MOST = 20_000  # bytes a second down, of a battle of ten

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import httpx
 import pytest
-from tests.platform.stage.pages import PageClient, page
-from tests.platform.stage.tables import small_plan, tables_links
+from tests.platform.stage.playing.pages import PageClient, page
+from tests.platform.stage.playing.tables import small_plan, tables_links
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from wildscav_engine.record import read_record, verify_record
-from wildscav_stage.app import MAX_COMMANDS
-from wildscav_stage.page import RENEWED
+from wildscav_stage.playing.app import MAX_COMMANDS
+from wildscav_stage.playing.page import RENEWED
 
 
 async def opened(stack: AsyncExitStack, *links: str) -> list[PageClient]:

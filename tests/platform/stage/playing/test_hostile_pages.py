@@ -8,12 +8,12 @@ from typing import Any, cast
 from urllib.parse import urlsplit
 
 import pytest
-from tests.platform.stage.pages import PageClient, page
-from tests.platform.stage.tables import small_plan, tables_links
+from tests.platform.stage.playing.pages import PageClient, page
+from tests.platform.stage.playing.tables import small_plan, tables_links
 from websockets.exceptions import ConnectionClosed
 
 from wildscav_engine.record import read_record, verify_record
-from wildscav_stage.page import MAX_MESSAGES, MAX_UNSEEN, OpenPage
+from wildscav_stage.playing.page import MAX_MESSAGES, MAX_UNSEEN, OpenPage
 
 Attack = Callable[[PageClient], Awaitable[None]]
 

@@ -17,7 +17,7 @@ from wildscav_stage.scene.map_file import map_file
 from wildscav_stage.scene.trails import trails_of
 from wildscav_stage.viewer_files import LICENSES, SCRIPT, STYLE, viewer_addresses, viewer_file
 
-STATIC = Path(__file__).parent / "static"
+STATIC = Path(__file__).parents[1] / "static"
 PAGE_STYLE = "match.css"
 NAMED = 4  # seats in a title
 NO_SCRIPT = "<noscript><p>The match needs JavaScript.</p></noscript>"

@@ -12,13 +12,13 @@ from wildscav.terminal.console import command
 from wildscav_engine.simulation.match import MatchSetupError
 from wildscav_engine.specs.actions import Field
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
-from wildscav_stage.audience import Audience
-from wildscav_stage.display import metric_titles, scores_of
-from wildscav_stage.links import Base, Links
-from wildscav_stage.lobby import HOST, Lobby, LobbyError, Page, PlayerSeat
-from wildscav_stage.page import RENEWED, REPLACED
-from wildscav_stage.plan import Plan
-from wildscav_stage.rounds import MatchHosting, hosted_match, play_out
+from wildscav_stage.playing.audience import Audience
+from wildscav_stage.playing.display import metric_titles, scores_of
+from wildscav_stage.playing.links import Base, Links
+from wildscav_stage.playing.lobby import HOST, Lobby, LobbyError, Page, PlayerSeat
+from wildscav_stage.playing.page import RENEWED, REPLACED
+from wildscav_stage.playing.plan import Plan
+from wildscav_stage.playing.rounds import MatchHosting, hosted_match, play_out
 from wildscav_stage.scene.map_file import map_file
 from wildscav_stage.scene.trails import seats_shown
 

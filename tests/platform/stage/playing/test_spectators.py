@@ -7,14 +7,14 @@ from pathlib import Path
 
 import httpx
 import pytest
-from tests.platform.stage.pages import page
-from tests.platform.stage.tables import small_plan, tables_links
+from tests.platform.stage.playing.pages import page
+from tests.platform.stage.playing.tables import small_plan, tables_links
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from wildscav_engine.simulation.match import Match
-from wildscav_stage.audience import Audience
-from wildscav_stage.page import TOO_MANY, UNSUPPORTED
-from wildscav_stage.table import MAX_SPECTATORS
+from wildscav_stage.playing.audience import Audience
+from wildscav_stage.playing.page import TOO_MANY, UNSUPPORTED
+from wildscav_stage.playing.table import MAX_SPECTATORS
 
 
 def test_a_spectator_is_told_of_everybody(tmp_path: Path) -> None:

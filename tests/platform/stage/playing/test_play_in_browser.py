@@ -7,9 +7,9 @@ from statistics import median
 from typing import Any
 
 import pytest
-from tests.platform.stage.browsers import PATIENCE, browser, pages, start, wait_for_match
-from tests.platform.stage.slow_network import far_away
-from tests.platform.stage.tables import small_plan, table_in_thread
+from tests.platform.stage.playing.browsers import PATIENCE, browser, pages, start, wait_for_match
+from tests.platform.stage.playing.slow_network import far_away
+from tests.platform.stage.playing.tables import small_plan, table_in_thread
 
 from wildscav_engine.record import read_record, verify_record
 

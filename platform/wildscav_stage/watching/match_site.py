@@ -20,9 +20,17 @@ from wildscav.errors import UserError
 from wildscav_engine.view.web import LOOPBACK
 from wildscav_stage.headers import SecurityHeaders
 from wildscav_stage.listening import GRACE
-from wildscav_stage.match_page import STATIC, Scene, list_page, match_page, scene_of, text_page, title_of
-from wildscav_stage.own_names import OwnNames
 from wildscav_stage.viewer_files import PATH, viewer_routes
+from wildscav_stage.watching.match_page import (
+    STATIC,
+    Scene,
+    list_page,
+    match_page,
+    scene_of,
+    text_page,
+    title_of,
+)
+from wildscav_stage.watching.own_names import OwnNames
 
 SCENES = 8  # that are kept
 FORMS = {"map": "application/octet-stream", "trails": "application/json"}  # the files of a scene

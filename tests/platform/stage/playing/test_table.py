@@ -5,12 +5,12 @@ from pathlib import Path
 from urllib.request import ProxyHandler, build_opener
 
 import pytest
-from tests.platform.stage.pages import page
-from tests.platform.stage.tables import small_plan, table
+from tests.platform.stage.playing.pages import page
+from tests.platform.stage.playing.tables import small_plan, table
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from wildscav_engine.record import read_record, verify_record
-from wildscav_stage.page import MAX_MESSAGES, MAX_UNSEEN
+from wildscav_stage.playing.page import MAX_MESSAGES, MAX_UNSEEN
 from wildscav_stage.viewer_files import versioned
 
 YAW, COUNTS_START = 3, 9  # in a seat's row

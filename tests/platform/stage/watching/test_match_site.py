@@ -10,9 +10,9 @@ import pytest
 from tests.leaderboard.spectating.served import served
 
 from wildscav_stage.headers import HEADERS
-from wildscav_stage.match_page import scene_of
-from wildscav_stage.match_site import match_site
 from wildscav_stage.viewer_files import viewer_addresses
+from wildscav_stage.watching.match_page import scene_of
+from wildscav_stage.watching.match_site import match_site
 
 Records = Callable[[str], Path]
 
@@ -81,7 +81,7 @@ def test_a_page_of_a_list_does_not_wait_for_its_match(
 ) -> None:
     records = [record_of_track("battle"), record_of_track("navigation")]
     titles = [scene_of(record).title for record in records]
-    monkeypatch.setattr("wildscav_stage.match_site.scene_of", None)
+    monkeypatch.setattr("wildscav_stage.watching.match_site.scene_of", None)
 
     with client_of(records) as client:
         for number, title in enumerate(titles):

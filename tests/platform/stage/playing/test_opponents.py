@@ -5,12 +5,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.platform.stage.pages import page
-from tests.platform.stage.tables import small_plan, table
+from tests.platform.stage.playing.pages import page
+from tests.platform.stage.playing.tables import small_plan, table
 
 from wildscav_engine.record import Record, read_record, verify_record
 
-HOMING = Path(__file__).parents[3] / "submissions" / "homing"
+HOMING = Path(__file__).parents[4] / "submissions" / "homing"
 MANIFEST = 'name = "{name}"\nversion = "1.0"\nentry_point = "agent:Agent"\ntracks = ["navigation"]\n'
 
 pytestmark = pytest.mark.slow

@@ -6,9 +6,9 @@ import pytest
 
 from wildscav.errors import UserError
 from wildscav_engine.specs.rules import NAMED
-from wildscav_stage.plan import make_plan, numbered
+from wildscav_stage.playing.plan import make_plan, numbered
 
-HOMING = Path(__file__).parents[3] / "submissions" / "homing"
+HOMING = Path(__file__).parents[4] / "submissions" / "homing"
 
 
 def test_the_person_has_the_first_seat_and_plays_fifty_steps_a_second() -> None:

@@ -14,7 +14,7 @@ from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket
 
 from wildscav_stage.headers import SecurityHeaders
-from wildscav_stage.inputs import (
+from wildscav_stage.playing.inputs import (
     Input,
     InputError,
     Pause,
@@ -25,15 +25,22 @@ from wildscav_stage.inputs import (
     decode_message,
     decode_of_spectator,
 )
-from wildscav_stage.links import Base, Links
-from wildscav_stage.lobby import LobbyError
-from wildscav_stage.page import POLICY_VIOLATION, TOO_MANY, UNSUPPORTED, Allowance, OpenPage, PageClosedError
-from wildscav_stage.sight import Known
-from wildscav_stage.table import MAX_SPECTATORS, Table
+from wildscav_stage.playing.links import Base, Links
+from wildscav_stage.playing.lobby import LobbyError
+from wildscav_stage.playing.page import (
+    POLICY_VIOLATION,
+    TOO_MANY,
+    UNSUPPORTED,
+    Allowance,
+    OpenPage,
+    PageClosedError,
+)
+from wildscav_stage.playing.sight import Known
+from wildscav_stage.playing.table import MAX_SPECTATORS, Table
 from wildscav_stage.viewer_files import digest, versioned, viewer_routes
 
 MAX_COMMANDS = 10  # a second: whatever is told to everybody
-STATIC = Path(__file__).parent / "static"
+STATIC = Path(__file__).parents[1] / "static"
 NO_ACCESS = 4004  # close code for a link that is not valid
 PROBLEMS = {  # with links: a title and what to do, in HTML
     "wrong": (

@@ -1,9 +1,9 @@
 """What people may be called, and who plays for whom."""
 
 import pytest
-from tests.platform.stage.tables import small_plan
+from tests.platform.stage.playing.tables import small_plan
 
-from wildscav_stage.lobby import Lobby, LobbyError
+from wildscav_stage.playing.lobby import Lobby, LobbyError
 
 
 def lobby() -> Lobby:

@@ -17,9 +17,9 @@ from tests.browsers import CHROMIUM, DESK, IN_3D, PHONE, chromium
 from tests.leaderboard.spectating.served import served
 
 from wildscav_engine.record import read_record
-from wildscav_stage.match_page import scene_of, whole_page
-from wildscav_stage.match_site import match_site
 from wildscav_stage.scene.trails import trails_of
+from wildscav_stage.watching.match_page import scene_of, whole_page
+from wildscav_stage.watching.match_site import match_site
 
 pytestmark = pytest.mark.slow
 

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 from PIL import Image
-from tests.platform.stage.browsers import PATIENCE, browser, pages, start, wait_for_match
-from tests.platform.stage.tables import MEADOW, small_plan, table_in_thread
+from tests.platform.stage.playing.browsers import PATIENCE, browser, pages, start, wait_for_match
+from tests.platform.stage.playing.tables import MEADOW, small_plan, table_in_thread
 
 from wildscav_engine.record import Record, read_record, verify_record
 from wildscav_engine.specs.map_spec import MapSpec
-from wildscav_stage.plan import Plan
+from wildscav_stage.playing.plan import Plan
 
 TURNING = 110.0  # degrees per second, with the arrow keys, as in controls.ts
 WIDE = {"viewport": {"width": 480, "height": 300}}  # small, as software draws

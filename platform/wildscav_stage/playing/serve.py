@@ -16,14 +16,14 @@ from wildscav_server.endpoints.endpoint import EndpointSettings
 from wildscav_server.hosting.precompile import precompile, small_map
 from wildscav_server.leftovers import temporary_folder
 from wildscav_server.match_server import MatchServer
-from wildscav_stage.app import Site
-from wildscav_stage.links import Addresses, Base, Links, base_of
 from wildscav_stage.listening import GRACE, listen
-from wildscav_stage.plan import Plan
-from wildscav_stage.rounds import Agents, MatchHosting, playing
+from wildscav_stage.playing.app import Site
+from wildscav_stage.playing.links import Addresses, Base, Links, base_of
+from wildscav_stage.playing.plan import Plan
+from wildscav_stage.playing.rounds import Agents, MatchHosting, playing
+from wildscav_stage.playing.sight import Known, Sight
+from wildscav_stage.playing.table import COUNTDOWN, Table
 from wildscav_stage.scene.map_file import map_file
-from wildscav_stage.sight import Known, Sight
-from wildscav_stage.table import COUNTDOWN, Table
 
 LARGEST_MESSAGE = 4096  # bytes, from a page
 MAX_CONNECTIONS = 200  # open at one time, so that strangers cannot take all files that the match needs

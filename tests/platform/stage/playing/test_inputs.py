@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from wildscav.agent import Action
-from wildscav_stage.inputs import (
+from wildscav_stage.playing.inputs import (
     Controls,
     Input,
     InputError,

@@ -12,7 +12,7 @@ from wildscav.cli.shared_options import RulesOption
 from wildscav.system.output_folders import check_folder
 
 if TYPE_CHECKING:
-    from wildscav_stage.plan import Plan
+    from wildscav_stage.playing.plan import Plan
 
 
 def human(
@@ -63,9 +63,9 @@ def human(
     """
     from wildscav.terminal.console import console
     from wildscav_engine.compilation.engine_progress import preparing
-    from wildscav_stage.links import checked_public_url
-    from wildscav_stage.plan import make_plan
-    from wildscav_stage.serve import prepare
+    from wildscav_stage.playing.links import checked_public_url
+    from wildscav_stage.playing.plan import make_plan
+    from wildscav_stage.playing.serve import prepare
     from wildscav_stage.viewer_files import viewer_file
 
     viewer_file("play.js")
@@ -83,7 +83,7 @@ async def _serve(
     plan: "Plan", records: Path, host: str, port: int, public_url: str | None, *, browser: bool
 ) -> None:
     from wildscav.terminal.console import console
-    from wildscav_stage.serve import served
+    from wildscav_stage.playing.serve import served
 
     def say(line: str) -> None:
         console.print(line)

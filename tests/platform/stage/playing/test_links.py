@@ -3,7 +3,7 @@
 import pytest
 
 from wildscav.errors import UserError
-from wildscav_stage.links import Links, base_of, checked_public_url
+from wildscav_stage.playing.links import Links, base_of, checked_public_url
 
 
 def test_each_seat_has_a_secret_of_its_own() -> None:

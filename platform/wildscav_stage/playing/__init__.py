@@ -1,0 +1,1 @@
+"""People who play in the browser: their table, what their pages may know, and what they send."""
