@@ -5,7 +5,7 @@
 #   docker build -f docker/engine.Dockerfile --target season -t wildscav/season .
 ARG PYTHON=docker.io/library/python:3.11-slim
 FROM ${PYTHON} AS source
-COPY pyproject.toml README.md LICENSE /source/
+COPY pyproject.toml hatch_build.py README.md LICENSE /source/
 COPY engine /source/engine
 COPY platform /source/platform
 COPY evaluator /source/evaluator

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 SOURCES = "wildscav.record_sources"  # entry points: functions such as RecordSource
 # The address of a match's page, with one slash where a path has lost the other.
 PAGE = re.compile(
-    r"(?P<scheme>https?):/+(?P<site>[^?#]+)/matches/(?P<match>\d+)(/watch)?/?([?#].*)?", re.ASCII
+    r"(?P<scheme>https?):/+(?P<site>[^?#]+)/matches/(?P<match>\d+)(/(watch|video))?/?([?#].*)?", re.ASCII
 )
 # Returns the record of a match of a season. Its arguments are the match's number, and the season's address or
 # None for the one that the user logged in to.

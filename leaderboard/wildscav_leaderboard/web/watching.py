@@ -2,9 +2,9 @@
 
 import json
 from functools import partial
-from typing import Annotated, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
-from fastapi import APIRouter, Query, Request
+from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse
 from sqlalchemy.orm import Session
 
@@ -19,7 +19,6 @@ from wildscav_leaderboard.playing.permission import open_tracks, refused_why
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import ForbiddenError
 from wildscav_leaderboard.spectating import rerun_viewer
-from wildscav_leaderboard.spectating.render_cache import Rendering
 from wildscav_leaderboard.submissions.service import find_submission
 from wildscav_leaderboard.teams.service import find_team, titles
 from wildscav_leaderboard.visibility import record_path, seen_by
@@ -69,18 +68,11 @@ def match(
     caller: AnyBrowser,
     season: CurrentSeason,
     renders: Renders,
-    now: Now,
-    video: Annotated[bool, Query()] = False,  # have it rendered, and show it
 ) -> HTMLResponse:
     """Show a match: its result, and how it went."""
     found = find_match(session, number)
     (view,) = match_views(session, [found], caller)
     unwatched = seen_by(session, [found], caller)[number].live
-    film = None
-    if view.hidden is None and renders.is_kept("video", str(number)):
-        film = Rendering("ready", path=renders.folder / renders.file_name("video", str(number)))
-    elif view.hidden is None and video:
-        film = renders.progress("video", str(number), record_path(session, season, number, caller), now)
     return page(
         request,
         "match.html",
@@ -97,7 +89,6 @@ def match(
         live=found.state == PLAYING and not unwatched,
         unwatched=unwatched,
         stage=_stage(found, view),
-        film=film,
         playable=_playable(session, season, view),
         has_poster=view.hidden is None and renders.is_kept("poster", str(number)),
     )
@@ -143,11 +134,22 @@ def _unseen(view: MatchView) -> str:
     return "all" if all(unknown) else "some"
 
 
+@router.get("/matches/{number}/video", response_class=HTMLResponse)
 @router.get("/matches/{number}/watch", response_class=HTMLResponse)
-def watch(request: Request, number: Number, session: Reading, caller: AnyBrowser) -> HTMLResponse:
-    """Show the replay of a match in the Rerun viewer."""
+def made_of_record(
+    request: Request,
+    number: Number,
+    session: Reading,
+    caller: AnyBrowser,
+    season: CurrentSeason,
+    renders: Renders,
+    now: Now,
+) -> HTMLResponse:
+    """Have the video or the replay of a match made, and show it; the replay in the Rerun viewer."""
     (view,) = match_views(session, [find_match(session, number)], caller)
     if view.hidden is not None:
         raise ForbiddenError(view.hidden)
-    recording = str(request.url_for("replay_file", match=number))
-    return page(request, "watch.html", caller, match=view, viewer=rerun_viewer.address_of(recording))
+    product = "video" if request.url.path.endswith("/video") else "replay"
+    made = renders.progress(product, str(number), record_path(session, season, number, caller), now)
+    viewer = rerun_viewer.address_of(str(request.url_for("replay_file", match=number)))
+    return page(request, "made.html", caller, match=view, product=product, made=made, viewer=viewer)

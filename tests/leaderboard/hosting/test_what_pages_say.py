@@ -193,7 +193,6 @@ def test_the_seasons_page_shows_the_latest_match_that_everyone_may_watch(site: S
         picture.write_bytes(b"")
     try:
         page = site.ask("organizer", "/").text
-        match = site.get(f"/matches/{numbers[0]}").text
     finally:
         for picture in pictures:
             picture.unlink()
@@ -202,8 +201,6 @@ def test_the_seasons_page_shows_the_latest_match_that_everyone_may_watch(site: S
     assert re.findall(r'<img src="(/api[^"]*)"', page) == [path]
     assert re.findall(r'og:image" content="([^"]*)"', page) == [f"http://127.0.0.1:8000{path}"]
     assert f'<a href="/matches/{numbers[0]}">' in page
-    assert f'<img src="{path}"' in match  # without scripts, too
-    assert "<noscript><img" not in match
 
 
 def test_where_the_record_is_hidden_so_are_video_and_poster(site: Site) -> None:
@@ -211,9 +208,9 @@ def test_where_the_record_is_hidden_so_are_video_and_poster(site: Site) -> None:
     for name in ("video", "video.mp4", "poster.jpg"):
         answer = site.get(f"/api/v1/matches/{number}/{name}")
         assert (answer.status_code, "hidden until" in answer.json()["error"]) == (403, True)
-    page = site.get(f"/matches/{number}?video=true").text
+    assert site.get(f"/matches/{number}/video").status_code == 403
+    page = site.get(f"/matches/{number}").text
     assert "og:image" not in page
-    assert "<video" not in page
     assert "Watch the video" not in page
 
 
