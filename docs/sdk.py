@@ -32,7 +32,7 @@ along +z and grows clockwise seen from above; positive pitch looks down.
 MODULES = {
     "wildscav": (
         *("Agent", "Action", "Observation", "MatchInfo", "VisibleAgent", "SupplyBox", "SupplyWave", "Vector"),
-        *("run", "WildscavError"),
+        *("run", "say", "mark", "plot", "WildscavError"),
     ),
     "wildscav.errors": ("AgentError", "RefusedError", "ServerUnreachableError", "UserError"),
     "wildscav.policy": (

@@ -20,6 +20,7 @@ from typing import NamedTuple
 from sqlalchemy import ColumnElement, and_, func, or_, select, true
 from sqlalchemy.orm import Session, defer
 
+from wildscav.notes import Note
 from wildscav_leaderboard.accounts.service import Caller
 from wildscav_leaderboard.matches.models import FINISHED, LADDER, PLAYING, VOID, Match, MatchResult, MatchSeat
 from wildscav_leaderboard.matches.service import find_match
@@ -31,6 +32,7 @@ from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.states import CANCELLED, FAILED
 from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.teams.service import team_of
+from wildscav_stage.scene.notes import notes_in
 
 OF_SUITE = (
     "everyone plays this match of the suite, its own team again too, so it is hidden until the season's "
@@ -219,6 +221,31 @@ def seat_log(session: Session, season: Season, number: int, seat: int, caller: C
     rows = session.get_one(MatchResult, number).row["seats"]
     log = next(one["log"] for one in rows if one["seat"] == seat)
     return None if log is None else season.match_folder(number) / log
+
+
+def seen_notes(session: Session, season: Season, number: int, caller: Caller | None) -> list[Note]:
+    """Return what agents said and drew: all of the caller's own team, and of others what they made public.
+
+    Raises:
+        NotFoundError: There is no such match.
+        ForbiddenError: Its record is hidden, and so is this.
+    """
+    match = find_match(session, number)
+    visible = seen_by(session, [match], caller)[number]
+    if visible.record:
+        raise ForbiddenError(visible.record)
+    logs = {one["seat"]: one["log"] for one in session.get_one(MatchResult, number).row["seats"]}
+    owners = select(MatchSeat.seat, Team.name).join(Submission, MatchSeat.submission_id == Submission.id)
+    owners = owners.join(Team, Submission.team_id == Team.id).where(MatchSeat.match_id == number)
+    is_public = str(number) not in (read_state(session, state.NOTES_HIDDEN) or {})
+    notes: list[Note] = []
+    for seat, team in session.execute(owners):
+        log = season.match_folder(number) / (logs.get(seat) or "")
+        if log.is_file():
+            notes += [
+                note for note in notes_in(log, seat) if (note.public and is_public) or visible.is_own(team)
+            ]
+    return notes
 
 
 def _of_game(match: Match, twin: Twin | None) -> str:

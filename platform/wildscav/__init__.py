@@ -21,6 +21,7 @@ if TYPE_CHECKING:
         VisibleAgent,
     )
     from wildscav.errors import WildscavError
+    from wildscav.notes import mark, plot, say
     from wildscav.sdk.run import run
 
 __all__ = [
@@ -34,9 +35,15 @@ __all__ = [
     "VisibleAgent",
     "WildscavError",
     "__version__",
+    "mark",
+    "plot",
     "run",
+    "say",
 ]
-HOMES = {"WildscavError": "wildscav.errors", "run": "wildscav.sdk.run"}  # others are in wildscav.agent
+# Others are in wildscav.agent.
+HOMES = {"WildscavError": "wildscav.errors", "run": "wildscav.sdk.run"} | dict.fromkeys(
+    ("mark", "plot", "say"), "wildscav.notes"
+)
 
 tune_grpc()  # here, because every module that imports gRPC is in this package or imports it first
 

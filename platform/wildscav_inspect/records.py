@@ -30,6 +30,15 @@ SeasonOption = Annotated[
     ),
 ]
 
+LogsOption = Annotated[
+    Path | None,
+    typer.Option(
+        help="Log of an agent, or folder with those of this match: what agents said and drew is shown. "
+        "Default: those that an evaluation has put beside the record.",
+        show_default=False,
+    ),
+]
+
 
 def resolve_record(record: Path, season: str | None) -> Path:
     """Return the path of a record: as it was named, or of the match that has this number or page.

@@ -9,7 +9,7 @@ from rich.markup import escape
 
 from wildscav.cli.shared_options import takes
 from wildscav.errors import UserError
-from wildscav_inspect.records import SeasonOption, read_of_seat, resolve_record
+from wildscav_inspect.records import LogsOption, SeasonOption, read_of_seat, resolve_record
 from wildscav_inspect.video import VIDEO, VideoOptions, make_video
 from wildscav_inspect.watch import HTML, write_page
 
@@ -67,6 +67,7 @@ def replay(
         typer.Option("--video", help="Make a video, as --out does that names one.", rich_help_panel=VIDEO),
     ] = False,
     season: SeasonOption = None,
+    logs: LogsOption = None,
 ) -> None:
     """Render a record: for Rerun, as a page that plays it in 3D, as a video, or as one picture."""
     from wildscav_engine.view.video import VIDEOS
@@ -74,12 +75,12 @@ def replay(
     if html or (out is not None and out.suffix.lower() == HTML):
         others = (seat, host, port, wanted.given())
         if web or video or not images or any(other is not None for other in others):
-            raise UserError("--html takes --out and --season, and no other options", exit_code=2)
-        return write_page(resolve_record(record, season), out)
+            raise UserError("--html takes --out, --season and --logs, and no other options", exit_code=2)
+        return write_page(resolve_record(record, season), out, logs)
     if video or wanted.poster is not None or (out is not None and out.suffix.lower() in VIDEOS):
         if web:
             raise UserError("--web is for replays: leave it out, or --video and --poster", exit_code=2)
-        return make_video(record, seat, out, wanted, season)
+        return make_video(record, seat, out, wanted, season, logs)
     if given := wanted.given():
         raise UserError(f"{given} is for a video or a picture: add --video or --poster", exit_code=2)
     if not web and (host is not None or port is not None):
@@ -88,7 +89,7 @@ def replay(
     if web and _is_replay(record):
         _refuse_rendering_options(out, seat, images)
         return _serve(_read(record), record.name, host, port)
-    content = _render(record, read_of_seat(record, "--seat", seat), out, seat, images, web=web)
+    content = _render(record, read_of_seat(record, "--seat", seat), out, seat, images, logs, web=web)
     path = out if web else out or record.with_suffix(SUFFIX)
     if path is not None:
         _write(path, content)
@@ -121,12 +122,20 @@ def _read(path: Path) -> bytes:
 
 
 def _render(
-    record: Path, played: "Record", out: Path | None, seat: int | None, images: bool, *, web: bool
+    record: Path,
+    played: "Record",
+    out: Path | None,
+    seat: int | None,
+    images: bool,
+    logs: Path | None,
+    *,
+    web: bool,
 ) -> bytes:
     """Check that the output would not overwrite the record, and render it."""
     from wildscav.terminal.console import error_console
     from wildscav_engine.record import RecordError
     from wildscav_engine.view import ViewError, rendered
+    from wildscav_stage.scene.notes import notes_beside
 
     path = out or record.with_suffix(SUFFIX)
     if (out is not None or not web) and path.exists() and path.samefile(record):
@@ -137,7 +146,7 @@ def _render(
     check_name("--out", path)
     with error_console.status(f"rendering {escape(path.name)}"):
         try:
-            return rendered(played, follow=seat, images=images)
+            return rendered(played, follow=seat, images=images, notes=notes_beside(record, played, logs))
         except RecordError as error:
             raise UserError(f"{record}: {error}") from None
         except ViewError as error:

@@ -12,8 +12,9 @@ from wildscav.errors import UserError
 from wildscav_inspect.records import read_of_seat, resolve_record
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
+    from wildscav.notes import Note
     from wildscav_engine.record import Record
     from wildscav_engine.view.video.encode import Pace
     from wildscav_engine.view.video.film import Film, Look, View
@@ -83,7 +84,12 @@ class VideoOptions(NamedTuple):
 
 
 def make_video(
-    record: Path, seat: int | None, out: Path | None, options: VideoOptions, season: str | None
+    record: Path,
+    seat: int | None,
+    out: Path | None,
+    options: VideoOptions,
+    season: str | None,
+    logs: Path | None,
 ) -> None:
     """Render a record as a video or as one picture.
 
@@ -93,6 +99,7 @@ def make_video(
         out: The file of a video.
         options: How to render it.
         season: The address of the season that a number is about.
+        logs: Where its agents' notes are; see ``notes_beside``.
 
     Raises:
         UserError: The options do not go together, or the record cannot be rendered.
@@ -112,13 +119,14 @@ def make_video(
     from wildscav_engine.record import RecordError
     from wildscav_engine.view.video.encode import Pace, check_encoder, write_poster
     from wildscav_engine.view.video.film import DETAIL, Look, VideoError
+    from wildscav_stage.scene.notes import notes_beside
 
     width, height, pictures = OF_MP4 if poster or path.suffix.lower() == MP4 else OF_ANIMATION
     width, height = _size(options.size) if options.size else (width, height)
     look = Look(view, seat, width, height, options.detail or (1.0 if poster else DETAIL))
     try:
         check_encoder(path)
-        film = _film(played, look, path)
+        film = _film(played, look, path, notes_beside(record, played, logs))
         if poster:
             write_poster(film, path, options.start)
             _say(path, "one picture")
@@ -130,12 +138,12 @@ def make_video(
         raise UserError(f"{record}: {error}") from None
 
 
-def _film(played: "Record", look: "Look", path: Path) -> "Film":
+def _film(played: "Record", look: "Look", path: Path, notes: "Sequence[Note]") -> "Film":
     """Play a record again, for a file that it will be written to."""
     from wildscav_engine.view.video.film import Film
 
     with _bar(f"playing {path.stem}", "steps") as report:
-        return Film(played, look, lambda step: report(step, played.steps))
+        return Film(played, look, lambda step: report(step, played.steps), notes)
 
 
 def _write(film: "Film", path: Path, pace: "Pace") -> None:

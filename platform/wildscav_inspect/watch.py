@@ -8,7 +8,7 @@ import typer
 from rich.markup import escape
 
 from wildscav.errors import UserError
-from wildscav_inspect.records import SeasonOption, resolve_record
+from wildscav_inspect.records import LogsOption, SeasonOption, resolve_record
 
 HTML = ".html"
 RECORDS = "records"  # folder in the output of an evaluation
@@ -25,6 +25,7 @@ def watch(
         ),
     ],
     season: SeasonOption = None,
+    logs: LogsOption = None,
     host: Annotated[str, typer.Option(help="Address that the page is served on.")] = "127.0.0.1",
     port: Annotated[int, typer.Option(help="Its port; 0 for any free one.", min=0, max=65535)] = 0,
     browser: Annotated[bool, typer.Option(help="Open the page in a browser.")] = True,
@@ -38,9 +39,11 @@ def watch(
 
     path = resolve_record(record, season)
     records = _records_in(path) if path.is_dir() else [path]
+    if logs is not None and len(records) > 1:
+        raise UserError("--logs is for one match: name its record", exit_code=2)
     viewer_addresses()  # before the link is printed
     with error_console.status(f"playing {escape(path.name)}"):
-        site = match_site(f"Matches of {path.resolve().name}", records, host)
+        site = match_site(f"Matches of {path.resolve().name}", records, host, logs)
     listening = listen(host, port)
     link = link_to(host, listening.getsockname()[1])
     console.print(f"watch at {link}", "Ctrl-C ends it.", sep="\n")
@@ -63,12 +66,13 @@ def _records_in(folder: Path) -> list[Path]:
     return found
 
 
-def write_page(record: Path, out: Path | None) -> None:
+def write_page(record: Path, out: Path | None, logs: Path | None) -> None:
     """Write a page with a match that plays without a server.
 
     Args:
         record: The file of its record.
         out: The page; None for the record's name with ``.html``.
+        logs: Where its agents' notes are; see ``notes_beside``.
 
     Raises:
         UserError: The record cannot be read, or the page not be written there.
@@ -85,6 +89,6 @@ def write_page(record: Path, out: Path | None) -> None:
     if path.exists() and record.exists() and path.samefile(record):
         raise UserError(f"{path} is the record itself: name another --out", exit_code=2)
     with error_console.status(f"playing {escape(record.name)}"):
-        content = whole_page(scene_of(record)).encode()
+        content = whole_page(scene_of(record, logs)).encode()
     write_whole(path, content)
     console.print(f"{path}: {len(content) / 1e6:.1f} MB. Open it with any browser.")

@@ -8,6 +8,7 @@ import rerun.blueprint as rrb
 from wildscav_engine.view.entities.agents import path_of
 from wildscav_engine.view.entities.follow_cameras import ABOVE, COLOR, DEPTH, EYES, SCALE_HEIGHT
 from wildscav_engine.view.events import EVENTS, KILLS
+from wildscav_engine.view.notes import PLOTS
 from wildscav_engine.view.overview import Overview
 from wildscav_engine.view.recording import coordinates
 from wildscav_engine.view.recording.columns import MATCH_TIME, STEP
@@ -44,6 +45,7 @@ class Layout(NamedTuple):
     images: bool  # whether the file contains depth maps and camera images
     kills: bool  # whether agents can kill each other
     transparent: tuple[str, ...]  # those of ``TRANSPARENT_PATHS`` that the map has
+    own_plots: bool = False  # whether agents plot quantities of their own
 
 
 def blueprint(layout: Layout, overview: Overview) -> rrb.Blueprint:
@@ -99,7 +101,7 @@ def _depth_bounds() -> rrb.VisualBounds2D:
 
 def _hidden(*paths: str) -> list[str]:
     """Return the query lines that hide some entities, and all that do not belong to the 3D scene."""
-    return [f"- /{path}/**" for path in (*paths, EVENTS, KILLS, STANDINGS)]
+    return [f"- /{path}/**" for path in (*paths, EVENTS, KILLS, STANDINGS, PLOTS)]
 
 
 def _spatial(
@@ -158,13 +160,18 @@ def _logs(layout: Layout) -> rrb.View | rrb.Container:
 def _plots(layout: Layout) -> rrb.Container:
     """Return one plot per quantity, in tabs; the first is the score."""
     seats = range(len(layout.names))
+    contents = {
+        TITLES[quantity]: [f"+ /{path_of(seat)}/{quantity}" for seat in seats] for quantity in layout.plots
+    }
+    if layout.own_plots:
+        contents["What agents plot"] = [f"+ /{PLOTS}/**"]
     views = [
         rrb.TimeSeriesView(
-            name=TITLES[quantity],
-            contents=[f"+ /{path_of(seat)}/{quantity}" for seat in seats],
+            name=name,
+            contents=some,
             axis_x=rrb.TimeAxis(view_range=rrb.TimeRange(start=ALL, end=ALL)),
             plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.LeftTop, visible=len(seats) > 1),
         )
-        for quantity in layout.plots
+        for name, some in contents.items()
     ]
     return rrb.Tabs(*views, name="Numbers")

@@ -1,12 +1,17 @@
 """Replays: re-simulated records as Rerun recordings."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from threading import Lock
+from typing import TYPE_CHECKING
 
 from wildscav_engine.record import Record, resimulate
 from wildscav_engine.specs.match_spec import SUBMISSION
 from wildscav_engine.storage.files import write_whole
 from wildscav_engine.view.recording.history import collect_history
+
+if TYPE_CHECKING:
+    from wildscav_engine.view.recording.agent_notes import Note
 
 # Rerun distinguishes the recordings of a process by their ids, and every replay of a record has the same id.
 RENDERING = Lock()
@@ -35,8 +40,13 @@ def write_replay(record: Record, path: Path, *, follow: int | None = None, image
     write_whole(path, rendered(record, follow=follow, images=images))
 
 
-def rendered(record: Record, *, follow: int | None = None, images: bool = True) -> bytes:
+def rendered(
+    record: Record, *, follow: int | None = None, images: bool = True, notes: "Sequence[Note]" = ()
+) -> bytes:
     """Render a record as the content of a Rerun file; see ``write_replay``.
+
+    Args:
+        notes: What agents said and drew, in the order of their steps; see ``notes.py``.
 
     Raises:
         ViewError: Rerun is not installed, or there is no such seat.
@@ -54,7 +64,7 @@ def rendered(record: Record, *, follow: int | None = None, images: bool = True) 
         raise ViewError("replays need Rerun: pip install 'wildscav[view]'") from error
     match, history = collect_history(resimulate(record), len(record.actions), seat if images else None)
     with RENDERING:
-        return render(record, match.game_map, history, seat)
+        return render(record, match.game_map, history, seat, notes)
 
 
 def _followed(record: Record) -> int:

@@ -1,6 +1,6 @@
 """The Rerun recording of one match: all entities, properties and the blueprint."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from hashlib import blake2b
 from typing import Any
 
@@ -15,18 +15,22 @@ from wildscav_engine.view import standings
 from wildscav_engine.view.blueprint import TRANSPARENT_PATHS, Layout, blueprint
 from wildscav_engine.view.entities import agents, follow_cameras, ground_overlay, objects, scenery
 from wildscav_engine.view.events import EVENTS, KILLS, event_columns, events_of, kills_of
+from wildscav_engine.view.notes import drawn, said
 from wildscav_engine.view.outcome import describe_outcome, format_time
 from wildscav_engine.view.overview import overview
+from wildscav_engine.view.recording.agent_notes import Note
 from wildscav_engine.view.recording.columns import Columns, send
 from wildscav_engine.view.recording.history import History
 
 
-def render(record: Record, game_map: GameMap, history: History, seat: int) -> bytes:
+def render(
+    record: Record, game_map: GameMap, history: History, seat: int, notes: Sequence[Note] = ()
+) -> bytes:
     """Return the content of the file; the cameras follow a seat."""
     names = agents.distinct(record.names)
     overlay = ground_overlay.GroundOverlay(game_map.world)
     scene = dict(scenery.static_scene(game_map))
-    layout = _layout(record, history, names, seat, scene)
+    layout = _layout(record, history, names, seat, scene, notes)
     identity = _identity(record, layout)
     # A viewer keeps one layout per application id. With a common id, a second replay that is opened in the
     # same viewer would get the layout of the first.
@@ -52,14 +56,20 @@ def render(record: Record, game_map: GameMap, history: History, seat: int) -> by
         *ground_overlay.moving_zone(history, game_map),
         *follow_cameras.moving_cameras(game_map, history, seat),
         standings.moving_standings(record, history, names, seat),
-        *_logs(record, history, names),
+        *_logs(record, history, names, notes),
+        *drawn(notes, history),
     ):
         send(recording, history, columns)
     return memory.drain_as_bytes()
 
 
 def _layout(
-    record: Record, history: History, names: tuple[str, ...], seat: int, scene: dict[str, Any]
+    record: Record,
+    history: History,
+    names: tuple[str, ...],
+    seat: int,
+    scene: dict[str, Any],
+    notes: Sequence[Note],
 ) -> Layout:
     return Layout(
         names,
@@ -68,10 +78,13 @@ def _layout(
         history.depth is not None,
         Field.SHOOT in TRACKS[record.spec.track].fields,
         tuple(path for path in TRANSPARENT_PATHS if path in scene),
+        any(note.value is not None for note in notes),
     )
 
 
-def _logs(record: Record, history: History, names: tuple[str, ...]) -> Iterator[Columns]:
+def _logs(
+    record: Record, history: History, names: tuple[str, ...], notes: Sequence[Note]
+) -> Iterator[Columns]:
     """Yield the log of all events and the log of kills."""
     title, limit = (
         TRACKS[record.spec.track].title,
@@ -79,7 +92,8 @@ def _logs(record: Record, history: History, names: tuple[str, ...]) -> Iterator[
     )
     count = "1 agent" if len(names) == 1 else f"{len(names)} agents"
     opening, ending = f"{title}: {count}, {limit} at most", describe_outcome(record.result, names)
-    yield event_columns(EVENTS, events_of(history, names, opening, ending))
+    events = [*events_of(history, names, opening, ending), *said(notes, history, names)]
+    yield event_columns(EVENTS, sorted(events, key=lambda event: event.row))
     yield event_columns(KILLS, kills_of(history, names))
 
 

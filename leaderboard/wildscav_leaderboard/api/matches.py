@@ -35,8 +35,9 @@ from wildscav_leaderboard.spectating.render_cache import Rendering
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.teams.service import find_team
-from wildscav_leaderboard.visibility import Visible, record_path, seat_log, seen_by
+from wildscav_leaderboard.visibility import Visible, record_path, seat_log, seen_by, seen_notes
 from wildscav_stage.scene.map_file import map_key
+from wildscav_stage.scene.notes import Notes, shown_notes
 
 STATUS = {"waiting": 202, "rendering": 202, "failed": 503}
 POLL_AFTER = "1"  # s
@@ -320,6 +321,14 @@ def map_of_match(asked: Asked, v: Annotated[str, Query(max_length=40)] = "") -> 
     if progress.path is not None and v == map_key(spec):
         answer.headers["Cache-Control"] = FOR_EVER
     return answer
+
+
+@router.get("/matches/{match}/notes", responses=REFUSALS)
+def notes(asked: Asked) -> Notes:
+    """Return what agents said and drew: all of your team, and of others what they made public."""
+    found = seen_notes(asked.session, asked.season, asked.match, asked.caller)
+    spec = MatchSpec.model_validate(find_match(asked.session, asked.match).spec)
+    return shown_notes(found, spec.frames_per_action)
 
 
 @router.get("/matches/{match}/replay", responses=RENDERED)

@@ -146,6 +146,7 @@ Submissions = Annotated[
 AccountName = Annotated[str, Field(title="Account", description="The name of the account.")]
 TeamName = Annotated[str, Field(title="Team", description="A team's name")]
 Number = Annotated[int, Field(ge=1, le=2**53, title="Submission", description="a submission's number")]
+MatchNumber = Annotated[int, Field(ge=1, le=2**53, title="Match", description="The number of a match.")]
 Chosen = Annotated[
     Password,
     BeforeValidator(_password),
@@ -290,6 +291,35 @@ def rejudge(
         raise RefusalError(
             "none of these was played under the rules in force, or all are judged again already"
         )
+
+
+@act(
+    "match {number}",
+    "Hide what agents said",
+    path="/matches/{number}/hide",
+    says="what agents said in match {number} is hidden",
+)
+def hide_notes(doing: Doing, number: MatchNumber, *, reason: ReasonForOwner) -> None:
+    """Let other teams see nothing of what agents said and drew in a match, public or not."""
+    matches.find_match(doing.session, number)
+    hidden = season_state.read_state(doing.session, season_state.NOTES_HIDDEN) or {}
+    value = {**hidden, str(number): reason}
+    season_state.write_state(doing.session, season_state.NOTES_HIDDEN, value, doing.now)
+
+
+@act(
+    "match {number}",
+    "Show what agents said",
+    path="/matches/{number}/unhide",
+    command="unhide",
+    says="it is shown again",
+)
+def show_notes(doing: Doing, number: MatchNumber) -> None:
+    """Let other teams see again what agents said and drew in a match, as far as it is public."""
+    hidden = dict(season_state.read_state(doing.session, season_state.NOTES_HIDDEN) or {})
+    if hidden.pop(str(number), None) is None:
+        raise RefusalError(f"what agents said in match {number} is not hidden")
+    season_state.write_state(doing.session, season_state.NOTES_HIDDEN, hidden or None, doing.now)
 
 
 def given_up(session: Session, submissions: Sequence[Submission]) -> dict[int, list[int]]:

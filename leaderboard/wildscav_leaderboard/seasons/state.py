@@ -17,6 +17,7 @@ FREEZE_DONE = "freeze_done"  # {"due"}: the date of the settings that has frozen
 FINALIZING = "finalizing"
 FINALIZED = "finalized"  # {"at", "field", "conditions"}: those matches are played, and the boards are final
 LEFT_OUT = "left_out"  # {number: reason}: submissions that are on no board, although they take part
+NOTES_HIDDEN = "notes_hidden"  # {match: reason}: other teams see no notes of its agents
 OPENED = "opened"  # {"secret", "final_secret"}: the secrets are public
 EDITIONS = "editions"  # {track: number}: the editions that are in force
 SEASON = "season"  # {"name", "commitment"}: whose database this is

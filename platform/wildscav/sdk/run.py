@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from wildscav.agent import Agent, check_action
 from wildscav.errors import AgentError, UserError
+from wildscav.notes import begin_step
 from wildscav.sdk.watchdog import StepWatchdog, end_watch
 
 if TYPE_CHECKING:
@@ -101,10 +102,12 @@ async def _play(agent: Agent, address: str, token: str) -> "MatchOver":
         try:
             while observation is not None:
                 watch.observation = observation
+                begin_step(observation.step)
                 action = check_action(agent, outside.call(agent.act, observation))
                 observation = await connection.answer(observation.step, action)
         finally:
             watching.cancel()
+            begin_step(None)
         return connection.over
 
 

@@ -41,6 +41,10 @@ class Part(BaseModel):
         names = [name for name in cls.model_fields if name not in others and hasattr(source, name)]
         return cls.model_validate({name: getattr(source, name) for name in names} | others)
 
+    def compressed(self) -> bytes:
+        """Return the part as compressed JSON, always the same bytes."""
+        return gzip.compress(self.model_dump_json().encode(), LEVEL, mtime=0)
+
 
 class MapExtent(Part):
     """The part of the world that the map covers."""
@@ -184,7 +188,3 @@ class Trails(Part):
     events: list[Event]
     zone: list[ZonePhase]
     boxes: list[Box]
-
-    def compressed(self) -> bytes:
-        """Return the document as compressed JSON, always the same bytes."""
-        return gzip.compress(self.model_dump_json().encode(), LEVEL, mtime=0)

@@ -10,10 +10,12 @@ from string import Template
 from typing import NamedTuple
 
 from wildscav.errors import UserError
+from wildscav.notes import Note
 from wildscav_engine.maps import MapError, map_of
 from wildscav_engine.record import Record, RecordError, read_record
 from wildscav_engine.tracks import TRACKS
 from wildscav_stage.scene.map_file import map_file
+from wildscav_stage.scene.notes import notes_beside, shown_notes
 from wildscav_stage.scene.trails import trails_of
 from wildscav_stage.viewer_files import LICENSES, SCRIPT, STYLE, viewer_addresses, viewer_file
 
@@ -23,22 +25,31 @@ NAMED = 4  # seats in a title
 NO_SCRIPT = "<noscript><p>The match needs JavaScript.</p></noscript>"
 
 
+FILES = ("map", "trails", "notes")  # of a scene, as pages and sites call them
+
+
 class Scene(NamedTuple):
     """What the viewer draws a match from."""
 
     title: str
     map: bytes  # compressed, as ``scene/map_file.py`` tells
     trails: bytes  # compressed, as ``scene/document.py`` tells
+    notes: bytes  # compressed, as ``scene/notes.py`` tells
 
 
-def scene_of(path: Path) -> Scene:
+def scene_of(path: Path, logs: Path | None = None) -> Scene:
     """Return what the record in a file is drawn from.
+
+    Args:
+        path: The file of the record.
+        logs: Where its agents' notes are; see ``notes_beside``.
 
     Raises:
         UserError: It cannot be read, or not be played again.
     """
     with _errors_about(path):
-        return scene_of_record(read_record(path))
+        record = read_record(path)
+        return scene_of_record(record, notes_beside(path, record, logs))
 
 
 def title_of(path: Path) -> str:
@@ -60,15 +71,16 @@ def _errors_about(path: Path) -> Iterator[None]:
         raise UserError(message if str(path) in message else f"{path}: {message}") from None
 
 
-def scene_of_record(record: Record) -> Scene:
-    """Return what a record is drawn from.
+def scene_of_record(record: Record, notes: Iterable[Note] = ()) -> Scene:
+    """Return what a record is drawn from, with notes of its agents.
 
     Raises:
         RecordError: It cannot be played again.
         MapError: Its map cannot be made.
     """
     trails = trails_of(record)
-    return Scene(_title(record), map_file(map_of(record.spec.map)), trails.compressed())
+    shown = shown_notes(notes, record.spec.frames_per_action)
+    return Scene(_title(record), map_file(map_of(record.spec.map)), trails.compressed(), shown.compressed())
 
 
 def _title(record: Record) -> str:
@@ -83,14 +95,15 @@ def match_page(title: str, address: str) -> str:
 
     Args:
         title: The match's.
-        address: Below it are the ``map`` and the ``trails``.
+        address: Below it are the ``map``, the ``trails`` and the ``notes``.
 
     Raises:
         UserError: The viewer is not built.
     """
     script, style = viewer_addresses()
     head = f'<link rel="stylesheet" href="{style}"><script type="module" src="{script}"></script>'
-    content = f'<div data-match data-map="{address}/map" data-trails="{address}/trails"></div>{NO_SCRIPT}'
+    data = " ".join(f'data-{name}="{address}/{name}"' for name in FILES)
+    content = f"<div data-match {data}></div>{NO_SCRIPT}"
     return _page(title, f"{_linked_style()}{head}", content)
 
 
@@ -121,7 +134,7 @@ def whole_page(scene: Scene) -> str:
     data = "".join(
         f'<script type="application/octet-stream;base64" id="wildscav-{name}">'
         f"{base64.b64encode(content).decode()}</script>"
-        for name, content in (("map", scene.map), ("trails", scene.trails))
+        for name, content in zip(FILES, scene[1:], strict=True)
     )
     policy = (
         f"default-src 'none'; script-src '{_hash(script)}'; style-src '{_hash(style)}'; "

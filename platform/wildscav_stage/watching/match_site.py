@@ -22,6 +22,7 @@ from wildscav_stage.headers import SecurityHeaders
 from wildscav_stage.listening import GRACE
 from wildscav_stage.viewer_files import PATH, viewer_routes
 from wildscav_stage.watching.match_page import (
+    FILES,
     STATIC,
     Scene,
     list_page,
@@ -33,25 +34,27 @@ from wildscav_stage.watching.match_page import (
 from wildscav_stage.watching.own_names import OwnNames
 
 SCENES = 8  # that are kept
-FORMS = {"map": "application/octet-stream", "trails": "application/json"}  # the files of a scene
 
 
-def match_site(title: str, records: Sequence[Path], host: str = LOOPBACK) -> Starlette:
+def match_site(
+    title: str, records: Sequence[Path], host: str = LOOPBACK, logs: Path | None = None
+) -> Starlette:
     """Return the site of some records; of one alone, its first page is the match.
 
     Args:
         title: Of the list of several.
         records: Their files.
         host: The address that it is served on.
+        logs: Where the notes of one record's agents are; see ``notes_beside``.
 
     Raises:
         UserError: There is one record alone, and it cannot be read, or not be played again.
     """
-    playing = threading.Lock()  # a page asks for two files of one match at a time
+    playing = threading.Lock()  # a page asks for several files of one match at a time
 
     @lru_cache(SCENES)
     def scene(number: int) -> Scene:
-        return scene_of(records[number])
+        return scene_of(records[number], logs)
 
     if len(records) == 1:
         scene(0)
@@ -79,14 +82,15 @@ def match_site(title: str, records: Sequence[Path], host: str = LOOPBACK) -> Sta
                 content = getattr(scene(number), name)
         except UserError as error:
             return JSONResponse({"error": str(error)}, 500)
-        return Response(content, headers={"Content-Encoding": "gzip"}, media_type=FORMS[name])
+        form = "application/octet-stream" if name == "map" else "application/json"
+        return Response(content, headers={"Content-Encoding": "gzip"}, media_type=form)
 
     each = "/matches/{number:int}"
     return Starlette(
         routes=[
             Route("/", first),
             Route(each, match),
-            *(Route(f"{each}/{name}", partial(file, name)) for name in FORMS),
+            *(Route(f"{each}/{name}", partial(file, name)) for name in FILES),
             Mount("/static", StaticFiles(directory=STATIC)),
             Mount(PATH, viewer_routes()),
         ],

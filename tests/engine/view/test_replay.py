@@ -9,11 +9,12 @@ import pytest
 from PIL import Image
 from rerun.chunk import RrdReader
 from tests.builders import make_match
+from tests.engine.view.agent_note import AgentNote
 from tests.engine.view.conftest import robots_play
 
 from wildscav_engine.record import Record, resimulate
 from wildscav_engine.sensors.display.colors import distance_colors
-from wildscav_engine.view import ViewError, write_replay
+from wildscav_engine.view import ViewError, rendered, write_replay
 from wildscav_engine.view.entities.agents import line_color
 from wildscav_engine.view.entities.follow_cameras import distances_of
 from wildscav_engine.view.outcome import describe_outcome
@@ -72,6 +73,30 @@ def test_the_log_has_every_pick_up(battle: Record, battle_file: Path) -> None:
     picked = [text for text in texts if "picks up" in str(text)]
 
     assert len(picked) == int(np.count_nonzero(history.agents.gained)) > 0
+
+
+def test_notes_are_in_the_log_drawn_and_plotted_from_their_step_on(battle: Record, tmp_path: Path) -> None:
+    line = ((0.0, 1.0, 2.0), (3.0, 4.0, 5.0))
+    notes = [
+        AgentNote(1, 4, text="I hide."),
+        AgentNote(1, 6, name="way/home", points=line),
+        AgentNote(1, 9, name="way/home"),
+        AgentNote(2, 7, name="fear", value=0.25),
+    ]
+    path = tmp_path / "notes.rrd"
+    path.write_bytes(rendered(battle, images=False, notes=notes))
+    steps, texts = rows_of(path, "/events", "text")
+    (place,) = [at for at, text in enumerate(texts) if text == [f"{battle.names[1]}: I hide."]]
+    (mark,) = {
+        entity for entity in RrdReader(path).store().schema().entity_paths() if entity.endswith("/line")
+    }
+
+    assert steps[place] == 4
+    assert steps == sorted(steps)
+    assert mark.startswith("/marks/seat_1/way")
+    drawn = rows_of(path, mark, "strips")
+    assert drawn == ([6, 9], [[[[0.0, 2.0, 1.0], [3.0, 5.0, 4.0]]], []])
+    assert rows_of(path, "/plots/seat_2/fear", "scalars") == ([7], [[0.25]])
 
 
 def test_boxes_vanish_when_they_are_taken(battle_file: Path) -> None:

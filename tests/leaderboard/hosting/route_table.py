@@ -91,6 +91,15 @@ TABLE = (
         {"reason": "it reads the map"},
     ),
     organizers(
+        "POST /api/v1/organizer/matches/{number}/hide",
+        "/api/v1/organizer/matches/{ladder}/hide",
+        204,
+        {"reason": "an insult"},
+    ),
+    organizers(
+        "POST /api/v1/organizer/matches/{number}/unhide", "/api/v1/organizer/matches/{suite}/unhide", 409
+    ),
+    organizers(
         "POST /api/v1/organizer/teams/{name}/requalify",
         "/api/v1/organizer/teams/owls/requalify",
         409,
@@ -159,6 +168,8 @@ TABLE = (
     everyone("GET /api/v1/matches/{match}", "/api/v1/matches/{suite}"),
     each("GET /api/v1/matches/{match}/record", "/api/v1/matches/{own_suite}/record", 403, 403, 403, 200),
     everyone("GET /api/v1/matches/{match}/record", "/api/v1/matches/{ladder}/record"),
+    each("GET /api/v1/matches/{match}/notes", "/api/v1/matches/{own_suite}/notes", 403, 403, 403, 200),
+    everyone("GET /api/v1/matches/{match}/notes", "/api/v1/matches/{ladder}/notes"),
     each("GET /api/v1/matches/{match}/trails", "/api/v1/matches/{own_suite}/trails", 403, 403, 403, NOT_NOW),
     each(
         "GET /api/v1/matches/{match}/map",

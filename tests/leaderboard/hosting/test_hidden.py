@@ -24,6 +24,7 @@ from tests.leaderboard.hosting.route_table import TABLE
 from tests.leaderboard.made_once import made_once
 from tests.leaderboard.spectating.served import served
 
+from wildscav.notes import note_line
 from wildscav_leaderboard.access.rate_limits import Use
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.hosting.app import create_app
@@ -50,6 +51,7 @@ class Marks(NamedTuple):
     latency: float
     late_steps: int
     log: str
+    said: str  # to everyone who may see the record
 
     @property
     def parts(self) -> dict[str, str]:
@@ -59,12 +61,13 @@ class Marks(NamedTuple):
             "detail": self.detail,
             "timing": rf"\b{self.latency}|\b{re.escape(milliseconds)}\b|\b{self.late_steps}\b",
             "log": self.log,
+            "said": self.said,
         }
 
 
 MARKS = {
-    SUITE: Marks(7717.25, "never_joined", "SUITE-DETAIL", 6.15437, 47119, "SUITE-LOG"),
-    LADDER: Marks(8818.75, "out_of_memory", "LADDER-DETAIL", 7.26548, 48229, "LADDER-LOG"),
+    SUITE: Marks(7717.25, "never_joined", "SUITE-DETAIL", 6.15437, 47119, "SUITE-LOG", "SUITE-SAID"),
+    LADDER: Marks(8818.75, "out_of_memory", "LADDER-DETAIL", 7.26548, 48229, "LADDER-LOG", "LADDER-SAID"),
 }
 PATTERNS = {
     **{f"{kind} {part}": text for kind, marks in MARKS.items() for part, text in marks.parts.items()},
@@ -78,11 +81,13 @@ ALLOWED: dict[str, tuple[set[str], set[str], set[str]]] = {
     "suite detail": (NOBODY, NOBODY, TEAM),
     "suite timing": (NOBODY, NOBODY, TEAM),
     "suite log": (NOBODY, NOBODY, TEAM),
+    "suite said": (NOBODY, NOBODY, EVERYONE),
     "suite files": (NOBODY, NOBODY, EVERYONE),
     "ladder outcome": (EVERYONE, TEAM, EVERYONE),
     "ladder detail": (TEAM, TEAM, TEAM),
     "ladder timing": (TEAM, TEAM, TEAM),
     "ladder log": (TEAM, NOBODY, TEAM),
+    "ladder said": (EVERYONE, NOBODY, EVERYONE),
     "ladder files": (EVERYONE, NOBODY, EVERYONE),
 }
 
@@ -130,7 +135,9 @@ def _walk(filled: FilledSeason, folder: Path) -> None:
             matches = marked(session, filled)
         for kind, number in matches.items():
             log = filled.season.match_folder(number) / "marked.log"
-            log.write_text(MARKS[kind].log)
+            log.write_text(
+                note_line(0, say=MARKS[kind].log) + note_line(1, say=MARKS[kind].said, public=True)
+            )
             stack.callback(log.unlink)
         paths = paths_of(routes, filled, matches)
         address = stack.enter_context(served(app))

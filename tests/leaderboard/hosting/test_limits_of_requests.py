@@ -123,10 +123,10 @@ def test_accounts_cannot_be_made_by_the_hundred(arena: Arena) -> None:
 
 @pytest.mark.parametrize("arena", [5], indirect=True)
 def test_an_address_that_asks_too_often_is_told_when_to_come_back(arena: Arena) -> None:
-    statuses = [arena.client.get("/health").status_code for _ in range(5)]
-    refused = arena.client.get("/")
+    answers = [arena.client.get("/health") for _ in range(11)]  # more than two minutes allow
+    refused = next(answer for answer in answers if answer.status_code != 200)
 
-    assert statuses == [200] * 5
+    assert [answer.status_code for answer in answers[:5]] == [200] * 5
     assert refused.status_code == 429
     assert 1 <= int(refused.headers["retry-after"]) <= 60
     assert "content-security-policy" in refused.headers

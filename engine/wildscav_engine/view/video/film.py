@@ -1,6 +1,6 @@
 """A recorded match as pictures: from an agent's eyes, from behind, from above, or all seats at once."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from math import ceil, sqrt
 from typing import Any, Literal, NamedTuple, get_args
@@ -18,6 +18,7 @@ from wildscav_engine.simulation.state import NOBODY
 from wildscav_engine.specs.body import EYE_HEIGHT
 from wildscav_engine.specs.match_spec import SUBMISSION
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
+from wildscav_engine.view.recording.agent_notes import Note
 from wildscav_engine.view.recording.history import History, collect_history
 from wildscav_engine.view.video.cameras import ANGLE, Above, Camera, Follower, at_the_eyes
 from wildscav_engine.view.video.moments import InterpolatedState, moment_at, objects_at
@@ -58,11 +59,18 @@ class Look(NamedTuple):
 class Film:
     """The pictures of one match."""
 
-    def __init__(self, record: Record, look: Look, played: Callable[[int], None] | None = None) -> None:
+    def __init__(
+        self,
+        record: Record,
+        look: Look,
+        played: Callable[[int], None] | None = None,
+        notes: Sequence[Note] = (),
+    ) -> None:
         """Play a record again, and prepare the cameras.
 
         Args:
             played: Called after each step that was played again, with its number.
+            notes: What agents said, in the order of their steps; it is written below the pictures.
 
         Raises:
             VideoError: There is no such seat, or the size or the detail is outside its range.
@@ -72,7 +80,7 @@ class Film:
         self.look, self._record = look, record
         match, self.history = collect_history(_told(resimulate(record), played), record.steps, None)
         self._map: GameMap = match.game_map
-        self.hud = Hud(record, self._map, self.history, look.height)
+        self.hud = Hud(record, self._map, self.history, look.height, notes)
         self._followed = self._seats_to_follow()
         self._followers: dict[int, Follower] = {}
         self._prepare()

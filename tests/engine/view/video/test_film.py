@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.engine.view.agent_note import AgentNote
 from tests.engine.view.conftest import robots_play
 
 from wildscav_engine.record import Record, resimulate
@@ -41,6 +42,22 @@ def test_every_view_shows_a_picture_of_the_asked_size_that_changes(battle: Recor
 def test_every_kind_of_match_can_be_filmed(track: str) -> None:
     film = Film(robots_play(track), Look("follow", **SMALL))  # type: ignore[arg-type]
     assert np.asarray(film.picture(film.best_time)).std() > 10.0
+
+
+def test_what_is_said_is_written_below_for_long_enough_to_be_read(battle: Record) -> None:
+    look = Look("follow", seat=1, **SMALL)  # type: ignore[arg-type]
+    film = Film(battle, look, notes=[AgentNote(1, 10, text="I hide. " * 20), AgentNote(2, 12, text="Who?")])
+    silent = Film(battle, look)
+    changed = [
+        np.argwhere((np.asarray(film.picture(time)) != np.asarray(silent.picture(time))).any(axis=(1, 2)))
+        for time in (0.9, 1.1, 9.5)
+    ]
+    captions = film.hud.captions
+
+    assert [len(rows) > 0 for rows in changed] == [False, True, True]
+    assert changed[1].min() > 0.4 * SMALL["height"]  # not before what happens
+    assert captions.at(60.0, None).text == "Who?"  # type: ignore[union-attr]
+    assert captions.at(60.0, 0) is None
 
 
 def test_the_same_record_gives_the_same_picture(battle: Record) -> None:

@@ -15,7 +15,7 @@ from wildscav.errors import UserError
 from wildscav_engine.record import write_record
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_stage.watching.match_page import Scene, list_page, match_page, scene_of, whole_page
+from wildscav_stage.watching.match_page import FILES, Scene, list_page, match_page, scene_of, whole_page
 
 HOSTILE = "</script><script>alert(1)</script>"
 Records = Callable[[str], Path]
@@ -50,7 +50,7 @@ class Elements(HTMLParser):
 
 
 @pytest.mark.usefixtures("viewer")
-def test_a_whole_page_holds_the_two_files_and_allows_no_other_code(tmp_path: Path) -> None:
+def test_a_whole_page_holds_its_files_and_allows_no_other_code(tmp_path: Path) -> None:
     path = tmp_path / "match.wsr"
     match = Match(MatchSpec(track="battle", map=SMALL_MAP, seats=("walker", "walker"), time_limit=2.0))
     match.play_out()
@@ -60,9 +60,9 @@ def test_a_whole_page_holds_the_two_files_and_allows_no_other_code(tmp_path: Pat
     page = Elements(whole_page(scene))
 
     assert HOSTILE in scene.title
-    data = {attributes["id"]: base64.b64decode(text) for attributes, text in page.called("script")[:2]}
-    assert data == {"wildscav-map": scene.map, "wildscav-trails": scene.trails}
-    assert len(page.called("script")) == 3
+    data = {attributes["id"]: base64.b64decode(text) for attributes, text in page.called("script")[:3]}
+    assert data == {"wildscav-map": scene.map, "wildscav-trails": scene.trails, "wildscav-notes": scene.notes}
+    assert len(page.called("script")) == 4
     (code,) = (text for attributes, text in page.called("script") if attributes.get("type") == "module")
     (style,) = (text for _, text in page.called("style"))
     policy = str(page.called("meta")[1][0]["content"])
@@ -80,7 +80,7 @@ def test_pages_of_a_site_ask_it_for_everything() -> None:
     page = Elements(match_page("A & B", "/matches/3"))
 
     (stage,) = (attributes for attributes, _ in page.called("div"))
-    assert (stage["data-map"], stage["data-trails"]) == ("/matches/3/map", "/matches/3/trails")
+    assert [stage[f"data-{file}"] for file in FILES] == [f"/matches/3/{file}" for file in FILES]
     (code,) = (attributes for attributes, _ in page.called("script"))
     assert re.fullmatch(r"/stage/viewer\.js\?v=[0-9a-f]{16}", str(code["src"]))
     assert page.called("h1")[0][1] == "A & B"
@@ -94,7 +94,7 @@ def test_a_list_has_names_as_text() -> None:
 
 def test_without_a_viewer_it_is_said_how_to_build_it(viewer: Path) -> None:
     (viewer / "viewer.css").unlink()
-    for make in (lambda: match_page("", ""), lambda: whole_page(Scene("", b"", b""))):
+    for make in (lambda: match_page("", ""), lambda: whole_page(Scene("", b"", b"", b""))):
         with pytest.raises(UserError, match=r"viewer\.css is missing: run make viewer"):
             make()
 

@@ -19,10 +19,12 @@ from wildscav_engine.specs.body import BODY_HEIGHT
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_engine.tracks import TRACKS
 from wildscav_engine.view.outcome import describe_outcome, format_time
+from wildscav_engine.view.recording.agent_notes import Note
 from wildscav_engine.view.recording.colors import NEXT_ZONE, OUTDOOR_BOX, TARGET, ZONE
 from wildscav_engine.view.recording.history import History
 from wildscav_engine.view.video.cameras import Camera
 from wildscav_engine.view.video.moments import InterpolatedState, boxes_at
+from wildscav_engine.view.video.overlay.captions import Captions
 from wildscav_engine.view.video.overlay.drawing import (
     DARK,
     DYING,
@@ -54,7 +56,14 @@ NEAREST_EDGE = 5  # pixels
 class Hud:
     """Everything that is written over the pictures of one match."""
 
-    def __init__(self, record: Record, game_map: GameMap, history: History, height: int) -> None:
+    def __init__(
+        self,
+        record: Record,
+        game_map: GameMap,
+        history: History,
+        height: int,
+        notes: Sequence[Note] = (),
+    ) -> None:
         """Create the overlay for pictures of a height in pixels."""
         self._record, self._map, self._history = record, game_map, history
         self.track = TRACKS[record.spec.track]
@@ -64,6 +73,7 @@ class Hud:
             _bright(of_seat(history.team_of(seat))) for seat in range(len(self.names))
         ]
         self.feed = Feed(history, self.names, self.colors)
+        self.captions = Captions(notes, record.spec.frames_per_action, self.names, self.colors)
         small = round(0.8 * self.text)
         self.standings = Standings(self.track, history, self.names, self.colors, small)
         self.inset = Inset(game_map, history, round(max(96, 0.27 * height)))
@@ -82,6 +92,7 @@ class Hud:
         put(picture, inset, picture.width - gap, picture.height - gap, anchor="rb")
         if followed is not None:
             self.draw_state(picture, moment, followed)
+        self.captions.draw(picture, moment.frame, followed, self.text)
         self.draw_end(picture, moment)
 
     def clock(self, moment: InterpolatedState) -> Image.Image:

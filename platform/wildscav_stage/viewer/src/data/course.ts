@@ -1,5 +1,6 @@
 // The course of a match: what its document says about any moment. Lengths are metres, angles degrees, times frames.
 
+import type { Note } from "./notes";
 import {
   type Box,
   type Circle,
@@ -39,6 +40,7 @@ export class Course {
   readonly seats: Seat[];
   readonly frames: number[] = [];
   readonly shots: Shot[] = [];
+  private marks: Note[] = [];
   events: MatchEvent[] = [];
   trails: Trails;
   readonly samples: Record<SampleName, number[]>[]; // of each seat, as in the document but without differences
@@ -59,6 +61,23 @@ export class Course {
     }
     this.trails = next;
     this.add(next);
+  }
+
+  // Add what agents said, as events, and drew.
+  addNotes(notes: Note[]): void {
+    this.marks = notes.filter((note) => note.name && note.value === null);
+    const said = notes.filter((note) => note.text);
+    const events = said.map(({ frame, seat, text }): MatchEvent => {
+      return { frame, kind: "note", seat, other: null, amount: 0, text };
+    });
+    this.events = [...this.events, ...events].sort((one, other) => one.frame - other.frame);
+  }
+
+  // The marks in a frame: of each seat and name, the last one.
+  marksAt(frame: number): Note[] {
+    const shown = new Map<string, Note>();
+    for (const note of this.marks) if (note.frame <= frame) shown.set(`${note.seat} ${note.name}`, note);
+    return [...shown.values()].filter((note) => note.points.length);
   }
 
   get lastFrame(): number {

@@ -4,7 +4,8 @@ const TRAILS_VERSION = 2;
 export const METRE = 100; // units of the document
 export const CLOTHES = 2; // the part of a body that is seen best: of its colours, the one of its team
 
-export type EventKind = "hit" | "death" | "out" | "respawn" | "pick_up" | "target" | "zone";
+// "note" is what an agent said, which the notes of a match have.
+export type EventKind = "hit" | "death" | "out" | "respawn" | "pick_up" | "target" | "zone" | "note";
 
 export interface MatchEvent {
   frame: number;
@@ -12,6 +13,7 @@ export interface MatchEvent {
   seat: number | null;
   other: number | null;
   amount: number;
+  text?: string; // of a note
 }
 
 export interface SeatResult {

@@ -13,6 +13,7 @@ const WORTH: Record<EventKind, number> = {
   pick_up: 0.4,
   respawn: 0.1,
   zone: 0,
+  note: 0,
 };
 const LOYALTY = 1.2; // times as much somebody else must have to do
 

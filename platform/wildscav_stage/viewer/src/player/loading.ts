@@ -2,6 +2,7 @@
 
 import { unzipped } from "../data/arrays";
 import { type GameMap, readMap } from "../data/map";
+import { type Note, readNotes } from "../data/notes";
 import { readTrails, type Trails } from "../data/trails";
 
 const PAUSE = 1000; // ms between two questions about a file that is being made
@@ -14,6 +15,7 @@ export type Say = (text: string) => void;
 export interface Source {
   map(say: Say): Promise<GameMap>;
   trails(say: Say, cursor?: string): Promise<Trails>;
+  notes(): Promise<Note[]>; // none where no page has any
 }
 
 // What a server does not tell, however often it is asked.
@@ -23,13 +25,18 @@ export const pause = (time: number) => new Promise<void>((resolve) => setTimeout
 
 // The source that the attributes of an element name.
 export function sourceOf(element: HTMLElement): Source {
-  const { map, trails, embedded } = element.dataset;
+  const { map, trails, notes, embedded } = element.dataset;
   return {
     map: async (say) => readMap(await (embedded === undefined ? fetched(map, say) : embeddedContent("map"))),
     trails: async (say, cursor) => {
       const address = cursor && trails ? after(trails, cursor) : trails;
       const content = await (embedded === undefined ? fetched(address, say) : embeddedContent("trails"));
       return readTrails(new TextDecoder().decode(content));
+    },
+    notes: async () => {
+      if (!notes && embedded === undefined) return [];
+      const content = await (embedded === undefined ? fetched(notes, () => {}) : embeddedContent("notes"));
+      return readNotes(new TextDecoder().decode(content));
     },
   };
 }
@@ -60,7 +67,7 @@ function after(address: string, cursor: string): string {
 }
 
 // What a page that needs no server holds, as base64 of a file that is compressed with gzip.
-async function embeddedContent(name: "map" | "trails"): Promise<ArrayBuffer> {
+async function embeddedContent(name: "map" | "trails" | "notes"): Promise<ArrayBuffer> {
   const text = document.getElementById(`wildscav-${name}`)?.textContent;
   if (!text) throw new Error("the page does not hold it");
   const letters = atob(text.replace(/\s/g, ""));

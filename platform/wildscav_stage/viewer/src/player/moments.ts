@@ -18,6 +18,7 @@ export const LOOKS: Record<EventKind, Look> = {
   respawn: { title: "respawns", color: "#f5f5f5", tall: 0.5, isNotable: false },
   hit: { title: "hits", color: "#f0e442", tall: 0.5, isNotable: true },
   pick_up: { title: "pick-ups", color: "#009e73", tall: 0.3, isNotable: false },
+  note: { title: "what agents say", color: "#e69f00", tall: 0.4, isNotable: false },
 };
 export const KINDS = Object.keys(LOOKS) as EventKind[];
 const APART = 1; // s between two moments that are worth a jump
@@ -39,6 +40,8 @@ export function describe(event: MatchEvent, course: Course): string {
       return `${name(event.seat)} picks up ${counted(event.amount, "supply", "supplies")}`;
     case "target":
       return `${name(event.seat)} reaches the target`;
+    case "note":
+      return `${name(event.seat)}: ${event.text}`;
     case "zone":
       return event.amount ? "The safe zone begins to shrink" : "The safe zone stands still";
     default:

@@ -2,9 +2,11 @@
 
 import type { Course } from "../data/course";
 import type { GameMap } from "../data/map";
+import type { Note } from "../data/notes";
 import type { Trails } from "../data/trails";
 import type { StageMaker, ViewKind } from "../stage";
 import { followsSeat, type Moment } from "./address";
+import { Caption } from "./caption";
 import type { Clock } from "./clock";
 import { type Actions, Controls } from "./controls";
 import { make } from "./dom";
@@ -30,6 +32,7 @@ export class Player implements Actions, Drawn {
   private readonly standings: Standings;
   private readonly events: EventList;
   private readonly feed: Feed;
+  private readonly caption: Caption;
   private readonly views: Views;
   private readonly outcome = make("p", { className: "player-outcome", role: "status" });
   private readonly keys = keysDialog();
@@ -52,12 +55,13 @@ export class Player implements Actions, Drawn {
     this.timeline = new Timeline(course, (seconds) => this.clock.seek(seconds));
     this.standings = new Standings(course, (seat) => this.views.followOrLeave(seat));
     this.feed = new Feed(course);
+    this.caption = new Caption(course);
     this.events = new EventList(
       course,
       (frame) => this.seekFrame(frame),
       () => this.relist(),
     );
-    this.screen.element.append(this.feed.element, this.outcome);
+    this.screen.element.append(this.feed.element, this.caption.element, this.outcome);
     this.theater = make(
       "div",
       { className: "player-theater" },
@@ -108,6 +112,13 @@ export class Player implements Actions, Drawn {
     this.views.extend();
     this.setEnd();
     if (next.over) this.clock.close();
+  }
+
+  // Show what agents said and drew.
+  addNotes(notes: Note[]): void {
+    this.course.addNotes(notes);
+    this.events.extend();
+    this.loop.refresh();
   }
 
   say(...what: (Node | string)[]): void {
@@ -271,6 +282,7 @@ export class Player implements Actions, Drawn {
     this.timeline.update(course.seconds(frame), end, text);
     this.controls.update(clock, text, isAtEnd);
     this.feed.update(frame, clock.speed);
+    this.caption.update(frame, this.views.seat);
     this.showOutcome(isAtEnd);
     if (isStale || now > this.listsAt) this.drawLists(frame);
   }

@@ -33,8 +33,9 @@ export async function show(root: HTMLElement, makers: StageMaker[]): Promise<voi
     const shown = showMap(player, source, map);
     await Promise.race([shown, pause(PATIENCE)]);
     player.start(first() === player ? readMoment(location.hash) : null);
+    const notes = showNotes(player, source);
     if ("live" in root.dataset) await watch(player, source);
-    await shown;
+    await Promise.all([shown, notes]);
   } catch (error) {
     console.warn(error);
     forget(root);
@@ -90,6 +91,12 @@ async function showMap(player: Player, source: Source, map: Promise<GameMap>): P
       );
     screen.say(make("span", {}, `The map cannot be shown: ${(error as Error).message}. `, again(retry)));
   }
+}
+
+// A match can be watched without what its agents said.
+async function showNotes(player: Player, source: Source): Promise<void> {
+  const notes = await source.notes().catch(console.warn);
+  if (notes?.length) player.addNotes(notes);
 }
 
 function namesOf(root: HTMLElement): Record<number, string> {

@@ -9,7 +9,7 @@ import { describe, LOOKS } from "./moments";
 const NEAR = 6; // px from a mark within which a click means its moment
 const DRAGGED = 4; // px that make a click a drag
 const THUMB = 10; // px, width of the handle, as in viewer.css
-const THINNED: EventKind[] = ["pick_up", "hit"]; // so many that only some are marked
+const THINNED: EventKind[] = ["pick_up", "hit", "note"]; // so many that only some are marked
 const GAP = 5; // px between two marks of those
 
 export class Timeline {

@@ -37,6 +37,12 @@ export class Views {
     screen.onStage = () => this.showStage();
   }
 
+  // The seat that is followed; null if none is.
+  get seat(): number | null {
+    const { kind, seat } = this.screen.view;
+    return followsSeat(kind) ? seat : null;
+  }
+
   // Take in the events that have come since.
   extend(): void {
     this.director.update();

@@ -12,6 +12,7 @@ import type { Shown } from "./cameras";
 import { createGround } from "./ground";
 import { createLabels } from "./labels";
 import { Lines } from "./lines";
+import { showMarks } from "./marks";
 import { castShadows, type Shadows } from "./shadow";
 import type { Shared } from "./shared";
 import { showShots } from "./shots";
@@ -105,7 +106,7 @@ function createLife(map: GameMap, course: Course, shared: Shared) {
   const boxes = createBoxes(map, course, shared);
   const labels = createLabels(course, shared);
   const zone = createZone(map, course, shared);
-  const tracers = new Lines(shared, FEW, true);
+  const [tracers, marks] = [new Lines(shared, FEW, true), new Lines(shared, FEW, false)];
   const trails = createTrails(course, shared);
   const groups = [agents.group, boxes.group, labels.group, zone.group, createTarget(course, shared)];
   const show = (moment: Moment, shown: Shown, kind: ViewKind, reach: number, trail: number) => {
@@ -119,6 +120,7 @@ function createLife(map: GameMap, course: Course, shared: Shared) {
     boxes.show(frame, shared.eye.value, crates, spark * ratio);
     zone.show(frame, isFromAbove);
     showShots(tracers, course, frame, ratio, hidden);
+    showMarks(marks, course, frame, ratio);
     trails.group.visible = isFromAbove;
     if (isFromAbove) trails.show(moment, trail, ratio);
   };
@@ -126,7 +128,7 @@ function createLife(map: GameMap, course: Course, shared: Shared) {
     agents.dispose();
     labels.dispose();
   };
-  const objects = [...groups, tracers.mesh, trails.group];
+  const objects = [...groups, tracers.mesh, marks.mesh, trails.group];
   return { objects, names: labels.group, show, dispose };
 }
 

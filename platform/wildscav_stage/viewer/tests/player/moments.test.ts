@@ -11,6 +11,7 @@ test.each<[MatchEvent, string]>([
   [event(0, "pick_up", 0), "agent 0 picks up 1 supply"],
   [{ ...event(0, "pick_up", 0), amount: 3 }, "agent 0 picks up 3 supplies"],
   [event(0, "target", 1), "agent 1 reaches the target"],
+  [{ ...event(0, "note", 1), text: "I hide." }, "agent 1: I hide."],
   [event(0, "zone"), "The safe zone begins to shrink"],
   [{ ...event(0, "zone"), amount: 0 }, "The safe zone stands still"],
 ])("%o is a sentence", (happened, sentence) => {
