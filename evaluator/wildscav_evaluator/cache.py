@@ -32,7 +32,6 @@ def prune(folder: Path, largest: int = LARGEST) -> None:
     Whatever was used within a day stays, since it may be in use.
 
     Args:
-        folder: The cache.
         largest: Bytes of what stays, unless more is in use.
     """
     total, now = 0, time.time()

@@ -44,7 +44,6 @@ def entrants_of_seats(
     """Return the name of the entrant in each seat that has one, in the order of the seats.
 
     Args:
-        seats: What fills each seat of the spec.
         submissions: The names of the submissions in the seats for submissions.
         robots: The seats of robots that are entrants.
     """

@@ -82,8 +82,6 @@ def seen_by(
     """Return what a caller may see of some matches, by match.
 
     Args:
-        session: A session.
-        matches: The matches.
         caller: Who asks; None for a stranger.
         results: When the result of each match arrived, if that is known.
     """

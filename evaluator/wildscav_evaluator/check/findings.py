@@ -38,9 +38,7 @@ def judge_match(report: SeatReport, clock: Clock, limits: Limits, what: str) -> 
     """Yield what a match shows about an agent: its start, its actions and its timing.
 
     Args:
-        report: The report on its seat.
         clock: The clock that the match was played with.
-        limits: The limits of the sandbox.
         what: The name of the match.
     """
     if report.start_up is not None:

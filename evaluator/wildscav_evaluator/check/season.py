@@ -60,7 +60,6 @@ class SeasonRules(BaseModel):
         """Return what to play on each track that the submission and the season have.
 
         Args:
-            submission: The submission.
             instead: The suite that is played where the season's own is hidden.
 
         Raises:

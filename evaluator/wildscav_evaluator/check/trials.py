@@ -56,8 +56,6 @@ class Trial(NamedTuple):
         """Draw a match of a suite.
 
         Args:
-            suite: The suite.
-            track: One of its tracks.
             limits: Those of agents on the track.
             seed: Of the suite; None for a fresh one that nobody knows, on a map that no other match is on.
         """
@@ -212,7 +210,6 @@ class _DelayingSandbox:
     plays the step without it, so the agent's next observation skips steps.
 
     Args:
-        sandbox: The sandbox that runs the agents.
         proxies: The stack that closes the proxies when it exits.
     """
 

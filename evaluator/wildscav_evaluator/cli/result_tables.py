@@ -274,7 +274,6 @@ def evaluation_waits_note(evaluation: Evaluation, timings: Iterable[MatchTiming]
 
     Args:
         evaluation: The evaluation of the submission on one track.
-        timings: The timings of its matches.
     """
     credited = [seat.credited or 0.0 for timing in timings for seat in timing.seats]
     return waits_note(f"{evaluation.submission} on {evaluation.track}", credited)

@@ -114,7 +114,6 @@ class Executor(Protocol):
 
         Args:
             asked: The name of the sandbox; None for the strongest that works.
-            submissions: What will be played.
 
         Raises:
             SandboxError: The sandbox asked for does not keep its promises.
@@ -126,7 +125,6 @@ class Executor(Protocol):
         """Make ready what plays some jobs: this includes compiling the engine.
 
         Args:
-            jobs: The jobs.
             lock: The lock of the output folder, for processes that write to it themselves.
 
         Raises:

@@ -84,7 +84,6 @@ def read_key(path: Path, passphrase: Callable[[], str]) -> SigningKey:
     """Read the private half of a key.
 
     Args:
-        path: Its file.
         passphrase: Called for the passphrase if the file is encrypted.
 
     Raises:
@@ -171,7 +170,6 @@ def is_signed(content: bytes, signature: str, public: str) -> bool:
     """Return whether a signature of some bytes was made with a key.
 
     Args:
-        content: The bytes.
         signature: 128 hexadecimal digits; any other text is not a valid signature.
         public: The public key, 64 hexadecimal digits; with any other text no signature is valid.
     """

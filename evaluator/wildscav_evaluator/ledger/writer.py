@@ -37,8 +37,6 @@ class LedgerWriter:
     was left by a writer that was killed; it is cut off.
 
     Args:
-        out: The output folder.
-        identity: The identity of the evaluation.
         key: The key that signs the entries; None to leave them unsigned.
 
     Raises:
@@ -120,12 +118,7 @@ class LedgerWriter:
             self.played[job.stem] = ended
 
     def close(self, results: Results, path: Path) -> None:
-        """Enter the results of the evaluation, unless the last entry has the same results.
-
-        Args:
-            results: The results.
-            path: Their file.
-        """
+        """Enter the results of the evaluation, unless the last entry has the same results."""
         closed = Closed(results=sha256_of(path), scores=tuple(_scores(results)))
         if closed != self._closed:
             self._append(closed)

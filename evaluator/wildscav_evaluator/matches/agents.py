@@ -11,12 +11,7 @@ METER_TRIES = 40  # to find the processes of a container, which start a moment l
 
 
 class MatchAgents:
-    """The processes of a match's agents, by their seats.
-
-    Args:
-        hosted: The match.
-        sandbox: The sandbox that runs the agents.
-    """
+    """The processes of a match's agents, by their seats."""
 
     def __init__(self, hosted: HostedMatch, sandbox: Sandbox) -> None:
         self._hosted, self._sandbox = hosted, sandbox

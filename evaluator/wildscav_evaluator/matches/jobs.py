@@ -163,7 +163,6 @@ def cores_of(job: Job, largest_node: int) -> int:
     than any node has cores gets a whole node.
 
     Args:
-        job: The match.
         largest_node: Cores of the node with the most cores.
     """
     wanted = math.ceil(len(job.seats) * job.limits.cpus)

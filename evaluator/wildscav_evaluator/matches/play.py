@@ -100,8 +100,6 @@ async def play_match(
     """Play one match, and play it again from its start if the platform broke it. See ``play_once``.
 
     Args:
-        seating: The match and its submissions.
-        sandbox: The sandbox that runs the agents.
         clock: The agents' time limits; the usual ones within the seating's limits if None.
         on_start: Called with the match whenever it is hosted.
         make: Makes the match from its spec, for each attempt; an ordinary match if None.
@@ -151,8 +149,6 @@ async def play_once(
     """Play one match from the start of its agents to the end of the last of them.
 
     Args:
-        seating: The match and its submissions.
-        sandbox: The sandbox that runs the agents.
         clock: The agents' time limits; the usual ones within the seating's limits if None.
         on_start: Called with the match once it is hosted.
         make: Makes the match from its spec; an ordinary match if None.

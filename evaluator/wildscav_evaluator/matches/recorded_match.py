@@ -44,7 +44,6 @@ class RecordedMatch(Match):
     acted differently.
 
     Args:
-        record: The record.
         seats: The seats whose actions to compare.
     """
 

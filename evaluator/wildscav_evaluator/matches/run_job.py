@@ -48,7 +48,6 @@ def run_job(
 
     Args:
         runner: The runner of the event loop to play in.
-        job: The job.
         on_event: Called regularly with the match's progress, when it is played again, and when the rendering
             of its replay begins.
     """
@@ -210,8 +209,6 @@ def match_timing(job: Job, played: PlayedMatch, started: float, wall: float) -> 
     """Return how long a match took, as an entry of the results file.
 
     Args:
-        job: The job of the match.
-        played: The match.
         started: When it started, in seconds since 1970, UTC.
         wall: How long it took, s, including the start of the agents and writing the record.
     """

@@ -25,7 +25,6 @@ class ProgressTimeouts:
         """Return how long a job may make no progress, s, and a description of its phase.
 
         Args:
-            job: The job.
             event: Its last event; None if there was none.
         """
         if isinstance(event, RenderingReplay):
@@ -38,12 +37,7 @@ class ProgressTimeouts:
 
 
 class Watchdog:
-    """Watches a worker that runs one job.
-
-    Args:
-        job: The job.
-        timeouts: How long the job may make no progress.
-    """
+    """Watches a worker that runs one job."""
 
     def __init__(self, job: Job, timeouts: ProgressTimeouts) -> None:
         self._job, self._timeouts = job, timeouts

@@ -46,7 +46,6 @@ class Worker:
 
     Args:
         lock: The lock of the folder that it writes to.
-        timeouts: How long its jobs may make no progress.
     """
 
     def __init__(self, lock: Lock | None, timeouts: ProgressTimeouts) -> None:
@@ -131,9 +130,7 @@ class Workers:
     """A group of workers that share the jobs, as a context manager that stops all of them when it exits.
 
     Args:
-        count: How many.
         lock: The lock of the folder that they write to; each worker holds it as long as it lives.
-        timeouts: How long jobs may make no progress.
     """
 
     def __init__(

@@ -24,7 +24,6 @@ def dashboard(tally: Tally, title: str, width: int = WIDE) -> RenderableType:
     """Return the dashboard as it is now.
 
     Args:
-        tally: The tally to show.
         title: A short description of what is evaluated.
         width: Columns of the terminal. A narrow one gets no bars and no intervals.
     """

@@ -123,8 +123,6 @@ class EvaluationProgress:
     """Shows the progress that a tally counts.
 
     Args:
-        console: The console to print to.
-        tally: The tally to show.
         title: A short description of what is evaluated.
         quiet: Whether to show only failures.
     """
@@ -200,10 +198,7 @@ class Monitor:
     """Passes the events of an evaluation on to dashboard, log and metrics.
 
     Args:
-        jobs: All matches.
-        at_once: How many are played at once.
         title: A short description of what is evaluated.
-        how: The options.
         nodes: Returns the machines of the cluster that plays them, if there is one.
     """
 

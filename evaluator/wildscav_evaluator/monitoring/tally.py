@@ -58,8 +58,6 @@ class Tally:
     """Counts the states and results of jobs.
 
     Args:
-        jobs: All matches of the evaluation.
-        at_once: How many are played at once.
         clock: Returns seconds since any fixed moment.
         nodes: Returns the machines of the cluster that plays them, if there is one.
     """

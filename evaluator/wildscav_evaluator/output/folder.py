@@ -25,7 +25,6 @@ def output_folder(out: Path, identity: Identity, *, fresh: bool = False) -> Iter
     """Make an output folder, check that it belongs to this evaluation, and lock it while the block lasts.
 
     Args:
-        out: The folder.
         identity: The evaluation to write there, or to continue.
         fresh: Whether to remove what an earlier evaluation left there.
 
@@ -79,7 +78,6 @@ def keep_only(out: Path, stems: Iterable[str]) -> None:
     """Remove the files of all matches except some, and the partial files of killed writers.
 
     Args:
-        out: The output folder.
         stems: The stems of the names of the files to keep.
     """
     kept = set(stems)

@@ -111,7 +111,6 @@ def read_after_trial(path: Path, trial: str) -> bytes:
     """Return the content of a file; try to read a large one in a process with limits first.
 
     Args:
-        path: The file.
         trial: The function that reads the file there as the caller will, named as for ``call_limited``. It is
             called with the path. Its module is imported before memory is counted.
 

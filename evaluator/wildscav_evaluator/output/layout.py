@@ -17,7 +17,6 @@ def stem_of(track: str, index: int, submission: str | None) -> str:
     """Return the stem of the names of a match's files.
 
     Args:
-        track: The track.
         index: The number of the match in the suite or in the tournament.
         submission: The submission whose evaluation the match belongs to; None in a tournament.
     """

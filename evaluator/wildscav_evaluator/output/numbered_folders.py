@@ -23,7 +23,6 @@ def own_folder(parent: Path, identity: Identity, *, fresh: bool) -> Path:
 
     Args:
         parent: The folder that contains the numbered folders.
-        identity: The evaluation.
         fresh: Whether to use a new folder even if one holds it already.
     """
     folders = numbered(parent)

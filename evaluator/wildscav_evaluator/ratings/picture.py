@@ -37,7 +37,6 @@ def draw_standings(standings: Standings, title: str, path: Path) -> Path:
     Args:
         standings: The standings, of at least one entrant.
         title: The first line of the picture, such as the track and the number of matches.
-        path: The file to write.
 
     Raises:
         OSError: It cannot be written.

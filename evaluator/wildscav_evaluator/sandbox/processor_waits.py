@@ -53,9 +53,6 @@ class GroupMeter:
 
     It keeps the kernel's files open, because opening them takes longer than reading them.
 
-    Args:
-        group: The agent's control group.
-
     Raises:
         OSError: The group does not count.
     """

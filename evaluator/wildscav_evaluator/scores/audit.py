@@ -60,8 +60,6 @@ def read_folder(out: Path, reported: Results, key: str | None) -> AuditedFolder:
     """Read the identity and the ledger of an output folder.
 
     Args:
-        out: The folder.
-        reported: Its results.
         key: The public key that must have signed its ledger; None to accept any.
 
     Raises:
@@ -88,8 +86,6 @@ def discrepancies(folder: AuditedFolder, replayed: Sequence[Replayed], recompute
     """Yield one line for each claim of an output folder that its contents do not support.
 
     Args:
-        folder: The folder's contents.
-        replayed: Its records, played again.
         recomputed: Its results, with the numbers that follow from the records.
 
     Raises:
@@ -317,9 +313,6 @@ def deviations(
     out, and a seat that was given to another entrant.
 
     Args:
-        reported: The results of the tournament.
-        settings: Its settings.
-        replayed: Its records, played again.
         count: How many matches it has.
     """
     entrants = Counter(row.index for one in reported.evaluations for row in one.matches)

@@ -126,8 +126,6 @@ def judge(low: float, high: float, pairs: int, *, lower_is_better: bool) -> Verd
     """Return which submission is better, given the interval of first - second.
 
     Args:
-        low: The lower end of the interval.
-        high: The upper end of the interval.
         pairs: The number of matches behind it.
         lower_is_better: Whether lower values of the metric are better.
     """
@@ -143,7 +141,6 @@ def check_comparison(out: Path, results: Results) -> str:
 
     Args:
         out: The folder; it may have no comparison.
-        results: The results in it.
     """
     path = out / COMPARISON_FILE
     try:
@@ -180,7 +177,6 @@ def changes_since_last(results: Results, out: Path) -> tuple[Change, ...]:
     """Compare every submission with its last evaluation on the same matches with other files.
 
     Args:
-        results: The results of this evaluation.
         out: Its folder. If that has no number, its predecessors are not known.
     """
     wanted = {(one.submission, one.track): one for one in results.evaluations}

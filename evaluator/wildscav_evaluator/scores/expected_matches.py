@@ -86,8 +86,6 @@ def judge_of(
     derived.
 
     Args:
-        out: The output folder.
-        reported: Its results.
         expected: Its matches by track, if they are known.
     """
     if expected is not None:
@@ -183,7 +181,6 @@ def check_opened(out: Path, commitment: str) -> int:
     """Check that an evaluation played the matches of the secret that was committed to.
 
     Args:
-        out: The output folder.
         commitment: As it was published.
 
     Returns:

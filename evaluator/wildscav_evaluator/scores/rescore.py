@@ -71,12 +71,7 @@ class RecordFile(NamedTuple):
 
 
 def replay_all(paths: Sequence[Path], executor: Executor) -> Iterator[Replayed]:
-    """Play records again, and yield the result of each, in their order.
-
-    Args:
-        paths: The records.
-        executor: Where to play them.
-    """
+    """Play records again, and yield the result of each, in their order."""
     yield from executor.map(replay_file, map(read_file, paths))
 
 
@@ -138,7 +133,6 @@ def recompute(replayed: Sequence[Replayed], reported: Results | None) -> list[Ev
     """Return the evaluations that follow from some records, with every number recomputed.
 
     Args:
-        replayed: The records, played again.
         reported: The evaluation's own results, the source of what records do not contain: the order of the
             evaluations, the versions of the submissions, and the behaviour of agents.
     """
@@ -212,8 +206,6 @@ def disagreements(
     """Yield one line for each of an evaluation's results that its records do not support.
 
     Args:
-        replayed: The records, played again.
-        reported: The evaluation's own results.
         recomputed: The evaluations that follow from the records.
         judge: Says whether a record is of the match with its number; None if that is not known.
     """

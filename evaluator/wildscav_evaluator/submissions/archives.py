@@ -71,7 +71,6 @@ def unpack(archive: Path, cache: Path | None = None, largest: int = LARGEST_CONT
     If a single folder holds everything, as many programs pack it, that folder is returned.
 
     Args:
-        archive: The archive.
         cache: The cache; None for the one of all submissions.
         largest: Bytes, at most, of all files in the archive.
 
@@ -112,8 +111,6 @@ def unpack_into(archive: str, folder: str, largest_content: int, most_entries: i
     """Unpack an archive into an empty folder, in the calling process.
 
     Args:
-        archive: The path of the archive.
-        folder: The path of the folder.
         largest_content: Bytes, at most, of all files in it.
         most_entries: The number of entries, at most.
 

@@ -103,7 +103,6 @@ def track_defaults(track: str, time_limit: float, robots: int) -> Callable[[Rand
     """Return a function that draws matches of one submission against a track's robots, in random seats.
 
     Args:
-        track: Its name.
         time_limit: Seconds of game time at most; less if the track's default is less.
         robots: Number of opponents at most; fewer if the track's default is fewer.
     """

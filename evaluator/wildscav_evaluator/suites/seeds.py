@@ -40,7 +40,6 @@ class SuiteSeed:
         reveals nothing about this seed.
 
         Args:
-            spec: The match.
             digests: Of the submissions, in the order of their seats.
 
         Returns:

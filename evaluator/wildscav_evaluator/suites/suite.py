@@ -65,7 +65,6 @@ class Suite:
         """Return the matches that evaluate a submission on a track.
 
         Args:
-            track: One of ``tracks``.
             seed: Any integer; each gives different maps and matches.
 
         Raises:

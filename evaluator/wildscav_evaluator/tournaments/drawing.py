@@ -52,7 +52,6 @@ def tournament_matches(
 
     Args:
         suite: The suite from which the maps and everything else but the seats are drawn.
-        track: One of the suite's tracks.
         seed: Any integer; each gives another schedule, other maps and other matches.
         rounds: How many rounds the schedule has.
         settings: Who sits where.
@@ -160,10 +159,8 @@ def is_of_game(spec: MatchSpec, game: MatchSpec, rated: Sequence[int], settings:
     """Return whether a match is of a game, whichever entrants sit in it.
 
     Args:
-        spec: The match.
         game: The match of the suite, which has the map and everything else but the seats.
         rated: The seats of entrants.
-        settings: The settings of the tournament.
     """
     places = _places(game, settings)
     free = tuple(seat for seat, place in enumerate(places) if place == SUBMISSION)
@@ -182,8 +179,6 @@ def with_seats(
     """Return a match with other seats and their teams.
 
     Args:
-        spec: The match of the suite.
-        seats: What fills each seat.
         rated: The seats of entrants; the first ``team_size`` of them form a team, and so on.
         settings: The size of a team.
     """

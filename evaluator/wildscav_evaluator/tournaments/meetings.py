@@ -51,7 +51,6 @@ def even_out(games: Int, groups: Sequence[int], draws: Draws) -> Int:
     Args:
         games: The start, in which no two entrants of a group meet.
         groups: (n,) the group of each entrant.
-        draws: The source of randomness.
     """
     rounds, count, places = games.shape
     if count == 1 or places == 1:

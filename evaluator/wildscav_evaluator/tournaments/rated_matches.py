@@ -18,7 +18,6 @@ def rated_matches(results: Results, repeats: int) -> Iterator[RatedMatch]:
     """Yield the matches of a tournament that have a result, in the order of its schedule.
 
     Args:
-        results: The results of the tournament.
         repeats: How often each game was played, in consecutive matches.
     """
     metric = placing_metric(results.evaluations[0].metrics)

@@ -36,11 +36,7 @@ MINUTE = 60.0  # s
 
 
 class RateLimits:
-    """Counts uses in the last minute. All web servers of a season count in its database.
-
-    Args:
-        database: The season's database.
-    """
+    """Counts uses in the last minute. All web servers of a season count in its database."""
 
     def __init__(self, database: Database) -> None:
         self._database = database
@@ -106,7 +102,6 @@ class AddressCounts:
         """Count a request; return in how many seconds there may be another one, 0 if it is allowed.
 
         Args:
-            address: Whose it is.
             moment: The time, s.
         """
         minute, passed = divmod(moment, MINUTE)
@@ -131,7 +126,6 @@ class AddressLimit:
     """Refuses requests of an address that asks too often. Middleware.
 
     Args:
-        app: The application.
         per_minute: Requests that an address may send in a minute.
     """
 

@@ -54,11 +54,8 @@ def register(
 
     Args:
         session: A writing session.
-        settings: The season's settings.
-        name: Its name.
         password_hash: From ``passwords.hashed``.
         invitation: A key; needed unless registration is open.
-        now: The time.
 
     Raises:
         RefusalError: The name is taken or not allowed, or the invitation is needed and not valid.
@@ -113,7 +110,6 @@ def invite(
     Args:
         session: A writing session.
         label: For whom it is.
-        now: The time.
         role: Of the accounts that are registered with it.
         uses: How many; None for any number.
         days: After how many it expires; None for never.

@@ -62,7 +62,6 @@ def file_response(product: str, progress: Rendering) -> Response:
 
     Args:
         product: A name in ``PRODUCTS``.
-        progress: How far its file is.
     """
     if progress.path is None:
         return progress_response(progress)

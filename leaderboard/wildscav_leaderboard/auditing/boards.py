@@ -27,7 +27,6 @@ def computed_board(
     """Return the board that follows from matches.
 
     Args:
-        track: What is played.
         published: The published board, the source of its conditions and of who takes part.
         file: The board's file, the source of the submissions' names.
         matches: Those that count, with the metrics that they really have.

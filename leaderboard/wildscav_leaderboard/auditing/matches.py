@@ -18,9 +18,6 @@ def wrong_matches(
     """Yield what is wrong with the matches and the submissions of a track, without their records.
 
     Args:
-        track: What is played.
-        board: The published board.
-        file: The board's file.
         final: Whether the board is that of the matches that decide the season.
     """
     for number in board.entered:

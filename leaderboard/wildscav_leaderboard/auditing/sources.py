@@ -68,7 +68,6 @@ class WebSource:
 
     Args:
         address: Of the season's document.
-        client: With which to download.
     """
 
     is_live = True

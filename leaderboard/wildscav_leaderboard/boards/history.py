@@ -18,8 +18,6 @@ def history(
     """Return how the places of some submissions changed, in the order of time.
 
     Args:
-        session: A session.
-        track: The track.
         submissions: Their numbers.
         until: What came later is left out; None for everything.
     """
@@ -45,8 +43,6 @@ def team_histories(
     """Return how the places of some teams changed, by the name of the team, in the order of time.
 
     Args:
-        session: A session.
-        track: The track.
         teams: Their names.
         until: What came later is left out; None for everything.
     """

@@ -52,7 +52,6 @@ def ratings_of(played: Played, interval: float) -> dict[str, Rating]:
     """Return the rating of everyone who played, by name.
 
     Args:
-        played: The matches of a ladder.
         interval: The width at which a rating is settled.
     """
     if not played.matches:
@@ -80,11 +79,8 @@ def ladder_board(
     A team stands on it with its best submission. Ranks allow for the choice: all submissions are compared.
 
     Args:
-        track: The track.
         conditions: Under which the matches were played.
-        metrics: Of the track.
         entrants: Who takes part.
-        played: The matches.
         enough: When an entrant has played enough.
         updated: When the last result arrived.
     """

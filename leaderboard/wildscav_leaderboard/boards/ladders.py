@@ -63,8 +63,6 @@ def played_on(session: Session, track: str, conditions: str | None) -> Played:
     what was kept, unless a match has been applied since.
 
     Args:
-        session: A session.
-        track: The track.
         conditions: Digest of the conditions under which they were played; None for no ladder.
     """
     key, version = (Played, track, conditions), version_of(session, track)
@@ -164,7 +162,6 @@ def places_of(track: str, seats: Sequence[dict[str, float]]) -> tuple[int, ...]:
     """Return the places in a match of a ladder, in which every entrant plays for itself.
 
     Args:
-        track: The track.
         seats: The metrics of each seat.
     """
     metric = placing_metric(metric_infos(track))

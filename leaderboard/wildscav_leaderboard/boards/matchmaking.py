@@ -90,7 +90,6 @@ def ladder_match(
 
     Args:
         suite: From which everything but the seats is drawn.
-        track: The track.
         seed: Of the season.
         number: Of the match on its ladder.
         entrants: Who meets, sorted by name.
@@ -103,8 +102,6 @@ def ladder_game(suite: Suite, track: str, seed: int, game: int) -> MatchSpec:
     """Return a game of a ladder: a match of the suite, whose seats are to be filled.
 
     Args:
-        suite: From which it is drawn.
-        track: The track.
         seed: Of the season.
         game: Its number, from 0; when the suite is used up, it is drawn again with the next seed.
     """
@@ -117,7 +114,6 @@ def seated(spec: MatchSpec, turn: int, entrants: Sequence[str]) -> tuple[MatchSp
     """Return a match of a game, and who plays in each seat.
 
     Args:
-        spec: The game.
         turn: Which of its matches, from 0.
         entrants: Who meets, sorted by name.
     """

@@ -28,8 +28,6 @@ def head_to_head(
     """Return the record of every two entrants that met on a ladder, in both orders.
 
     Args:
-        session: A session.
-        track: The track.
         conditions: Digest of the conditions of the ladder.
         entrants: Among whom.
         applied: How many matches of the ladder count, from its first one on; None for all.
@@ -46,7 +44,6 @@ def records_on(session: Session, ladders: Sequence[Ladder], entrant: str) -> dic
     """Return an entrant's record on some ladders, at least one: by track, and by whom it met.
 
     Args:
-        session: A session.
         ladders: The ladders, each of another track.
         entrant: Whose record it is.
     """

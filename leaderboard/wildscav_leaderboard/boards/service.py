@@ -78,8 +78,6 @@ def refresh(session: Session, season: Season, now: datetime, scores: SuiteScores
 
     Args:
         session: A writing session, which is held for as long as this computes.
-        season: The season.
-        now: The time.
         scores: The results that were read before, so that only new ones are read.
     """
     while apply_results(session, season):
@@ -99,8 +97,6 @@ def compute(session: Session, season: Season, now: datetime, scores: SuiteScores
 
     Args:
         session: A session; one that reads may take however long it likes.
-        season: The season.
-        now: The time.
         scores: The results that were read before, so that only new ones are read.
     """
     # A board says that it counts whatever arrived until its time, so it is never earlier than that.
@@ -119,7 +115,6 @@ def store(session: Session, season: Season, computed: Mapping[str, Computed]) ->
 
     Args:
         session: A writing session.
-        season: The season.
         computed: What ``compute`` returned.
     """
     changed = []

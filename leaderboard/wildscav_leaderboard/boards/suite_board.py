@@ -57,11 +57,9 @@ def suite_board(
     """Return the board that follows from the results of all active submissions.
 
     Args:
-        track: The track.
         conditions: Under which they were played.
         metrics: Of the track; the first is the score. Others that results of an older version lack are left
             out.
-        results: Of the submissions.
         updated: When the last result arrived.
     """
     score, *others = metrics

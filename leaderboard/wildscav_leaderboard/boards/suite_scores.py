@@ -40,9 +40,6 @@ class SuiteScores:
         """Return all results of a track, of which only those are read that arrived since the last time.
 
         Args:
-            session: A session.
-            track: The track.
-            kind: Of the matches.
             conditions: Digest of their conditions.
         """
         known = self._suites.setdefault((track, kind), _Suite())

@@ -31,7 +31,6 @@ def run_audit(
 
     Args:
         place: A folder or an address.
-        executor: Where records are played again.
         track: The only track to check; None for all.
         commitment: The commitment of the season's secret, as somebody noted it beforehand.
         download: How many records of each track to download; None for all.

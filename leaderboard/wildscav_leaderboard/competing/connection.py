@@ -64,7 +64,6 @@ class AnswerError(UserError):
 
     Args:
         message: Why, in the season's words.
-        status: The HTTP status.
     """
 
     def __init__(self, message: str, status: int) -> None:
@@ -125,12 +124,7 @@ Query = Mapping[str, str | int | list[str] | None]
 
 
 class Connection:
-    """Sends requests to a season as one account, or as a visitor.
-
-    Args:
-        url: The season's address.
-        token: Of the account.
-    """
+    """Sends requests to a season as one account, or as a visitor."""
 
     def __init__(self, url: str, token: str | None = None) -> None:
         self.url = url

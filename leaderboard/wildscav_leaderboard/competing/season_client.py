@@ -46,9 +46,6 @@ class SeasonClient:
     """What a season offers to one account, or to a visitor.
 
     Every method raises UserError, with one line that says why, if the season refuses or does not answer.
-
-    Args:
-        connection: To the season.
     """
 
     def __init__(self, connection: Connection) -> None:

@@ -133,7 +133,6 @@ def archive_of(named: Path, submission: "Submission", largest: int) -> Iterator[
 
     Args:
         named: What the user named: a folder, an archive or a baseline.
-        submission: The submission in it.
         largest: MiB that the archive may have.
 
     Raises:

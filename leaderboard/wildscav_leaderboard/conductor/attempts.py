@@ -29,9 +29,6 @@ def begin(
 
     Args:
         session: A writing session.
-        kind: The kind of work.
-        holding: The conductor's lease.
-        now: The time.
         lasts: How long it may take, s.
         submission: The submission that it is about, if it is one.
         match: The match that it is about, if it is one.

@@ -70,9 +70,7 @@ class Conductor:
     """Runs a season until it is stopped.
 
     Args:
-        season: The season.
         database: Its database, whose schema is current.
-        log: Where to write what happens.
     """
 
     def __init__(self, season: Season, database: Database, log: Log | None = None) -> None:

@@ -70,8 +70,6 @@ def begin_editions(session: Session, season: Season, now: datetime) -> list[Edit
 
     Args:
         session: A writing session.
-        season: The season.
-        now: The time.
     """
     from wildscav_leaderboard.conductor.plans import plan_suites
 

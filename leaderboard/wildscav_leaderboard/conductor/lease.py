@@ -108,7 +108,6 @@ class LeaseKeeper:
 
     Args:
         database: The database, of which it uses connections of its own.
-        holding: The lease.
         every: How often it renews the lease, s.
         log: Where to report that it broke and goes on.
     """

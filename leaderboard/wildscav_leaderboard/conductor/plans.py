@@ -67,7 +67,6 @@ def rate_ladders(session: Session, season: Season) -> None:
 
     Args:
         session: A session that reads.
-        season: The season.
     """
     season = in_force(session, season)
     for one in _rounds(session, season):

@@ -47,7 +47,6 @@ class Child:
 
         Args:
             function: The function; it gets and returns what can be pickled, and its errors are raised here.
-            arguments: Its arguments.
             timeout: How long it may take, s.
 
         Raises:
@@ -91,15 +90,7 @@ def now() -> datetime:
 
 
 class Validators:
-    """Threads that each take the next submission, and have a child process do the work. A context manager.
-
-    Args:
-        season: The season.
-        database: Its database.
-        holding: The lease of the conductor.
-        sandbox: The sandbox in which agents run.
-        log: Where to write what happens.
-    """
+    """Threads that each take the next submission, and have a child process do the work. A context manager."""
 
     def __init__(self, season: Season, database: Database, holding: Holding, sandbox: str, log: Log) -> None:
         self._season, self._database, self._holding = season, database, holding

@@ -147,11 +147,7 @@ def job_of(
     """Return the job of a match.
 
     Args:
-        season: The season.
-        match: The match.
         seats: Its seats with an entrant.
-        archives: The archive of each submission.
-        sandbox: The sandbox in which agents run.
 
     Raises:
         UserError: An archive is missing, or a submission's image was not built on this machine.

@@ -148,8 +148,6 @@ def once(session: Session, key: Hashable, read: Callable[[], Found]) -> Found:
 
     Args:
         session: A session; one that writes reads anew.
-        key: What is read.
-        read: Reads it.
     """
     if KEPT not in session.info:
         return read()

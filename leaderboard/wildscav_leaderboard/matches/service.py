@@ -67,10 +67,7 @@ def add_suite_matches(
 
     Args:
         session: A writing session.
-        submission: The submission.
-        track: The track.
         specs: All matches of the suite.
-        now: The time.
         kind: ``SUITE``, or ``FINAL`` for the matches that decide the season.
     """
     edition = edition_numbers(session).get(track)
@@ -107,11 +104,8 @@ def add_ladder_match(
 
     Args:
         session: A writing session.
-        track: The track.
         number: Of the ladder's matches, one more than the last.
-        spec: The match.
         entrants: Who plays in the seats that have an entrant.
-        now: The time.
         group: Of the ladder: that of the season, or the final round.
     """
     edition = edition_numbers(session).get(track)
@@ -215,7 +209,6 @@ def next_matches(session: Session, editions: Mapping[str, int | None], count: in
     """Return the matches that are played next: of each track in turn, by priority and then by age.
 
     Args:
-        session: A session.
         editions: The tracks that are played, and the edition of each: no other one's matches are played.
         count: How many, at most.
     """
@@ -273,13 +266,9 @@ def deliver(
 
     Args:
         session: A writing session.
-        match: The match.
-        attempt: The attempt that brings the result.
         row: How it went, for all entrants.
-        timing: How long it took.
         record: Its record, which is in the season's files.
         metric: The track's score.
-        now: The time.
 
     Returns:
         Whether it was stored.

@@ -39,7 +39,6 @@ def check_season(folder: Path, on_progress: OnProgress = lambda *_: None) -> Che
     It only reads, and may be run at any time.
 
     Args:
-        folder: The season's folder.
         on_progress: Called after every file.
 
     Raises:

@@ -70,11 +70,9 @@ def begin(session: Session, season: Season, actor: str, best: int, now: datetime
 
     Args:
         session: A writing session.
-        season: The season.
         actor: Who wants it.
         best: How many submissions of each suite play the matches that decide it, at most; a final round of a
             ladder has everyone who may be among so many.
-        now: The time.
         early: Whether it may begin before the season closes.
 
     Raises:
@@ -129,7 +127,6 @@ def advance(session: Session, season: Season, actor: str, now: datetime) -> Endi
         session: A writing session.
         season: The season, whose end was begun.
         actor: Who wants it.
-        now: The time.
 
     Raises:
         RefusalError: It cannot go on before the organizers do something about it.

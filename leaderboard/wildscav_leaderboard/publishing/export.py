@@ -112,10 +112,6 @@ def readme(season: PublishedSeason, boards: int, matches: int, records: int, hid
     """Return the page, in Markdown.
 
     Args:
-        season: The season.
-        boards: Their number.
-        matches: Their number.
-        records: Their number.
         hidden: The number of records that cannot be published yet.
     """
     tracks = [
@@ -169,8 +165,6 @@ def export(season: Season, database: Database, folder: Path) -> Exported:
     """Write everything that is published of a season into a new folder, whole or not at all.
 
     Args:
-        season: The season.
-        database: Its database.
         folder: The folder, which must be missing or empty.
 
     Raises:

@@ -63,13 +63,7 @@ class Addresses(NamedTuple):
 
 
 def published_season(session: Session, season: Season, addresses: Addresses) -> PublishedSeason:
-    """Return a season's document.
-
-    Args:
-        session: A session.
-        season: The season.
-        addresses: Of the other documents.
-    """
+    """Return a season's document."""
     settings = season.settings
     opened = season_state.read_state(session, season_state.OPENED) is not None
     return PublishedSeason.about(
@@ -137,9 +131,6 @@ def board_lines(
     """Yield the lines of a board's file, all of one moment.
 
     Args:
-        session: A reading session.
-        season: The season.
-        track: The track.
         audience: Which of its boards: as it is, or as it was before final matches decided the season.
     """
     board = read_board(session, track, audience)

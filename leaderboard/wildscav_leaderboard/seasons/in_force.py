@@ -23,8 +23,6 @@ def edition_of(season: Season, track: str, sandbox: str) -> Edition:
 
     Args:
         season: The season as its folder says.
-        track: One of its tracks.
-        sandbox: In which agents run.
     """
     settings, suite = season.track(track), season.suite(track)
     is_ladder = settings.mode == "ladder"

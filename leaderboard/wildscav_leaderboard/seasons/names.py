@@ -19,7 +19,6 @@ def checked_name(name: str, what: str) -> str:
     """Return a name that may be part of an address.
 
     Args:
-        name: The name.
         what: What it names, for the error.
 
     Raises:
@@ -36,7 +35,6 @@ def checked_line(text: str, what: str, longest: int, *, empty: bool = False) -> 
     """Return a text of one line without spaces around it.
 
     Args:
-        text: The text.
         what: What it is, for the error.
         longest: The number of its characters, at most.
         empty: Whether it may be empty.

@@ -201,7 +201,6 @@ def parse_settings(text: str, path: Path) -> SeasonSettings:
     """Check the text of settings.
 
     Args:
-        text: The content of the file.
         path: Its path, for errors.
 
     Raises:

@@ -79,7 +79,6 @@ def freeze(session: Session, now: datetime, due: datetime | None = None) -> bool
 
     Args:
         session: A writing session.
-        now: The time.
         due: The date of the settings that asks for it, which is obeyed once; None if an organizer does.
     """
     date = None if due is None else {"due": due.isoformat()}
@@ -99,7 +98,6 @@ def log_act(session: Session, actor: str, act: str, subject: str, now: datetime,
         actor: The name of the account; ``command line`` or ``conductor`` if there is none.
         act: A verb, such as "disqualify team".
         subject: What it was done to, such as "team foxes".
-        now: The time.
         detail: The reason, or what changed.
     """
     session.add(AuditEntry(at=now, actor=actor, act=act, subject=subject, detail=detail))

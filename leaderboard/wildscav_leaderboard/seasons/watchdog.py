@@ -27,7 +27,6 @@ def watched_thread(
         work: Returns when ``ended`` is set; whatever it raises, it is begun again.
         ended: Set when the work is to end.
         database: Where restarts are counted.
-        log: Where they are reported.
     """
 
     def run() -> None:

@@ -38,11 +38,9 @@ def expected_wait(
     """Return how long it will take until a submission is active or has failed, s; None if it has ended.
 
     Args:
-        submission: The submission.
         position: Its place in the queue, 1 for the next one; None if it does not wait.
         each: How long recent ones took, s.
         at_once: How many are built and validated at once: it waits as long as they need in turns.
-        now: The time.
     """
     if submission.state in (states.BUILDING, states.VALIDATING):
         return max(0.0, each - (now - submission.since).total_seconds())

@@ -164,9 +164,6 @@ def move(
 
     Args:
         session: A writing session.
-        submission: The submission.
-        state: The new state.
-        now: The time.
         detail: What the history says about it.
         deadline: For leaving the new state.
         fault: Whose fault it is, if it failed: ``agent`` or ``platform``, which is never charged.

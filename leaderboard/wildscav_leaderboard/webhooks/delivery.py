@@ -35,8 +35,6 @@ def due(session: Session, now: datetime, busy: Collection[int] = ()) -> list[Mes
     """Return the message of each webhook that has waited longest of those that are due.
 
     Args:
-        session: A session.
-        now: The time.
         busy: Webhooks to which a message is being sent.
     """
     rank = func.row_number().over(partition_by=Delivery.webhook_id, order_by=(Delivery.next_at, Delivery.id))
@@ -108,8 +106,6 @@ class Sender:
     """Sends messages; at the end of the context it waits for those that are being sent.
 
     Args:
-        database: The season's database.
-        settings: The season's settings of webhooks.
         log: Where to report that the database cannot be used.
     """
 
@@ -162,9 +158,7 @@ class Deliverer:
     """A thread that sends messages for as long as the context lasts.
 
     Args:
-        database: The season's database.
         settings: The season's settings of webhooks; if they are not enabled, nothing is sent.
-        log: Where to report what goes wrong here.
     """
 
     def __init__(self, database: Database, settings: Webhooks, log: Log | None = None) -> None:

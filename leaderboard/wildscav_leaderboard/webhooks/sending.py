@@ -32,7 +32,6 @@ async def checked_addresses(host: str, port: int, *, private_addresses: bool) ->
 
     Args:
         host: A name or an address, in any form that the system understands: ``0x7f.1`` is 127.0.0.1.
-        port: The port.
         private_addresses: Whether they may be in private networks.
 
     Raises:

@@ -174,7 +174,7 @@ from pathlib import Path
 from wildscav_engine.maps import cache
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 cache.folder = lambda: Path({str(kept)!r})
-cache.WORTH_KEEPING, cache.SIZE_LIMIT = 0.0, 700_000  # room for a few
+cache.CACHE_THRESHOLD, cache.SIZE_LIMIT = 0.0, 700_000  # room for a few
 for number in range(24):
     spec = MapSpec(config=MapConfig(size=50, houses=1), seed=number % 6)
     cache.map_of.cache_clear()

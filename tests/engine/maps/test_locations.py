@@ -15,7 +15,6 @@ from wildscav_engine.maps.locations import (
     CEILING,
     HIGH_SPACING,
     INDOOR_SPACING,
-    OUTDOOR_SPACING,
     Places,
     choose_places,
     is_covered,
@@ -86,12 +85,6 @@ def test_places_on_the_ground_are_dry_gentle_and_clear(game_map: GameMap) -> Non
         assert np.isneginf(water_at(game_map.world, x, z))
 
 
-def test_there_is_up_to_one_place_on_the_ground_in_16_square_metres(game_map: GameMap) -> None:
-    squares = (game_map.config.size / OUTDOOR_SPACING) ** 2
-
-    assert 0.4 * squares < len(game_map.world.spawns) <= squares
-
-
 def test_high_places_lie_under_the_open_sky_and_off_the_ground(game_map: GameMap) -> None:
     world = game_map.world
     high = game_map.outdoor[len(world.spawns) :]
@@ -101,20 +94,6 @@ def test_high_places_lie_under_the_open_sky_and_off_the_ground(game_map: GameMap
         assert y > ground_at(world, x, z).height + 0.05
         above = raycast(world, x, y + 1.0, z, 0.0, 1.0, 0.0, CEILING).solid
         assert above < 0 or world.solid_kind[above] in PLANTS
-
-
-def test_every_room_of_every_house_has_a_place_on_its_floor(game_map: GameMap) -> None:
-    rooms = 0
-    for house in game_map.houses:
-        across, along = house.pose.inside(game_map.indoor[:, 0], game_map.indoor[:, 2])
-        for level, area in house.rooms:
-            floor = house.ground + level * house.storey_height
-            on_floor = np.abs(game_map.indoor[:, 1] - floor) < 0.1
-            within = (across > area.left) & (across < area.right) & (along > area.back) & (along < area.front)
-            assert (on_floor & within).any()
-            rooms += 1
-    assert rooms >= 2 * len(game_map.houses)
-    assert rooms <= len(game_map.indoor)
 
 
 def test_no_indoor_place_is_on_a_table_or_a_stair(game_map: GameMap) -> None:

@@ -1,4 +1,4 @@
-"""Attempts to forge an evaluation's folder: which are found out, with and without a signature."""
+"""Attempts to forge an evaluation or a comparison: which are found out, with and without a signature."""
 
 import subprocess
 from collections.abc import Callable
@@ -8,13 +8,20 @@ from pathlib import Path
 import pytest
 from tests.evaluator.ledger.forgeries import FORGERIES, replace_record, shut_in, worst
 from tests.evaluator.ledger.forging import Forgery, Rescored
+from tests.evaluator.warm_workers import WarmWorkers, playing_with
 
 from wildscav.errors import UserError
+from wildscav_engine.record import read_record, save, verify_record
+from wildscav_evaluator.cli.commands.compare import compare
 from wildscav_evaluator.cli.sessions.rescore import run_rescore
 from wildscav_evaluator.cli.sessions.run_again import run_again
 from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_evaluator.ledger.keys import SigningKey, new_key
+from wildscav_evaluator.output.layout import COMPARISON_FILE
 from wildscav_evaluator.plans.evaluation import EvaluationPlan
+from wildscav_evaluator.scores.compare import Comparisons
+from wildscav_evaluator.submissions.submission import load_submission
+from wildscav_evaluator.suites.seeds import SuiteSeed
 
 
 def test_what_was_really_evaluated_is_borne_out(
@@ -148,3 +155,85 @@ def test_the_command_ends_with_an_exit_code_and_a_line(
 
     assert done.returncode == 1
     assert "wildscav: results.json says sandbox oci, evaluation.json process" in done.stderr
+
+
+@pytest.fixture
+def compared(
+    plan: EvaluationPlan,
+    signed: Forgery,
+    key_file: Path,
+    warm_workers: WarmWorkers,
+    capsys: pytest.CaptureFixture[str],
+) -> Forgery:
+    """A comparison of what was played already, signed with the same key."""
+    ada, bob = (one.folder for one in plan.submissions)
+    suite = str(signed.out / "suite.toml")
+    capsys.readouterr()
+    with playing_with(warm_workers):
+        compare(ada, bob, suite=suite, rounds=1, out=signed.out, sandbox="process", sign=key_file)
+    said = capsys.readouterr().out
+    assert "signed with the key" in said
+    assert "its head, to be published with the results:" in said
+    return signed
+
+
+def test_a_comparison_can_be_signed(
+    compared: Forgery, key: SigningKey, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run_rescore(compared.out, LocalExecutor(1), key.public)
+
+    assert "10 records played again: all agree" in capsys.readouterr().out
+
+
+def test_a_comparison_is_what_its_results_give(
+    compared: Forgery, key: SigningKey, rescored: Rescored
+) -> None:
+    path = compared.out / COMPARISON_FILE
+    told = Comparisons.read(path)
+    (one,) = told.comparisons
+    turned = one.model_copy(update={"pairs": one.pairs + 1})
+    told.model_copy(update={"comparisons": (turned,)}).write(path)
+    assert "comparison.json is not what results.json gives" in rescored(compared, key.public)
+
+    path.write_text("[" * 100_000)
+    assert f"{path} is not a comparison: Invalid JSON" in rescored(compared)
+
+
+MATCHES = range(5)
+
+
+def told(out: Path, name: str) -> list[int]:
+    """What a submission's agent was told in each match, as it said itself."""
+    return [int((out / "logs" / f"navigation-{index:03d}-{name}.log").read_text()) for index in MATCHES]
+
+
+def test_two_submissions_are_told_other_seeds_in_the_same_match(evaluated: Path) -> None:
+    assert len({*told(evaluated, "ada"), *told(evaluated, "bob")}) == 2 * len(MATCHES)
+
+
+def test_the_same_submission_is_told_the_same_seeds_again(plan: EvaluationPlan, evaluated: Path) -> None:
+    again = replace(plan, submissions=tuple(load_submission(one.folder) for one in plan.submissions))
+    seeds = {
+        name: [job.seeds[0] for job in again.make_jobs() if job.evaluated == name] for name in ("ada", "bob")
+    }
+    assert seeds == {name: told(evaluated, name) for name in ("ada", "bob")}
+
+
+def test_another_secret_gives_other_seeds_even_in_the_same_match(plan: EvaluationPlan) -> None:
+    spec, digest = plan.matches("navigation")[0], plan.submissions[0].digest
+    assert SuiteSeed(1).private(spec, [digest]) != plan.seed.private(spec, [digest])
+
+
+def test_a_record_has_what_its_agent_was_told_and_is_verified_without_a_secret(evaluated: Path) -> None:
+    for index in MATCHES:
+        record = read_record(evaluated / "records" / f"navigation-{index:03d}-ada.wsr")
+        assert record.seeds == (told(evaluated, "ada")[index],)
+        assert verify_record(record).holds
+
+
+def test_an_organizer_who_hands_out_other_seeds_is_found_out(unsigned: Forgery, rescored: Rescored) -> None:
+    path = unsigned.record("ada", 3)
+    save(replace(read_record(path), seeds=(7,)), path)
+    unsigned.rewrite_ledger()
+    line = "navigation-003-ada.wsr: its agents were not told the private seeds that follow from the seed"
+    assert rescored(unsigned).count(line) == 1

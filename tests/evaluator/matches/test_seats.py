@@ -1,15 +1,20 @@
-"""A submission in several seats of one match: each seat has a log, an outcome and a clock of its own."""
+"""A submission in several seats of one match, and what spectators see of it while it runs."""
 
 import asyncio
 from pathlib import Path
 
+import numpy as np
 import pytest
 from tests.evaluator.sample_agents import WALKER, Submit
 
+from wildscav_engine.record import read_record, resimulate
+from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.matches.jobs import Job, JobResult
+from wildscav_evaluator.matches.jobs import Heartbeat, Job, JobEvent, JobResult
 from wildscav_evaluator.matches.run_job import run_job
+from wildscav_evaluator.matches.snapshots import snapshot_of
+from wildscav_evaluator.matches.watchdog import ProgressTimeouts, Watchdog
 from wildscav_evaluator.output.folder import keep_only
 from wildscav_evaluator.output.layout import LOGS, RECORDS
 from wildscav_evaluator.sandbox import Limits
@@ -17,7 +22,6 @@ from wildscav_evaluator.scores.rescore import recompute, replay_one
 from wildscav_evaluator.submissions.submission import Submission
 
 pytestmark = pytest.mark.usefixtures("compiled")
-
 STEPS = 20
 # Talks more than is kept in seat 1, falls there in the middle of the match, and says little in seat 3.
 TWINS = """
@@ -115,3 +119,72 @@ def test_a_submission_in_one_seat_has_one_log_and_its_own_metrics(submit: Submit
     (seat,) = result.row.seats
     assert seat.log == "logs/navigation-000-walker.log"
     assert result.row.metrics == seat.metrics
+
+
+# Takes its time, so that a match lasts for several heartbeats.
+SLOW = """
+    def act(self, observation):
+        import time
+        time.sleep(0.05)
+        return Action(walk_direction=90.0, walk_speed=8.0)
+"""
+SMALL = MapSpec(config=MapConfig(size=40, houses=0), seed=3)
+SPEC = MatchSpec(track="battle", map=SMALL, seats=("submission", "fighter"), time_limit=4.0)
+
+
+def heartbeats_of(submission: Submission, out: Path, watched: bool) -> tuple[Job, list[Heartbeat]]:
+    """Play a match, and return what it reported."""
+    for name in (RECORDS, LOGS):
+        (out / name).mkdir(parents=True)
+    events: list[JobEvent] = []
+    job = Job.of_one(submission, "battle", 0, SPEC, out, False, watched=watched)
+    with asyncio.Runner() as runner:
+        result = run_job(runner, job, events.append)
+    assert result.row.status == "finished", result.row.detail
+    return job, [event for event in events if isinstance(event, Heartbeat)]
+
+
+def test_snapshots_are_the_moments_of_the_record(submit: Submit, tmp_path: Path) -> None:
+    job, heartbeats = heartbeats_of(submit("slow", SLOW), tmp_path / "out", watched=True)
+    snapshots = [snapshot for heartbeat in heartbeats for snapshot in heartbeat.snapshots]
+    record = read_record(job.out / job.record)
+
+    frames = [snapshot.frame for snapshot in snapshots]
+    moments = {match.frame: snapshot_of(match) for match in resimulate(record)}
+
+    assert len(snapshots) > 3
+    assert frames == sorted(set(frames))
+    assert all(snapshot == moments[snapshot.frame] for snapshot in snapshots)
+
+
+def test_a_match_that_nobody_watches_sends_none(submit: Submit, tmp_path: Path) -> None:
+    _, heartbeats = heartbeats_of(submit("slow", SLOW), tmp_path / "out", watched=False)
+
+    assert len(heartbeats) > 1
+    assert all(heartbeat.snapshots == () for heartbeat in heartbeats)
+
+
+def test_snapshots_are_in_centimetres() -> None:
+    match = Match(MatchSpec(track="navigation", map=SMALL, seats=("walker",), time_limit=2.0))
+    match.play_out()
+    snapshot, agents = snapshot_of(match), match.state.agents
+    seat = snapshot.seats[0]
+
+    there = np.array([seat.x, seat.height, seat.z]) / 100
+    np.testing.assert_allclose(there, agents.position[0, 0], atol=0.00501)
+    assert (seat.yaw, seat.pitch) == (round(agents.yaw[0, 0]), round(agents.pitch[0, 0]))
+    assert snapshot.target is not None
+    np.testing.assert_allclose(np.array(snapshot.target) / 100, match.state.matches.target[0], atol=0.00501)
+    assert (seat.health, seat.deaths, snapshot.reached_by) == (100, 0, None)
+
+
+def test_a_watched_match_that_stands_still_is_noticed(submit: Submit, tmp_path: Path) -> None:
+    job = Job.of_one(submit("slow", SLOW), "battle", 0, SPEC, tmp_path, False, watched=True)
+    watchdog = Watchdog(job, ProgressTimeouts(step=1.0))
+    moment = snapshot_of(Match(SPEC))
+    watchdog.hear(Heartbeat(5, 1, (moment,)))
+    for _ in range(100):
+        watchdog.hear(Heartbeat(5, 1))  # it lives, and nothing goes on
+        watchdog.wait(2.0)
+
+    assert "after step 1" in watchdog.verdict

@@ -1,5 +1,6 @@
-"""Files of an output folder may be anybody's: to read one has a price that is known."""
+"""Files of an output folder may be anybody's: what is read, and at a price that is known."""
 
+import json
 import os
 from pathlib import Path
 
@@ -11,7 +12,7 @@ from wildscav_evaluator.ledger.ledger import LedgerError, read_ledger
 from wildscav_evaluator.output.identity import read_identity
 from wildscav_evaluator.output.json_files import LARGEST, SMALL
 from wildscav_evaluator.output.layout import LEDGER_FILE
-from wildscav_evaluator.output.results import read_results, write_results
+from wildscav_evaluator.output.results import CURRENT_VERSIONS, Results, Timings, read_results, write_results
 from wildscav_evaluator.suites.seeds import read_secret
 from wildscav_evaluator.suites.suite_file import read_suite
 
@@ -76,3 +77,40 @@ def test_what_would_eat_time_or_memory_is_refused_in_a_line(
         READERS[name](tmp_path / name)
     assert "\n" not in str(caught.value)
     assert len(str(caught.value)) < 500
+
+
+NOTHING = Timings(started="", wall=0.0, jobs=1, matches=())
+
+
+@pytest.fixture
+def results() -> Results:
+    return Results(
+        versions=CURRENT_VERSIONS, suite="quick", seed=0, sandbox="process", evaluations=(), timings=NOTHING
+    )
+
+
+def test_results_say_by_which_versions_they_came_about(results: Results, tmp_path: Path) -> None:
+    path = write_results(results, tmp_path)
+
+    assert read_results(path) == results
+    assert json.loads(path.read_text())["versions"].keys() == {"engine", "simulation", "generator", "record"}
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        ("{}", "is not a results file of format 2: versions: Field required"),
+        ("[1, 2]", "is not a results file of format 2"),
+        ('{"format": 1}', "is not a results file of format 2"),
+        ("[" * 100_000, "is not a results file of format 2"),
+        ("no JSON", "is not a results file of format 2"),
+    ],
+)
+def test_what_is_no_results_file_is_one_clear_line(tmp_path: Path, content: str, says: str) -> None:
+    path = tmp_path / "results.json"
+    path.write_text(content)
+
+    with pytest.raises(UserError, match=says) as refused:
+        read_results(path)
+
+    assert "\n" not in str(refused.value)

@@ -1,16 +1,23 @@
-"""An agent may be any program: its command is run in place of Python, with the same variables and limits."""
+"""What an agent is given: its command, its limits, and exactly the files that its digest covers."""
 
 import asyncio
+import py_compile
+import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from pydantic import ValidationError
 from tests.evaluator.sandbox.sandbox_runs import LIMITS, listening
 
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_evaluator.matches.jobs import Job
 from wildscav_evaluator.matches.play import launch_for
-from wildscav_evaluator.sandbox import SANDBOXES, Ending, Sandbox
-from wildscav_evaluator.submissions.submission import Submission, load_submission
+from wildscav_evaluator.sandbox import SANDBOXES, Ending, Launch, Limits, Sandbox
+from wildscav_evaluator.submissions.submission import Submission, folder_digest, load_submission
 
 Submit = Callable[..., Submission]
 PROGRAM = """#!/bin/sh
@@ -82,3 +89,76 @@ def test_a_plain_process_names_a_program_that_is_not_there(tmp_path: Path) -> No
     ending, _ = run(SANDBOXES["process"], written(tmp_path, '["no-such-program"]'), tmp_path)
 
     assert "cannot run no-such-program: No such file or directory" in str(ending)
+
+
+REPOSITORY = Path(__file__).parents[3]
+TIGHT = Limits(memory="512MiB", processes=20)  # type: ignore[arg-type]
+
+
+def test_a_jobs_limits_are_those_of_its_agents(tmp_path: Path) -> None:
+    submission = load_submission(REPOSITORY / "submissions" / "random")
+    spec = MatchSpec(track="navigation", map=MapSpec(config=MapConfig(size=40, houses=1), seed=3))
+
+    seating = Job.of_one(submission, "navigation", 0, spec, tmp_path, replay=False, limits=TIGHT).seating
+
+    assert seating.limits == TIGHT
+    assert launch_for(submission, "unix:/nowhere", "token", tmp_path / "log", seating.limits).limits == TIGHT
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{"cpus": 0}, {"memory": "1 MiB"}, {"processes": 1}, {"wall_clock": -1}, {"memory": "much"}, {"disk": 1}],
+)
+def test_limits_that_nobody_could_live_under_are_refused(wrong: dict[str, object]) -> None:
+    with pytest.raises(ValidationError):
+        Limits.model_validate(wrong)
+
+
+CODE = """
+import os
+import helper
+found = [os.path.join(base, name) for base, folders, files in os.walk(".") for name in (*folders, *files)]
+print(helper.WORD, *sorted(found), os.access("run.sh", os.X_OK), flush=True)
+os._exit(0)
+"""
+UNCHECKED = py_compile.PycInvalidationMode.UNCHECKED_HASH
+
+
+def compile_something_else(folder: Path) -> None:
+    """Put compiled code into a folder's cache that Python takes for that of its source, unread."""
+    helper = folder / "helper.py"
+    helper.write_text("WORD = 'changed'")
+    py_compile.compile(str(helper), invalidation_mode=UNCHECKED)
+    helper.write_text("WORD = 'source'")
+
+
+def entries(folder: Path) -> dict[Path, tuple[int, int]]:
+    return {path: (path.stat().st_mode, path.stat().st_mtime_ns) for path in folder.rglob("*")}
+
+
+def test_compiled_code_in_a_cache_never_runs(
+    sandbox: Sandbox, submit: Callable[..., Submission], tmp_path: Path
+) -> None:
+    folder = submit("walker", code=CODE).folder
+    (folder / "run.sh").touch(0o700)
+    (folder / "helper.py").write_text("WORD = 'source'")
+    clean = folder_digest(folder)
+    compile_something_else(folder)
+    (folder / "logs").mkdir()
+    control = [sys.executable, "-c", "import helper; print(helper.WORD)"]
+    assert subprocess.check_output(control, cwd=folder, text=True) == "changed\n"
+    before = entries(folder)
+
+    async def to_end(address: str) -> None:
+        launch = Launch(folder, "agent:Player", address, "of the seat", tmp_path / "log", LIMITS)
+        agent = await sandbox.start(launch)
+        await agent.ended()
+        await agent.stop()
+
+    with listening(tmp_path / "match.sock") as address:
+        asyncio.run(to_end(address))
+
+    log = (tmp_path / "log").read_text()
+    assert log == "source ./agent.py ./helper.py ./run.sh ./submission.toml True\n"
+    assert folder_digest(folder) == clean
+    assert entries(folder) == before

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from wildscav_evaluator.output.results import MatchRow, MetricInfo, metric_infos
+from wildscav_evaluator.resampling import expanded_tail, student_quantile
 from wildscav_evaluator.scores.number_format import number
 from wildscav_evaluator.scores.score import summarize, summary
 
@@ -82,3 +83,14 @@ def test_spl_is_described_beside_the_success_rate_and_shown_as_percent() -> None
 
     assert (success.name, spl.name, spl.title, spl.lower_is_better) == ("success", "spl", "SPL", False)
     assert number(0.853, spl) == "85%"
+
+
+def test_intervals_of_few_values_are_wider() -> None:
+    # Student's quantile with 9 degrees of freedom is 2.262, times √(10 / 9).
+    assert student_quantile(np.array([10, 10_000]), 0.05).tolist() == pytest.approx([2.385, 1.960], abs=1e-3)
+
+
+def test_the_tails_of_few_values_are_smaller_than_2_5_percent() -> None:
+    assert expanded_tail(3) == 0.0
+    assert expanded_tail(10) == pytest.approx(0.0086, abs=1e-4)  # of a normal distribution, beyond 2.385
+    assert expanded_tail(10_000) == pytest.approx(0.025, abs=1e-4)

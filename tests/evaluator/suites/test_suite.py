@@ -1,13 +1,18 @@
 """Suites: the competition's numbers, the same matches for everybody, and maps that nobody trained on."""
 
 from collections import Counter
+from collections.abc import Iterable
 from hashlib import blake2b
+from itertools import islice
 from typing import get_type_hints
 
 import pytest
 
+from wildscav_engine.maps import map_of
 from wildscav_engine.maps.layout import lay_out
-from wildscav_engine.specs.match_spec import SUBMISSION
+from wildscav_engine.maps.walk import find_path
+from wildscav_engine.simulation.setup.match_setup import plan_match
+from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.cli.commands.evaluate import evaluate
 from wildscav_evaluator.suites.suite import EVALUATION_MAPS, SUITES, suite
@@ -187,3 +192,24 @@ def test_the_help_of_the_command_names_the_suites_that_there_are() -> None:
     annotation = get_type_hints(evaluate, include_extras=True)["suite"]
 
     assert all(f"{name}: " in annotation.__metadata__[0].help for name in SUITES)
+
+
+def check_ways(matches: Iterable[MatchSpec]) -> None:
+    for spec in matches:
+        game_map = map_of(spec.map)
+        setup = plan_match(spec, game_map)
+        assert setup.target is not None
+        assert len(setup.starts) == len(spec.seats)
+        for seat, start in enumerate(setup.starts):
+            path = find_path(game_map.graph, start, setup.target)
+            assert path is not None, (spec.map.seed, spec.seed, seat)
+
+
+def test_a_way_leads_to_the_target_of_a_wild_match() -> None:
+    check_ways(islice(suite("navigation", "wild", 0), 1))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("track", ["navigation", "capture"])
+def test_a_way_leads_to_the_target_of_more_wild_matches(track: str) -> None:
+    check_ways(islice(suite(track, "wild", 1), 0, 8, 2))  # on two maps

@@ -8,9 +8,51 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.evaluator.tournaments.balance import pair_counts, seat_counts, spread, teammate_counts
+from numpy.typing import NDArray
 
+from wildscav_evaluator.tournaments.draws import Draws
+from wildscav_evaluator.tournaments.meetings import count_meetings, even_out, spread_of
+from wildscav_evaluator.tournaments.pairings import pair_up
 from wildscav_evaluator.tournaments.schedule import Schedule, make_schedule
+from wildscav_evaluator.tournaments.seating import colour_edges
+
+Int = NDArray[np.int64]
+
+
+def pair_counts(schedule: Schedule) -> Int:
+    """In how many games each two entrants play, with or against each other: (n, n), the diagonal 0."""
+    return _pairs_in(_entrants_of_games(schedule), schedule)
+
+
+def teammate_counts(schedule: Schedule) -> Int:
+    """In how many games each two entrants are teammates: (n, n), the diagonal 0."""
+    size = schedule.teams.count(0) if schedule.mixed else 1
+    return _pairs_in(_entrants_of_games(schedule).reshape(-1, size), schedule)
+
+
+def seat_counts(schedule: Schedule) -> Int:
+    """In how many matches each entrant has each seat: (n, K)."""
+    counts = np.zeros((len(schedule.groups), len(schedule.teams)), np.int64)
+    np.add.at(counts, (schedule.players, np.arange(len(schedule.teams))), 1)
+    return counts
+
+
+def spread(schedule: Schedule) -> int:
+    """By how many games the meetings of two pairs differ at most, among the pairs that may meet."""
+    return spread_of(pair_counts(schedule), schedule.groups)
+
+
+def _entrants_of_games(schedule: Schedule) -> Int:
+    """Return the entrants of each game, each named once: (G, P)."""
+    first = np.flatnonzero(np.diff(schedule.games, prepend=-1))
+    apart = 1 if schedule.mixed else schedule.teams.count(0)
+    return schedule.players[first, ::apart].astype(np.int64)
+
+
+def _pairs_in(games: Int, schedule: Schedule) -> Int:
+    counts = count_meetings(games, len(schedule.groups))
+    np.fill_diagonal(counts, 0)
+    return counts
 
 
 @st.composite
@@ -244,3 +286,80 @@ def test_what_cannot_be_is_refused_in_one_line(changed: dict[str, Any], message:
     with pytest.raises(ValueError, match=message) as refused:
         make_schedule(**arguments)
     assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("entrants", "places", "rounds", "games"),
+    [(7, 3, 1, 7), (9, 3, 4, 12), (16, 4, 5, 20), (13, 4, 1, 13), (8, 4, 7, 14), (13, 9, 1, 13)],
+)
+def test_known_designs_are_found(entrants: int, places: int, rounds: int, games: int) -> None:
+    found = pair_up(tuple(range(entrants)), places, rounds)
+
+    assert found.shape == (rounds, games // rounds, places)
+    assert spread_of(count_meetings(found, entrants), range(entrants)) == 0
+
+
+def test_games_of_hundreds_are_made() -> None:
+    games = pair_up(tuple(range(1000)), 400, 3)
+
+    assert games.shape == (3, 5, 400)
+    assert (np.sort(games.reshape(3, 2000), axis=1) == np.repeat(np.arange(1000), 2)).all()
+    assert (np.diff(np.sort(games, axis=2), axis=2) > 0).all()
+
+
+def test_swaps_make_meetings_more_even() -> None:
+    start = np.stack([np.arange(20).reshape(5, 4)] * 4)  # the same games in all four rounds
+
+    found = even_out(start, range(20), Draws("test"))
+
+    assert spread_of(count_meetings(found, 20), range(20)) == 1  # it was 4
+    assert (np.sort(found.reshape(4, 20), axis=1) == np.arange(20)).all()
+
+
+def test_groups_that_fill_every_game_still_play_equally_often() -> None:
+    """Three groups of three in threes: each game has one of each, and in three rounds all of them meet."""
+    games = pair_up((0, 0, 0, 1, 1, 1, 2, 2, 2), 3, 3)
+
+    met = count_meetings(games, 9)
+    assert (np.sort(games // 3, axis=2) == np.arange(3)).all()
+    assert spread_of(met, np.repeat(np.arange(3), 3).tolist()) == 0
+    assert met[0, 3] == 1
+
+
+def test_many_meetings_are_counted_as_few_are(monkeypatch: pytest.MonkeyPatch) -> None:
+    games = pair_up(tuple(range(30)), 7, 4)
+    listed = count_meetings(games, 30)
+
+    monkeypatch.setattr("wildscav_evaluator.tournaments.meetings.MANY_CELLS", 0)
+
+    assert (count_meetings(games, 30) == listed).all()
+
+
+def test_draws_are_philox_and_stay_what_they_are() -> None:
+    draws = Draws("a", 1)
+
+    assert draws.words(2).tolist() == [18060064335630236126, 1650220348908585770]
+    assert sorted(draws.order(6).tolist()) == list(range(6))
+
+
+@given(st.lists(st.tuples(st.integers(0, 8), st.integers(0, 8)), min_size=1, max_size=60))
+def test_no_node_has_two_edges_of_a_colour(edges: list[tuple[int, int]]) -> None:
+    left, right = np.array(edges, np.int64).T
+    colours = int(max(np.bincount(left).max(), np.bincount(right).max()))
+
+    found = colour_edges(left, right, colours)
+
+    assert found.min() >= 0
+    assert found.max() < colours
+    for nodes in (left, right):
+        assert len(set(zip(nodes.tolist(), found.tolist(), strict=True))) == len(edges)
+
+
+@pytest.mark.parametrize("size", [1, 2, 7, 40])
+def test_a_complete_graph_becomes_a_latin_square(size: int) -> None:
+    left, right = np.divmod(np.arange(size * size), size)
+
+    square = colour_edges(left, right, size).reshape(size, size)
+
+    assert (np.sort(square, axis=0) == np.arange(size)[:, None]).all()
+    assert (np.sort(square, axis=1) == np.arange(size)[None, :]).all()

@@ -11,12 +11,10 @@ from tests.leaderboard.seasons_made import NOON
 
 from wildscav_evaluator.output.results import MetricInfo
 from wildscav_evaluator.ratings.matches import RatedMatch
-from wildscav_evaluator.suites.official import OFFICIAL
 from wildscav_leaderboard.boards.columns import columns_of
 from wildscav_leaderboard.boards.documents import Entry, LadderBoard
 from wildscav_leaderboard.boards.ladder_board import Enough, ladder_board
 from wildscav_leaderboard.boards.ladders import Played, placed_match
-from wildscav_leaderboard.boards.matchmaking import Candidate, choose_entrants, ladder_match
 from wildscav_leaderboard.boards.ranks import better_in_pairs, rank_ranges
 from wildscav_leaderboard.boards.suite_board import SuiteResults, suite_board
 
@@ -163,45 +161,3 @@ def test_identical_submissions_are_not_told_apart_however_many_seasons_they_play
     assert not any(row.provisional for row in rows)
     middle = 1500.0 + (1.0 - np.mean([1.0] * 10 + list(ROBOTS.values()))) * 400.0 / np.log(10.0)
     assert np.mean([row.low <= middle <= row.high for row in rows]) > 0.88  # 95 % are promised of each
-
-
-def candidates(counts: list[int], robots: int = 0) -> list[Candidate]:
-    found = [Candidate(f"agent-{i}", i, 1500.0 + i, count) for i, count in enumerate(counts)]
-    return found + [Candidate(f"robot:r{i}", None, 1500.0, 0) for i in range(robots)]
-
-
-@given(st.integers(2, 20), st.integers(2, 6), st.integers(0, 1000))
-def test_nobody_starves_and_the_new_come_first(count: int, seats: int, salt: int) -> None:
-    played = dict.fromkeys(range(count), 0)
-    robots = [Candidate(f"robot:r{i}", None, 1500.0, 0) for i in range(seats)]
-    for game in range(count * 4):
-        pool = [Candidate(f"agent-{i}", i, 1500.0 + i * salt % 7, played[i]) for i in played]
-        met = choose_entrants([*pool, *robots], seats, 10_000, f"{salt}/{game}")
-        assert met is not None
-        assert len(met) == seats == len(set(met))
-        assert met[0].matches == min(played.values())
-        for one in met:
-            if one.team is not None:
-                played[one.team] += 1
-    assert min(played.values()) >= 4
-
-
-def test_a_match_of_a_ladder_follows_from_its_number_alone_and_its_twin_has_other_seats() -> None:
-    names = ["fox-1", "owl-2", "robot:fighter"]
-    spec, seats = ladder_match(OFFICIAL, "battle", 7, 4, names)
-    again, seats_again = ladder_match(OFFICIAL, "battle", 7, 4, names)
-    twin, twin_seats = ladder_match(OFFICIAL, "battle", 7, 5, names)
-    assert (spec, seats) == (again, seats_again)
-    assert (spec.map, spec.seed) == (twin.map, twin.seed)
-    assert sorted(seats.values()) == sorted(twin_seats.values()) == names
-    assert seats != twin_seats
-    assert [spec.seats[seat] for seat, name in seats.items() if name == "robot:fighter"] == ["fighter"]
-    other, _ = ladder_match(OFFICIAL, "battle", 7, 6, names)
-    assert (other.map, other.seed) != (spec.map, spec.seed)
-
-
-@pytest.mark.parametrize("number", [0, 19, 20, 41])
-def test_a_ladder_never_runs_out_of_games(number: int) -> None:
-    """The official suite has ten battles; the eleventh game is drawn from the next seed."""
-    spec, _ = ladder_match(OFFICIAL, "battle", 7, number, ["fox-1", "owl-2"])
-    assert spec.track == "battle"

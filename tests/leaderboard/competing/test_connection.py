@@ -2,16 +2,79 @@
 
 import json
 import socket
+import socketserver
+import ssl
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from typing import Any
 
 import pytest
-from tests.leaderboard.competing.strange_servers import Answer, byte_server, http_server
-from tests.platform.helpers.certificates import Authority
+from tests.platform.helpers.certificates import Authority, Pair
 
 from wildscav.errors import UserError
+from wildscav_leaderboard.api.documents import SubmissionView
 from wildscav_leaderboard.competing import connection as connections
+from wildscav_leaderboard.competing import season_client
 from wildscav_leaderboard.competing.connection import AnswerError, Connection, NoSeasonError, UnreachableError
 from wildscav_leaderboard.competing.season_client import SeasonClient
+
+Answer = tuple[int, dict[str, str], bytes]
+
+
+@contextmanager
+def http_server(answer: Callable[[str], Answer], pair: Pair | None = None) -> Iterator[str]:
+    """Run a server that answers by path, with TLS if there is a certificate; give its address."""
+
+    class Handler(BaseHTTPRequestHandler):
+        def do_GET(self) -> None:
+            status, headers, content = answer(self.path)
+            self.send_response(status)
+            for name, value in {"Content-Length": str(len(content)), **headers}.items():
+                self.send_header(name, value)
+            self.end_headers()
+            self.wfile.write(content)
+
+        def log_message(self, *_: Any) -> None:
+            pass
+
+    server = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
+    server.handle_error = lambda *_: None  # type: ignore[method-assign] - a client that hangs up is no error
+    if pair is not None:
+        context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+        context.load_cert_chain(pair.cert, pair.key)
+        server.socket = context.wrap_socket(server.socket, server_side=True)
+    with _running(server):
+        yield f"http{'' if pair is None else 's'}://127.0.0.1:{server.server_address[1]}"
+
+
+@contextmanager
+def byte_server(content: bytes) -> Iterator[str]:
+    """Run a server that says the same to everyone and hangs up; give its address."""
+
+    class Handler(socketserver.BaseRequestHandler):
+        def handle(self) -> None:
+            self.request.recv(1 << 16)
+            self.request.sendall(content)
+
+    server = socketserver.ThreadingTCPServer(("127.0.0.1", 0), Handler)
+    with _running(server):
+        yield f"http://127.0.0.1:{server.server_address[1]}"
+
+
+@contextmanager
+def _running(server: socketserver.BaseServer) -> Iterator[None]:
+    thread = threading.Thread(target=server.serve_forever, args=(0.05,))
+    thread.start()
+    try:
+        yield
+    finally:
+        server.shutdown()
+        thread.join()
+        server.server_close()
 
 
 def refusal(url: str, token: str | None = None) -> UserError:
@@ -122,3 +185,69 @@ def test_https_to_a_server_without_tls_suggests_http() -> None:
 def test_what_cannot_be_a_token_is_not_sent(token: str) -> None:
     with pytest.raises(UserError, match="this is not a token"):
         Connection("http://127.0.0.1:1", token)
+
+
+NOON = datetime(2030, 6, 1, 12, tzinfo=UTC)
+FIRST = SubmissionView(
+    id=7,
+    team="ants",
+    team_title="The Ants",
+    name="walker",
+    version="1",
+    message="",
+    tracks=["battle"],
+    digest="ab" * 16,
+    size=1,
+    created=NOON,
+    state="submitted",
+    since=NOON,
+    playing=[],
+    kept=False,
+    deadline=None,
+    charged=True,
+    platform_faults=0,
+    fault=None,
+)
+
+
+def state(name: str) -> Answer:
+    return 200, {}, FIRST.model_copy(update={"state": name}).model_dump_json().encode()
+
+
+DOWN: Answer = (502, {}, b"<h1>Bad Gateway</h1>")
+LATER: Answer = (429, {}, json.dumps({"error": "too many requests: try again in 1 s"}).encode())
+
+
+@pytest.fixture(autouse=True)
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(season_client, "PAUSE", 0.0)
+
+
+def followed(*answers: Answer) -> Iterator[Any]:
+    """What is seen of a submission whose season answers like this."""
+    left = list(answers)
+    with http_server(lambda _: left.pop(0)) as url, Connection(url, "token") as connection:
+        for seen in season_client.follow(SeasonClient(connection), FIRST):
+            yield seen.state if isinstance(seen, SubmissionView) else "?"
+
+
+@pytest.mark.parametrize("last", ["active", "failed", "cancelled", "disabled"])
+def test_it_ends_with_the_submission(last: str) -> None:
+    assert list(followed(state("queued"), state(last))) == ["submitted", "queued", last]
+
+
+def test_a_season_that_is_down_or_busy_is_asked_again() -> None:
+    seen = list(followed(DOWN, LATER, state("building"), DOWN, state("active")))
+    assert seen == ["submitted", "?", "?", "building", "?", "active"]
+
+
+def test_a_season_that_stays_away_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(season_client, "PATIENCE", 0.0)
+    with pytest.raises(UserError, match="is down: HTTP status 502"):
+        list(followed(DOWN))
+
+
+def test_a_refusal_is_the_end() -> None:
+    refused = (401, {}, json.dumps({"error": "this token is unknown or revoked"}).encode())
+    with pytest.raises(UserError, match="this token is unknown or revoked"):
+        list(followed(state("queued"), refused))

@@ -1,12 +1,79 @@
-"""Matches, their logs and their replays; the board."""
+"""Teams, checks, matches with their logs and replays, and the board, by command."""
 
 import json
+from pathlib import Path
 
+import pytest
+from tests.leaderboard.agents import write_agent
 from tests.leaderboard.competing.season_site import Competitor
 
+from wildscav.errors import UserError
 from wildscav_engine.record import read_record
+from wildscav_evaluator.check.season import SeasonRules
+from wildscav_evaluator.submissions.submission import load_submission
 from wildscav_leaderboard.accounts.models import ORGANIZER
 from wildscav_leaderboard.accounts.service import find_account
+
+
+def test_a_team_is_made_joined_and_left(competitor: Competitor) -> None:
+    competitor.logged_in("uma")
+    made = json.loads(competitor.run("team", "create", "urchins", "--title", "The Urchins", "--json").stdout)
+    assert made["team"]["members"] == ["uma"]
+
+    competitor.logged_in("vic")
+    assert "uma, vic" in competitor.run("team", "join", made["key"]).stdout
+    again = competitor.run("team", "join", made["key"])
+    assert again.stderr == "wildscav: you are a member of the team urchins: leave it first\n"
+
+    new = competitor.run("team", "key").stdout.strip()
+    assert json.loads(competitor.run("team", "leave", "--json").stdout) == {"left": "urchins"}
+    assert competitor.run("team", "show").returncode == 1
+    assert "The Urchins" in competitor.run("team", "show", "urchins").stdout
+
+    old = competitor.run("team", "join", made["key"])
+    assert old.stderr == "wildscav: this key is of no team: ask a teammate for a new one\n"
+    assert competitor.run("team", "join", new).returncode == 0
+
+
+def test_names_that_are_no_names_are_refused(competitor: Competitor) -> None:
+    competitor.logged_in("wanda")
+    for name in ("A/B", "../accounts", "x" * 41):
+        assert "is not allowed" in competitor.run("team", "create", name).stderr
+        assert competitor.run("team", "show", name).returncode == 1
+
+
+def test_a_check_has_the_seasons_sandbox_limits_and_seats(competitor: Competitor, tmp_path: Path) -> None:
+    season = competitor.site.season
+    walker = load_submission(write_agent(tmp_path, "walker", tracks='["navigation", "battle", "royale"]'))
+
+    rules = SeasonRules.of(competitor.site.url)
+    trials = rules.trials(walker, "quick")
+
+    assert rules.validation.sandbox == season.settings.execution.sandbox
+    assert {track: trial.limits for track, trial in trials.items()} == {
+        track: season.limits(track) for track in ("navigation", "battle")
+    }
+    assert trials["battle"].spec.seats == ("submission", "fighter")
+
+
+def test_a_season_without_the_submissions_tracks_is_refused(competitor: Competitor, tmp_path: Path) -> None:
+    walker = load_submission(write_agent(tmp_path, "walker", tracks='["royale"]'))
+    with pytest.raises(UserError, match="the season has only navigation, "):
+        SeasonRules.of(competitor.site.url).trials(walker, "quick")
+
+
+@pytest.mark.parametrize(
+    ("url", "says"),
+    [
+        ("season.example.org", "must be an address such as https://season.example.org"),
+        ("http://127.0.0.1:9", "cannot ask the season http://127.0.0.1:9: .*refused"),
+        ("{site}/nowhere", "HTTP Error 404"),
+        ("http://[", "cannot ask the season"),
+    ],
+)
+def test_what_is_no_season_is_said_to_be_none(competitor: Competitor, url: str, says: str) -> None:
+    with pytest.raises(UserError, match=says):
+        SeasonRules.of(url.replace("{site}", competitor.site.url))
 
 
 def test_the_matches_of_a_submission_are_listed_with_their_outcomes(competitor: Competitor) -> None:

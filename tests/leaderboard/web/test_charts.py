@@ -1,13 +1,15 @@
-"""Charts of ranks: where the lines are, and when there is nothing to draw."""
+"""Charts of ranks: where the lines are; and parts of pages that are kept."""
 
 from datetime import datetime, timedelta
 from itertools import pairwise
 
 import pytest
+from markupsafe import Markup
 from tests.leaderboard.seasons_made import NOON
 
 from wildscav_leaderboard.boards.models import BoardPoint
 from wildscav_leaderboard.web.charts import LEFT, MAX_POINTS, NEAREST, Chart, rank_chart
+from wildscav_leaderboard.web.rendering import PageParts
 
 HOUR = timedelta(hours=1)
 END = NOON + 10 * HOUR
@@ -101,3 +103,28 @@ def test_no_two_marks_of_the_time_say_the_same(span: timedelta, marks: list[str]
     chart = drawn([("owls", [point(0, 1), point(0, 2)])], NOON + span)
 
     assert [text for _, text in chart.times] == marks
+
+
+def test_a_part_is_made_once_for_each_key() -> None:
+    parts, made = PageParts(), []
+
+    def make(key: str) -> Markup:
+        made.append(key)
+        return Markup("<b>%s</b>") % key
+
+    shown = [parts.get(key, lambda key=key: make(key)) for key in ("a", "b", "a", "<c>", "a")]
+
+    assert made == ["a", "b", "<c>"]
+    assert shown == ["<b>a</b>", "<b>b</b>", "<b>a</b>", "<b>&lt;c&gt;</b>", "<b>a</b>"]
+
+
+def test_what_was_not_used_for_the_longest_time_is_forgotten_first() -> None:
+    parts, made = PageParts(most=2), []
+
+    def ask(key: str) -> None:
+        parts.get(key, lambda: made.append(key) or Markup("x"))
+
+    for key in ("a", "b", "a", "c", "a", "b"):
+        ask(key)
+
+    assert made == ["a", "b", "c", "b"]

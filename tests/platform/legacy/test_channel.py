@@ -1,14 +1,18 @@
-"""The connection to a client: its end is heard of at once, whoever waits for what."""
+"""The connection to a client, and the end of a session: the client may go or close at any time."""
 
 import contextlib
 import threading
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
+from tests.platform.legacy.helpers.commands import command
 from tests.platform.legacy.helpers.competitor import Competitor
 
 from wildscav_legacy.channel import LARGEST, Client, ClientGoneError, TooLargeError
-from wildscav_legacy.commander_pb2 import GameState, GMCommand
+from wildscav_legacy.commander_pb2 import GameMode, GameState, GMCommand
 from wildscav_legacy.request_messages import START
+from wildscav_legacy.session import Session
 
 
 @pytest.mark.parametrize("watched", [True, False])
@@ -46,5 +50,69 @@ def test_a_reply_that_no_episode_needs_is_not_taken_in(size: int) -> None:
     else:
         with pytest.raises(TooLargeError, match="sent a reply of more than 1 MiB"):
             client.ask(START)
+    client.close()
+    competitor.die()
+
+
+Playing = tuple[Competitor, threading.Thread]
+
+
+@pytest.fixture
+def playing(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> Iterator[Playing]:
+    """A client whose engine has made its first call, and that engine."""
+    caplog.set_level("INFO", "wildscav_legacy")
+    competitor = Competitor()
+    client = Client(f"127.0.0.1:{competitor.port}")
+    engine = threading.Thread(target=Session(client, tmp_path).run)
+    engine.start()
+    competitor.wait()
+    yield competitor, engine
+    client.close()
+    competitor.die()
+
+
+@pytest.mark.parametrize(
+    ("actions", "ended", "said"),
+    [
+        (None, "closed by the client after 0 episodes", ""),
+        (4, "closed by the client after 1 episode", "episode 1: interrupted after 20 frames"),
+        (10, "closed by the client after 1 episode", "episode 1: time up after 50 frames"),
+    ],
+)
+def test_close_ends_the_engine_before_in_and_after_an_episode(
+    playing: Playing, caplog: pytest.LogCaptureFixture, actions: int | None, ended: str, said: str
+) -> None:
+    competitor, engine = playing
+    if actions is not None:
+        competitor.begin(command(timeout=1))
+        competitor.act(times=actions)
+    competitor.close()
+    engine.join(timeout=120)
+    assert not engine.is_alive()
+    assert ended in caplog.messages
+    assert said in caplog.text
+
+
+def test_a_reply_that_belongs_to_no_episode_is_told_and_asked_again(
+    playing: Playing, caplog: pytest.LogCaptureFixture
+) -> None:
+    competitor, engine = playing
+    first = competitor.latest
+    assert competitor.act() == first
+    competitor.close()
+    engine.join(timeout=120)
+    assert not engine.is_alive()
+    assert "the client replies 2, but no episode is being played" in caplog.messages
+
+
+def test_more_agents_than_the_client_has_room_for_are_told_as_such(tmp_path: Path) -> None:
+    """A message of 300 agents, each with 299 enemies, is larger than the 4 MB that gRPC takes by default."""
+    competitor = Competitor()
+    client = Client(f"127.0.0.1:{competitor.port}")
+    competitor.reply(GameState.RESET, gm_cmd=command(GameMode.SUP_BATTLE_MODE, num_agents=300))
+    with pytest.raises(
+        TooLargeError, match=r"does not accept a message of \d+\.\d MB.*fewer agents or supplies"
+    ):
+        Session(client, tmp_path).run()
     client.close()
     competitor.die()

@@ -6,7 +6,7 @@ import pytest
 from tests.platform.legacy.helpers.commands import command, setup, vector
 from tests.platform.legacy.helpers.competitor import Competitor
 
-from wildscav_legacy.commander_pb2 import GameMode, GMCommand, SupplyInfo, SupplyRefreshData
+from wildscav_legacy.commander_pb2 import GameMode, GMCommand, SupplyInfo
 
 
 def gathering(**fields: Any) -> GMCommand:
@@ -53,14 +53,6 @@ def test_outdoor_and_indoor_richness_and_quantities_are_apart(competitor: Compet
     assert {box.supply_quantity for box in outdoor} == {1}
 
 
-def test_a_wider_spacing_leaves_fewer_boxes(competitor: Competitor) -> None:
-    near, far = (
-        len(boxes_of(competitor, gathering(supply_grid_length=length, supply_house_create_percent=0)))
-        for length in (3, 15)
-    )
-    assert 0 < far < near / 5
-
-
 def test_boxes_are_thickest_around_the_middle_of_the_heat_map(competitor: Competitor) -> None:
     asked = gathering(supply_heatmap_radius=8, supply_grid_length=1, supply_house_create_percent=0)
     asked.supply_heatmap_center.CopyFrom(vector((20, 0, -20)))
@@ -83,42 +75,6 @@ def test_who_stands_at_a_box_can_pick_it_up_and_then_it_is_gone(competitor: Comp
     taken = [one for one in before if one not in after]
     assert box.supply_id in {one.supply_id for one in taken}
     assert competitor.seen_by(0).num_supply == sum(one.supply_quantity for one in taken)
-
-
-def test_refreshes_bring_boxes_at_their_second(competitor: Competitor) -> None:
-    refresh = SupplyRefreshData(
-        supply_heatmap_center=vector((0, 0, 0)),
-        supply_heatmap_radius=50,
-        supply_refresh_time=2,
-        supply_create_percent=50,
-        supply_house_create_percent=0,
-    )
-    asked = gathering(supply_create_percent=0, supply_house_create_percent=0)
-    asked.supply_refresh_datas.append(refresh)
-    assert not boxes_of(competitor, asked)
-    competitor.act(times=19)
-    assert not competitor.seen_by(0).supply_info_list
-    competitor.act()
-    assert len(competitor.seen_by(0).supply_info_list) > 20
-
-
-def test_a_refresh_has_a_heat_map_and_a_richness_of_its_own(competitor: Competitor) -> None:
-    refresh = SupplyRefreshData(
-        supply_heatmap_center=vector((20, 0, -20)),
-        supply_heatmap_radius=8,
-        supply_refresh_time=1,
-        supply_create_percent=50,
-        supply_house_create_percent=0,
-    )
-    asked = gathering(supply_create_percent=0, supply_grid_length=1)
-    asked.supply_refresh_datas.append(refresh)
-    known = {box.supply_id for box in boxes_of(competitor, asked)}
-    competitor.act(times=10)
-    new = [box for box in competitor.seen_by(0).supply_info_list if box.supply_id not in known]
-    assert len(known) > 0
-    assert len(new) >= 3
-    for x, _, z in map(place_of, new):
-        assert (x - 20) ** 2 + (z + 20) ** 2 < 30**2
 
 
 def test_shots_are_no_part_of_gathering(competitor: Competitor) -> None:

@@ -1,6 +1,5 @@
 """The original's client, unmodified: version 0.0.3, from PyPI."""
 
-import json
 import math
 import subprocess
 from pathlib import Path
@@ -11,10 +10,7 @@ from tests.platform.legacy.helpers.commands import face_to_face, open_way
 from tests.platform.legacy.helpers.original import SCRIPTS, environment, install, logs, play
 from tests.ports import free_ports
 
-from wildscav_engine.maps import load_map
-from wildscav_engine.maps.export.files import locations_of
 from wildscav_engine.record import read_record, verify_record
-from wildscav_legacy.install import install_engine, obj_of, paths_of
 
 
 @pytest.fixture(scope="session")
@@ -22,24 +18,6 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("legacy")
     install(folder, 1, 2)
     return folder
-
-
-@pytest.mark.slow
-def test_all_modes(tmp_path: Path) -> None:
-    install_engine(tmp_path / "engine")
-    obj, places = paths_of(1, tmp_path / "maps")
-    obj.parent.mkdir()
-    places.write_text(json.dumps(locations_of(load_map(1))))
-    # The mesh is for the client's own raycaster; here it is a small one, soon loaded.
-    obj.write_bytes(obj_of(load_map(103)))
-    told = play("modes", tmp_path, face_to_face(map_id=1))
-    # 5 m/s for 0.8 s: 4 m north.
-    assert told["north"] == pytest.approx(4.0, abs=0.01)
-    assert told["boxes"] > 10
-    assert told["gathered"] > 0
-    assert told["frames"] == 150
-    assert told["health"] == [100, 80]
-    assert "closed by the client after 3 episodes" in logs(tmp_path)
 
 
 @pytest.mark.slow

@@ -145,8 +145,6 @@ class PlayOptions:
         """Yield a plan with these options, and the executor that is to play it.
 
         Args:
-            make: The kind of plan.
-            submissions: What will be played.
             parent: The folder of numbered output folders, for when no output folder is named.
             more: The fields of the plan that do not follow from these options.
         """

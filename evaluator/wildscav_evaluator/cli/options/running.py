@@ -80,7 +80,6 @@ def chosen_sandbox(
 
     Args:
         asked: The name that the user gave, if any.
-        submissions: What will be played.
         executor: Where it will be played; this machine if None.
 
     Raises:

@@ -83,11 +83,8 @@ def chosen_settings(
     """Return who sits where; what is not asked for depends on the track, the suite and the entrants.
 
     Args:
-        asked: The options of the command.
         entrants: The number of entrants.
         entries: How many of them are entries of one submission, at most.
-        suite: The suite.
-        track: The track.
 
     Raises:
         UserError: The entrants cannot be seated like that.
@@ -147,7 +144,6 @@ def robots_asked(text: str, track: str, most: int) -> tuple[str, ...]:
 
     Args:
         text: Their number, or their names, separated by commas.
-        track: The track.
         most: How many seats are left for them.
 
     Raises:

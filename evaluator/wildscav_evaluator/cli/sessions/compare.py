@@ -30,8 +30,6 @@ def run_comparison(
     """Play two submissions on the same matches, and show and save which is better.
 
     Args:
-        plan: What to evaluate.
-        options: How to show the progress.
         executor: Where to play; processes on this machine if None.
         as_json: Whether to print a JSON document as well.
 

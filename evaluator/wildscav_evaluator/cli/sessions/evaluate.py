@@ -40,8 +40,6 @@ def run_session(
     """Evaluate, and show and save the results.
 
     Args:
-        plan: What to evaluate.
-        options: How to show the progress.
         executor: Where to play; processes on this machine if None.
         as_json: Whether to print a JSON document as well.
 

@@ -42,8 +42,6 @@ def playing(
     """Play the matches of a plan that are not played yet, and lock its output folder while the block lasts.
 
     Args:
-        plan: The plan.
-        options: How to show the progress.
         executor: Where to play; processes on this machine if None.
 
     Yields:
@@ -149,9 +147,6 @@ def say_files(plan: Plan, ledger: LedgerWriter, results: Results, replay: str | 
     """Print where everything is, and the commands that look at it.
 
     Args:
-        plan: What was played.
-        ledger: Its ledger.
-        results: Its results.
         replay: The replay to suggest; the first one if None.
     """
     say("results", str(plan.out / RESULTS_FILE))

@@ -26,8 +26,6 @@ def run_rescore(out: Path, executor: Executor, key: str | None = None, *, as_jso
     """Play the records of a folder again, show the tables that follow from them, and report disagreements.
 
     Args:
-        out: The output folder of an evaluation.
-        executor: Where to play them.
         key: The public key that must have signed its ledger; None to accept any.
         as_json: Whether to print a JSON document as well.
 
@@ -127,7 +125,6 @@ def recomputed(
     """Return results that are recomputed from records.
 
     Args:
-        replayed: The records, played again.
         reported: The evaluation's own results, the source of everything that records do not contain; None if
             there are none.
         identity: The identity of the evaluation, which is used if it has no results yet.

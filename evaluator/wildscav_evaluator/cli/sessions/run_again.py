@@ -40,8 +40,6 @@ def run_again(path: Path, submission: Submission, *, seats: Sequence[int], logs:
     """Run a submission again in a recorded match, and show how far it acts as recorded.
 
     Args:
-        path: The record.
-        submission: The submission to run.
         seats: The seats whose actions to compare; if empty, those that the record gives to the submission.
         logs: The folder for the agents' output.
         sandbox: The name of the sandbox in which they run.

@@ -34,8 +34,6 @@ def run_tournament(
     """Play a tournament, and show and save its standings.
 
     Args:
-        plan: What to play.
-        options: How to show the progress.
         executor: Where to play; processes on this machine if None.
         as_json: Whether to print a JSON document as well.
 

@@ -100,8 +100,6 @@ def _contradiction(path: Path, record: Record, key: str | None) -> str:
     """Return why a record does not match its name or its evaluation's ledger, or an empty text if it does.
 
     Args:
-        path: The file of the record.
-        record: The record.
         key: The public key that the ledger must be signed with; None to accept any ledger.
 
     Raises:

@@ -53,7 +53,6 @@ class Bridge:
         """Send a request, and yield the messages that answer it, except questions.
 
         Args:
-            request: The request.
             answer: Returns the answer to a question.
 
         Raises:

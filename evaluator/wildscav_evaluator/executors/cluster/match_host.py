@@ -59,12 +59,7 @@ class Report:
 
 
 class MatchHost:
-    """Plays matches on a node, each from ``play`` and ``report`` calls until a report has its end.
-
-    Args:
-        sensors: The sensors that matches will read.
-        timeouts: How long a match may make no progress.
-    """
+    """Plays matches on a node, each from ``play`` and ``report`` calls until a report has its end."""
 
     def __init__(self, sensors: Sequence[Wanted], timeouts: ProgressTimeouts | None = None) -> None:
         for name in RAYS_OWN:

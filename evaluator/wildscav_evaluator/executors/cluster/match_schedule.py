@@ -57,7 +57,6 @@ class MatchSchedule:
     """Plays jobs on the nodes of a cluster.
 
     Args:
-        nodes: The nodes.
         jobs: The jobs, in the order in which to start them.
         at_once: How many matches at once, at most.
         shipments: The submissions' files, by their folders here.

@@ -106,7 +106,6 @@ class Calls:
     """Calls a function with items, each on one core of a node.
 
     Args:
-        nodes: The nodes.
         function: A function of a module.
         at_once: How many calls at once, at most.
     """

@@ -40,7 +40,6 @@ def agent_variables(launch: Launch, address: str) -> dict[str, str]:
     """Return the environment variables that every agent gets.
 
     Args:
-        launch: The agent's launch.
         address: The address of the match server, as the agent sees it.
     """
     return {
@@ -165,12 +164,7 @@ async def start_process(
     """Start a process in its own session, with its output going to the launch's log.
 
     Args:
-        arguments: The command.
-        launch: The agent's launch.
-        handle: The sandbox's handle on it.
-        kind: The class of what is returned.
         environment: All of its environment variables.
-        folder: Its working directory.
         pass_fds: File descriptors that stay open for it.
 
     Raises:

@@ -30,7 +30,6 @@ def last_words(lines: Sequence[str], folders: Sequence[Path]) -> str:
     """Return the last exception in the output and where it was raised; without one, the last line, if any.
 
     Args:
-        lines: The lines of the output.
         folders: The folders of the agent's code; a place outside them is named only if no frame is inside.
     """
     starts = [number for number, line in enumerate(lines) if line.startswith(EXCEPTION) or _unread(line)]
@@ -54,7 +53,6 @@ def overdue_stack(lines: Sequence[str], folders: Sequence[Path]) -> str:
     """Return where the agent's code was when its time was up, in a few words; an empty text if not printed.
 
     Args:
-        lines: The lines of the output.
         folders: The folders of the agent's code.
     """
     starts = [number for number, line in enumerate(lines) if TIME_IS_UP.fullmatch(line)]

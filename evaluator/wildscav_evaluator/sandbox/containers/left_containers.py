@@ -39,7 +39,6 @@ def enter_processes(engine: ContainerEngine, identity: str) -> None:
     """Enter the processes of a created container in that list, before it is started.
 
     Args:
-        engine: The engine that will run it.
         identity: The identity that the engine gave the container.
     """
     if engine.name == "podman":  # no command can take a container away from Docker's daemon
@@ -87,8 +86,6 @@ def _is_removed(engine: ContainerEngine, name: str, settled: float) -> bool:
     """Remove a container, and return whether it is gone for good.
 
     Args:
-        engine: The engine of the container.
-        name: The container's name.
         settled: The time (by the monotonic clock) until which a missing container may still be created.
 
     Raises:

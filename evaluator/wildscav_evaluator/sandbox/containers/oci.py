@@ -221,8 +221,6 @@ def _with_wall_clock(
 
     Args:
         command: The command in the image; empty for the image's own.
-        launch: The agent's launch.
-        engine: The engine that runs the container.
     """
     seconds = launch.lasts
     if engine.name == "podman":

@@ -66,7 +66,6 @@ def guarded(command: Sequence[str], seconds: float, variables: Sequence[str] = (
     """Return a command that Docker runs for a limited time, under an init process that reaps orphans.
 
     Args:
-        command: The agent's command.
         seconds: How long it may run, s.
         variables: Variables ("NAME=value") that the command gets but the guard does not.
     """

@@ -106,7 +106,6 @@ class AgentGroup:
 
     Args:
         version: Where groups are created.
-        limits: The agent's limits.
 
     Raises:
         SandboxError: A limit could not be set.

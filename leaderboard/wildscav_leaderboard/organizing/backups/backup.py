@@ -78,10 +78,8 @@ def back_up(
     """Write a backup, whole or not at all. It holds the secrets, so only its owner may read it.
 
     Args:
-        season: The season.
         database: Its database, of this version or an older one.
         out: The file, which must not exist yet.
-        now: The time.
         on_progress: Called after every file.
         with_files: Whether archives and records are in it.
 

@@ -33,7 +33,6 @@ def restore(archive: Path, folder: Path) -> Restored:
     another kind than it was.
 
     Args:
-        archive: The backup.
         folder: The season's folder, which must be missing or empty.
 
     Raises:

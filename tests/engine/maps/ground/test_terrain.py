@@ -237,18 +237,6 @@ def test_joins_of_two_houses_on_a_slope_can_be_walked(
     assert steepness(heights).max() < 0.84
 
 
-@pytest.mark.parametrize("density", ["low", "high"])
-def test_default_country_has_room_for_houses(density: str) -> None:
-    for size, count in ((100, 4), (200, 8), (500, 15)):
-        for seed in range(3):
-            config = MapConfig(size=size, houses=count, density=density)
-            sites = settle(
-                config, seed, make_terrain(config, seed), [(14.0, 11.0), (11.0, 9.0)] * count
-            ).sites
-
-            assert len(sites) >= count
-
-
 def test_sites_are_dry() -> None:
     config = MapConfig(size=100, houses=5, water=0.4)
     terrain = make_terrain(config, 0)

@@ -1,5 +1,6 @@
 """`wildscav evaluate` as its user runs it: agents in processes, files on disk, one clear line for errors."""
 
+import json
 import subprocess
 import sys
 from dataclasses import replace
@@ -7,14 +8,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.evaluator.results_by_hand import identity_of, results_of
 from tests.evaluator.sample_agents import WALKER, Command, Submit
 
 from wildscav_engine.record import read_record, save, verify_record
+from wildscav_evaluator.cli.sessions.playing import saving_errors
+from wildscav_evaluator.ledger.writer import LedgerWriter
 from wildscav_evaluator.output.results import KeptLimits, Results, read_results
 from wildscav_evaluator.submissions.submission import folder_digest
 
 pytestmark = pytest.mark.usefixtures("compiled")
-
 SUITE = """
 name = "short"
 map = { size = 40, houses = 1 }
@@ -198,3 +201,63 @@ def run_with_file_limit(arguments: list[object]) -> "subprocess.CompletedProcess
     program = Path(sys.executable).parent / "wildscav"
     command = ["sh", "-c", 'ulimit -f 3 && exec "$@"', "sh", str(program), *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, timeout=300)
+
+
+TINY = """
+name = "tiny"
+[map]
+size = 40
+houses = 1
+[tracks.navigation]
+maps = 7
+episodes = 1
+match = { time_limit = 2 }
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("compiled")
+def test_an_edited_agent_is_evaluated_beside_its_former_self(
+    wildscav: Command, submit: Submit, tmp_path: Path
+) -> None:
+    folder = submit("mine", WALKER).folder
+    (tmp_path / "tiny.toml").write_text(TINY)
+    arguments = ("evaluate", folder, "--suite=tiny.toml", "--replays=none")
+
+    first = wildscav(*arguments, cwd=tmp_path)
+    assert first.returncode == 0, first.stderr
+    assert "since last time" not in first.stdout
+
+    manifest = folder / "submission.toml"
+    manifest.write_text(manifest.read_text().replace("1.0.0", "2.0.0"))
+    (folder / "agent.py").write_text((folder / "agent.py").read_text().replace("6.0", "0.0"))
+    second = wildscav(*arguments, cwd=tmp_path)
+    assert second.returncode == 0, second.stderr
+    assert "since last time" in second.stdout
+    assert "0001 1.0.0" in " ".join(second.stdout.split())
+
+    again = wildscav(*arguments, "--json", cwd=tmp_path)
+    assert again.returncode == 0
+    assert "all 7 matches were played before" in again.stderr
+    document = json.loads(again.stdout)
+    assert document["folder"] == "out/evaluations/0002-mine"
+    assert document["results"]["evaluations"][0]["version"] == "2.0.0"
+    (since,) = document["since_last"]
+    assert (since["folder"], since["version"], since["comparison"]["pairs"]) == ("0001-mine", "1.0.0", 7)
+
+    fresh = wildscav(*arguments, "--fresh", cwd=tmp_path)
+    assert fresh.returncode == 0
+    assert "played before" not in fresh.stdout
+    kept = sorted(path.name for path in (tmp_path / "out" / "evaluations").iterdir())
+    assert kept == ["0001-mine", "0002-mine", "0003-mine"]
+
+
+def test_a_ledger_that_cannot_be_closed_keeps_no_results_from_being_shown(tmp_path: Path) -> None:
+    results = results_of("ada")
+    ledger = LedgerWriter(tmp_path, identity_of("ada"), None)
+    ledger._path = Path("/dev/full")  # the disk is full from here on
+
+    (said,) = saving_errors(results, tmp_path, ledger)
+
+    assert said == "the ledger /dev/full cannot be written: No space left on device"
+    assert read_results(tmp_path / "results.json") == results

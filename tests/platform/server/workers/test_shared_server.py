@@ -1,11 +1,13 @@
-"""A shared server: which worker plays a match, where its seats are joined, and what its death costs."""
+"""A shared server: which worker plays a match, and what becomes of one that ends, hangs or errs."""
 
 import asyncio
 import os
 import signal
 import socket
+import sys
 from collections.abc import Awaitable, Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import grpc
@@ -15,11 +17,15 @@ from tests.platform.helpers.seats import connected, ended, small_spec, start_age
 from wildscav.errors import UserError
 from wildscav.proto.match_pb2 import GetMatchRequest, GetMatchResponse, HostMatchRequest, HostMatchResponse
 from wildscav.proto.match_pb2_grpc import ArenaStub
-from wildscav.wire.errors import reason_of
+from wildscav.wire.errors import RefusalError, reason_of
 from wildscav.wire.matches import decode_seat_address
 from wildscav_server.hosting.precompile import precompile
 from wildscav_server.leftovers import own_folder
+from wildscav_server.workers import supervisor
+from wildscav_server.workers.dispatcher import Dispatcher
 from wildscav_server.workers.shared_server import SharedServer
+from wildscav_server.workers.supervisor import WorkerSupervisor
+from wildscav_server.workers.worker import WorkerConfig
 
 State = GetMatchResponse.State
 
@@ -160,3 +166,116 @@ def test_an_address_that_is_refused_leaves_no_folder(address: str) -> None:
         assert list(folder.glob("serve-*")) == []
 
     asyncio.run(run())
+
+
+READY = "input(); print('{\"seats\": []}', flush=True); input()"
+
+
+class Notes:
+    """A log that can be read."""
+
+    def __init__(self) -> None:
+        self.lines: list[tuple[str, dict[str, Any]]] = []
+
+    def warning(self, event: str, **about: Any) -> None:
+        self.lines.append((event, about))
+
+    info = warning
+
+
+class Interpreter:
+    """Stands for the Python that workers are run by: a script that a test can exchange."""
+
+    def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        self._path, self._real = folder / "python", sys.executable
+        monkeypatch.setattr(supervisor.sys, "executable", str(self._path))
+
+    def runs(self, code: str) -> None:
+        fresh = self._path.with_name("fresh")
+        fresh.write_text(f"#!{self._real}\n{code}\n")
+        fresh.chmod(0o755)
+        fresh.replace(self._path)
+
+    def is_gone(self) -> None:
+        self._path.unlink()
+
+
+def started(notes: Notes) -> WorkerSupervisor:
+    return WorkerSupervisor(WorkerConfig(seats=[], arena="unix:/nowhere", number=1), notes)
+
+
+@pytest.mark.parametrize(
+    ("code", "why"),
+    [
+        ("input(); print('good morning')", "it answered 'good morning'"),
+        ("input(); print(dict(tables=3))", "it answered .*tables"),
+        ("input(); print('[1, 2]')", "it answered '.1, 2.'"),
+        ("import sys; sys.exit(7)", "it ended with 7"),
+        ("import time; time.sleep(100)", "did not start within 0.5 s"),
+    ],
+    ids=["no json", "nearly json", "other json", "ends", "silent"],
+)
+def test_a_worker_that_does_not_start_says_why(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, code: str, why: str
+) -> None:
+    Interpreter(tmp_path, monkeypatch).runs(code)
+    monkeypatch.setattr(supervisor, "START_TIMEOUT", 0.5 if "within" in why else 60.0)
+
+    async def start() -> None:
+        worker = started(Notes())
+        with pytest.raises(UserError, match=why):
+            await worker.start()
+        assert worker._process is not None
+        assert worker._process.returncode is not None  # nothing is left running
+
+    asyncio.run(start())
+
+
+def test_a_worker_that_cannot_be_started_again_is_tried_until_it_can(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(supervisor, "RESTART_DELAY", 0.01)
+    notes, interpreter = Notes(), Interpreter(tmp_path, monkeypatch)
+
+    async def wait_for(event: str, text: str) -> None:
+        while not any(name == event and text in str(about) for name, about in notes.lines):  # noqa: ASYNC110
+            await asyncio.sleep(0.01)
+
+    async def play() -> None:
+        interpreter.runs(READY)
+        worker = started(notes)
+        await worker.start()
+        assert worker._process is not None
+        interpreter.is_gone()
+        os.kill(worker._process.pid, signal.SIGKILL)
+        await wait_for("worker_did_not_start", "No such file")
+        interpreter.runs("input(); print('nonsense')")
+        await wait_for("worker_did_not_start", "nonsense")
+        interpreter.runs(READY)
+        while worker.generation == 1:  # noqa: ASYNC110
+            await asyncio.sleep(0.01)
+        await worker.stop()
+
+    asyncio.run(play())
+
+
+def test_a_worker_that_hangs_keeps_no_call_waiting(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for limit in ("HOST_TIMEOUT", "GET_TIMEOUT"):
+        monkeypatch.setattr(f"wildscav_server.workers.dispatcher.{limit}", 0.1)
+    path = str(tmp_path / "arena.sock")
+
+    async def call() -> None:
+        async with grpc.aio.insecure_channel(f"unix:{path}") as channel:
+            worker: Any = SimpleNamespace(number=1, generation=1, arena=ArenaStub(channel))
+            dispatcher = Dispatcher([worker], 0)
+            async with asyncio.timeout(10):
+                with pytest.raises(RefusalError, match="no worker takes a match"):
+                    await dispatcher.host_match(HostMatchRequest())
+                with pytest.raises(RefusalError) as caught:
+                    await dispatcher.get_match(GetMatchRequest(match_id="1.1-x"))
+            assert caught.value.code == grpc.StatusCode.DEADLINE_EXCEEDED
+
+    with socket.socket(socket.AF_UNIX) as hangs:  # connected to by the kernel, and never served
+        hangs.bind(path)
+        hangs.listen()
+        asyncio.run(call())

@@ -1,4 +1,4 @@
-"""A run of `wildscav train` from its first step to a submission that plays the same actions."""
+"""A run of `wildscav train`: it reaches what its page promises, and its submission plays the same actions."""
 
 import json
 from pathlib import Path
@@ -15,11 +15,12 @@ from wildscav_training.learning.settings import TrainingSettings
 
 torch = pytest.importorskip("torch")
 pytest.importorskip("tensorboardX")
-pytestmark = pytest.mark.slow  # PyTorch is installed for the slow tests alone
 
 from wildscav_training.learning import run  # noqa: E402
 from wildscav_training.learning.checkpoints import RunFolder  # noqa: E402
 from wildscav_training.learning.ppo import PPO  # noqa: E402
+
+pytestmark = pytest.mark.slow  # PyTorch is installed for the slow tests alone
 
 
 class InterruptionError(Exception):
@@ -118,3 +119,25 @@ def test_what_is_wrong_in_one_of_several_processes_is_said_in_one_line(tmp_path:
     done = train("--out", tmp_path / "out", "--seeds", 2, "--workers", 2, "--resume")
     assert done.exception.exit_code == 2
     assert str(done.exception).endswith("holds no run: settings.json is missing")
+
+
+pytest.importorskip("torch")
+pytest.importorskip("tensorboardX")
+LEARNED = 0.9  # share of targets reached; random actions reach 0.03 of them
+LONGEST = 180.0  # s of one processor
+
+
+def test_the_first_command_of_the_page_learns_to_navigate_in_three_minutes_of_one_core(
+    tmp_path: Path,
+) -> None:
+    done = CliRunner().invoke(app, ["train", "--level", "easy", "--out", str(tmp_path / "easy"), "--json"])
+
+    assert done.exit_code == 0, (done.output, done.exception)
+    (result,) = json.loads(done.stdout)["runs"]
+    reached = {(score["split"], score["choose"]): score["metrics"]["success"] for score in result["scores"]}
+    assert reached["train", "sampled"] >= LEARNED
+    assert reached["test", "sampled"] >= LEARNED, "it has learned the maps of training, and not to navigate"
+    assert result["cpu_seconds"] <= LONGEST
+    figures = (tmp_path / "easy" / "seed-0" / "figures.jsonl").read_text().splitlines()
+    successes = [json.loads(line).get("success", 0.0) for line in figures]
+    assert successes[-1] >= LEARNED

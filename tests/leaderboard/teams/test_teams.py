@@ -1,4 +1,4 @@
-"""Who is of which team: whoever has its key, and one team at a time."""
+"""Who is of which team: whoever has its key. No two have titles that people take for the same."""
 
 from pathlib import Path
 
@@ -62,3 +62,35 @@ def test_nobody_is_of_two_teams(database: Database, season: Season) -> None:
         with pytest.raises(RefusalError, match="you are a member of the team foxes: leave it first"):
             make_team(session, ada, "hares", "", NOON)
         assert own_team(session, ada) is foxes
+
+
+def founded(database: Database, titles: list[str]) -> None:
+    with database.writing() as session:
+        for number, title in enumerate(titles):
+            make_team(session, make_account(session, f"captain-{number}"), f"team-{number}", title, NOON)
+
+
+ALIKE = (
+    "TEAM HOMING",
+    "Team  Homing",  # two spaces
+    "Теаm Ноming",  # noqa: RUF001 (five letters of Cyrillic)
+    "Тeam H\u03bfming",  # noqa: RUF001 (a letter of Cyrillic, a letter of Greek)
+    "Team H0ming",
+    "Tearn Homing",
+    "Team Hom1ng",
+    "Ｔｅａｍ Ｈｏｍｉｎｇ",  # noqa: RUF001
+    "Team\u3164 Homing",  # a letter that nobody sees
+)
+
+
+def test_a_title_that_looks_like_another_one_is_refused(database: Database) -> None:
+    founded(database, ["Team Homing"])
+    with database.writing() as session:
+        other = make_account(session, "other")
+        for title in ALIKE:
+            with pytest.raises(RefusalError, match="the team 'Team Homing' looks the same: choose another"):
+                make_team(session, other, "team-other", title, NOON)
+
+
+def test_titles_that_people_can_tell_apart_are_allowed(database: Database) -> None:
+    founded(database, ["Team Homing", "Team Homing 2", "Équipe", "Equipe", "Совы", "Σοφία", "梟"])

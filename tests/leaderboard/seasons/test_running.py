@@ -1,21 +1,30 @@
-"""A season uses its own database alone, changes no older one unasked, and shows nothing to other users."""
+"""A season that runs: its database, its disk while that is nearly full, and its threads."""
 
+import threading
 from pathlib import Path
 
+import httpx
 import pytest
 from sqlalchemy import create_engine
-from tests.leaderboard.seasons_made import make_season
+from tests.leaderboard.seasons_made import NOON, make_season, team_with_member
+from tests.leaderboard.spectating.served import served
 
 from wildscav.errors import UserError
+from wildscav_evaluator.executors.local import LocalExecutor
+from wildscav_leaderboard.access.uploads import check_upload_wanted
 from wildscav_leaderboard.cli.season.folders import backup
 from wildscav_leaderboard.cli.season.running import status
+from wildscav_leaderboard.conductor.conductor import Conductor
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.database.schema import take_back_to, version_of
+from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.organizing.backups.restore import restore
 from wildscav_leaderboard.organizing.checking import check_rules, check_season
+from wildscav_leaderboard.seasons import disk, watchdog
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.own_database import opened
-from wildscav_leaderboard.seasons.state import SEASON, read_state
+from wildscav_leaderboard.seasons.refusals import UnavailableError
+from wildscav_leaderboard.seasons.state import RESTARTS, SEASON, read_state
 
 VARIABLE = "WILDSCAV_SEASON_DATABASE"
 
@@ -97,3 +106,51 @@ def test_other_users_can_read_nothing_of_a_season(tmp_path: Path) -> None:
 
     closed = (season.folder, season.files, file, *season.folder.iterdir())
     assert [oct(path.stat().st_mode & 0o077) for path in closed] == ["0o0"] * len(closed)
+
+
+FULL = r"the disk of the season has [\d.]+ GiB left: nothing new is begun"
+
+
+def test_nothing_is_taken_in_or_begun_while_the_disk_is_nearly_full(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    season = make_season(tmp_path / "season")
+    database = season.database()
+    database.upgrade()
+    with database.writing() as session:
+        _, captain = team_with_member(session, "foxes")
+    monkeypatch.setattr(disk, "FLOOR", 1 << 60)
+
+    with pytest.raises(UnavailableError, match=FULL):
+        check_upload_wanted(database, season, captain, NOON)
+    with pytest.raises(UnavailableError, match=FULL), LocalExecutor(1) as executor:
+        Conductor(season, database).round(executor)
+    app = create_app(season, database)
+    with served(app) as address:
+        answer = httpx.get(f"{address}/ready")
+        assert answer.status_code == 503
+        assert "the disk of the season" in answer.json()["reason"]
+        assert httpx.get(f"{address}/").status_code == 200  # what is there is shown
+    app.state.renders.close()
+    database.close()
+
+
+def test_work_that_breaks_is_begun_again_and_counted(
+    database: Database, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(watchdog, "PAUSE", 0.0)
+    ended, begun = threading.Event(), []
+
+    def work() -> None:
+        begun.append(1)
+        if len(begun) < 3:
+            raise OverflowError("getsockaddrarg: port must be 0-65535")
+        ended.set()
+
+    thread = watchdog.watched_thread("webhooks", work, ended, database)
+    thread.start()
+    thread.join()
+
+    assert len(begun) == 3
+    with database.reading() as session:
+        assert read_state(session, RESTARTS) == {"webhooks": 2}

@@ -1,13 +1,92 @@
-"""Whose want of memory an agent was killed for: its own, or the machine's."""
+"""What the kernel does for sandboxes: users, the policy of system calls, and memory kills."""
 
+import fcntl
+import os
 from pathlib import Path
 
 import pytest
 
+from wildscav_evaluator.sandbox import SandboxError
 from wildscav_evaluator.sandbox.base import MemoryKill
 from wildscav_evaluator.sandbox.limits import MEBIBYTE
 from wildscav_evaluator.sandbox.linux.cgroup import Version1, Version2
 from wildscav_evaluator.sandbox.linux.kernel_log import read_kill
+from wildscav_evaluator.sandbox.linux.seccomp import (
+    ALLOWED,
+    EXACTLY,
+    LOCK_COMMANDS,
+    REFUSED,
+    bpf_filter,
+    container_profile,
+)
+from wildscav_evaluator.sandbox.linux.users import AT_ONCE, OWN_USERS, agent_user
+
+
+@pytest.mark.parametrize("process", [1, 2_097_152, 4_194_303])  # the last is the highest that Linux gives
+def test_every_process_has_users_of_its_own_that_container_engines_take(
+    monkeypatch: pytest.MonkeyPatch, process: int
+) -> None:
+    monkeypatch.setattr(os, "getpid", lambda: process)
+
+    users = {agent_user() for _ in range(AT_ONCE)}
+
+    assert users == {OWN_USERS + process * AT_ONCE + slot for slot in range(AT_ONCE)}
+    assert max(users) < 2**31
+
+
+def test_nothing_is_both_allowed_and_refused() -> None:
+    assert ALLOWED.isdisjoint(REFUSED)
+    assert ALLOWED.isdisjoint(EXACTLY)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "unshare",
+        "setns",
+        "mount",
+        "ptrace",
+        "process_vm_readv",
+        "keyctl",
+        "bpf",
+        "io_uring_setup",
+        "clone3",
+        "inotify_init1",
+    ],
+)
+def test_what_gets_agents_out_is_not_allowed(name: str) -> None:
+    allowed = {
+        name
+        for rule in container_profile(locks=True)["syscalls"]
+        if rule["action"] == "SCMP_ACT_ALLOW"
+        for name in rule["names"]
+    }
+
+    assert name not in allowed
+    assert container_profile(locks=True)["defaultAction"] == "SCMP_ACT_ERRNO"
+
+
+@pytest.mark.parametrize(("locks", "action"), [(False, "SCMP_ACT_ERRNO"), (True, "SCMP_ACT_ALLOW")])
+def test_files_are_locked_only_by_who_shares_none(locks: bool, action: str) -> None:
+    rules = container_profile(locks=locks)["syscalls"]
+
+    flock = [rule["action"] for rule in rules if "flock" in rule["names"]]
+    commands = {rule["args"][0]["value"]: rule["action"] for rule in rules if rule["names"] == ["fcntl"]}
+
+    assert flock == [action]
+    assert {commands[command] for command in LOCK_COMMANDS} == {action}
+    assert commands[fcntl.F_GETFL] == "SCMP_ACT_ALLOW"
+
+
+def test_the_filter_is_a_program_of_the_kernels_machine() -> None:
+    try:
+        program = bpf_filter()
+    except SandboxError as error:
+        pytest.skip(str(error))
+
+    assert len(program) % 8 == 0  # eight bytes an instruction
+    assert 100 < len(program) // 8 < 4096  # the kernel takes no more
+
 
 EVENTS = "low 0\nhigh 0\nmax {stops}\noom {oom}\noom_kill {kills}\noom_group_kill 0\n"
 CONTROL = "oom_kill_disable 0\nunder_oom 0\noom_kill {kills}\n"
