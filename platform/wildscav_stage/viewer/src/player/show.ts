@@ -80,7 +80,9 @@ async function showMap(player: Player, source: Source, map: Promise<GameMap>): P
   const { screen } = player;
   screen.say("The map is loading …");
   try {
-    player.showMap(await map);
+    const shown = await map;
+    player.showMap(shown);
+    await shown.whole;
   } catch (error) {
     const retry = () =>
       showMap(
