@@ -105,9 +105,7 @@ def plot(name: str, value: float, *, public: bool = False) -> None:
     except (TypeError, ValueError):
         number = math.nan
     if not _is_near(number):
-        raise AgentError(
-            f"plot {name!r}: the value is {value!r}, must be within ±{FARTHEST:,.0f}"
-        )
+        raise AgentError(f"plot {name!r}: the value is {value!r}, must be within ±{FARTHEST:,.0f}")
     _write(public, plot=_name("plot", name), value=number)
 
 

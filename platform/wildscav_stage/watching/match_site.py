@@ -25,6 +25,7 @@ from wildscav_stage.watching.match_page import (
     FILES,
     STATIC,
     Scene,
+    Shown,
     list_page,
     match_page,
     scene_of,
@@ -40,6 +41,8 @@ def match_site(
     title: str, records: Sequence[Path], host: str = LOOPBACK, logs: Path | None = None
 ) -> Starlette:
     """Return the site of some records; of one alone, its first page is the match.
+
+    ``/matches/0?with=1`` compares two.
 
     Args:
         title: Of the list of several.
@@ -60,10 +63,15 @@ def match_site(
         scene(0)
 
     def asked_for(request: Request) -> int:
-        number: int = request.path_params.get("number", 0)  # the first page has none
-        if number >= len(records):
+        return existing(request.path_params.get("number", 0))  # the first page has none
+
+    def existing(number: int | str) -> int:
+        if not str(number).isdecimal() or int(number) >= len(records):
             raise HTTPException(404)
-        return number
+        return int(number)
+
+    def shown(number: int) -> Shown:
+        return Shown(title_of(records[number]), f"/matches/{number}")
 
     def first(request: Request) -> Response:
         if len(records) == 1:
@@ -72,8 +80,8 @@ def match_site(
         return HTMLResponse(list_page(title, links))
 
     def match(request: Request) -> Response:
-        number = asked_for(request)
-        return HTMLResponse(match_page(title_of(records[number]), f"/matches/{number}"))
+        others = request.query_params.getlist("with")[:1]
+        return HTMLResponse(match_page(*map(shown, [asked_for(request), *map(existing, others)])))
 
     def file(name: str, request: Request) -> Response:
         try:

@@ -32,11 +32,12 @@ export function mapOf(cubes: [keyof typeof KINDS, number, number, number, number
       count: cubes.length,
       kind: Int32Array.from(cubes, ([kind]) => KINDS[kind]),
       topology: new Int32Array(cubes.length),
-      first: Int32Array.from(cubes, (_, place) => 8 * place),
+      first: Int32Array.from([...cubes, null], (_, place) => 8 * place),
       corners: Float32Array.from(corners),
       colors: new Uint8Array(3 * cubes.length),
     },
     topologies: [TRIANGLES],
     kinds: KINDS,
+    whole: Promise.resolve(),
   } as unknown as GameMap;
 }

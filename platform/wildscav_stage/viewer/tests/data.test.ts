@@ -1,9 +1,12 @@
 import { describe, expect, test } from "vitest";
-import { PackedFile, unzipped } from "../src/data/arrays";
+import { openPacked, unzipped } from "../src/data/arrays";
 import { Course } from "../src/data/course";
 import { readMap } from "../src/data/map";
 import { readTrails, type Trails } from "../src/data/trails";
 import { event, trails } from "./matches";
+
+const streamed = (...pieces: BlobPart[]) => new Blob(pieces).stream();
+const bytesOf = async (stream: ReadableStream) => new Uint8Array(await new Response(stream).arrayBuffer());
 
 function packed(header: object, content: Uint8Array): ArrayBuffer {
   let text = JSON.stringify(header);
@@ -29,9 +32,10 @@ function match(changes: Partial<Trails> = {}): Trails {
 }
 
 describe("packed arrays", () => {
-  test("each plane is a sum of differences, and bytes wrap around", () => {
+  test("each plane is a sum of differences, and bytes wrap around", async () => {
     const arrays = [{ name: "colors", type: "uint8", shape: [3, 2], at: 0 }];
-    const file = new PackedFile(packed({ arrays }, Uint8Array.of(250, 10, 1, 5, 255, 0)));
+    const file = await openPacked(streamed(packed({ arrays }, Uint8Array.of(250, 10, 1, 5, 255, 0))));
+    await file.has("colors");
     expect(file.planes("colors").map((plane) => [...plane])).toEqual([
       [250, 4, 5],
       [5, 4, 4],
@@ -41,17 +45,42 @@ describe("packed arrays", () => {
 
   test("content is unzipped unless the browser has done so", async () => {
     const content = Uint8Array.of(1, 2, 3);
-    const zipped = new Blob([content]).stream().pipeThrough(new CompressionStream("gzip"));
-    const file = await new Response(zipped).arrayBuffer();
-    expect(new Uint8Array(await unzipped(file))).toEqual(content);
-    expect(new Uint8Array(await unzipped(content.buffer))).toEqual(content);
+    const zipped = streamed(content).pipeThrough(new CompressionStream("gzip"));
+    expect(await bytesOf(await unzipped(zipped))).toEqual(content);
+    expect(await bytesOf(await unzipped(streamed(content)))).toEqual(content);
+  });
+
+  test("an array is read before those that come later", async () => {
+    const arrays = [0, 1].map((at) => ({ name: `part ${at}`, type: "uint8", shape: [1, 1], at }));
+    const whole = new Uint8Array(packed({ arrays }, Uint8Array.of(7, 8)));
+    let send = (_: number, __?: number) => {};
+    const stream = new ReadableStream<Uint8Array>({
+      start: (control) => {
+        send = (from, to) => control.enqueue(whole.slice(from, to));
+      },
+    });
+    send(0, 3);
+    send(3, whole.length - 1);
+    const file = await openPacked(stream);
+    await file.has("part 0");
+    expect([...file.planes("part 0")[0]]).toEqual([7]);
+    const rest = file.has("part 1");
+    send(whole.length - 1);
+    await rest;
+    expect([...file.planes("part 1")[0]]).toEqual([8]);
+  });
+
+  test("a file that is cut off says so", async () => {
+    const arrays = [{ name: "colors", type: "uint8", shape: [3, 2], at: 0 }];
+    const file = await openPacked(streamed(packed({ arrays }, Uint8Array.of(1))));
+    await expect(file.has("colors")).rejects.toThrow("ends too early");
   });
 });
 
 describe("files of other versions are refused", () => {
-  test("maps", () => {
+  test("maps", async () => {
     const file = packed({ format: "wildscav-map", version: 99, arrays: [] }, new Uint8Array());
-    expect(() => readMap(file)).toThrow("maps of version 1, not wildscav-map 99");
+    await expect(readMap(streamed(file))).rejects.toThrow("maps of version 2, not wildscav-map 99");
   });
 
   test("matches", () => {

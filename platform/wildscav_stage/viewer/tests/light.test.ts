@@ -6,6 +6,9 @@ const LIGHT = {
   sun: [-0.451, 0.7517, -0.4811],
   sunlight: [0.56, 0.53, 0.46],
   skylight: [0.56, 0.59, 0.64],
+  direct: 0.9,
+  open: [0.9, 0.3],
+  side: [-0.1, -0.04],
 } as Light;
 
 test("level ground is as bright as the engine's cameras show it", () => {

@@ -81,10 +81,15 @@ def test_the_solids_have_the_engines_corners_triangles_and_colours(file: File) -
     game_map, arrays = file.game_map, file.arrays
     topologies = [np.array(each).reshape(-1, 3) for each in file.fields["topologies"]]
     sizes = [int(triangles.max()) + 1 for triangles in topologies]
-    topology = arrays["solids"][:, 1].tolist()
+    chunks = range(file.fields["chunks"])
+    solids, colors, offsets = (
+        np.concatenate([np.zeros((0, width), int), *(arrays[f"{name} {chunk}"] for chunk in chunks)])
+        for name, width in {"solids": 5, "colors": 3, "corners": 3}.items()
+    )
+    topology = solids[:, 1].tolist()
     counts = [sizes[number] for number in topology]
     firsts = np.cumsum([0, *counts[:-1]], dtype=int) if counts else np.zeros(0, int)
-    corners = arrays["corners"] + np.repeat(arrays["solids"][:, 2:], counts, axis=0)
+    corners = offsets + np.repeat(solids[:, 2:], counts, axis=0)
     triangles = [topologies[number] + first for number, first in zip(topology, firsts.tolist(), strict=True)]
     mesh = solids_mesh(game_map.world)
 
@@ -92,10 +97,21 @@ def test_the_solids_have_the_engines_corners_triangles_and_colours(file: File) -
     np.testing.assert_allclose(corners, 100.0 * mesh.vertices.astype(float), atol=HALF + 0.01)  # float32
     np.testing.assert_array_equal(np.concatenate([np.zeros((0, 3), int), *triangles]), mesh.triangles)
     kinds = game_map.world.solid_kind
-    np.testing.assert_array_equal(arrays["solids"][:, 0], kinds)
+    np.testing.assert_array_equal(solids[:, 0], kinds)
     assert file.fields["kinds"] == {kind.name.lower(): kind for kind in Kind}
-    colors = np.minimum(of_solids(kinds, game_map.solid_house), 255)
-    np.testing.assert_allclose(arrays["colors"], colors, atol=HALF)
+    np.testing.assert_allclose(colors, np.minimum(of_solids(kinds, game_map.solid_house), 255), atol=HALF)
+
+
+def test_solids_come_in_squares_of_the_map_from_the_middle_outwards() -> None:
+    config = MapConfig(size=600, houses=1, water=0.0, vegetation=0.03)
+    fields, arrays = unpacked(map_file(map_of(MapSpec(config=config, seed=2))))
+    squares = []
+    for chunk in range(fields["chunks"]):
+        places = (arrays[f"solids {chunk}"][:, [2, 4]] + 30_000) // 25_000
+        (square,) = {(x, z) for x, z in places.tolist()}
+        squares.append(square)
+    assert squares[0] == (1, 1)
+    assert sorted(squares) == [(x, z) for x in range(3) for z in range(3)]
 
 
 @pytest.mark.slow

@@ -34,6 +34,8 @@ LIFT, LIFT_SHARE = np.float32(0.004), np.float32(2e-4)
 FARTHEST = np.float32(2000.0)  # m, the greatest range of cameras
 WIDE = 2.0  # pixels, within which nearby surfaces occlude, from where on four pixels share the result
 SPAN, FEWEST = 32, 8  # pixels of a row that are looked at together, at most and at least
+# Ambient light under the open sky and under a roof: its level, and how it grows with a normal's upward part.
+OPEN, ROOFED = (0.90, 0.30), (0.94, 0.06)
 SIDE_LIGHT = (-0.10, -0.04)  # additional ambient light on surfaces that face east, and north
 MARGIN = 1.2  # how much farther around others than the first of them may be looked at
 
@@ -111,7 +113,7 @@ def write_skylight(normal: Normals, roofed: bool, ambient: NDArray[np.float32]) 
     Under the open sky most of it comes from above, in a house from all walls. It is slightly brighter on one
     side, so that the edge between two walls is visible.
     """
-    level, rise = (0.94, 0.06) if roofed else (0.90, 0.30)
+    level, rise = ROOFED if roofed else OPEN
     for column in range(ambient.shape[0]):
         east, up, north = float(normal.east[column]), float(normal.up[column]), float(normal.north[column])
         ambient[column] = level + rise * up + (SIDE_LIGHT[0] * east + SIDE_LIGHT[1] * north)

@@ -15,7 +15,12 @@ const PACE = 400; // CSS pixels in a second that held keys move the map
 
 export function createFlatStage(canvas: HTMLCanvasElement, map: GameMap, course: Course): Stage {
   const context = canvas.getContext("2d") as CanvasRenderingContext2D;
-  const picture = drawMap(map);
+  let picture = drawMap(map);
+  let isNew = false;
+  map.whole.then(() => {
+    picture = drawMap(map);
+    isNew = true;
+  });
   const view = new MapView(map.size);
   const size = { width: 1, height: 1, ratio: 1 };
   const input = new Input(
@@ -59,10 +64,11 @@ export function createFlatStage(canvas: HTMLCanvasElement, map: GameMap, course:
     kinds: ["above"],
     view: { kind: "above", seat: 0 },
     get moving() {
-      return input.isHeld;
+      return input.isHeld || isNew;
     },
     trail: TRAIL,
     draw: (frame) => {
+      isNew = false;
       move();
       const seen = begin();
       drawPicture();

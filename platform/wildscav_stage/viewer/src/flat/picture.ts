@@ -1,6 +1,6 @@
 // The map as a picture from above, north up: ground with the sun on it, water, shadows, and what stands there.
 
-import type { Color, Corner, GameMap } from "../data/map";
+import type { Corner, GameMap } from "../data/map";
 import { lit } from "../view/light";
 import { endOf, normalOf, trianglesOf } from "../view/polyhedra";
 import { heightAt, normalsOf } from "../view/terrain";
@@ -8,7 +8,6 @@ import { heightAt, normalsOf } from "../view/terrain";
 const LARGEST = 2048; // pixels along a side
 const FINEST = 10; // pixels in a metre
 const PER_CELL = 4; // pixels of the ground along a side of a cell
-const DEEP: Color = [26, 84, 132]; // of water, before light falls on it
 const CLEAR = 0.9; // m of depth at which a quarter of the bed's colour is still seen
 const SHADE = 0.36; // opacity of shadows
 const UP: Corner = [0, 1, 0];
@@ -64,7 +63,7 @@ function drawGround(map: GameMap): HTMLCanvasElement {
   map.water.levels.forEach((level, at) => {
     levels[map.water.rows[at] * ground.columns + map.water.columns[at]] = level;
   });
-  const deep = lit(DEEP, UP, light);
+  const deep = lit(light.deep, UP, light);
   for (let y = 0; y < height; y++) {
     const north = (height - 0.5 - y) / PER_CELL;
     for (let x = 0; x < width; x++) {

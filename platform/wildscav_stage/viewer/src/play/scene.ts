@@ -23,8 +23,10 @@ export function withMap(use: (map: GameMap) => void, fail: (why: string) => void
 
 async function fetchMap(): Promise<GameMap> {
   const answer = await fetch(`${location.pathname}/map`);
-  if (!answer.ok) throw new Error(`the map could not be loaded (${answer.status})`);
-  return readMap(await unzipped(await answer.arrayBuffer()));
+  if (!answer.ok || !answer.body) throw new Error(`the map could not be loaded (${answer.status})`);
+  const map = await readMap(await unzipped(answer.body));
+  await map.whole; // bodies must not walk through what is not there yet
+  return map;
 }
 
 // Whether the browser has WebGL 2.

@@ -31,24 +31,24 @@ export function sourceOf(element: HTMLElement): Source {
     trails: async (say, cursor) => {
       const address = cursor && trails ? after(trails, cursor) : trails;
       const content = await (embedded === undefined ? fetched(address, say) : embeddedContent("trails"));
-      return readTrails(new TextDecoder().decode(content));
+      return readTrails(await new Response(content).text());
     },
     notes: async () => {
       if (!notes && embedded === undefined) return [];
       const content = await (embedded === undefined ? fetched(notes, () => {}) : embeddedContent("notes"));
-      return readNotes(new TextDecoder().decode(content));
+      return readNotes(await new Response(content).text());
     },
   };
 }
 
 // Fetch a file; while it is being made (202), wait and say so.
-async function fetched(address: string | undefined, say: Say): Promise<ArrayBuffer> {
+async function fetched(address: string | undefined, say: Say): Promise<ReadableStream<Uint8Array>> {
   if (!address) throw new Error("the page does not say where it is");
   for (;;) {
     const answer = await fetch(address).catch(() => {
       throw new Error("the server cannot be reached");
     });
-    if (answer.ok && answer.status !== 202) return await unzipped(await answer.arrayBuffer());
+    if (answer.ok && answer.status !== 202 && answer.body) return await unzipped(answer.body);
     const told = await answer.json().catch(() => ({}));
     const reason = told.error ?? told.detail;
     if (answer.status !== 202 || told.state === "failed") {
@@ -67,11 +67,11 @@ function after(address: string, cursor: string): string {
 }
 
 // What a page that needs no server holds, as base64 of a file that is compressed with gzip.
-async function embeddedContent(name: "map" | "trails" | "notes"): Promise<ArrayBuffer> {
+async function embeddedContent(name: "map" | "trails" | "notes"): Promise<ReadableStream<Uint8Array>> {
   const text = document.getElementById(`wildscav-${name}`)?.textContent;
   if (!text) throw new Error("the page does not hold it");
   const letters = atob(text.replace(/\s/g, ""));
   const bytes = new Uint8Array(letters.length);
   for (let place = 0; place < letters.length; place++) bytes[place] = letters.charCodeAt(place);
-  return await unzipped(bytes.buffer);
+  return await unzipped(new Blob([bytes]).stream());
 }

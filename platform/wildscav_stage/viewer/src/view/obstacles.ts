@@ -12,25 +12,16 @@ const PASSED = ["furniture", "stair"]; // kinds that a camera may be in
 export class Obstacles {
   private readonly squares = new Map<number, number[]>();
   private readonly planes = new Map<number, Float32Array>();
+  private readonly passed: Set<number>;
+  private known = 0; // solids
 
   constructor(private readonly map: GameMap) {
-    const { solids, kinds } = map;
-    const passed = new Set(PASSED.map((name) => kinds[name]));
-    for (let solid = 0; solid < solids.count; solid++) {
-      if (passed.has(solids.kind[solid])) continue;
-      let [west, east, south, north] = [Infinity, -Infinity, Infinity, -Infinity];
-      for (let at = 3 * solids.first[solid], end = endOf(solids, solid); at < end; at += 3) {
-        west = Math.min(west, solids.corners[at]);
-        east = Math.max(east, solids.corners[at]);
-        south = Math.min(south, solids.corners[at + 2]);
-        north = Math.max(north, solids.corners[at + 2]);
-      }
-      this.note(solid, west, east, south, north);
-    }
+    this.passed = new Set(PASSED.map((name) => map.kinds[name]));
   }
 
   // How far one can look from a place along a unit vector, up to so many m.
   free(x: number, y: number, z: number, way: [number, number, number], most: number): number {
+    this.extend();
     let free = most;
     const seen = new Set<number>();
     for (let along = 0; along <= most; along += STEP) {
@@ -43,6 +34,23 @@ export class Obstacles {
         free = Math.min(free, this.distance(solid, x, y, z, way));
     }
     return free;
+  }
+
+  // Note the solids that have come since.
+  private extend(): void {
+    const { solids } = this.map;
+    for (let solid = this.known; solid < solids.count; solid++) {
+      if (this.passed.has(solids.kind[solid])) continue;
+      let [west, east, south, north] = [Infinity, -Infinity, Infinity, -Infinity];
+      for (let at = 3 * solids.first[solid], end = endOf(solids, solid); at < end; at += 3) {
+        west = Math.min(west, solids.corners[at]);
+        east = Math.max(east, solids.corners[at]);
+        south = Math.min(south, solids.corners[at + 2]);
+        north = Math.max(north, solids.corners[at + 2]);
+      }
+      this.note(solid, west, east, south, north);
+    }
+    this.known = solids.count;
   }
 
   private note(solid: number, west: number, east: number, south: number, north: number): void {

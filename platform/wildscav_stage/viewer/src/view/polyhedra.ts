@@ -26,7 +26,7 @@ export function trianglesOf({ solids, topologies }: GameMap, solid: number): num
 
 // Where the coordinates of the corner after a solid's last begin.
 export function endOf(solids: Solids, solid: number): number {
-  return solid + 1 < solids.count ? 3 * solids.first[solid + 1] : solids.corners.length;
+  return 3 * solids.first[solid + 1];
 }
 
 // The planes of a solid's triangles: outward unit normals and their offsets.

@@ -2,15 +2,13 @@
 // Colours are as the engine's cameras compute with them: 0-1, without conversion. DETAIL says how much of surfaces
 // is drawn: 0 = the coarser grain of the ground, 1 = textures of solids as well, 2 = the finest grain too.
 
-import { AMBIENT, DIRECT, ROOFED } from "../view/light";
-
-const float = (value: number) => value.toFixed(4);
-
 export const COMMON = /* glsl */ `
 uniform vec3 eye; // m
 uniform float far; // m, where everything has faded into the haze; 0 without haze
 uniform float pixel; // m, the side of a pixel 1 m away; without perspective anywhere
-uniform vec3 sun, sunlight, skylight, zenith, horizon, below, disc, cloud;
+uniform vec3 sun, sunlight, skylight, zenith, horizon, below, disc, cloud, ceiling, deep;
+uniform float direct; // see Light in data/map.ts
+uniform vec2 open, roofed, side;
 uniform sampler2D noiseMap;
 uniform highp sampler2DShadow shadowMap, roofMap;
 uniform vec4 shadowFrame; // half the side of the map, lowest and highest place, and whether there are shadows
@@ -61,12 +59,10 @@ float skyShare(vec3 place, vec3 normal) {
 }
 
 // The light on a surface, given the shares of the sun and of the sky that it sees.
-vec3 lightOn(vec3 normal, float shine, float open) {
-  float direct = ${float(DIRECT)} * max(0.0, dot(normal, sun)) * shine;
-  float level = mix(${float(ROOFED.level)}, ${float(AMBIENT.level)}, open);
-  float rise = mix(${float(ROOFED.rise)}, ${float(AMBIENT.rise)}, open);
-  float ambient = level + dot(normal, vec3(${float(AMBIENT.east)}, rise, ${float(AMBIENT.north)}));
-  return direct * sunlight + ambient * skylight;
+vec3 lightOn(vec3 normal, float shine, float sky) {
+  vec2 around = mix(roofed, open, sky);
+  float ambient = around.x + dot(normal, vec3(side.x, around.y, side.y));
+  return direct * max(0.0, dot(normal, sun)) * shine * sunlight + ambient * skylight;
 }
 
 // What is seen of a colour through the air, and where the safe zone does not reach.

@@ -3,12 +3,15 @@
 import { BufferAttribute, BufferGeometry, Group, Mesh, type ShaderMaterial, Sphere, Vector3 } from "three";
 import type { GameMap, Ground } from "../data/map";
 import { normalsOf } from "../view/terrain";
+import type { Building } from "./building";
+import type { Caster } from "./shadow";
 import { material, type Shared } from "./shared";
 
 const PIECE = 32; // cells along a side of a piece
 const STEPS = [1, 2, 4]; // cells along a side of a triangle: from nearby, from some way off, and from afar
 const SOME_WAY = 2.5; // times as far as there are all triangles, up to where there are some
 const SKIRT = 2; // m
+const WEIGHT = 0.3; // of pieces among what is to be made: ground is seen from farther than what stands on it
 // Beyond the edge: how far out in m, and how much of the edge's height and colour is left there.
 const RINGS = [
   [0, 1, 1],
@@ -58,24 +61,33 @@ void main() {
 
 export interface GroundPieces {
   group: Group;
+  casters(): Caster[];
   // Draw pieces within so many m with all their triangles, and those some times as far with fewer.
   see(from: Vector3, reach: number): void;
 }
 
-export function createGround(map: GameMap, shared: Shared): GroundPieces {
+export function createGround(map: GameMap, shared: Shared, building: Building): GroundPieces {
   const { ground } = map;
   const group = new Group();
   const normals = normalsOf(ground);
   const own = material(shared, VERTEX, FRAGMENT, { uniforms: { isBeyond: { value: 0 } } });
   const pieces: Piece[] = [];
-  for (let row = 0; row < ground.rows - 1; row += PIECE)
-    for (let column = 0; column < ground.columns - 1; column += PIECE)
-      pieces.push(createPiece(ground, normals, row, column, own));
-  for (const { mesh } of pieces) group.add(mesh);
+  const add = (row: number, column: number) => {
+    const piece = createPiece(ground, normals, row, column, own);
+    pieces.push(piece);
+    group.add(piece.mesh);
+    piece.mesh.updateMatrixWorld(true);
+  };
+  for (let row = 0; row < ground.rows - 1; row += PIECE) {
+    for (let column = 0; column < ground.columns - 1; column += PIECE) {
+      const x = ground.corner[0] + ground.cell * (column + PIECE / 2);
+      const z = ground.corner[1] + ground.cell * (row + PIECE / 2);
+      building.add({ x, z, weight: WEIGHT, make: () => add(row, column) });
+    }
+  }
   const beyond = material(shared, VERTEX, FRAGMENT, { uniforms: { isBeyond: { value: 1 } } });
   const apron = new Mesh(landBeyond(map, normals), beyond);
   apron.frustumCulled = false;
-  apron.name = "beyond";
   group.add(apron);
   const see = (from: Vector3, reach: number) => {
     for (const { mesh, starts } of pieces) {
@@ -85,7 +97,9 @@ export function createGround(map: GameMap, shared: Shared): GroundPieces {
       mesh.geometry.setDrawRange(starts[level], starts[level + 1] - starts[level]);
     }
   };
-  return { group, see };
+  const casters = () =>
+    pieces.map(({ mesh, starts }) => ({ mesh, start: 0, count: starts[1], isRoof: false }));
+  return { group, casters, see };
 }
 
 interface Piece {

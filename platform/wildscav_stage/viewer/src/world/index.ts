@@ -3,7 +3,7 @@
 import { Color, LinearSRGBColorSpace, WebGLRenderer } from "three";
 import type { Course } from "../data/course";
 import type { GameMap } from "../data/map";
-import { type Stage, type StageOptions, TRAIL, type View } from "../stage";
+import { type Stage, type StageOptions, TRAIL } from "../stage";
 import { type Moment, momentOf } from "../view/moment";
 import { Cameras } from "./cameras";
 import { inCorner } from "./inset";
@@ -14,6 +14,9 @@ import { createSteering } from "./steering";
 import { Still } from "./still";
 
 const LONGEST = 0.1; // s that held keys count for one picture
+// What of the map a picture waits for: ms of making it, and parts whose shadows are drawn.
+const GROWTH = { time: 12, shadows: Infinity };
+const GROWTH_OF_SOFTWARE = { time: 40, shadows: 8 };
 
 // Throws an Error where the browser has no WebGL 2.
 export function createStage(
@@ -26,8 +29,8 @@ export function createStage(
   const renderer = createRenderer(canvas, isSoftware);
   const sharing = createShared(map.light);
   const { shared } = sharing;
-  const parts = createScene(map, course, shared);
-  parts.cast(renderer);
+  const parts = createScene(renderer, map, course, shared);
+  const growth = isSoftware ? GROWTH_OF_SOFTWARE : GROWTH;
   parts.names.visible = hasLabels;
   const still = isSoftware ? new Still(renderer, parts.root, parts.statics, shared) : null;
   const cameras = new Cameras(map, course, shared);
@@ -44,7 +47,7 @@ export function createStage(
     renderer.setSize(size.width, size.height, false);
     renderer.getDrawingBufferSize(shared.viewport.value);
     shared.perPixel.value = ratio;
-    shared.shadowFrame.value.w = shadows ? 1 : 0;
+    shared.shadowFrame.value.w = shadows && parts.isWhole ? 1 : 0;
     sharing.setDetail(detail);
   };
   const elapsed = () => {
@@ -55,6 +58,7 @@ export function createStage(
   };
   // A picture takes until the page can draw again; the next one may be wanted much later.
   const judge = () => {
+    if (!parts.isWhole) return;
     const start = performance.now();
     requestAnimationFrame(() => {
       if (pace.note((performance.now() - start) / 1000)) isOther = true;
@@ -62,23 +66,24 @@ export function createStage(
   };
   // A browser may take the graphics processor away, and give it back without what it had computed.
   const recast = () => {
-    parts.cast(renderer);
+    parts.recast();
     still?.forget();
     adapt();
   };
   canvas.addEventListener("webglcontextrestored", recast);
 
-  // Place everything for a view of so many CSS pixels, some seconds after the last picture.
-  const place = (view: View, moment: Moment, width: number, height: number, seconds: number) => {
-    const shown = cameras.place(view, moment, width, height, seconds);
-    parts.show(moment, shown, view.kind, pace.quality.reach, stage.trail ?? 0);
-    return shown;
+  const grow = () => {
+    if (!parts.grow(growth.time, growth.shadows)) return;
+    still?.forget();
+    if (parts.isWhole) isOther = true;
   };
   // What an agent sees has no names in it.
   const showInset = (seat: number, moment: Moment) => {
     parts.names.visible = false;
     inCorner(renderer, shared, size, (width, height) => {
-      renderer.render(parts.scene, place({ kind: "eyes", seat }, moment, width, height, 0).camera);
+      const shown = cameras.place({ kind: "eyes", seat }, moment, width, height, 0);
+      parts.show(moment, shown, "eyes", pace.quality.reach, 0);
+      renderer.render(parts.scene, shown.camera);
     });
     parts.names.visible = hasLabels;
   };
@@ -88,19 +93,22 @@ export function createStage(
     view: { kind: "free", seat: 0 },
     inset: null,
     get moving() {
-      return steering.isHeld() || (stage.view.kind === "behind" && cameras.isGliding);
+      return !parts.isWhole || steering.isHeld() || (stage.view.kind === "behind" && cameras.isGliding);
     },
     trail: TRAIL,
     draw: (frame) => {
       const seconds = elapsed();
       judge();
-      if (isOther) adapt();
-      isOther = false;
       steering.move(Math.min(LONGEST, seconds));
       const moment = momentOf(course, frame);
-      const shown = place(stage.view, moment, size.width, size.height, seconds);
+      const shown = cameras.place(stage.view, moment, size.width, size.height, seconds);
+      grow();
+      if (isOther) adapt();
+      isOther = false;
+      parts.show(moment, shown, stage.view.kind, pace.quality.reach, stage.trail ?? 0);
       if (still) still.render(parts.scene, shown.camera, shown.focus ? -1 : pace.level);
       else renderer.render(parts.scene, shown.camera);
+      canvas.dataset.picture = parts.isWhole ? "whole" : "partial";
       over?.(renderer);
       if (typeof stage.inset === "number") showInset(stage.inset, moment);
     },

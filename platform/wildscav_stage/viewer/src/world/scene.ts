@@ -8,12 +8,13 @@ import type { ViewKind } from "../stage";
 import type { Moment } from "../view/moment";
 import { createAgents } from "./agents";
 import { createBoxes } from "./boxes";
+import { Building } from "./building";
 import type { Shown } from "./cameras";
 import { createGround } from "./ground";
 import { createLabels } from "./labels";
 import { Lines } from "./lines";
 import { showMarks } from "./marks";
-import { castShadows, type Shadows } from "./shadow";
+import { Shadows } from "./shadow";
 import type { Shared } from "./shared";
 import { showShots } from "./shots";
 import { createSky } from "./sky";
@@ -37,15 +38,23 @@ export interface MatchScene {
   root: Group;
   statics: Object3D[]; // what stands still
   names: Object3D; // of agents
-  // Compute the shadows of the map, before the first picture.
-  cast(renderer: WebGLRenderer): void;
+  readonly isWhole: boolean; // whether all of the map is drawn, with shadows
+  // Make more of the map for so many ms, or the shadows of so many parts; whether anything looks different now.
+  grow(time: number, shadows: number): boolean;
+  // Forget the shadows, which the graphics processor has lost.
+  recast(): void;
   // Prepare a picture. reach: m, up to which solids have all their triangles; trail: s of trails from above.
   show(moment: Moment, shown: Shown, kind: ViewKind, reach: number, trail: number): void;
   dispose(): void;
 }
 
-export function createScene(map: GameMap, course: Course, shared: Shared): MatchScene {
-  const land = createLand(map, shared);
+export function createScene(
+  renderer: WebGLRenderer,
+  map: GameMap,
+  course: Course,
+  shared: Shared,
+): MatchScene {
+  const land = createLand(renderer, map, shared);
   const life = createLife(map, course, shared);
   const root = new Group();
   root.scale.z = -1;
@@ -53,17 +62,17 @@ export function createScene(map: GameMap, course: Course, shared: Shared): Match
   const scene = new Scene();
   scene.add(root);
   scene.matrixWorldAutoUpdate = false;
-  let shadows: Shadows | null = null;
+  root.updateMatrixWorld(true);
   return {
     scene,
     root,
     statics: land.statics,
     names: life.names,
-    cast: (renderer) => {
-      shadows?.dispose();
-      shadows = land.cast(renderer);
-      root.updateMatrixWorld(true);
+    get isWhole() {
+      return land.isWhole;
     },
+    grow: land.grow,
+    recast: land.recast,
     show: (moment, shown, kind, reach, trail) => {
       land.show(shown, reach);
       life.show(moment, shown, kind, reach, trail);
@@ -72,7 +81,6 @@ export function createScene(map: GameMap, course: Course, shared: Shared): Match
       root.traverse((each) => {
         (each as Mesh).geometry?.dispose();
       });
-      shadows?.dispose();
       land.dispose();
       life.dispose();
     },
@@ -80,15 +88,28 @@ export function createScene(map: GameMap, course: Course, shared: Shared): Match
 }
 
 // The map: ground, solids, water and sky.
-function createLand(map: GameMap, shared: Shared) {
-  const ground = createGround(map, shared);
-  const solids = createSolids(map, shared);
+function createLand(renderer: WebGLRenderer, map: GameMap, shared: Shared) {
+  const building = new Building();
+  const ground = createGround(map, shared, building);
+  const solids = createSolids(map, shared, building);
   const water = createWater(map, shared);
   const sky = createSky(shared);
-  const cast = (renderer: WebGLRenderer) => {
-    ground.see(shared.eye.value, Infinity);
-    solids.see(shared.eye.value, Infinity, true);
-    return castShadows(renderer, map, [ground.group, solids.group], shared);
+  let shadows: Shadows | null = null;
+  let isThere = false; // the whole map
+  map.whole.then(() => {
+    isThere = true;
+  });
+  const grow = (time: number, most: number) => {
+    solids.extend();
+    if (building.go(shared.eye.value, time)) return true;
+    if (!isThere || shadows?.areWhole) return false;
+    shadows ??= new Shadows(renderer, map, [...ground.casters(), ...solids.casters()], shared);
+    shadows.go(most);
+    return shadows.areWhole;
+  };
+  const recast = () => {
+    shadows?.dispose();
+    shadows = null;
   };
   const show = ({ isFromAbove, across, focus }: Shown, most: number) => {
     const reach = isFromAbove ? reachFromAbove(across, most) : most;
@@ -97,7 +118,17 @@ function createLand(map: GameMap, shared: Shared) {
     solids.cut(focus);
     sky.visible = !isFromAbove;
   };
-  return { statics: [ground.group, solids.group, water.mesh, sky], cast, show, dispose: water.dispose };
+  const dispose = () => {
+    recast();
+    water.dispose();
+  };
+  const statics = [ground.group, solids.group, water.mesh, sky];
+  return {
+    ...{ statics, grow, recast, show, dispose },
+    get isWhole() {
+      return shadows?.areWhole === true;
+    },
+  };
 }
 
 // What moves on the map.

@@ -6,11 +6,10 @@ import {
   Camera,
   DepthTexture,
   DoubleSide,
-  type Group,
   LessEqualCompare,
   LinearFilter,
+  type Mesh,
   NoColorSpace,
-  type Object3D,
   RedFormat,
   Scene,
   type ShaderMaterial,
@@ -43,35 +42,79 @@ void main() {
   shown = vec4(1.0);
 }`;
 
-export interface Shadows {
-  dispose(): void;
+// A mesh and the part of its index with all triangles.
+export interface Caster {
+  mesh: Mesh;
+  start: number;
+  count: number;
+  isRoof: boolean; // whether floors or roofs are in it
 }
 
-// Draw the shadow maps of ground and solids, and let all surfaces use them.
-export function castShadows(
-  renderer: WebGLRenderer,
-  map: GameMap,
-  casters: Group[],
-  shared: Shared,
-): Shadows {
-  const isTouched = matchMedia("(pointer: coarse)").matches;
-  const most = Math.min(isTouched ? MOST_BY_TOUCH : MOST, renderer.capabilities.maxTextureSize);
-  const size = Math.min(most, powerOfTwo(map.size / FINEST));
-  const [low, high] = heightsOf(map);
-  shared.shadowFrame.value.set(map.size / 2 + 1, low, high, 0);
-  const { x, y, z } = shared.sun.value;
-  const { floor, roof } = map.kinds;
-  const bySun = drawCasters(renderer, casters, casterOf(shared, [x / y, z / y], [-1, -1]), size);
-  const byRoofs = drawCasters(renderer, casters, casterOf(shared, [0, 0], [floor, roof]), size / COARSER);
-  shared.shadowMap.value = bySun.depthTexture;
-  shared.roofMap.value = byRoofs.depthTexture;
-  shared.shadowFrame.value.w = 1;
-  return {
-    dispose: () => {
-      bySun.dispose();
-      byRoofs.dispose();
-    },
-  };
+// The shadow maps of ground and solids. All surfaces use them from when they are whole.
+export class Shadows {
+  private readonly targets: WebGLRenderTarget[];
+  private readonly materials: ShaderMaterial[];
+  private readonly waiting: [Caster, number][]; // and to which target
+
+  constructor(
+    private readonly renderer: WebGLRenderer,
+    map: GameMap,
+    casters: Caster[],
+    private readonly shared: Shared,
+  ) {
+    const isTouched = matchMedia("(pointer: coarse)").matches;
+    const most = Math.min(isTouched ? MOST_BY_TOUCH : MOST, renderer.capabilities.maxTextureSize);
+    const size = Math.min(most, powerOfTwo(map.size / FINEST));
+    shared.shadowFrame.value.set(map.size / 2 + 1, ...heightsOf(map), 0);
+    const { x, y, z } = shared.sun.value;
+    const { floor, roof } = map.kinds;
+    this.targets = [targetOf(size), targetOf(size / COARSER)];
+    this.materials = [casterOf(shared, [x / y, z / y], [-1, -1]), casterOf(shared, [0, 0], [floor, roof])];
+    const roofs = casters.filter(({ isRoof }) => isRoof);
+    this.waiting = [casters, roofs].flatMap((each, target) =>
+      each.map((caster): [Caster, number] => [caster, target]),
+    );
+    for (const target of this.targets) {
+      renderer.setRenderTarget(target);
+      renderer.clear();
+    }
+    renderer.setRenderTarget(null);
+  }
+
+  get areWhole(): boolean {
+    return !this.waiting.length;
+  }
+
+  // Draw the shadows of so many more meshes.
+  go(most: number): void {
+    const { renderer, shared } = this;
+    renderer.autoClear = false;
+    for (const [caster, target] of this.waiting.splice(0, most)) this.draw(caster, target);
+    renderer.setRenderTarget(null);
+    renderer.autoClear = true;
+    if (!this.areWhole) return;
+    for (const each of this.materials) each.dispose();
+    [shared.shadowMap.value, shared.roofMap.value] = this.targets.map(({ depthTexture }) => depthTexture);
+  }
+
+  dispose(): void {
+    for (const each of [...this.targets, ...this.materials]) each.dispose();
+  }
+
+  private draw({ mesh, start, count }: Caster, target: number): void {
+    const scene = new Scene();
+    scene.overrideMaterial = this.materials[target];
+    scene.matrixWorldAutoUpdate = false;
+    scene.children.push(mesh); // which stays where it is
+    const { geometry } = mesh;
+    const { start: startBefore, count: countBefore } = geometry.drawRange;
+    geometry.setDrawRange(start, count);
+    mesh.frustumCulled = false;
+    this.renderer.setRenderTarget(this.targets[target]);
+    this.renderer.render(scene, new Camera());
+    mesh.frustumCulled = true;
+    geometry.setDrawRange(startBefore, countBefore);
+  }
 }
 
 function casterOf(shared: Shared, lean: [number, number], kinds: [number, number]): ShaderMaterial {
@@ -94,34 +137,6 @@ function targetOf(size: number): WebGLRenderTarget {
     format: RedFormat, // of colours, which nobody reads
     stencilBuffer: false,
   });
-}
-
-function drawCasters(
-  renderer: WebGLRenderer,
-  casters: Group[],
-  caster: ShaderMaterial,
-  size: number,
-): WebGLRenderTarget {
-  const target = targetOf(size);
-  const scene = new Scene();
-  scene.overrideMaterial = caster;
-  const homes = casters.map((group) => group.parent as Object3D);
-  const meshes = casters.flatMap((group) => group.children).filter((each) => each.name !== "beyond");
-  const hidden = casters.flatMap((group) => group.children).filter((each) => each.name === "beyond");
-  for (const each of hidden) each.visible = false;
-  for (const each of meshes) each.frustumCulled = false;
-  scene.add(...casters);
-  renderer.setRenderTarget(target);
-  renderer.clear();
-  renderer.render(scene, new Camera());
-  renderer.setRenderTarget(null);
-  for (const each of meshes) each.frustumCulled = true;
-  for (const each of hidden) each.visible = true;
-  casters.forEach((group, place) => {
-    homes[place].add(group);
-  });
-  caster.dispose();
-  return target;
 }
 
 // The lowest place of the ground and the highest of anything.

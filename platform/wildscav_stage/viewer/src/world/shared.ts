@@ -66,6 +66,12 @@ export function createShared(light: Light): Sharing {
     below: color(light.below),
     disc: color(light.disc),
     cloud: color(light.cloud),
+    ceiling: color(light.ceiling),
+    deep: color(light.deep),
+    direct: { value: light.direct },
+    open: { value: new Vector2(...light.open) },
+    roofed: { value: new Vector2(...light.roofed) },
+    side: { value: new Vector2(...light.side) },
     noiseMap: { value: noise },
     cloudMap: { value: sky },
   };

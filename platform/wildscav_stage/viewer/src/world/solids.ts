@@ -3,7 +3,9 @@
 import { BufferAttribute, BufferGeometry, Group, Mesh, type ShaderMaterial, Sphere, Vector3 } from "three";
 import type { GameMap } from "../data/map";
 import { endOf, normalOf } from "../view/polyhedra";
+import type { Building } from "./building";
 import { distantTriangles, floorsAmong, reducedTriangles } from "./reduced";
+import type { Caster } from "./shadow";
 import { material, type Shared } from "./shared";
 import { TEXTURES } from "./textures";
 
@@ -56,19 +58,35 @@ void main() {
 
 export interface Solids {
   group: Group;
+  // Prepare those that have come since to be made.
+  extend(): void;
+  casters(): Caster[];
   // Draw pieces within so many m with all their triangles, and those some times as far with fewer.
   see(from: Vector3, reach: number, withRoofs: boolean): void;
   // Leave out what hides a place from the camera; null leaves out nothing.
   cut(focus: Vector3 | null): void;
 }
 
-export function createSolids(map: GameMap, shared: Shared): Solids {
+export function createSolids(map: GameMap, shared: Shared, building: Building): Solids {
   const focus = { value: new Vector3() };
   const own = material(shared, VERTEX, FRAGMENT);
   const open = material(shared, VERTEX, FRAGMENT, { uniforms: { focus }, defines: { CUT: 1 } });
-  const pieces = [...piecesOf(map).values()].map((members) => createPiece(map, members, own));
+  const pieces: Piece[] = [];
   const group = new Group();
-  for (const { mesh } of pieces) group.add(mesh);
+  let known = 0; // solids
+  const extend = () => {
+    if (known === map.solids.count) return;
+    for (const [[column, row], members] of piecesOf(map, known)) {
+      const add = () => {
+        const piece = createPiece(map, members, own);
+        pieces.push(piece);
+        group.add(piece.mesh);
+        piece.mesh.updateMatrixWorld(true);
+      };
+      building.add({ x: PIECE * (column + 0.5), z: PIECE * (row + 0.5), weight: 1, make: add });
+    }
+    known = map.solids.count;
+  };
   const see = (from: Vector3, reach: number, withRoofs: boolean) => {
     for (const { mesh, ranges } of pieces) {
       const { center, radius } = mesh.geometry.boundingSphere as Sphere;
@@ -81,20 +99,26 @@ export function createSolids(map: GameMap, shared: Shared): Solids {
     if (place) focus.value.copy(place);
     for (const { mesh } of pieces) mesh.material = place ? open : own;
   };
-  return { group, see, cut };
+  const casters = () =>
+    pieces.map(({ mesh, ranges, isRoofed }) => {
+      const { start, all } = ranges[2];
+      return { mesh, start, count: all, isRoof: isRoofed };
+    });
+  return { group, extend, casters, see, cut };
 }
 
-// The numbers of the solids in each piece.
-function piecesOf({ solids }: GameMap): Map<string, number[]> {
-  const pieces = new Map<string, number[]>();
-  for (let solid = 0; solid < solids.count; solid++) {
+// The column and the row of each piece and the numbers of the solids in it, from one solid on.
+function piecesOf({ solids }: GameMap, from: number): Iterable<[[number, number], number[]]> {
+  const pieces = new Map<number, [[number, number], number[]]>();
+  for (let solid = from; solid < solids.count; solid++) {
     const at = 3 * solids.first[solid];
-    const key = `${Math.floor(solids.corners[at] / PIECE)},${Math.floor(solids.corners[at + 2] / PIECE)}`;
-    const members = pieces.get(key);
-    if (members) members.push(solid);
-    else pieces.set(key, [solid]);
+    const [column, row] = [at, at + 2].map((place) => Math.floor(solids.corners[place] / PIECE));
+    const key = column * 4096 + row;
+    const piece = pieces.get(key);
+    if (piece) piece[1].push(solid);
+    else pieces.set(key, [[column, row], [solid]]);
   }
-  return pieces;
+  return pieces.values();
 }
 
 interface Range {
@@ -106,6 +130,7 @@ interface Range {
 interface Piece {
   mesh: Mesh;
   ranges: Range[]; // from afar, from some way off, and from nearby
+  isRoofed: boolean; // whether floors or roofs are in it
 }
 
 function createPiece(map: GameMap, members: number[], own: ShaderMaterial): Piece {
@@ -132,7 +157,8 @@ function createPiece(map: GameMap, members: number[], own: ShaderMaterial): Piec
     add((solid) => topologies[solids.topology[solid]]),
   ];
   geometry.setIndex(new BufferAttribute(new Uint32Array(triangles), 1));
-  return { mesh: new Mesh(geometry, own), ranges };
+  const isRoofed = members.some((solid) => [kinds.floor, kinds.roof].includes(solids.kind[solid]));
+  return { mesh: new Mesh(geometry, own), ranges, isRoofed };
 }
 
 // The corners of solids one after the other, and where those of each begin.

@@ -64,7 +64,7 @@ float tiles(vec3 at, vec3 normal, vec2 axis, float footprint) {
 vec3 textured(int kind, vec3 color, vec3 normal, vec3 at, vec2 axis, float footprint) {
   float across = axis.y * at.x - axis.x * at.z, along = dot(axis, at.xz);
   bool isTop = normal.y > 0.5;
-  if (kind == FLOOR && normal.y < -0.5) return mix(color, vec3(226.0, 222.0, 212.0) / 255.0, 0.8);
+  if (kind == FLOOR && normal.y < -0.5) return mix(color, ceiling, 0.8);
   if (kind == FLOOR && !isTop) return 0.8 * color;
   if (kind == STAIR && !isTop) return 0.68 * color;
   if (kind == ROOF && normal.y < 0.05) return 0.62 * color;

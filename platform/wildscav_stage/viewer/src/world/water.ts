@@ -34,7 +34,7 @@ void main() {
   float footprint = far == 0.0 ? pixel : pixel * distance(place, eye) / max(0.2, -way.y);
   vec4 bed = texture(beds, at);
   float clear = square(0.9 / (0.9 + ${DEEPEST}.0 * bed.a));
-  vec3 color = mix(vec3(26.0, 84.0, 132.0) / 255.0, bed.rgb, clear);
+  vec3 color = mix(deep, bed.rgb, clear);
   vec3 up = vec3(0.0, 1.0, 0.0);
   color *= lightOn(up, 0.6 + 0.4 * sunShare(place, up), 1.0);
   vec3 normal = rippled(footprint);
