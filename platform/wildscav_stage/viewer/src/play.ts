@@ -1,9 +1,11 @@
 // The page of a person who plays: it shows what the server tells, and sends what the person does.
 
+import { Bindings } from "./play/bindings";
 import { Connection } from "./play/connection";
 import { Controls, type Input } from "./play/controls";
 import { find } from "./play/dom";
 import { fillTable, Hud, titlesOf } from "./play/hud";
+import { KeyForm, listKeys } from "./play/key_form";
 import { Lobby } from "./play/lobby";
 import { Match } from "./play/match";
 import type { Begin, Handlers, Message, Now, Over, Table } from "./play/messages";
@@ -28,8 +30,9 @@ const WAITING = ["lobby", "preparing", "elsewhere", "over", "failed"];
 const game = find("game");
 const settings = settingsIn(find("settings") as HTMLFormElement);
 const buttons = document.querySelectorAll<HTMLElement>("#buttons button");
-const controls = new Controls(find("picture"), find("stick"), buttons, settings);
-const hud = new Hud();
+const bindings = new Bindings();
+const controls = new Controls(find("picture"), find("stick"), buttons, settings, bindings);
+const hud = new Hud(bindings);
 const sounds = new Sounds(settings);
 const isTouched = matchMedia("(pointer: coarse)").matches;
 const canDraw = hasWebGL();
@@ -65,6 +68,7 @@ const connection = new Connection({
     showPanel("closed", "Not connected", why, "Try again");
   },
 });
+new KeyForm(find("bindings"), bindings, () => listKeys(find("keys"), bindings));
 const lobby = new Lobby(find("lobby"), (message) => connection.send(message));
 
 const handlers: Handlers = {
@@ -198,6 +202,7 @@ function showPanel(state: string, title: string, words: string, button = "", key
   find("go").hidden = !button;
   find("keys").hidden = !keys || isTouched;
   find("settings").hidden = !keys;
+  find("bindings").hidden = !keys || isTouched;
   find("result").hidden = find("record").hidden = true;
   find("touch").hidden = true;
   find("lobby").hidden = !showsPeople();
@@ -274,7 +279,7 @@ document.addEventListener("visibilitychange", () => {
 });
 addEventListener("keydown", (event) => {
   if (event.target instanceof HTMLInputElement) return;
-  if (event.code === "KeyM") sounds.on = !sounds.on;
+  if (bindings.actOf(event.code) === "sound" && !event.repeat) sounds.on = !sounds.on;
   if (event.code === "Escape") askToPause();
 });
 

@@ -3,6 +3,7 @@
 import type { Course } from "../data/course";
 import { clockText } from "../player/clock";
 import { make } from "../player/dom";
+import type { Act, Bindings } from "./bindings";
 import { find } from "./dom";
 import { turned } from "./live_course";
 import { type Begin, CAN_PICK_UP, FRAMES, type Metric, type Own, type ScoreRow } from "./messages";
@@ -34,7 +35,8 @@ export class Hud {
   private clearing = 0;
   private readonly points: [number, HTMLElement][];
 
-  constructor() {
+  // bindings: by which keys one plays; null for a spectator.
+  constructor(private readonly bindings: Bindings | null = null) {
     this.points = Array.from({ length: 24 }, (_, index) => {
       const point = document.createElement("span");
       point.textContent = POINTS[index * 15] ?? "·";
@@ -90,7 +92,8 @@ export class Hud {
   private showGoal(own: Own, yaw: number, target: Bearing | null): void {
     const goal = find("goal");
     if (!target) {
-      goal.textContent = own.flags & CAN_PICK_UP && !this.watches ? "E: pick up supplies" : "";
+      goal.textContent =
+        own.flags & CAN_PICK_UP && !this.watches ? `${this.keyOf("pick_up")}pick up supplies` : "";
       return;
     }
     const angle = Math.round(turned(target.bearing - yaw));
@@ -121,7 +124,12 @@ export class Hud {
     const died = this.killer ? `${this.killer} shot you` : "You are dead";
     if (health <= 0) return respawn ? `${died}. Back in ${seconds(respawn)}` : `${died}, and you are out`;
     if (invincible) return `Nobody can hurt you for ${seconds(invincible)}`;
-    return clip === 0 && !reload && this.begun.weapon ? "Empty: R reloads" : "";
+    return clip === 0 && !reload && this.begun.weapon ? `Empty. ${this.keyOf("reload")}reload` : "";
+  }
+
+  private keyOf(act: Act): string {
+    const [key] = this.bindings?.keysOf(act) ?? [];
+    return key ? `${key}: ` : "";
   }
 
   flash(id: string, name: string): void {
