@@ -3,6 +3,7 @@
 import type { Course } from "../data/course";
 import { clockText } from "../player/clock";
 import { make } from "../player/dom";
+import { type Bearing, bearingOf, type Place } from "./bearing";
 import type { Act, Bindings } from "./bindings";
 import { find } from "./dom";
 import { turned } from "./live_course";
@@ -25,13 +26,11 @@ const NOTICE = 1400; // ms
 const FEED = 7000; // ms for which a kill is shown
 const TORSO = 2; // the part of a body that has the colour of its team
 
-export type Place = { x: number; z: number };
-
 export class Hud {
   private begun!: Begin;
   private seat: number | null = null; // one's own, or the one whose eyes a spectator sees through
   private watches = false;
-  private killer = ""; // who shot one last
+  private wasShot = false; // whether somebody did it when one died last
   private clearing = 0;
   private readonly points: [number, HTMLElement][];
 
@@ -47,9 +46,10 @@ export class Hud {
   }
 
   begin(begun: Begin, seat: number | null, watches = false): void {
-    [this.begun, this.seat, this.watches, this.killer] = [begun, seat, watches, ""];
+    [this.begun, this.seat, this.watches] = [begun, seat, watches];
     find("feed").replaceChildren();
     this.notice("");
+    if (!watches) this.showFall([]);
   }
 
   showTime(frame: number): void {
@@ -121,8 +121,8 @@ export class Hud {
   private saidOf({ health, respawn, invincible, clip, reload }: Own): string {
     const seconds = (frames: number) => `${Math.ceil(frames / FRAMES)} s`;
     if (this.watches) return health > 0 ? "" : "dead";
-    const died = this.killer ? `${this.killer} shot you` : "You are dead";
-    if (health <= 0) return respawn ? `${died}. Back in ${seconds(respawn)}` : `${died}, and you are out`;
+    const died = this.wasShot ? "" : "You are dead. ";
+    if (health <= 0) return died + (respawn ? `Back in ${seconds(respawn)}` : "You are out");
     if (invincible) return `Nobody can hurt you for ${seconds(invincible)}`;
     return clip === 0 && !reload && this.begun.weapon ? `Empty. ${this.keyOf("reload")}reload` : "";
   }
@@ -153,6 +153,11 @@ export class Hud {
     }, time);
   }
 
+  // Say how one died until one is back.
+  showFall(lines: string[]): void {
+    find("fallen").replaceChildren(...lines.map((line) => make("p", {}, line)));
+  }
+
   // Show for a while who killed whom.
   showDeath(seat: number, by: number): void {
     const line = document.createElement("li");
@@ -162,7 +167,7 @@ export class Hud {
     find("feed").append(line);
     setTimeout(() => line.remove(), FEED);
     if (this.watches) return;
-    if (seat === this.seat) this.killer = nobody ? "" : this.begun.seats[by].name;
+    if (seat === this.seat) this.wasShot = !nobody;
     else if (by === this.seat) this.notice(`You shot ${this.begun.seats[seat].name}`);
   }
 
@@ -191,16 +196,6 @@ export class Hud {
   }
 }
 
-interface Bearing {
-  bearing: number; // degrees by the compass
-  distance: number; // m
-}
-
-export function bearingOf(here: Place, there: Place): Bearing {
-  const [east, north] = [there.x - here.x, there.z - here.z];
-  return { bearing: (Math.atan2(east, north) * 180) / Math.PI, distance: Math.hypot(east, north) };
-}
-
 // Fill a table with the metrics of seats; own is the seat to stress.
 export function fillTable(
   shown: HTMLElement,
@@ -219,7 +214,8 @@ export function fillTable(
   const best = rows.slice(0, most);
   const mine = rows.find(({ seat }) => seat === own);
   if (mine && !best.includes(mine)) best[best.length - 1] = mine;
-  const written = (value: number) => (Number.isInteger(value) ? String(value) : value.toFixed(2));
+  const written = (value: number | null) =>
+    value === null ? "–" : Number.isInteger(value) ? String(value) : value.toFixed(2);
   table.tHead?.replaceChildren(row(["", ...titles], "th"));
   table.tBodies[0].replaceChildren(
     ...best.map(({ seat, name, values }) => {

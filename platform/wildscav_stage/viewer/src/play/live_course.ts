@@ -2,6 +2,8 @@
 
 import { Course, type SeatState } from "../data/course";
 import { METRE, type Trails } from "../data/trails";
+import { bearingOf } from "./bearing";
+import { type Killer, killerOf } from "./fall";
 import { type All, type Begin, FRAMES, type Moment, type Now, ownOf } from "./messages";
 
 const NOWHERE = 1e5; // m, where nobody is drawn
@@ -71,6 +73,7 @@ interface Sighting {
 // What the person in a seat sees. Their own state is whatever the page expects it to be.
 export class SeenCourse extends LiveCourse {
   own: SeatState = unseen();
+  killer: Killer | null = null; // who shot one last, if it was in sight; the dead see it where it stood
   private newest = 0;
   private readonly sightings: Sighting[][];
 
@@ -94,6 +97,7 @@ export class SeenCourse extends LiveCourse {
       this.sightings[seat] = this.sightings[seat].filter((each) => each.frame > frame - KEPT);
       this.sightings[seat].push({ frame, state });
     }
+    if (moment.deaths?.some(([seat]) => seat === this.seat)) this.killer = killerOf(moment.killer);
     for (const other of moment.hits ?? [])
       insert(this.events, { frame: now, kind: "hit", seat: this.seat, other, amount: 0 });
     for (const [seat, x, y, z, ...end] of moment.shots ?? []) {
@@ -109,6 +113,7 @@ export class SeenCourse extends LiveCourse {
 
   override at(seat: number, frame: number): SeatState {
     if (seat === this.seat) return this.own;
+    if (seat === this.killer?.seat && this.own.health <= 0) return this.stateOf(this.killer);
     const all = this.sightings[seat];
     const next = all.findIndex((each) => each.frame > frame);
     const last = all[(next < 0 ? all.length : next) - 1];
@@ -120,6 +125,11 @@ export class SeenCourse extends LiveCourse {
     if (next < 0) return this.newest - last.frame > 0 && frame > last.frame ? unseen() : last.state;
     if (all[next].frame - last.frame > GAP) return unseen();
     return between(last.state, all[next].state, (frame - last.frame) / (all[next].frame - last.frame));
+  }
+
+  private stateOf({ seat, x, y, z }: Killer): SeatState {
+    const { bearing } = bearingOf({ x, z }, this.own);
+    return { ...unseen(), x, y, z, yaw: bearing, health: this.seats[seat].full_health };
   }
 }
 

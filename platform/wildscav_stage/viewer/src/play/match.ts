@@ -5,10 +5,12 @@ import type { GameMap } from "../data/map";
 import { METRE } from "../data/trails";
 import { heightAt } from "../view/terrain";
 import { createStage } from "../world";
+import { bearingOf } from "./bearing";
 import { Clock } from "./clock";
 import type { Input } from "./controls";
 import { find } from "./dom";
-import { bearingOf, type Hud } from "./hud";
+import { Hits, turnedTo, wordsOf } from "./fall";
+import type { Hud } from "./hud";
 import { SeenCourse, turned } from "./live_course";
 import { type Begin, FRAMES, type Now, type Own, ownOf } from "./messages";
 import { Prediction } from "./prediction";
@@ -28,7 +30,10 @@ export class Match {
   private readonly picture: Picture;
   private readonly clock = new Clock(BEHIND);
   private readonly weapon = new Weapon();
+  private readonly hits = new Hits();
+  private readonly isCalm = matchMedia("(prefers-reduced-motion: reduce)").matches;
   private firedAt = -Infinity; // ms
+  private diedAt: number | null = null; // likewise; null while one lives
   private seconds = 0; // since the last picture
   private ping: number | null = null;
 
@@ -84,7 +89,7 @@ export class Match {
     const { yaw, pitch } = this.prediction;
     const { health, supplies } = this.own;
     this.course.own = { x, y, z, yaw, pitch, health, supplies };
-    const kind = health > 0 ? "eyes" : "behind";
+    const kind = this.lookDead(now) ? "behind" : "eyes";
     const { view_angle: angle } = this.begin.rules; // what is farther aside, or up or down, is not told
     const across = Math.min(this.settings.field, angle);
     this.picture.stage.view = { kind, seat: this.seat, across, tall: ASPECT * angle };
@@ -93,6 +98,20 @@ export class Match {
     this.showPace();
     find("game").toggleAttribute("data-dead", health <= 0);
     find("picture").dataset.place = this.prediction.place.map((part) => part.toFixed(3)).join();
+  }
+
+  // Let the dead look at who shot them; return whether nobody is known to look at.
+  private lookDead(now: number): boolean {
+    const { own, killer } = this.course;
+    if (own.health > 0) {
+      if (this.diedAt !== null) this.hud.showFall([]);
+      this.diedAt = null;
+      return false;
+    }
+    this.diedAt ??= now;
+    if (!killer) return true;
+    Object.assign(own, turnedTo(killer, own, this.isCalm ? Infinity : now - this.diedAt));
+    return false;
   }
 
   dispose(): void {
@@ -111,11 +130,23 @@ export class Match {
       this.hud.showHurt(shooter ? this.angleTo(shooter[1] / METRE, shooter[3] / METRE) : null);
       this.sounds.hurt();
     }
-    for (const [seat, by] of moment.deaths ?? []) this.hud.showDeath(seat, by);
+    this.hits.note(moment);
+    for (const [seat, by] of moment.deaths ?? []) {
+      this.hud.showDeath(seat, by);
+      if (seat === this.seat) this.tellFall(by);
+    }
     if (moment.gained) {
       this.hud.notice(`+${moment.gained} supplies`);
       this.sounds.gain();
     }
+  }
+
+  private tellFall(by: number): void {
+    const { killer } = this.course;
+    const [x, , z] = this.prediction.place;
+    const words = by < 0 ? [] : wordsOf(this.begin.seats[by].name, killer, { x, z }, this.hits, by);
+    this.hud.showFall(words);
+    this.hits.forget();
   }
 
   private tellShot(seat: number, x: number, z: number): void {

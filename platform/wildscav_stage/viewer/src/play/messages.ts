@@ -22,6 +22,7 @@ export interface Now extends Moment {
   shots?: number[][]; // seat, x, y, z of its soles, and where the shot ended if that is known: x, y, z
   hits?: number[];
   hurt?: number[];
+  killer?: number[]; // who shot one in sight: seat, x, y, z, and its health if that is told
   gained?: number;
 }
 
@@ -66,7 +67,7 @@ export interface Metric {
 export interface ScoreRow {
   seat: number;
   name: string;
-  values: number[];
+  values: (number | null)[]; // null: nothing to tell
 }
 
 export interface Rules {
