@@ -8,8 +8,8 @@ A message is JSON. Lengths are whole centimetres, angles hundredths of a degree,
   shooter's soles and, if it is one's own or that place is in sight, x, y, z of where it ended;
 - ``hits`` and ``hurt``: the seats that one hit, and those that hit one; ``gained``: supplies;
 - ``deaths``, which everybody is told: the seat, and the seat that did it or -1;
-- ``killer``, with one's own death, if the killer was in sight in that frame: the seat, x, y, z, and its health
-  where the rules tell it to agents (``senses = "original"``);
+- ``killer``, with one's own death, if the killer was in sight in that frame: the seat, x, y, z, and its
+  health where the rules tell it to agents (``senses = "original"``);
 - ``boxes`` that the page was not told of before: serial, x, y, z; and ``gone``, the serials of those that are
   not there anymore, as far as the person can see;
 - ``target``, once it is known: x, y, z; and ``zone``, the present phase of the safe zone as in

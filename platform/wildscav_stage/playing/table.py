@@ -274,6 +274,7 @@ class Table:
             "seat": None if player is None else player.seat,
             "may_pause": self._plan.may_pause,
             "stand_in": self._plan.stand_in,
+            "is_range": bool(self._plan.targets),
         }
 
     def _tell_people(self) -> None:

@@ -9,6 +9,7 @@ import { KeyForm, listKeys } from "./play/key_form";
 import { Lobby } from "./play/lobby";
 import { Match } from "./play/match";
 import type { Begin, Handlers, Message, Now, Over, Table } from "./play/messages";
+import { METRICS } from "./play/practice";
 import { eachPicture, hasWebGL, withMap } from "./play/scene";
 import { settingsIn } from "./play/settings";
 import { Sounds } from "./play/sounds";
@@ -24,6 +25,8 @@ const GOALS: Record<string, string> = {
   battle: "Gather supplies, and fight for those that others carry.",
   royale: "Be the last who stands. Stay inside the safe zone.",
 };
+const RANGE =
+  "Shoot at targets that stand, walk and strafe, 10 to 60 m away. They never shoot back, and you never run out of rounds.";
 // States in which it is shown who is here.
 const WAITING = ["lobby", "preparing", "elsewhere", "over", "failed"];
 
@@ -42,6 +45,7 @@ let begun: Begin | null = null; // the present match
 let match: Match | null = null;
 let waiting: [Now, number][] | null = null; // moments of a match whose map is being loaded, and when they came, ms
 let isLoading = false; // whether the match waits until it can be shown
+let names: string[] = []; // of the seats in the last match
 let asked = 0; // pauses and their ends that the server has not answered
 let number = 0; // of the last input
 let lastSent = "";
@@ -91,14 +95,14 @@ const handlers: Handlers = {
     const against = others.length ? ` ${who}: ${others.join(", ")}.` : "";
     const fingers = isTouched ? " Walk with the stick, and swipe over the picture to look around." : "";
     const waits = isHost() ? "" : " The host starts the match.";
-    const words = `${GOALS[table.track] ?? ""}${against}${fingers}${waits}`;
-    const title = `Wildscav: ${table.track}`;
+    const words = table.is_range ? RANGE : `${goal()}${against}${fingers}${waits}`;
+    const title = `Wildscav: ${table.is_range ? "shooting range" : table.track}`;
     if (canDraw) showPanel("lobby", title, words, startButton("Play"), true);
     else showPanel("lobby", title, `${NO_3D} Open the link in another one.`);
   },
   preparing: () => showPanel("preparing", "Making the map …", "This takes a few seconds."),
   countdown: ({ seconds }) => {
-    showPanel("countdown", `The match starts in ${seconds} …`, GOALS[table.track] ?? "", "", true);
+    showPanel("countdown", `The match starts in ${seconds} …`, goal(), "", true);
     sounds.tick();
   },
   elsewhere: () =>
@@ -109,6 +113,8 @@ const handlers: Handlers = {
     lastSent = "";
     endMatch();
     hud.begin(message, table.seat);
+    game.toggleAttribute("data-range", table.is_range);
+    names = message.seats.map(({ name }) => name);
     game.toggleAttribute("data-weapon", message.weapon);
     game.toggleAttribute("data-supplies", message.supplies);
     isLoading = table.may_pause && !message.paused;
@@ -127,7 +133,7 @@ const handlers: Handlers = {
     // What was asked for later counts.
     if (!asked && !isLoading && game.dataset.state !== "failed") showPause(paused);
   },
-  scores: ({ rows }) => begun && hud.showScores(rows),
+  scores: ({ rows }) => begun && !table.is_range && hud.showScores(rows),
   failed: ({ message }) => {
     begun = null;
     endMatch();
@@ -136,6 +142,7 @@ const handlers: Handlers = {
   over: showEnd,
 };
 
+const goal = () => GOALS[table.track] ?? "";
 const isHost = () => table.seat === HOST;
 const startButton = (text: string) => (isHost() ? text : "");
 const isPlaying = () => game.dataset.state === "playing";
@@ -150,7 +157,7 @@ function beginMatch(begin: Begin, first: Now): void {
     (map) => {
       if (waiting !== own) return;
       const lose = () => cannotShow("The browser stopped drawing in 3D.");
-      match = new Match(begin, table.track, table.seat as number, map, settings, hud, sounds, lose);
+      match = new Match(begin, table, table.seat as number, map, settings, hud, sounds, lose);
       for (const [moment, came] of own) match.learn(moment, came);
       if (isLoading) pause(document.hidden);
       isLoading = false;
@@ -223,12 +230,15 @@ function headline({ ending, time, rows }: Over): string {
 }
 
 function showEnd(message: Over): void {
+  const practice = table.is_range ? match?.practice : undefined;
   begun = null;
   endMatch();
   const ending = message.ending === "time_up" ? "The time is up." : "The match is over.";
   const waits = isHost() ? "" : " The host starts the next one.";
-  showPanel("over", headline(message), `${ending}${waits}`, startButton("Play again"));
-  fillTable(find("result"), titlesOf(message.metrics), message.rows, table.seat);
+  const title = practice?.summary ?? headline(message);
+  showPanel("over", title, `${ending}${waits}`, startButton("Play again"));
+  const rows = practice?.rows(names) ?? message.rows;
+  fillTable(find("result"), titlesOf(practice ? METRICS : message.metrics), rows, table.seat);
   find("record code").textContent = message.record ?? "";
   find("record pre").textContent = message.commands?.join("\n") ?? "";
   find("result").hidden = false;

@@ -8,6 +8,7 @@ import type { Act, Bindings } from "./bindings";
 import { find } from "./dom";
 import { turned } from "./live_course";
 import { type Begin, CAN_PICK_UP, FRAMES, type Metric, type Own, type ScoreRow } from "./messages";
+import type { Practice } from "./practice";
 
 const VIEW = 130; // degrees that the compass shows
 const POINTS: Record<number, string> = {
@@ -24,6 +25,7 @@ const MOST_BOXES = 8; // that the compass shows, the nearest ones
 const FLASH = 140; // ms
 const NOTICE = 1400; // ms
 const FEED = 7000; // ms for which a kill is shown
+const ENDLESS = 10_000; // rounds that nobody uses up
 const TORSO = 2; // the part of a body that has the colour of its team
 
 export class Hud {
@@ -113,7 +115,9 @@ export class Hud {
     find("ammo b").textContent = String(own.clip);
     find("ammo small").textContent = own.reload
       ? `reloading ${(own.reload / FRAMES).toFixed(1)} s`
-      : `of ${own.spare} more rounds`;
+      : own.spare < ENDLESS
+        ? `of ${own.spare} more rounds`
+        : "rounds without end";
     const said = this.saidOf(own);
     if (said) this.notice(said, 200);
   }
@@ -183,6 +187,20 @@ export class Hud {
     find("scores").hidden = rows.length < 2;
     const titles = this.begun.metrics.map(({ title }) => title);
     fillTable(find("scores"), titles, rows, this.seat, 6, this.watches ? null : "you");
+  }
+
+  // Show what one has hit at the shooting range.
+  showPractice({ shots, hits, kills, accuracy, timeToKill }: Practice): void {
+    const figures: [string, string][] = [
+      [`${hits} of ${shots}`, "shots hit"],
+      [accuracy === null ? "–" : `${accuracy} %`, "accuracy"],
+      [String(kills), kills === 1 ? "kill" : "kills"],
+      [timeToKill === null ? "–" : `${timeToKill.toFixed(1)} s`, "from a first hit to the kill"],
+    ];
+    const items = figures.map(([value, name]) =>
+      make("div", {}, make("dd", {}, value), make("dt", {}, name)),
+    );
+    find("practice").replaceChildren(...items);
   }
 
   showPace(ping: number | null, rate: number, error: number | null): void {

@@ -12,7 +12,8 @@ import { find } from "./dom";
 import { Hits, turnedTo, wordsOf } from "./fall";
 import type { Hud } from "./hud";
 import { SeenCourse, turned } from "./live_course";
-import { type Begin, FRAMES, type Now, type Own, ownOf } from "./messages";
+import { type Begin, FRAMES, type Now, type Own, ownOf, type Table } from "./messages";
+import { Practice } from "./practice";
 import { Prediction } from "./prediction";
 import { Picture } from "./scene";
 import type { Settings } from "./settings";
@@ -25,6 +26,7 @@ const ASPECT = 9 / 16; // how far agents see up and down, of how far they see ac
 
 export class Match {
   own: Own | null = null;
+  readonly practice: Practice;
   private readonly course: SeenCourse;
   private readonly prediction: Prediction;
   private readonly picture: Picture;
@@ -39,7 +41,7 @@ export class Match {
 
   constructor(
     private readonly begin: Begin,
-    track: string,
+    private readonly table: Table,
     private readonly seat: number,
     map: GameMap,
     private readonly settings: Settings,
@@ -47,7 +49,8 @@ export class Match {
     private readonly sounds: Sounds,
     lose: () => void, // called if the browser no longer draws
   ) {
-    this.course = new SeenCourse(begin, track, seat);
+    this.course = new SeenCourse(begin, table.track, seat);
+    this.practice = new Practice(seat);
     this.prediction = new Prediction(begin.rules, (x, z) => heightAt(map.ground, x, z));
     const over = (renderer: WebGLRenderer) => this.drawWeapon(renderer);
     const options = { hasLabels: false, over };
@@ -131,6 +134,8 @@ export class Match {
       this.sounds.hurt();
     }
     this.hits.note(moment);
+    this.practice.note(moment);
+    if (this.table.is_range) this.hud.showPractice(this.practice);
     for (const [seat, by] of moment.deaths ?? []) {
       this.hud.showDeath(seat, by);
       if (seat === this.seat) this.tellFall(by);

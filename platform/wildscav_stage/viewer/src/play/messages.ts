@@ -57,6 +57,7 @@ export interface Table {
   seat: number | null;
   may_pause: boolean;
   stand_in: string;
+  is_range: boolean; // whether the others are targets
 }
 
 export interface Metric {
