@@ -13,6 +13,7 @@ import { METRICS } from "./play/practice";
 import { eachPicture, hasWebGL, withMap } from "./play/scene";
 import { settingsIn } from "./play/settings";
 import { Sounds } from "./play/sounds";
+import { Teacher } from "./play/teacher";
 
 const REPLACED = 4001; // close code: the link was opened elsewhere
 const RENEWED = 4002; // close code: it has ended
@@ -38,6 +39,7 @@ const controls = new Controls(find("picture"), find("stick"), buttons, settings,
 const hud = new Hud(bindings);
 const sounds = new Sounds(settings);
 const isTouched = matchMedia("(pointer: coarse)").matches;
+const teacher = new Teacher(bindings, isTouched);
 const canDraw = hasWebGL();
 
 let table!: Table; // what is played here
@@ -114,6 +116,8 @@ const handlers: Handlers = {
     endMatch();
     hud.begin(message, table.seat);
     game.toggleAttribute("data-range", table.is_range);
+    const { weapon, supplies } = message;
+    teacher.begin({ track: table.track, weapon, supplies: supplies && !table.is_range });
     names = message.seats.map(({ name }) => name);
     game.toggleAttribute("data-weapon", message.weapon);
     game.toggleAttribute("data-supplies", message.supplies);
@@ -210,6 +214,7 @@ function showPanel(state: string, title: string, words: string, button = "", key
   find("keys").hidden = !keys || isTouched;
   find("settings").hidden = !keys;
   find("bindings").hidden = !keys || isTouched;
+  find("teach").hidden = !keys || !teacher.hasTaught;
   find("result").hidden = find("record").hidden = true;
   find("touch").hidden = true;
   find("lobby").hidden = !showsPeople();
@@ -263,6 +268,8 @@ eachPicture((now, length) => {
   const input = controls.take(Math.min(0.1, length / 1000), begun?.rules.turn_speed);
   if (isPlaying()) send(input);
   match?.draw(input, now, length);
+  if (match?.own && isPlaying())
+    teacher.watch(input, match.own, match.spot, match.targetDistance, now, length / 1000);
 });
 
 find("go").addEventListener("click", () => {
@@ -289,7 +296,9 @@ document.addEventListener("visibilitychange", () => {
 });
 addEventListener("keydown", (event) => {
   if (event.target instanceof HTMLInputElement) return;
-  if (bindings.actOf(event.code) === "sound" && !event.repeat) sounds.on = !sounds.on;
+  const act = event.repeat ? undefined : bindings.actOf(event.code);
+  if (act === "sound") sounds.on = !sounds.on;
+  if (act === "skip" && isPlaying()) teacher.skip();
   if (event.code === "Escape") askToPause();
 });
 

@@ -117,6 +117,18 @@ export class Match {
     return false;
   }
 
+  // Where one is shown, m.
+  get spot(): readonly [number, number, number] {
+    return this.prediction.place;
+  }
+
+  // m to the target; null if it is not known.
+  get targetDistance(): number | null {
+    const { target } = this.course.trails;
+    const [x, , z] = this.spot;
+    return target && bearingOf({ x, z }, { x: target.x / METRE, z: target.z / METRE }).distance;
+  }
+
   dispose(): void {
     this.weapon.dispose();
     this.picture.dispose();
