@@ -87,6 +87,7 @@ def range_spec(seed: int, time_limit: float | None, rules: str, frames_per_actio
         map=MapSpec(config=LAWN, seed=seed),
         seed=seed,
         seats=(SUBMISSION,) * (1 + len(TARGETS)),
+        teams=(0, *(1,) * len(TARGETS)),
         starts=(SHOOTER, *(target.start for target in TARGETS)),
         respawn_at="start",
         supplies=SupplyConfig(waves=()),

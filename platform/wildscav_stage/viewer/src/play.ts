@@ -14,6 +14,7 @@ import { eachPicture, hasWebGL, withMap } from "./play/scene";
 import { settingsIn } from "./play/settings";
 import { Sounds } from "./play/sounds";
 import { Teacher } from "./play/teacher";
+import { asKnownTo } from "./play/teams";
 
 const REPLACED = 4001; // close code: the link was opened elsewhere
 const RENEWED = 4002; // close code: it has ended
@@ -109,7 +110,8 @@ const handlers: Handlers = {
   },
   elsewhere: () =>
     showPanel("elsewhere", "A match is being played", "It began without you. You take part in the next one."),
-  begin: (message) => {
+  begin: (told) => {
+    const message = { ...told, seats: asKnownTo(table.seat as number, told.seats) };
     begun = message;
     asked = 0;
     lastSent = "";

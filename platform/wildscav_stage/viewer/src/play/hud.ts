@@ -177,13 +177,33 @@ export class Hud {
 
   private nameOf(seat: number): HTMLElement {
     const name = document.createElement("b");
-    name.textContent = seat === this.seat && !this.watches ? "you" : this.begun.seats[seat].name;
-    name.style.color = `rgb(${this.begun.seats[seat].colors[TORSO].join(" ")})`;
+    name.textContent = seat === this.seat && !this.watches ? "you" : this.marked(seat);
+    name.style.color = this.colorOf(seat);
     return name;
   }
 
+  // The name of a seat, after the mark of its team where there is one.
+  private marked(seat: number): string {
+    const { mark, name } = this.begun.seats[seat];
+    return mark ? `${mark} ${name}` : name;
+  }
+
+  // Show whom one aims at; null is nobody.
+  showAim(seat: number | null): void {
+    const aim = find("aim");
+    const text = seat === null ? "" : this.marked(seat);
+    if (aim.textContent === text) return;
+    aim.textContent = text;
+    if (seat !== null) aim.style.color = this.colorOf(seat);
+  }
+
+  private colorOf(seat: number): string {
+    return lightened(this.begun.seats[seat].colors[TORSO]);
+  }
+
   // Show the scores of all, the best first.
-  showScores(rows: ScoreRow[]): void {
+  showScores(all: ScoreRow[]): void {
+    const rows = all.map((row) => ({ ...row, name: this.marked(row.seat) }));
     find("scores").hidden = rows.length < 2;
     const titles = this.begun.metrics.map(({ title }) => title);
     fillTable(find("scores"), titles, rows, this.seat, 6, this.watches ? null : "you");
@@ -242,6 +262,13 @@ export function fillTable(
       return line;
     }),
   );
+}
+
+// A colour for letters on a dark ground: dark ones are mixed with white.
+function lightened(color: [number, number, number]): string {
+  const [red, green, blue] = color;
+  const share = Math.max(0, 0.5 - (0.3 * red + 0.6 * green + 0.1 * blue) / 255);
+  return `rgb(${color.map((value) => Math.round(value + share * (255 - value))).join(" ")})`;
 }
 
 export function titlesOf(metrics: Metric[]): string[] {

@@ -9,6 +9,9 @@ import { type All, type Begin, FRAMES, type Moment, type Now, ownOf } from "./me
 const NOWHERE = 1e5; // m, where nobody is drawn
 const GAP = 10; // frames without word of an agent after which it comes anew
 const LYING = 200; // frames for which somebody is seen who died in sight
+const [EYE, CHEST] = [1.5, 1]; // m over the soles
+const SEEN = 300; // m, within which one aims at somebody
+const [WIDE, SHARE] = [0.8, 0.015]; // m from the middle of a body, and more for each m of distance
 const KEPT = 100; // frames for which sightings are kept
 
 export abstract class LiveCourse extends Course {
@@ -125,6 +128,24 @@ export class SeenCourse extends LiveCourse {
     if (next < 0) return this.newest - last.frame > 0 && frame > last.frame ? unseen() : last.state;
     if (all[next].frame - last.frame > GAP) return unseen();
     return between(last.state, all[next].state, (frame - last.frame) / (all[next].frame - last.frame));
+  }
+
+  // The seat that one aims at in a frame; null if it is nobody.
+  aimedAt(frame: number): number | null {
+    const { x, y, z, yaw, pitch } = this.own;
+    const [bearing, down] = [(yaw * Math.PI) / 180, (pitch * Math.PI) / 180];
+    const ahead = [Math.sin(bearing) * Math.cos(down), -Math.sin(down), Math.cos(bearing) * Math.cos(down)];
+    let [nearest, found]: [number, number | null] = [SEEN, null];
+    for (let seat = 0; seat < this.seats.length; seat++) {
+      if (seat === this.seat || !this.sightings[seat].length) continue;
+      const other = this.at(seat, frame);
+      const way = [other.x - x, other.y + CHEST - y - EYE, other.z - z];
+      const far = way[0] * ahead[0] + way[1] * ahead[1] + way[2] * ahead[2];
+      const off = Math.hypot(...way.map((part, axis) => part - far * ahead[axis]));
+      if (other.health > 0 && far > 0 && far < nearest && off < WIDE + SHARE * far)
+        [nearest, found] = [far, seat];
+    }
+    return found;
   }
 
   private stateOf({ seat, x, y, z }: Killer): SeatState {

@@ -98,6 +98,9 @@ export class Match {
     this.picture.stage.view = { kind, seat: this.seat, across, tall: ASPECT * angle };
     this.picture.draw(this.clock.frame(now), now);
     this.hud.show(this.own, { x, z, yaw }, this.course);
+    this.hud.showAim(
+      health > 0 ? this.course.aimedAt(this.clock.frame(now)) : (this.course.killer?.seat ?? null),
+    );
     this.showPace();
     find("game").toggleAttribute("data-dead", health <= 0);
     find("picture").dataset.place = this.prediction.place.map((part) => part.toFixed(3)).join();

@@ -86,7 +86,7 @@ export interface Begin {
   weapon: boolean;
   supplies: boolean;
   metrics: Metric[];
-  seats: Seat[];
+  seats: (Seat & { mark?: string })[]; // mark: how a person tells its team
   frame_limit: number;
   rules: Rules;
 }
