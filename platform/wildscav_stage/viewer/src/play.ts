@@ -199,8 +199,10 @@ function play(): void {
 }
 
 function showPause(paused: boolean): void {
-  if (paused) showPanel("paused", "Paused", "The match waits for you.", "Go on", true);
-  else play();
+  if (paused) {
+    showPanel("paused", "Paused", "The match waits for you.", "Go on", true);
+    find("go").focus({ preventScroll: true });
+  } else play();
 }
 
 function showPanel(state: string, title: string, words: string, button = "", keys = false): void {

@@ -91,7 +91,7 @@ def test_two_browsers_fight_each_other_while_a_third_watches(tmp_path: Path, bro
 
 
 def robots_place(page: Any) -> float | None:
-    """Return where the picture shows the second seat's magenta torso, from -1 (left) to 1; None if nowhere."""
+    """Return where the picture shows the second seat's magenta torso, -1 (left) to 1; None if nowhere."""
     pixels = np.asarray(
         Image.open(io.BytesIO(page.locator("#picture").screenshot())).convert("RGB"), np.int16
     )

@@ -189,7 +189,7 @@ export class Match {
 
   private showFire(now: number): void {
     this.firedAt = now;
-    this.weapon.fire(now);
+    if (!this.isCalm) this.weapon.fire(now);
     this.hud.flash("crosshair", "fired");
     this.sounds.shot();
   }
@@ -200,7 +200,8 @@ export class Match {
     const reload = this.own.reload
       ? Math.max(0.1, 1 - this.own.reload / FRAMES / this.begin.rules.reload_time)
       : 0;
-    this.weapon.draw(renderer, performance.now(), this.seconds, Math.hypot(east, north), reload);
+    const speed = this.isCalm ? 0 : Math.hypot(east, north);
+    this.weapon.draw(renderer, performance.now(), this.seconds, speed, reload);
   }
 
   private showPace(): void {
