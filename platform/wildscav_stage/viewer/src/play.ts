@@ -1,6 +1,6 @@
 // The page of a person who plays: it shows what the server tells, and sends what the person does.
 
-import { Bindings } from "./play/bindings";
+import { type Act, Bindings } from "./play/bindings";
 import { Connection } from "./play/connection";
 import { Controls, type Input } from "./play/controls";
 import { find } from "./play/dom";
@@ -36,7 +36,7 @@ const game = find("game");
 const settings = settingsIn(find("settings") as HTMLFormElement);
 const buttons = document.querySelectorAll<HTMLElement>("#buttons button");
 const bindings = new Bindings();
-const controls = new Controls(find("picture"), find("stick"), buttons, settings, bindings);
+const controls = new Controls(find("picture"), find("stick"), buttons, settings, bindings, command);
 const hud = new Hud(bindings);
 const sounds = new Sounds(settings);
 const isTouched = matchMedia("(pointer: coarse)").matches;
@@ -300,11 +300,14 @@ document.addEventListener("visibilitychange", () => {
 });
 addEventListener("keydown", (event) => {
   if (event.target instanceof HTMLInputElement) return;
-  const act = event.repeat ? undefined : bindings.actOf(event.code);
-  if (act === "sound") sounds.on = !sounds.on;
-  if (act === "skip" && isPlaying()) teacher.skip();
+  if (!controls.enabled && !event.repeat && bindings.actOf(event.code) === "sound") command("sound");
   if (event.code === "Escape") askToPause();
 });
+
+function command(act: Act): void {
+  if (act === "sound") sounds.on = !sounds.on;
+  if (act === "skip") teacher.skip();
+}
 
 function askToPause(): void {
   if (isPlaying() && table.may_pause) pause(true);

@@ -43,7 +43,8 @@ export class Controls {
   locked = false; // whether the mouse is
   private readonly held = new Set<string>(); // keys and mouse buttons
   private readonly touched = new Set<Flag>(); // those whose buttons fingers hold
-  private readonly pressed = new Set<Act>(); // what was pressed since the last input
+  private readonly pressed = new Set<Flag>(); // those that were pressed since the last input
+  private padded: Act[] = []; // what a gamepad's buttons held last time
   private stick = [0, 0]; // right and forward, -1 to 1
   private turn = 0; // degrees since the last input
   private look = 0;
@@ -55,6 +56,7 @@ export class Controls {
     buttons: Iterable<HTMLElement>,
     private readonly settings: Settings,
     private readonly bindings: Bindings,
+    private readonly command: (act: Act) => void, // called with what is no part of an input
   ) {
     this.listenToKeys();
     this.listenToMouse();
@@ -100,7 +102,7 @@ export class Controls {
   private hold(act: Act | undefined, held: Record<string, number>): void {
     const axis = act && AXES[act];
     if (axis) held[axis[0]] += axis[1];
-    else if (act) this.pressed.add(act);
+    else if (isFlag(act)) this.pressed.add(act);
   }
 
   // Add what a gamepad holds, and return how fast it turns, in degrees a second to the right and down.
@@ -110,8 +112,14 @@ export class Controls {
     const [right, back, turn, look] = pad.axes.map((value) => (Math.abs(value) < DEAD ? 0 : value));
     held.right += right;
     held.forward -= back;
-    for (const [button, act] of this.bindings.padButtons)
-      if (pad.buttons[button]?.pressed) this.hold(act, held);
+    const acts = this.bindings.padButtons.flatMap(([button, act]) =>
+      pad.buttons[button]?.pressed ? act : [],
+    );
+    for (const act of acts) {
+      this.hold(act, held);
+      if (!this.padded.includes(act)) this.begin(act);
+    }
+    this.padded = acts;
     const speed = STICK_TURN * this.settings.sensitivity;
     return [turn * Math.abs(turn) * speed, look * Math.abs(look) * speed * (this.settings.invert ? -1 : 1)];
   }
@@ -119,8 +127,8 @@ export class Controls {
   private listenToKeys(): void {
     addEventListener("keydown", (event) => {
       const { code } = event;
-      if (!this.enabled || event.ctrlKey || event.metaKey || event.altKey || !this.press(code)) return;
-      event.preventDefault();
+      if (!this.enabled || event.ctrlKey || event.metaKey || event.altKey) return;
+      if (this.press(code, event.repeat)) event.preventDefault();
     });
     addEventListener("keyup", (event) => this.held.delete(event.code));
     addEventListener("blur", () => this.release());
@@ -141,12 +149,18 @@ export class Controls {
   }
 
   // Hold a key or a mouse button, and return whether it does anything.
-  private press(trigger: string): boolean {
+  private press(trigger: string, isRepeated = false): boolean {
     const act = this.bindings.actOf(trigger);
     if (!act) return false;
     this.held.add(trigger);
-    if (!AXES[act]) this.pressed.add(act);
+    if (!isRepeated) this.begin(act);
     return true;
+  }
+
+  // What is pressed counts even if it is released before the next input.
+  private begin(act: Act): void {
+    if (isFlag(act)) this.pressed.add(act);
+    else if (!AXES[act]) this.command(act);
   }
 
   private turnBy(right: number, down: number, degrees: number): void {
@@ -208,6 +222,10 @@ export class Controls {
     for (const end of ["pointerup", "pointercancel"] as const)
       addEventListener(end, (event) => last.delete(event.pointerId));
   }
+}
+
+function isFlag(act: Act | undefined): act is Flag {
+  return FLAGS.includes(act as Flag);
 }
 
 function within(value: number, most: number): number {
