@@ -81,7 +81,7 @@ def range_spec(seed: int, time_limit: float | None, rules: str, frames_per_actio
     """
     if rules not in NAMED:
         raise UserError(f"--rules is {rules!r}; the rules are {', '.join(NAMED)}", exit_code=2)
-    endless = {"spare_ammo": ENDLESS, "respawn_time": FEW_SECONDS, "invincible_time": 0.0}
+    own = NAMED[rules]._replace(spare_ammo=ENDLESS, respawn_time=FEW_SECONDS, invincible_time=0.0)
     return MatchSpec(
         track="battle",
         map=MapSpec(config=LAWN, seed=seed),
@@ -93,7 +93,7 @@ def range_spec(seed: int, time_limit: float | None, rules: str, frames_per_actio
         supplies=SupplyConfig(waves=()),
         time_limit=USUAL_TIME if time_limit is None else time_limit,
         frames_per_action=frames_per_action,
-        rules=NAMED[rules]._replace(**endless),
+        rules=own,
     )
 
 
