@@ -64,6 +64,7 @@ def _play_alone(browser: Browser, link: str) -> None:
     page.goto(link)
     _start(page)
     time.sleep(1.0)
+    page.keyboard.press("Enter")  # skips the first steps
     page.keyboard.press("KeyF")
     time.sleep(0.5)
     page.screenshot(path=FOLDER / "play.jpg", type="jpeg", quality=85)

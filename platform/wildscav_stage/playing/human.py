@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from wildscav.cli.shared_options import RulesOption
+from wildscav.errors import UserError
 from wildscav.system.output_folders import check_folder
 
 if TYPE_CHECKING:
@@ -17,6 +18,10 @@ if TYPE_CHECKING:
 
 def human(
     track: Annotated[str, typer.Option(help="Track to play.")] = "battle",
+    at_range: Annotated[
+        bool,
+        typer.Option("--range", help="Practise shooting, at targets that stand, walk and strafe."),
+    ] = False,
     map_id: Annotated[
         int | None,
         typer.Option(
@@ -64,7 +69,7 @@ def human(
     from wildscav.terminal.console import console
     from wildscav_engine.compilation.engine_progress import preparing
     from wildscav_stage.playing.links import checked_public_url
-    from wildscav_stage.playing.plan import make_plan
+    from wildscav_stage.playing.plan import make_plan, make_range
     from wildscav_stage.playing.serve import prepare
     from wildscav_stage.viewer_files import viewer_file
 
@@ -72,7 +77,12 @@ def human(
     check_folder("--records", records)
     public = None if public_url is None else checked_public_url(public_url)
     names = None if opponents is None else [name.strip() for name in opponents.split(",") if name.strip()]
-    plan = make_plan(track, map_id, seed, names, time_limit, people, rules)
+    if at_range:
+        if track != "battle" or map_id is not None or names is not None or people > 1:
+            raise UserError("--range has a map and targets of its own, for one person", exit_code=2)
+        plan = make_range(seed, time_limit, rules)
+    else:
+        plan = make_plan(track, map_id, seed, names, time_limit, people, rules)
     with preparing(console):
         prepare(plan)
     with contextlib.suppress(KeyboardInterrupt):

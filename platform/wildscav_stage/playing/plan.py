@@ -20,6 +20,7 @@ from wildscav_engine.specs.rules import RULES
 from wildscav_engine.specs.validation import one_line
 from wildscav_engine.tracks import TRACKS
 from wildscav_server.hosting.manifest import read_manifest
+from wildscav_stage.playing.shooting_range import TARGETS, Target, range_spec
 
 PERSON = "person"
 FRAMES_PER_ACTION = 1  # so that a person's inputs take effect 50 times a second
@@ -41,6 +42,7 @@ class Opponent:
     name: str
     folder: Path | None = None  # of a submission; None for a robot
     sensors: Mapping[str, Mapping[str, Any]] | None = None  # of a submission
+    target: Target | None = None  # at the shooting range
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,12 @@ class Plan:
     def names(self) -> tuple[str, ...]:
         """The display name of every seat, different ones for people and for opponents of the same kind."""
         return numbered([PERSON] * self.people + [opponent.name for opponent in self.opponents])
+
+    @property
+    def targets(self) -> dict[int, Target]:
+        """The targets of a shooting range, by their seats; elsewhere, there are none."""
+        opponents = enumerate(self.opponents, start=self.people)
+        return {seat: opponent.target for seat, opponent in opponents if opponent.target is not None}
 
     @property
     def may_pause(self) -> bool:
@@ -142,6 +150,12 @@ def make_plan(
     except (MapError, RecordError) as error:
         raise UserError(str(error), exit_code=2) from None
     return Plan(spec, chosen, people)
+
+
+def make_range(seed: int, time_limit: float | None, rules: str = "original") -> Plan:
+    """Return the plan of a person's practice at the shooting range; see ``make_plan``."""
+    spec = range_spec(seed, time_limit, rules, FRAMES_PER_ACTION)
+    return Plan(spec, tuple(Opponent(target.name, target=target) for target in TARGETS))
 
 
 def _opponent(text: str, track: str) -> Opponent:

@@ -15,6 +15,7 @@ from wildscav_server.match_server import MatchServer
 from wildscav_server.time_limits import Clock
 from wildscav_stage.playing.lobby import Person
 from wildscav_stage.playing.plan import Plan
+from wildscav_stage.playing.shooting_range import targets_playing
 
 if TYPE_CHECKING:
     from wildscav_engine.specs.match_spec import MatchSpec
@@ -109,7 +110,10 @@ async def hosted_match(
     folders = {seat: each.folder for seat, each in opponents.items() if each.folder is not None}
     try:
         hosting.folder.mkdir(parents=True, exist_ok=True)
-        async with hosting.agents(folders, hosted, hosting.seats, hosting.folder):
+        async with (
+            hosting.agents(folders, hosted, hosting.seats, hosting.folder),
+            targets_playing(hosted, hosting.address, plan.targets),
+        ):
             yield hosted
     finally:
         hosted.cancel()  # does nothing after its end

@@ -8,6 +8,8 @@ A message is JSON. Lengths are whole centimetres, angles hundredths of a degree,
   shooter's soles and, if it is one's own or that place is in sight, x, y, z of where it ended;
 - ``hits`` and ``hurt``: the seats that one hit, and those that hit one; ``gained``: supplies;
 - ``deaths``, which everybody is told: the seat, and the seat that did it or -1;
+- ``killer``, with one's own death, if the killer was in sight in that frame: the seat, x, y, z, and its
+  health where the rules tell it to agents (``senses = "original"``);
 - ``boxes`` that the page was not told of before: serial, x, y, z; and ``gone``, the serials of those that are
   not there anymore, as far as the person can see;
 - ``target``, once it is known: x, y, z; and ``zone``, the present phase of the safe zone as in
@@ -29,6 +31,7 @@ from wildscav_engine.simulation.state import NOBODY
 from wildscav_engine.simulation.systems.visibility import BOX_TOP, Eye, sees_body, sees_point
 from wildscav_engine.simulation.systems.zone import phase_at
 from wildscav_engine.specs.body import EYE_HEIGHT
+from wildscav_engine.specs.rules import Senses
 from wildscav_stage.scene.map_file import CENTIMETRES, centimetres
 
 if TYPE_CHECKING:
@@ -137,18 +140,33 @@ class Sight:
         self._deaths: list[list[int]] = []
         self._hits: list[int] = []
         self._hurt: list[int] = []
+        self._killer: list[int] = []
         self._gained = 0
 
     def note(self) -> None:
         """Note what happened in a frame that was played."""
         agents, seat = self._match.state.agents, self._seat
         self._noted = self._match.frame
-        self._deaths += self._happenings.deaths()
+        died = self._happenings.deaths()
+        self._deaths += died
+        for by in (by for dead, by in died if dead == seat and by not in (NOBODY, seat)):
+            self._killer = self._killer_of(by)
         self._shots += self._shots_seen(self._happenings.shooters())
         for noted, seats in ((self._hits, agents.hit_seat), (self._hurt, agents.hit_by_seat)):
             if seats[0, seat] != NOBODY:
                 noted.append(int(seats[0, seat]))
         self._gained += int(agents.gained[0, seat])
+
+    def _killer_of(self, seat: int) -> list[int]:
+        """Return what is told of who shot this seat in this frame: nothing if it was not in sight."""
+        agents, is_seen = self._match.state.agents, np.ones(1, np.bool_)
+        soles = agents.position[0, [seat]]
+        _keep_bodies_in_sight(self._match.game_map.world, self._own_eye(), soles, is_seen)
+        if not is_seen[0]:
+            return []
+        tells_health = self._match.spec.rules.senses == Senses.ORIGINAL
+        health = [int(agents.health[0, seat])] if tells_health else []
+        return [seat, *centimetres(soles[0]).tolist(), *health]
 
     def _shots_seen(self, shooters: list[int]) -> list[list[int]]:
         if not shooters:
@@ -181,6 +199,7 @@ class Sight:
             "deaths": self._deaths,
             "hits": self._hits,
             "hurt": self._hurt,
+            "killer": self._killer,
             "gained": self._gained,
             "boxes": self._new_boxes(known),
             "gone": sorted(known.boxes - self._boxes.keys()),
@@ -233,8 +252,11 @@ class Sight:
     def _eye(self) -> Eye | None:
         """Return the eye of the seat; None if it is dead."""
         agents, seat = self._match.state.agents, self._seat
-        if agents.health[0, seat] <= 0:
-            return None
+        return None if agents.health[0, seat] <= 0 else self._own_eye()
+
+    def _own_eye(self) -> Eye:
+        """Return the eye of the seat, also if it has just died."""
+        agents, seat = self._match.state.agents, self._seat
         x, y, z = agents.position[0, seat].tolist()
         yaw, pitch = float(agents.yaw[0, seat]), float(agents.pitch[0, seat])
         return Eye(x, y + EYE_HEIGHT, z, yaw, pitch, self._match.spec.rules.view_angle)

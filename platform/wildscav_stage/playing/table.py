@@ -14,6 +14,7 @@ from wildscav_engine.specs.actions import Field
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_stage.playing.audience import Audience
 from wildscav_stage.playing.display import metric_titles, scores_of
+from wildscav_stage.playing.fights import Fights
 from wildscav_stage.playing.links import Base, Links
 from wildscav_stage.playing.lobby import HOST, Lobby, LobbyError, Page, PlayerSeat
 from wildscav_stage.playing.page import RENEWED, REPLACED
@@ -200,9 +201,15 @@ class Table:
             if len(people) > 1:
                 await self._count_down()
             self._begin(hosted)
+            fights = Fights(hosted.match)
+
+            def note() -> None:
+                self.audience.note()
+                fights.note()
+
             async with beside(self._tell_scores(hosted)):
-                path = await play_out(self._hosting, hosted, people, self.audience.note)
-            self._finish(hosted, path)
+                path = await play_out(self._hosting, hosted, people, note)
+            self._finish(hosted, path, fights)
 
     async def _count_down(self) -> None:
         for seconds in range(self._countdown, 0, -1):
@@ -234,17 +241,22 @@ class Table:
             self._announce({"kind": "scores", "rows": scores_of(hosted.match, hosted.names)})
             await asyncio.sleep(SCORES_EVERY)
 
-    def _finish(self, hosted: "HostedMatch", path: Path) -> None:
+    def _finish(self, hosted: "HostedMatch", path: Path, fights: Fights) -> None:
         """Tell the result."""
         match = hosted.match
+        fights.note()  # the last frame, which nobody was told of
+        metrics, rows = metric_titles(match), scores_of(match, hosted.names)
+        columns = fights.columns(metrics)
+        for row in rows:
+            row["values"] += [fights.figure(row["seat"], column["title"]) for column in columns]
         self._say(f"record: {path}")
         self._change(
             {
                 "kind": "over",
                 "ending": match.result().ending,
                 "time": match.frame / FRAMES_PER_SECOND,
-                "metrics": metric_titles(match),
-                "rows": scores_of(match, hosted.names),
+                "metrics": metrics + columns,
+                "rows": rows,
                 "record": str(path.absolute()),
                 "commands": [command("wildscav", verb, path) for verb in ("replay", "verify")],
             }
@@ -262,6 +274,7 @@ class Table:
             "seat": None if player is None else player.seat,
             "may_pause": self._plan.may_pause,
             "stand_in": self._plan.stand_in,
+            "is_range": bool(self._plan.targets),
         }
 
     def _tell_people(self) -> None:

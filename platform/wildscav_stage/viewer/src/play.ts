@@ -1,15 +1,20 @@
 // The page of a person who plays: it shows what the server tells, and sends what the person does.
 
+import { type Act, Bindings } from "./play/bindings";
 import { Connection } from "./play/connection";
 import { Controls, type Input } from "./play/controls";
 import { find } from "./play/dom";
 import { fillTable, Hud, titlesOf } from "./play/hud";
+import { KeyForm, listKeys } from "./play/key_form";
 import { Lobby } from "./play/lobby";
 import { Match } from "./play/match";
 import type { Begin, Handlers, Message, Now, Over, Table } from "./play/messages";
+import { METRICS } from "./play/practice";
 import { eachPicture, hasWebGL, withMap } from "./play/scene";
 import { settingsIn } from "./play/settings";
 import { Sounds } from "./play/sounds";
+import { Teacher } from "./play/teacher";
+import { asKnownTo } from "./play/teams";
 
 const REPLACED = 4001; // close code: the link was opened elsewhere
 const RENEWED = 4002; // close code: it has ended
@@ -22,16 +27,20 @@ const GOALS: Record<string, string> = {
   battle: "Gather supplies, and fight for those that others carry.",
   royale: "Be the last who stands. Stay inside the safe zone.",
 };
+const RANGE =
+  "Shoot at targets that stand, walk and strafe, 10 to 60 m away. They never shoot back, and you never run out of rounds.";
 // States in which it is shown who is here.
 const WAITING = ["lobby", "preparing", "elsewhere", "over", "failed"];
 
 const game = find("game");
 const settings = settingsIn(find("settings") as HTMLFormElement);
 const buttons = document.querySelectorAll<HTMLElement>("#buttons button");
-const controls = new Controls(find("picture"), find("stick"), buttons, settings);
-const hud = new Hud();
+const bindings = new Bindings();
+const controls = new Controls(find("picture"), find("stick"), buttons, settings, bindings, command);
+const hud = new Hud(bindings);
 const sounds = new Sounds(settings);
 const isTouched = matchMedia("(pointer: coarse)").matches;
+const teacher = new Teacher(bindings, isTouched);
 const canDraw = hasWebGL();
 
 let table!: Table; // what is played here
@@ -39,6 +48,7 @@ let begun: Begin | null = null; // the present match
 let match: Match | null = null;
 let waiting: [Now, number][] | null = null; // moments of a match whose map is being loaded, and when they came, ms
 let isLoading = false; // whether the match waits until it can be shown
+let names: string[] = []; // of the seats in the last match
 let asked = 0; // pauses and their ends that the server has not answered
 let number = 0; // of the last input
 let lastSent = "";
@@ -65,6 +75,7 @@ const connection = new Connection({
     showPanel("closed", "Not connected", why, "Try again");
   },
 });
+new KeyForm(find("bindings"), bindings, () => listKeys(find("keys"), bindings));
 const lobby = new Lobby(find("lobby"), (message) => connection.send(message));
 
 const handlers: Handlers = {
@@ -87,24 +98,29 @@ const handlers: Handlers = {
     const against = others.length ? ` ${who}: ${others.join(", ")}.` : "";
     const fingers = isTouched ? " Walk with the stick, and swipe over the picture to look around." : "";
     const waits = isHost() ? "" : " The host starts the match.";
-    const words = `${GOALS[table.track] ?? ""}${against}${fingers}${waits}`;
-    const title = `Wildscav: ${table.track}`;
+    const words = table.is_range ? RANGE : `${goal()}${against}${fingers}${waits}`;
+    const title = `Wildscav: ${table.is_range ? "shooting range" : table.track}`;
     if (canDraw) showPanel("lobby", title, words, startButton("Play"), true);
     else showPanel("lobby", title, `${NO_3D} Open the link in another one.`);
   },
   preparing: () => showPanel("preparing", "Making the map …", "This takes a few seconds."),
   countdown: ({ seconds }) => {
-    showPanel("countdown", `The match starts in ${seconds} …`, GOALS[table.track] ?? "", "", true);
+    showPanel("countdown", `The match starts in ${seconds} …`, goal(), "", true);
     sounds.tick();
   },
   elsewhere: () =>
     showPanel("elsewhere", "A match is being played", "It began without you. You take part in the next one."),
-  begin: (message) => {
+  begin: (told) => {
+    const message = { ...told, seats: asKnownTo(table.seat as number, told.seats) };
     begun = message;
     asked = 0;
     lastSent = "";
     endMatch();
     hud.begin(message, table.seat);
+    game.toggleAttribute("data-range", table.is_range);
+    const { weapon, supplies } = message;
+    teacher.begin({ track: table.track, weapon, supplies: supplies && !table.is_range });
+    names = message.seats.map(({ name }) => name);
     game.toggleAttribute("data-weapon", message.weapon);
     game.toggleAttribute("data-supplies", message.supplies);
     isLoading = table.may_pause && !message.paused;
@@ -123,7 +139,7 @@ const handlers: Handlers = {
     // What was asked for later counts.
     if (!asked && !isLoading && game.dataset.state !== "failed") showPause(paused);
   },
-  scores: ({ rows }) => begun && hud.showScores(rows),
+  scores: ({ rows }) => begun && !table.is_range && hud.showScores(rows),
   failed: ({ message }) => {
     begun = null;
     endMatch();
@@ -132,6 +148,7 @@ const handlers: Handlers = {
   over: showEnd,
 };
 
+const goal = () => GOALS[table.track] ?? "";
 const isHost = () => table.seat === HOST;
 const startButton = (text: string) => (isHost() ? text : "");
 const isPlaying = () => game.dataset.state === "playing";
@@ -146,7 +163,7 @@ function beginMatch(begin: Begin, first: Now): void {
     (map) => {
       if (waiting !== own) return;
       const lose = () => cannotShow("The browser stopped drawing in 3D.");
-      match = new Match(begin, table.track, table.seat as number, map, settings, hud, sounds, lose);
+      match = new Match(begin, table, table.seat as number, map, settings, hud, sounds, lose);
       for (const [moment, came] of own) match.learn(moment, came);
       if (isLoading) pause(document.hidden);
       isLoading = false;
@@ -182,8 +199,10 @@ function play(): void {
 }
 
 function showPause(paused: boolean): void {
-  if (paused) showPanel("paused", "Paused", "The match waits for you.", "Go on", true);
-  else play();
+  if (paused) {
+    showPanel("paused", "Paused", "The match waits for you.", "Go on", true);
+    find("go").focus({ preventScroll: true });
+  } else play();
 }
 
 function showPanel(state: string, title: string, words: string, button = "", keys = false): void {
@@ -198,6 +217,8 @@ function showPanel(state: string, title: string, words: string, button = "", key
   find("go").hidden = !button;
   find("keys").hidden = !keys || isTouched;
   find("settings").hidden = !keys;
+  find("bindings").hidden = !keys || isTouched;
+  find("teach").hidden = !keys || !teacher.hasTaught;
   find("result").hidden = find("record").hidden = true;
   find("touch").hidden = true;
   find("lobby").hidden = !showsPeople();
@@ -218,12 +239,15 @@ function headline({ ending, time, rows }: Over): string {
 }
 
 function showEnd(message: Over): void {
+  const practice = table.is_range ? match?.practice : undefined;
   begun = null;
   endMatch();
   const ending = message.ending === "time_up" ? "The time is up." : "The match is over.";
   const waits = isHost() ? "" : " The host starts the next one.";
-  showPanel("over", headline(message), `${ending}${waits}`, startButton("Play again"));
-  fillTable(find("result"), titlesOf(message.metrics), message.rows, table.seat);
+  const title = practice?.summary ?? headline(message);
+  showPanel("over", title, `${ending}${waits}`, startButton("Play again"));
+  const rows = practice?.rows(names) ?? message.rows;
+  fillTable(find("result"), titlesOf(practice ? METRICS : message.metrics), rows, table.seat);
   find("record code").textContent = message.record ?? "";
   find("record pre").textContent = message.commands?.join("\n") ?? "";
   find("result").hidden = false;
@@ -248,6 +272,8 @@ eachPicture((now, length) => {
   const input = controls.take(Math.min(0.1, length / 1000), begun?.rules.turn_speed);
   if (isPlaying()) send(input);
   match?.draw(input, now, length);
+  if (match?.own && isPlaying())
+    teacher.watch(input, match.own, match.spot, match.targetDistance, now, length / 1000);
 });
 
 find("go").addEventListener("click", () => {
@@ -274,9 +300,14 @@ document.addEventListener("visibilitychange", () => {
 });
 addEventListener("keydown", (event) => {
   if (event.target instanceof HTMLInputElement) return;
-  if (event.code === "KeyM") sounds.on = !sounds.on;
+  if (!controls.enabled && !event.repeat && bindings.actOf(event.code) === "sound") command("sound");
   if (event.code === "Escape") askToPause();
 });
+
+function command(act: Act): void {
+  if (act === "sound") sounds.on = !sounds.on;
+  if (act === "skip") teacher.skip();
+}
 
 function askToPause(): void {
   if (isPlaying() && table.may_pause) pause(true);

@@ -193,6 +193,40 @@ test("others are between their places, and nowhere out of sight", () => {
   expect(course.at(1, 5).x).toBeGreaterThan(1000);
 });
 
+test.each([
+  [0, 0, 1], // straight at it
+  [4, 0, 1], // at its shoulder
+  [15, 0, null],
+  [0, 30, null],
+  [180, 0, null],
+])("at %i° and %i° down, one aims at %o", (yaw, pitch, seat) => {
+  const course = new SeenCourse(BEGIN, "battle", 0);
+  course.own = { x: 0, y: 0, z: 0, yaw, pitch, health: 100, supplies: 0 };
+  course.learn(now(2, { others: [[1, 0, 0, 1000, 0, 0]] }), 0); // 10 m to the north
+  expect(course.aimedAt(2)).toBe(seat);
+  expect(course.aimedAt(60)).toBe(seat); // as long as nothing else is told
+});
+
+test("nobody aims at who is out of sight", () => {
+  const course = new SeenCourse(BEGIN, "battle", 0);
+  course.own = { x: 0, y: 0, z: 0, yaw: 0, pitch: 0, health: 100, supplies: 0 };
+  course.learn(now(2, { others: [[1, 0, 0, 1000, 0, 0]] }), 0);
+  course.learn(now(4), 0);
+  expect(course.aimedAt(4)).toBeNull();
+});
+
+test("the dead see who shot them where it stood", () => {
+  const course = new SeenCourse(BEGIN, "battle", 0);
+  course.learn(now(2, { deaths: [[0, 1]], killer: [1, 300, 0, 400] }), 0);
+  course.own = { x: 0, y: 0, z: 0, yaw: 0, pitch: 0, health: 0, supplies: 0 };
+  expect(course.at(1, 200)).toMatchObject({ x: 3, z: 4, health: 100 });
+  course.own = { ...course.own, health: 100 };
+  expect(course.at(1, 200).x).toBeGreaterThan(1000);
+  course.learn(now(300, { deaths: [[0, 1]] }), 0); // from behind
+  course.own = { ...course.own, health: 0 };
+  expect(course.at(1, 300).x).toBeGreaterThan(1000);
+});
+
 test("who dies in sight lies there for a while", () => {
   const course = new SeenCourse(BEGIN, "battle", 0);
   course.learn(now(2, { others: [[1, 100, 0, 0, 0, 1]] }), 0);

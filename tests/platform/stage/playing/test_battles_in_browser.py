@@ -91,12 +91,12 @@ def test_two_browsers_fight_each_other_while_a_third_watches(tmp_path: Path, bro
 
 
 def robots_place(page: Any) -> float | None:
-    """Return where the picture shows the second seat's green torso, from -1 (left) to 1; None if nowhere."""
+    """Return where the picture shows the second seat's magenta torso, -1 (left) to 1; None if nowhere."""
     pixels = np.asarray(
         Image.open(io.BytesIO(page.locator("#picture").screenshot())).convert("RGB"), np.int16
     )
     red, green, blue = np.moveaxis(pixels[pixels.shape[0] // 4 :], -1, 0)
-    columns = np.nonzero((green > red + 60) & (green > blue + 40) & (blue > red + 15))[1]
+    columns = np.nonzero((red > green + 80) & (blue > green + 50) & (red > blue + 10))[1]
     return None if len(columns) < 12 else float(np.median(columns)) / pixels.shape[1] * 2 - 1
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from tests.platform.stage.playing.pages import PageClient, page
 from tests.platform.stage.playing.tables import small_plan, tables_links
 
@@ -127,9 +128,10 @@ def test_a_box_that_is_taken_out_of_sight_stays_where_it_was_seen() -> None:
     assert sight.message(known)["gone"] == [serial]
 
 
-def two_in_the_open() -> Match:
+def two_in_the_open(rules: str = "original") -> Match:
     """Return a match of two people; the second one is 8 m to the north, and both look there."""
-    match = Match(small_plan("battle", 60.0, people=2).spec)
+    spec = small_plan("battle", 60.0, people=2).spec
+    match = Match(spec.model_copy(update={"rules": NAMED[rules]}))
     agents = match.state.agents
     agents.yaw[0], agents.pitch[0], agents.invincible_left[0] = 0.0, 0.0, 0
     for place in match.game_map.outdoor:
@@ -139,10 +141,16 @@ def two_in_the_open() -> Match:
     raise LookupError("there is no such place")
 
 
+def shooting(seat: int) -> NDArray[np.float32]:
+    """Return actions of two seats in which one shoots."""
+    actions = np.zeros((2, len(Field)), np.float32)
+    actions[seat, Field.SHOOT] = 1.0
+    return actions
+
+
 def shoot(match: Match, seat: int, frames: int, sight: Sight) -> None:
     """Let a seat shoot at the ground before it, the shots near each other, and note it."""
-    agents, actions = match.state.agents, np.zeros((2, len(Field)), np.float32)
-    actions[seat, Field.SHOOT] = 1.0
+    agents, actions = match.state.agents, shooting(seat)
     for frame in range(frames):
         agents.yaw[0, seat], agents.pitch[0, seat] = frame % 31 - 15.0, 15.0 + frame % 17
         match.step(actions)
@@ -183,13 +191,37 @@ def test_who_is_hit_from_behind_knows_by_whom_alone() -> None:
     match = two_in_the_open()
     agents, sight = match.state.agents, Sight(match, 0)
     agents.yaw[0] = 180.0
-    actions = np.zeros((2, len(Field)), np.float32)
-    actions[1, Field.SHOOT] = 1.0
-    match.step(actions)
+    match.step(shooting(1))
     sight.note()
     message = sight.message(Known())
     assert message["hurt"] == [1]
     assert not {"shots", "others"} & message.keys()
+
+
+@pytest.mark.parametrize(("rules", "told"), [("original", ("place", "health")), ("fair", ("place",))])
+def test_who_dies_is_told_where_the_killer_in_sight_stood_and_health_if_agents_are(
+    rules: str, told: tuple[str, ...]
+) -> None:
+    match = two_in_the_open(rules)
+    agents, sight = match.state.agents, Sight(match, 0)
+    agents.yaw[0], agents.health[0] = (0.0, 180.0), (20, 70)
+    match.step(shooting(1))
+    sight.note()
+    message = sight.message(Known())
+    place = np.rint(100 * agents.position[0, 1]).tolist()
+    assert message["deaths"] == [[0, 1]]
+    assert message["killer"] == [1, *place, *([70] if "health" in told else [])]
+
+
+def test_who_is_shot_from_behind_is_not_told_from_where() -> None:
+    match = two_in_the_open()
+    agents, sight = match.state.agents, Sight(match, 0)
+    agents.yaw[0], agents.health[0] = 180.0, 20
+    match.step(shooting(1))
+    sight.note()
+    message = sight.message(Known())
+    assert message["deaths"] == [[0, 1]]
+    assert "killer" not in message
 
 
 def test_of_others_only_their_invincibility_is_told() -> None:

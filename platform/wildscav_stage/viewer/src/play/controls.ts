@@ -1,5 +1,7 @@
 // Keys, mouse, touch and gamepad, gathered into the inputs that the server takes.
 
+import type { Act, Bindings, Flag } from "./bindings";
+import { standardGamepad } from "./gamepad";
 import { FRAMES } from "./messages";
 import type { Held } from "./prediction";
 import type { Settings } from "./settings";
@@ -10,25 +12,18 @@ const KEY_TURN = 110; // degrees per second, with the arrow keys
 const STICK_TURN = 200; // degrees per second, with a gamepad's stick
 const DEAD = 0.15; // of a stick's way, from where on it counts
 const MOST_TURN = 3600; // degrees that an input may turn
-const AXES: Record<string, ["forward" | "right" | "turning" | "looking", number]> = {
-  KeyW: ["forward", 1],
-  KeyS: ["forward", -1],
-  KeyD: ["right", 1],
-  KeyA: ["right", -1],
-  ArrowRight: ["turning", 1],
-  ArrowLeft: ["turning", -1],
-  ArrowDown: ["looking", 1],
-  ArrowUp: ["looking", -1],
+const AXES: Partial<Record<Act, ["forward" | "right" | "turning" | "looking", number]>> = {
+  forward: ["forward", 1],
+  back: ["forward", -1],
+  right: ["right", 1],
+  left: ["right", -1],
+  look_right: ["turning", 1],
+  look_left: ["turning", -1],
+  look_down: ["looking", 1],
+  look_up: ["looking", -1],
 };
-export const KEYS: Record<string, Flag> = { Space: "jump", KeyF: "shoot", KeyR: "reload", KeyE: "pick_up" };
-const PAD: [number, Flag][] = [
-  [0, "jump"],
-  [7, "shoot"],
-  [2, "reload"],
-  [3, "pick_up"],
-]; // buttons of a standard gamepad
+export const FLAGS: Flag[] = ["jump", "shoot", "reload", "pick_up"];
 
-export type Flag = "jump" | "shoot" | "reload" | "pick_up";
 export type Input = Held & Record<Flag, boolean>;
 
 // Limits how fast the view turns, as the engine does: what is too fast is lost.
@@ -46,11 +41,11 @@ export class TurnLimit {
 export class Controls {
   enabled = false;
   locked = false; // whether the mouse is
-  private readonly keys = new Set<string>();
+  private readonly held = new Set<string>(); // keys and mouse buttons
   private readonly touched = new Set<Flag>(); // those whose buttons fingers hold
   private readonly pressed = new Set<Flag>(); // those that were pressed since the last input
+  private padded: Act[] = []; // what a gamepad's buttons held last time
   private stick = [0, 0]; // right and forward, -1 to 1
-  private mouse = false; // whether its left button is held
   private turn = 0; // degrees since the last input
   private look = 0;
   private readonly limits = [new TurnLimit(), new TurnLimit()]; // of turn and look
@@ -60,6 +55,8 @@ export class Controls {
     stick: HTMLElement,
     buttons: Iterable<HTMLElement>,
     private readonly settings: Settings,
+    private readonly bindings: Bindings,
+    private readonly command: (act: Act) => void, // called with what is no part of an input
   ) {
     this.listenToKeys();
     this.listenToMouse();
@@ -78,20 +75,15 @@ export class Controls {
   }
 
   release(): void {
-    for (const held of [this.keys, this.touched, this.pressed]) held.clear();
+    for (const held of [this.held, this.touched, this.pressed]) held.clear();
     this.stick = [0, 0];
-    this.mouse = false;
     this.turn = this.look = 0;
   }
 
   // Return what is held, and what was turned and pressed since the last call, some seconds ago.
   take(seconds: number, turnSpeed = MOST_TURN * FRAMES): Input {
     const held = { forward: this.stick[1], right: this.stick[0], turning: 0, looking: 0 };
-    for (const code of this.keys) {
-      if (code in AXES) held[AXES[code][0]] += AXES[code][1];
-      else this.pressed.add(KEYS[code]);
-    }
-    if (this.mouse) this.pressed.add("shoot");
+    for (const trigger of this.held) this.hold(this.bindings.actOf(trigger), held);
     for (const flag of this.touched) this.pressed.add(flag);
     const [turn, look] = this.readGamepad(held);
     const [turning, looking] = this.limits;
@@ -100,24 +92,34 @@ export class Controls {
       right: within(held.right, 1),
       turn: turning.take(this.turn + (held.turning * KEY_TURN + turn) * seconds, seconds, turnSpeed),
       look: looking.take(this.look + (held.looking * KEY_TURN + look) * seconds, seconds, turnSpeed),
-      jump: this.pressed.has("jump"),
-      shoot: this.pressed.has("shoot"),
-      reload: this.pressed.has("reload"),
-      pick_up: this.pressed.has("pick_up"),
+      ...(Object.fromEntries(FLAGS.map((flag) => [flag, this.pressed.has(flag)])) as Record<Flag, boolean>),
     };
     this.turn = this.look = 0;
     this.pressed.clear();
     return input;
   }
 
+  private hold(act: Act | undefined, held: Record<string, number>): void {
+    const axis = act && AXES[act];
+    if (axis) held[axis[0]] += axis[1];
+    else if (isFlag(act)) this.pressed.add(act);
+  }
+
   // Add what a gamepad holds, and return how fast it turns, in degrees a second to the right and down.
-  private readGamepad(held: { forward: number; right: number }): [number, number] {
+  private readGamepad(held: Record<string, number>): [number, number] {
     const pad = this.enabled ? standardGamepad() : undefined;
     if (!pad) return [0, 0];
     const [right, back, turn, look] = pad.axes.map((value) => (Math.abs(value) < DEAD ? 0 : value));
     held.right += right;
     held.forward -= back;
-    for (const [button, flag] of PAD) if (pad.buttons[button]?.pressed) this.pressed.add(flag);
+    const acts = this.bindings.padButtons.flatMap(([button, act]) =>
+      pad.buttons[button]?.pressed ? act : [],
+    );
+    for (const act of acts) {
+      this.hold(act, held);
+      if (!this.padded.includes(act)) this.begin(act);
+    }
+    this.padded = acts;
     const speed = STICK_TURN * this.settings.sensitivity;
     return [turn * Math.abs(turn) * speed, look * Math.abs(look) * speed * (this.settings.invert ? -1 : 1)];
   }
@@ -125,13 +127,10 @@ export class Controls {
   private listenToKeys(): void {
     addEventListener("keydown", (event) => {
       const { code } = event;
-      if (!this.enabled || !(code in AXES || code in KEYS) || event.ctrlKey || event.metaKey || event.altKey)
-        return;
-      event.preventDefault();
-      this.keys.add(code);
-      if (code in KEYS) this.pressed.add(KEYS[code]);
+      if (!this.enabled || event.ctrlKey || event.metaKey || event.altKey) return;
+      if (this.press(code, event.repeat)) event.preventDefault();
     });
-    addEventListener("keyup", (event) => this.keys.delete(event.code));
+    addEventListener("keyup", (event) => this.held.delete(event.code));
     addEventListener("blur", () => this.release());
   }
 
@@ -143,13 +142,25 @@ export class Controls {
       if (this.enabled && this.locked) this.turnBy(event.movementX, event.movementY, DEGREES_PER_PIXEL);
     });
     addEventListener("mousedown", (event) => {
-      if (!this.enabled || !this.locked || event.button !== 0) return;
-      this.mouse = true;
-      this.pressed.add("shoot");
+      if (this.enabled && this.locked && this.press(`Mouse${event.button}`)) event.preventDefault();
     });
-    addEventListener("mouseup", () => {
-      this.mouse = false;
-    });
+    addEventListener("mouseup", (event) => this.held.delete(`Mouse${event.button}`));
+    this.picture.addEventListener("contextmenu", (event) => event.preventDefault());
+  }
+
+  // Hold a key or a mouse button, and return whether it does anything.
+  private press(trigger: string, isRepeated = false): boolean {
+    const act = this.bindings.actOf(trigger);
+    if (!act) return false;
+    this.held.add(trigger);
+    if (!isRepeated) this.begin(act);
+    return true;
+  }
+
+  // What is pressed counts even if it is released before the next input.
+  private begin(act: Act): void {
+    if (isFlag(act)) this.pressed.add(act);
+    else if (!AXES[act]) this.command(act);
   }
 
   private turnBy(right: number, down: number, degrees: number): void {
@@ -213,15 +224,10 @@ export class Controls {
   }
 }
 
-function within(value: number, most: number): number {
-  return Math.max(-most, Math.min(most, value));
+function isFlag(act: Act | undefined): act is Flag {
+  return FLAGS.includes(act as Flag);
 }
 
-// Some browsers have no gamepads on pages that are not encrypted, or forbid them.
-function standardGamepad(): Gamepad | null | undefined {
-  try {
-    return navigator.getGamepads?.().find((each) => each?.mapping === "standard");
-  } catch {
-    return null;
-  }
+function within(value: number, most: number): number {
+  return Math.max(-most, Math.min(most, value));
 }

@@ -3,9 +3,12 @@
 import type { Course } from "../data/course";
 import { clockText } from "../player/clock";
 import { make } from "../player/dom";
+import { type Bearing, bearingOf, type Place } from "./bearing";
+import type { Act, Bindings } from "./bindings";
 import { find } from "./dom";
 import { turned } from "./live_course";
 import { type Begin, CAN_PICK_UP, FRAMES, type Metric, type Own, type ScoreRow } from "./messages";
+import type { Practice } from "./practice";
 
 const VIEW = 130; // degrees that the compass shows
 const POINTS: Record<number, string> = {
@@ -22,19 +25,19 @@ const MOST_BOXES = 8; // that the compass shows, the nearest ones
 const FLASH = 140; // ms
 const NOTICE = 1400; // ms
 const FEED = 7000; // ms for which a kill is shown
+const ENDLESS = 10_000; // rounds that nobody uses up
 const TORSO = 2; // the part of a body that has the colour of its team
-
-export type Place = { x: number; z: number };
 
 export class Hud {
   private begun!: Begin;
   private seat: number | null = null; // one's own, or the one whose eyes a spectator sees through
   private watches = false;
-  private killer = ""; // who shot one last
+  private wasShot = false; // whether somebody did it when one died last
   private clearing = 0;
   private readonly points: [number, HTMLElement][];
 
-  constructor() {
+  // bindings: by which keys one plays; null for a spectator.
+  constructor(private readonly bindings: Bindings | null = null) {
     this.points = Array.from({ length: 24 }, (_, index) => {
       const point = document.createElement("span");
       point.textContent = POINTS[index * 15] ?? "·";
@@ -45,9 +48,10 @@ export class Hud {
   }
 
   begin(begun: Begin, seat: number | null, watches = false): void {
-    [this.begun, this.seat, this.watches, this.killer] = [begun, seat, watches, ""];
+    [this.begun, this.seat, this.watches] = [begun, seat, watches];
     find("feed").replaceChildren();
     this.notice("");
+    if (!watches) this.showFall([]);
   }
 
   showTime(frame: number): void {
@@ -90,7 +94,8 @@ export class Hud {
   private showGoal(own: Own, yaw: number, target: Bearing | null): void {
     const goal = find("goal");
     if (!target) {
-      goal.textContent = own.flags & CAN_PICK_UP && !this.watches ? "E: pick up supplies" : "";
+      goal.textContent =
+        own.flags & CAN_PICK_UP && !this.watches ? `${this.keyOf("pick_up")}pick up supplies` : "";
       return;
     }
     const angle = Math.round(turned(target.bearing - yaw));
@@ -110,7 +115,9 @@ export class Hud {
     find("ammo b").textContent = String(own.clip);
     find("ammo small").textContent = own.reload
       ? `reloading ${(own.reload / FRAMES).toFixed(1)} s`
-      : `of ${own.spare} more rounds`;
+      : own.spare < ENDLESS
+        ? `of ${own.spare} more rounds`
+        : "rounds without end";
     const said = this.saidOf(own);
     if (said) this.notice(said, 200);
   }
@@ -118,10 +125,15 @@ export class Hud {
   private saidOf({ health, respawn, invincible, clip, reload }: Own): string {
     const seconds = (frames: number) => `${Math.ceil(frames / FRAMES)} s`;
     if (this.watches) return health > 0 ? "" : "dead";
-    const died = this.killer ? `${this.killer} shot you` : "You are dead";
-    if (health <= 0) return respawn ? `${died}. Back in ${seconds(respawn)}` : `${died}, and you are out`;
+    const died = this.wasShot ? "" : "You are dead. ";
+    if (health <= 0) return died + (respawn ? `Back in ${seconds(respawn)}` : "You are out");
     if (invincible) return `Nobody can hurt you for ${seconds(invincible)}`;
-    return clip === 0 && !reload && this.begun.weapon ? "Empty: R reloads" : "";
+    return clip === 0 && !reload && this.begun.weapon ? `Empty. ${this.keyOf("reload")}reload` : "";
+  }
+
+  private keyOf(act: Act): string {
+    const [key] = this.bindings?.keysOf(act) ?? [];
+    return key ? `${key}: ` : "";
   }
 
   flash(id: string, name: string): void {
@@ -145,6 +157,11 @@ export class Hud {
     }, time);
   }
 
+  // Say how one died until one is back.
+  showFall(lines: string[]): void {
+    find("fallen").replaceChildren(...lines.map((line) => make("p", {}, line)));
+  }
+
   // Show for a while who killed whom.
   showDeath(seat: number, by: number): void {
     const line = document.createElement("li");
@@ -154,22 +171,56 @@ export class Hud {
     find("feed").append(line);
     setTimeout(() => line.remove(), FEED);
     if (this.watches) return;
-    if (seat === this.seat) this.killer = nobody ? "" : this.begun.seats[by].name;
+    if (seat === this.seat) this.wasShot = !nobody;
     else if (by === this.seat) this.notice(`You shot ${this.begun.seats[seat].name}`);
   }
 
   private nameOf(seat: number): HTMLElement {
     const name = document.createElement("b");
-    name.textContent = seat === this.seat && !this.watches ? "you" : this.begun.seats[seat].name;
-    name.style.color = `rgb(${this.begun.seats[seat].colors[TORSO].join(" ")})`;
+    name.textContent = seat === this.seat && !this.watches ? "you" : this.marked(seat);
+    name.style.color = this.colorOf(seat);
     return name;
   }
 
+  // The name of a seat, after the mark of its team where there is one.
+  private marked(seat: number): string {
+    const { mark, name } = this.begun.seats[seat];
+    return mark ? `${mark} ${name}` : name;
+  }
+
+  // Show whom one aims at; null is nobody.
+  showAim(seat: number | null): void {
+    const aim = find("aim");
+    const text = seat === null ? "" : this.marked(seat);
+    if (aim.textContent === text) return;
+    aim.textContent = text;
+    if (seat !== null) aim.style.color = this.colorOf(seat);
+  }
+
+  private colorOf(seat: number): string {
+    return lightened(this.begun.seats[seat].colors[TORSO]);
+  }
+
   // Show the scores of all, the best first.
-  showScores(rows: ScoreRow[]): void {
+  showScores(all: ScoreRow[]): void {
+    const rows = all.map((row) => ({ ...row, name: this.marked(row.seat) }));
     find("scores").hidden = rows.length < 2;
     const titles = this.begun.metrics.map(({ title }) => title);
     fillTable(find("scores"), titles, rows, this.seat, 6, this.watches ? null : "you");
+  }
+
+  // Show what one has hit at the shooting range.
+  showPractice({ shots, hits, kills, accuracy, timeToKill }: Practice): void {
+    const figures: [string, string][] = [
+      [`${hits} of ${shots}`, "shots hit"],
+      [accuracy === null ? "–" : `${accuracy} %`, "accuracy"],
+      [String(kills), kills === 1 ? "kill" : "kills"],
+      [timeToKill === null ? "–" : `${timeToKill.toFixed(1)} s`, "from a first hit to the kill"],
+    ];
+    const items = figures.map(([value, name]) =>
+      make("div", {}, make("dd", {}, value), make("dt", {}, name)),
+    );
+    find("practice").replaceChildren(...items);
   }
 
   showPace(ping: number | null, rate: number, error: number | null): void {
@@ -181,16 +232,6 @@ export class Hud {
       error: error?.toFixed(3) ?? "",
     });
   }
-}
-
-interface Bearing {
-  bearing: number; // degrees by the compass
-  distance: number; // m
-}
-
-export function bearingOf(here: Place, there: Place): Bearing {
-  const [east, north] = [there.x - here.x, there.z - here.z];
-  return { bearing: (Math.atan2(east, north) * 180) / Math.PI, distance: Math.hypot(east, north) };
 }
 
 // Fill a table with the metrics of seats; own is the seat to stress.
@@ -211,7 +252,8 @@ export function fillTable(
   const best = rows.slice(0, most);
   const mine = rows.find(({ seat }) => seat === own);
   if (mine && !best.includes(mine)) best[best.length - 1] = mine;
-  const written = (value: number) => (Number.isInteger(value) ? String(value) : value.toFixed(2));
+  const written = (value: number | null) =>
+    value === null ? "–" : Number.isInteger(value) ? String(value) : value.toFixed(2);
   table.tHead?.replaceChildren(row(["", ...titles], "th"));
   table.tBodies[0].replaceChildren(
     ...best.map(({ seat, name, values }) => {
@@ -220,6 +262,13 @@ export function fillTable(
       return line;
     }),
   );
+}
+
+// A colour for letters on a dark ground: dark ones are mixed with white.
+function lightened(color: [number, number, number]): string {
+  const [red, green, blue] = color;
+  const share = Math.max(0, 0.5 - (0.3 * red + 0.6 * green + 0.1 * blue) / 255);
+  return `rgb(${color.map((value) => Math.round(value + share * (255 - value))).join(" ")})`;
 }
 
 export function titlesOf(metrics: Metric[]): string[] {

@@ -2,11 +2,16 @@
 
 import { Course, type SeatState } from "../data/course";
 import { METRE, type Trails } from "../data/trails";
+import { bearingOf } from "./bearing";
+import { type Killer, killerOf } from "./fall";
 import { type All, type Begin, FRAMES, type Moment, type Now, ownOf } from "./messages";
 
 const NOWHERE = 1e5; // m, where nobody is drawn
 const GAP = 10; // frames without word of an agent after which it comes anew
 const LYING = 200; // frames for which somebody is seen who died in sight
+const [EYE, CHEST] = [1.5, 1]; // m over the soles
+const SEEN = 300; // m, within which one aims at somebody
+const [WIDE, SHARE] = [0.8, 0.015]; // m from the middle of a body, and more for each m of distance
 const KEPT = 100; // frames for which sightings are kept
 
 export abstract class LiveCourse extends Course {
@@ -71,6 +76,7 @@ interface Sighting {
 // What the person in a seat sees. Their own state is whatever the page expects it to be.
 export class SeenCourse extends LiveCourse {
   own: SeatState = unseen();
+  killer: Killer | null = null; // who shot one last, if it was in sight; the dead see it where it stood
   private newest = 0;
   private readonly sightings: Sighting[][];
 
@@ -94,6 +100,7 @@ export class SeenCourse extends LiveCourse {
       this.sightings[seat] = this.sightings[seat].filter((each) => each.frame > frame - KEPT);
       this.sightings[seat].push({ frame, state });
     }
+    if (moment.deaths?.some(([seat]) => seat === this.seat)) this.killer = killerOf(moment.killer);
     for (const other of moment.hits ?? [])
       insert(this.events, { frame: now, kind: "hit", seat: this.seat, other, amount: 0 });
     for (const [seat, x, y, z, ...end] of moment.shots ?? []) {
@@ -109,6 +116,7 @@ export class SeenCourse extends LiveCourse {
 
   override at(seat: number, frame: number): SeatState {
     if (seat === this.seat) return this.own;
+    if (seat === this.killer?.seat && this.own.health <= 0) return this.stateOf(this.killer);
     const all = this.sightings[seat];
     const next = all.findIndex((each) => each.frame > frame);
     const last = all[(next < 0 ? all.length : next) - 1];
@@ -120,6 +128,29 @@ export class SeenCourse extends LiveCourse {
     if (next < 0) return this.newest - last.frame > 0 && frame > last.frame ? unseen() : last.state;
     if (all[next].frame - last.frame > GAP) return unseen();
     return between(last.state, all[next].state, (frame - last.frame) / (all[next].frame - last.frame));
+  }
+
+  // The seat that one aims at in a frame; null if it is nobody.
+  aimedAt(frame: number): number | null {
+    const { x, y, z, yaw, pitch } = this.own;
+    const [bearing, down] = [(yaw * Math.PI) / 180, (pitch * Math.PI) / 180];
+    const ahead = [Math.sin(bearing) * Math.cos(down), -Math.sin(down), Math.cos(bearing) * Math.cos(down)];
+    let [nearest, found]: [number, number | null] = [SEEN, null];
+    for (let seat = 0; seat < this.seats.length; seat++) {
+      if (seat === this.seat || !this.sightings[seat].length) continue;
+      const other = this.at(seat, frame);
+      const way = [other.x - x, other.y + CHEST - y - EYE, other.z - z];
+      const far = way[0] * ahead[0] + way[1] * ahead[1] + way[2] * ahead[2];
+      const off = Math.hypot(...way.map((part, axis) => part - far * ahead[axis]));
+      if (other.health > 0 && far > 0 && far < nearest && off < WIDE + SHARE * far)
+        [nearest, found] = [far, seat];
+    }
+    return found;
+  }
+
+  private stateOf({ seat, x, y, z }: Killer): SeatState {
+    const { bearing } = bearingOf({ x, z }, this.own);
+    return { ...unseen(), x, y, z, yaw: bearing, health: this.seats[seat].full_health };
   }
 }
 

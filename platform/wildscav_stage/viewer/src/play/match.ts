@@ -5,12 +5,15 @@ import type { GameMap } from "../data/map";
 import { METRE } from "../data/trails";
 import { heightAt } from "../view/terrain";
 import { createStage } from "../world";
+import { bearingOf } from "./bearing";
 import { Clock } from "./clock";
 import type { Input } from "./controls";
 import { find } from "./dom";
-import { bearingOf, type Hud } from "./hud";
+import { Hits, turnedTo, wordsOf } from "./fall";
+import type { Hud } from "./hud";
 import { SeenCourse, turned } from "./live_course";
-import { type Begin, FRAMES, type Now, type Own, ownOf } from "./messages";
+import { type Begin, FRAMES, type Now, type Own, ownOf, type Table } from "./messages";
+import { Practice } from "./practice";
 import { Prediction } from "./prediction";
 import { Picture } from "./scene";
 import type { Settings } from "./settings";
@@ -23,18 +26,22 @@ const ASPECT = 9 / 16; // how far agents see up and down, of how far they see ac
 
 export class Match {
   own: Own | null = null;
+  readonly practice: Practice;
   private readonly course: SeenCourse;
   private readonly prediction: Prediction;
   private readonly picture: Picture;
   private readonly clock = new Clock(BEHIND);
   private readonly weapon = new Weapon();
+  private readonly hits = new Hits();
+  private readonly isCalm = matchMedia("(prefers-reduced-motion: reduce)").matches;
   private firedAt = -Infinity; // ms
+  private diedAt: number | null = null; // likewise; null while one lives
   private seconds = 0; // since the last picture
   private ping: number | null = null;
 
   constructor(
     private readonly begin: Begin,
-    track: string,
+    private readonly table: Table,
     private readonly seat: number,
     map: GameMap,
     private readonly settings: Settings,
@@ -42,7 +49,8 @@ export class Match {
     private readonly sounds: Sounds,
     lose: () => void, // called if the browser no longer draws
   ) {
-    this.course = new SeenCourse(begin, track, seat);
+    this.course = new SeenCourse(begin, table.track, seat);
+    this.practice = new Practice(seat);
     this.prediction = new Prediction(begin.rules, (x, z) => heightAt(map.ground, x, z));
     const over = (renderer: WebGLRenderer) => this.drawWeapon(renderer);
     const options = { hasLabels: false, over };
@@ -84,15 +92,44 @@ export class Match {
     const { yaw, pitch } = this.prediction;
     const { health, supplies } = this.own;
     this.course.own = { x, y, z, yaw, pitch, health, supplies };
-    const kind = health > 0 ? "eyes" : "behind";
+    const kind = this.lookDead(now) ? "behind" : "eyes";
     const { view_angle: angle } = this.begin.rules; // what is farther aside, or up or down, is not told
     const across = Math.min(this.settings.field, angle);
     this.picture.stage.view = { kind, seat: this.seat, across, tall: ASPECT * angle };
     this.picture.draw(this.clock.frame(now), now);
     this.hud.show(this.own, { x, z, yaw }, this.course);
+    this.hud.showAim(
+      health > 0 ? this.course.aimedAt(this.clock.frame(now)) : (this.course.killer?.seat ?? null),
+    );
     this.showPace();
     find("game").toggleAttribute("data-dead", health <= 0);
     find("picture").dataset.place = this.prediction.place.map((part) => part.toFixed(3)).join();
+  }
+
+  // Let the dead look at who shot them; return whether nobody is known to look at.
+  private lookDead(now: number): boolean {
+    const { own, killer } = this.course;
+    if (own.health > 0) {
+      if (this.diedAt !== null) this.hud.showFall([]);
+      this.diedAt = null;
+      return false;
+    }
+    this.diedAt ??= now;
+    if (!killer) return true;
+    Object.assign(own, turnedTo(killer, own, this.isCalm ? Infinity : now - this.diedAt));
+    return false;
+  }
+
+  // Where one is shown, m.
+  get spot(): readonly [number, number, number] {
+    return this.prediction.place;
+  }
+
+  // m to the target; null if it is not known.
+  get targetDistance(): number | null {
+    const { target } = this.course.trails;
+    const [x, , z] = this.spot;
+    return target && bearingOf({ x, z }, { x: target.x / METRE, z: target.z / METRE }).distance;
   }
 
   dispose(): void {
@@ -111,11 +148,25 @@ export class Match {
       this.hud.showHurt(shooter ? this.angleTo(shooter[1] / METRE, shooter[3] / METRE) : null);
       this.sounds.hurt();
     }
-    for (const [seat, by] of moment.deaths ?? []) this.hud.showDeath(seat, by);
+    this.hits.note(moment);
+    this.practice.note(moment);
+    if (this.table.is_range) this.hud.showPractice(this.practice);
+    for (const [seat, by] of moment.deaths ?? []) {
+      this.hud.showDeath(seat, by);
+      if (seat === this.seat) this.tellFall(by);
+    }
     if (moment.gained) {
       this.hud.notice(`+${moment.gained} supplies`);
       this.sounds.gain();
     }
+  }
+
+  private tellFall(by: number): void {
+    const { killer } = this.course;
+    const [x, , z] = this.prediction.place;
+    const words = by < 0 ? [] : wordsOf(this.begin.seats[by].name, killer, { x, z }, this.hits, by);
+    this.hud.showFall(words);
+    this.hits.forget();
   }
 
   private tellShot(seat: number, x: number, z: number): void {
@@ -138,7 +189,7 @@ export class Match {
 
   private showFire(now: number): void {
     this.firedAt = now;
-    this.weapon.fire(now);
+    if (!this.isCalm) this.weapon.fire(now);
     this.hud.flash("crosshair", "fired");
     this.sounds.shot();
   }
@@ -149,7 +200,8 @@ export class Match {
     const reload = this.own.reload
       ? Math.max(0.1, 1 - this.own.reload / FRAMES / this.begin.rules.reload_time)
       : 0;
-    this.weapon.draw(renderer, performance.now(), this.seconds, Math.hypot(east, north), reload);
+    const speed = this.isCalm ? 0 : Math.hypot(east, north);
+    this.weapon.draw(renderer, performance.now(), this.seconds, speed, reload);
   }
 
   private showPace(): void {

@@ -22,6 +22,7 @@ export interface Now extends Moment {
   shots?: number[][]; // seat, x, y, z of its soles, and where the shot ended if that is known: x, y, z
   hits?: number[];
   hurt?: number[];
+  killer?: number[]; // who shot one in sight: seat, x, y, z, and its health if that is told
   gained?: number;
 }
 
@@ -56,6 +57,7 @@ export interface Table {
   seat: number | null;
   may_pause: boolean;
   stand_in: string;
+  is_range: boolean; // whether the others are targets
 }
 
 export interface Metric {
@@ -66,7 +68,7 @@ export interface Metric {
 export interface ScoreRow {
   seat: number;
   name: string;
-  values: number[];
+  values: (number | null)[]; // null: nothing to tell
 }
 
 export interface Rules {
@@ -84,7 +86,7 @@ export interface Begin {
   weapon: boolean;
   supplies: boolean;
   metrics: Metric[];
-  seats: Seat[];
+  seats: (Seat & { mark?: string })[]; // mark: how a person tells its team
   frame_limit: number;
   rules: Rules;
 }
