@@ -122,7 +122,7 @@ def test_somebody_plays_by_keys_against_a_submission_in_the_sandbox(hostile_seas
         page.wait_for_selector(
             "#game[data-state=lobby]", timeout=PATIENCE * 1000
         )  # after the page that waits
-        assert "Against you: night-owl 1.1" in page.inner_text("#words")
+        assert "Also in the match: night-owl 1.1" in page.inner_text("#next")
         page.click("#go")
         wait_for_match(page)
 

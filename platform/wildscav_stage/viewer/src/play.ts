@@ -40,6 +40,7 @@ let match: Match | null = null;
 let waiting: [Now, number][] | null = null; // moments of a match whose map is being loaded, and when they came, ms
 let isLoading = false; // whether the match waits until it can be shown
 let asked = 0; // pauses and their ends that the server has not answered
+let isReady = false; // whether one wants the next match to start
 let number = 0; // of the last input
 let lastSent = "";
 
@@ -75,19 +76,20 @@ const handlers: Handlers = {
     find("escape").textContent = table.may_pause ? "free the mouse, pause" : "free the mouse";
   },
   people: (message) => {
-    lobby.update(message, table.seat as number, table.stand_in);
+    lobby.update(message, table);
+    isReady = message.people[table.seat as number].ready;
+    if (!isHost() && ["lobby", "over"].includes(game.dataset.state as string)) showStart(startButton(""));
     find("lobby").hidden = !showsPeople();
   },
   refused: ({ message }) => lobby.say(`${message[0].toUpperCase()}${message.slice(1)}.`),
   lobby: () => {
     game.toggleAttribute("data-weapon", ["battle", "royale"].includes(table.track));
     game.toggleAttribute("data-supplies", table.track !== "navigation" && table.track !== "capture");
-    const others = table.names.slice(table.people);
-    const who = table.people > 1 ? "Robots and agents" : "Against you";
-    const against = others.length ? ` ${who}: ${others.join(", ")}.` : "";
     const fingers = isTouched ? " Walk with the stick, and swipe over the picture to look around." : "";
-    const waits = isHost() ? "" : " The host starts the match.";
-    const words = `${GOALS[table.track] ?? ""}${against}${fingers}${waits}`;
+    const waits = isHost()
+      ? ""
+      : " The host starts the match; without the host, it starts when all are ready.";
+    const words = `${GOALS[table.track] ?? ""}${fingers}${waits}`;
     const title = `Wildscav: ${table.track}`;
     if (canDraw) showPanel("lobby", title, words, startButton("Play"), true);
     else showPanel("lobby", title, `${NO_3D} Open the link in another one.`);
@@ -97,8 +99,10 @@ const handlers: Handlers = {
     showPanel("countdown", `The match starts in ${seconds} …`, GOALS[table.track] ?? "", "", true);
     sounds.tick();
   },
-  elsewhere: () =>
-    showPanel("elsewhere", "A match is being played", "It began without you. You take part in the next one."),
+  elsewhere: () => {
+    const words = "It began without you. You take part in the next one, and can watch until then.";
+    showPanel("elsewhere", "A match is being played", words, "Watch");
+  },
   begin: (message) => {
     begun = message;
     asked = 0;
@@ -133,7 +137,8 @@ const handlers: Handlers = {
 };
 
 const isHost = () => table.seat === HOST;
-const startButton = (text: string) => (isHost() ? text : "");
+const startButton = (text: string) =>
+  isHost() ? text : isReady ? "Ready: wait for the others" : "I am ready";
 const isPlaying = () => game.dataset.state === "playing";
 const showsPeople = () =>
   Boolean(table) && (table.people > 1 || isHost()) && WAITING.includes(game.dataset.state as string);
@@ -194,8 +199,7 @@ function showPanel(state: string, title: string, words: string, button = "", key
   if (document.pointerLockElement && state !== "preparing") document.exitPointerLock();
   find("title").textContent = title;
   find("words").textContent = words;
-  find("go").textContent = button;
-  find("go").hidden = !button;
+  showStart(button);
   find("keys").hidden = !keys || isTouched;
   find("settings").hidden = !keys;
   find("result").hidden = find("record").hidden = true;
@@ -203,6 +207,11 @@ function showPanel(state: string, title: string, words: string, button = "", key
   find("lobby").hidden = !showsPeople();
   find("panel").hidden = false;
   find("hud").hidden = state !== "paused";
+}
+
+function showStart(button: string): void {
+  find("go").textContent = button;
+  find("go").hidden = !button;
 }
 
 function headline({ ending, time, rows }: Over): string {
@@ -221,7 +230,9 @@ function showEnd(message: Over): void {
   begun = null;
   endMatch();
   const ending = message.ending === "time_up" ? "The time is up." : "The match is over.";
-  const waits = isHost() ? "" : " The host starts the next one.";
+  const waits = isHost()
+    ? ""
+    : " The host starts the next one; without the host, it starts when all are ready.";
   showPanel("over", headline(message), `${ending}${waits}`, startButton("Play again"));
   fillTable(find("result"), titlesOf(message.metrics), message.rows, table.seat);
   find("record code").textContent = message.record ?? "";
@@ -251,7 +262,11 @@ eachPicture((now, length) => {
 });
 
 find("go").addEventListener("click", () => {
+  const { state } = game.dataset;
   sounds.unlock();
+  if (state === "elsewhere") return location.assign(`../watch/${location.pathname.split("/").pop()}`);
+  if (["lobby", "over"].includes(state as string) && !isHost())
+    return connection.send({ kind: "ready", ready: !isReady });
   controls.lock();
   if (game.dataset.state === "closed") {
     showPanel("connecting", "Wildscav", "Connecting …");

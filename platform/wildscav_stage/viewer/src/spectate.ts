@@ -21,6 +21,7 @@ import { make } from "./player/dom";
 import type { StageMaker, View } from "./stage";
 import { createStage } from "./world";
 
+const SEATED = 4006; // close code: whoever waited for a seat has it now
 const BEHIND = 7; // frames that everybody is shown in the past
 
 const game = find("game");
@@ -39,7 +40,8 @@ let makeStage: StageMaker = hasWebGL() ? createStage : createFlatStage;
 new Connection({
   receive: (message) => (handlers[message.kind] as ((message: Message) => void) | undefined)?.(message),
   lose: () => showPanel("lost", "Connection lost", "Trying to connect again …"),
-  close: (_, reason) => {
+  close: (code, reason) => {
+    if (code === SEATED) return location.replace(`../play/${location.pathname.split("/").pop()}`);
     const why = reason
       ? `The server closed the connection: ${reason}.`
       : "The game does not answer. It may have ended; if it was started anew, its links have changed.";

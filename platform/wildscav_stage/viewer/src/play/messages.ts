@@ -37,12 +37,24 @@ export interface Person {
   name: string;
   where: "here" | "away" | "expected";
   host: boolean;
+  ready: boolean; // whether they want the next match to start
+}
+
+// How guests come; the code is empty if they do not.
+export interface Room {
+  code: string;
+  link: string;
+  seconds: number; // that the code is still valid
 }
 
 export interface People {
   kind: "people";
   people: Person[];
   spectators: number;
+  opponents: string[]; // the names of all seats that are not people's
+  robots: string[]; // those of them that the host chooses
+  new_map: boolean; // whether the next match is on another one
+  room?: Room | null;
   links?: Record<string, string>;
   watch_link?: string;
   local_only?: boolean;
@@ -56,6 +68,7 @@ export interface Table {
   seat: number | null;
   may_pause: boolean;
   stand_in: string;
+  kinds: string[]; // of robots
 }
 
 export interface Metric {
