@@ -14,6 +14,7 @@ from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket
 
 from wildscav_stage.headers import SecurityHeaders
+from wildscav_stage.playing.entrance import Entrance
 from wildscav_stage.playing.inputs import (
     Arrange,
     Command,
@@ -40,10 +41,10 @@ from wildscav_stage.playing.page import (
     OpenPage,
     PageClosedError,
 )
-from wildscav_stage.playing.room import Entrance
+from wildscav_stage.playing.replays import Replays
 from wildscav_stage.playing.sight import Known
 from wildscav_stage.playing.table import MAX_SPECTATORS, Table
-from wildscav_stage.viewer_files import digest, versioned, viewer_routes
+from wildscav_stage.viewer_files import PATH, digest, versioned, viewer_routes
 
 MAX_COMMANDS = 10  # a second: whatever is told to everybody
 STATIC = Path(__file__).parents[1] / "static"
@@ -192,7 +193,9 @@ class Site:
                 Route("/watch/{secret}/map", self._send_map),
                 WebSocketRoute("/watch/{secret}/socket", self._connect_spectator),
                 *(Entrance(table).routes if len(table.lobby.seats) > 1 else ()),
+                *Replays(table, links).routes,
                 Mount("/static/viewer", viewer_routes()),  # compressed
+                Mount(PATH, viewer_routes()),  # the same, for the pages of matches
                 Mount("/static", StaticFiles(directory=STATIC)),
                 Route("/{path:path}", _show_nothing),
             ],

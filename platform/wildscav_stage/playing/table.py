@@ -72,7 +72,8 @@ class Table:
         # The pages of spectators in the order in which they came, and the seats of those who wait for one.
         self._spectators: dict[Page, int | None] = {}
         self._hosting, self._links, self._base, self._say = hosting, links, base, say
-        self._countdown, self._at_home = countdown, at_home
+        self._countdown, self.at_home = countdown, at_home
+        self.records: list[Path] = []  # of the matches that were played
         self._situation: dict[str, Any] = {"kind": "lobby"}
         self._playing: frozenset[int] = frozenset()  # the people's seats in the present match
         self._match: asyncio.Task[None] | None = None
@@ -263,6 +264,7 @@ class Table:
         """Tell the result."""
         match = hosted.match
         self._say(f"record: {path}")
+        self.records.append(path)
         self._change(
             {
                 "kind": "over",
@@ -270,6 +272,8 @@ class Table:
                 "time": match.frame / FRAMES_PER_SECOND,
                 "metrics": metric_titles(match),
                 "rows": scores_of(match, hosted.names),
+                "played": sorted(self._playing),
+                "match": {"number": len(self.records) - 1, "record": path.name if self.at_home else None},
                 "record": str(path.absolute()),
                 "commands": [command("wildscav", verb, path) for verb in ("replay", "verify")],
             }
@@ -310,7 +314,7 @@ class Table:
             "links": {player.seat: self._base.invitation(self._links, player.seat) for player in guests},
             "room": self._entrance() if guests else None,
             "watch_link": self._base.watching(self._links),
-            "local_only": self._at_home and self._base.local_only,
+            "local_only": self.at_home and self._base.local_only,
         }
 
     def _entrance(self) -> dict[str, Any]:
@@ -322,12 +326,12 @@ class Table:
         situation = self._situation
         if situation["kind"] in ("begin", "countdown") and player and player.seat not in self._playing:
             return {"kind": "elsewhere"}
-        if self._at_home and _is_host(player):
+        if self.at_home and _is_host(player):
             return situation
         if situation["kind"] == "over":
             return {key: value for key, value in situation.items() if key not in HOST_ALONE_KNOWS}
         if situation["kind"] == "failed":
-            return {"kind": "failed", "message": HOST_KNOWS if self._at_home else NOBODY_KNOWS}
+            return {"kind": "failed", "message": HOST_KNOWS if self.at_home else NOBODY_KNOWS}
         return situation
 
     def _change(self, situation: dict[str, Any]) -> None:

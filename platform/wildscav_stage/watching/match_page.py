@@ -78,20 +78,21 @@ def _title(record: Record) -> str:
     return f"{TRACKS[record.spec.track].title}: {some}"
 
 
-def match_page(title: str, address: str) -> str:
+def match_page(title: str, address: str, root: str = "/") -> str:
     """Return the page of a match on a site that has the viewer's files.
 
     Args:
         title: The match's.
         address: Below it are the ``map`` and the ``trails``.
+        root: The address of the site, with a slash at its end.
 
     Raises:
         UserError: The viewer is not built.
     """
-    script, style = viewer_addresses()
+    script, style = viewer_addresses(root)
     head = f'<link rel="stylesheet" href="{style}"><script type="module" src="{script}"></script>'
     content = f'<div data-match data-map="{address}/map" data-trails="{address}/trails"></div>{NO_SCRIPT}'
-    return _page(title, f"{_linked_style()}{head}", content)
+    return _page(title, f"{_linked_style(root)}{head}", content)
 
 
 def list_page(title: str, links: Iterable[tuple[str, str]]) -> str:
@@ -140,8 +141,9 @@ def _page(title: str, head: str, content: str, policy: str = "") -> str:
     return page.substitute(title=escape(title), head=head, content=content, policy=told)
 
 
-def _linked_style() -> str:
-    return f'<link rel="icon" href="/static/icon.svg"><link rel="stylesheet" href="/static/{PAGE_STYLE}">'
+def _linked_style(root: str = "/") -> str:
+    icon, style = f"{root}static/icon.svg", f"{root}static/{PAGE_STYLE}"
+    return f'<link rel="icon" href="{icon}"><link rel="stylesheet" href="{style}">'
 
 
 def _inside(element: str, code: str) -> str:

@@ -7,6 +7,7 @@ import { fillTable, Hud, titlesOf } from "./play/hud";
 import { Lobby } from "./play/lobby";
 import { Match } from "./play/match";
 import type { Begin, Handlers, Message, Now, Over, Table } from "./play/messages";
+import { showReplay } from "./play/replay";
 import { eachPicture, hasWebGL, withMap } from "./play/scene";
 import { settingsIn } from "./play/settings";
 import { Sounds } from "./play/sounds";
@@ -202,7 +203,7 @@ function showPanel(state: string, title: string, words: string, button = "", key
   showStart(button);
   find("keys").hidden = !keys || isTouched;
   find("settings").hidden = !keys;
-  find("result").hidden = find("record").hidden = true;
+  find("result").hidden = find("record").hidden = find("replay").hidden = true;
   find("touch").hidden = true;
   find("lobby").hidden = !showsPeople();
   find("panel").hidden = false;
@@ -214,7 +215,8 @@ function showStart(button: string): void {
   find("go").hidden = !button;
 }
 
-function headline({ ending, time, rows }: Over): string {
+function headline({ ending, time, rows, played }: Over): string {
+  if (!played.includes(table.seat as number)) return "The match is over";
   const first = rows[0].seat === table.seat;
   if (table.track === "navigation" || table.track === "capture") {
     if (ending !== "goal") return "Time is up";
@@ -234,10 +236,12 @@ function showEnd(message: Over): void {
     ? ""
     : " The host starts the next one; without the host, it starts when all are ready.";
   showPanel("over", headline(message), `${ending}${waits}`, startButton("Play again"));
-  fillTable(find("result"), titlesOf(message.metrics), message.rows, table.seat);
+  const own = message.played.includes(table.seat as number) ? table.seat : null; // a robot may have had it
+  fillTable(find("result"), titlesOf(message.metrics), message.rows, own);
   find("record code").textContent = message.record ?? "";
   find("record pre").textContent = message.commands?.join("\n") ?? "";
   find("result").hidden = false;
+  showReplay(message);
   find("record").hidden = !message.record; // where it lies is the host's business
   find("panel").scrollTop = 0;
   find("go").focus({ preventScroll: true });

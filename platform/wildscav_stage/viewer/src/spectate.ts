@@ -16,6 +16,7 @@ import {
   ownOf,
   type Table,
 } from "./play/messages";
+import { showReplay } from "./play/replay";
 import { eachPicture, hasWebGL, Picture, withMap } from "./play/scene";
 import { make } from "./player/dom";
 import type { StageMaker, View } from "./stage";
@@ -96,6 +97,7 @@ const handlers: Handlers = {
     showPanel("over", "The match is over", words);
     fillTable(find("result"), titlesOf(message.metrics), message.rows, null);
     find("result").hidden = false;
+    showReplay(message);
   },
 };
 
@@ -134,7 +136,7 @@ function showPanel(state: string, title: string, words: string, people = false):
   find("title").textContent = title;
   find("words").textContent = words;
   find("lobby").hidden = !people;
-  find("result").hidden = true;
+  find("result").hidden = find("replay").hidden = true;
   find("hud").hidden = find("views").hidden = true;
   find("panel").hidden = false;
 }

@@ -91,7 +91,11 @@ export class Lobby {
       return;
     }
     const minutes = Math.ceil(seconds / 60);
-    const words = make("small", {}, `joins the free seats, for ${minutes} min`);
+    const words = make(
+      "small",
+      { title: "Whoever enters this code takes a free seat" },
+      `code, ${minutes} min`,
+    );
     const close = this.button("Close", { kind: "room", open: false });
     part.replaceChildren(make("b", {}, code), words, copyButton("Copy link", link), open("New code"), close);
     this.codeEnds = window.setTimeout(() => this.showRoom({ code: "", link, seconds: 0 }), 1000 * seconds);

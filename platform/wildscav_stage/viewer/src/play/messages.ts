@@ -108,6 +108,8 @@ export interface Over {
   time: number;
   metrics: Metric[];
   rows: ScoreRow[];
+  played: number[]; // the seats of people who took part
+  match: { number: number; record: string | null }; // the name of its record, if it can be downloaded
   record?: string;
   commands?: string[];
 }
