@@ -16,7 +16,13 @@ from wildscav_stage.playing.table import Table
 
 LONGEST_FORM = 200  # bytes
 PAGE = Path(__file__).parents[1] / "static" / "join.html"
-POLICY = HEADERS["Content-Security-Policy"].replace("form-action 'none'", "form-action 'self'")
+# The form is sent to this site, which may ask from where it comes.
+HEADERS_OF_FORM = {
+    "Content-Security-Policy": HEADERS["Content-Security-Policy"].replace(
+        "form-action 'none'", "form-action 'self'"
+    ),
+    "Referrer-Policy": "same-origin",
+}
 
 
 class Entrance:
@@ -66,4 +72,4 @@ def join_page(code: str = "", error: EntryError | None = None) -> Response:
     page = PAGE.read_text("utf-8").replace("{problem}", escape(str(error or "")))
     page = page.replace("{code}", escape(code[:LONGEST_FORM]))
     status = error.status if error else HTTPStatus.OK
-    return HTMLResponse(page, status, {"Content-Security-Policy": POLICY})
+    return HTMLResponse(page, status, HEADERS_OF_FORM)

@@ -11,6 +11,7 @@ from wildscav_stage.playing.page import Allowance
 LETTERS = "BCDFGHJKLMNPQRSTVWXZ"  # no vowels: there are no words, and nothing looks like 0 or 1
 LETTERS_OF_CODE = 6
 LASTING = 1800.0  # s that a code is valid
+NOT_VALID = "This code is not valid. It may have ended: ask the host for the present one."
 MAX_TRIES, MINUTE = 30, 60.0  # codes that all strangers together may try, in so many s
 
 
@@ -58,7 +59,7 @@ class Room:
         self._end = 0.0
 
     def check(self, text: str) -> None:
-        """Check a code that somebody typed, in letters of either size.
+        """Check a code that somebody typed.
 
         Raises:
             EntryError: It is wrong, or too many were tried.
@@ -67,9 +68,11 @@ class Room:
             raise EntryError(
                 "Too many codes were tried. Try again in a minute.", HTTPStatus.TOO_MANY_REQUESTS
             )
-        typed = "".join(letter for letter in text.upper() if letter.isalnum())
-        if not self.code or not secrets.compare_digest(typed.encode(errors="replace"), self.code.encode()):
-            raise EntryError(
-                "This code is not valid. It may have ended: ask the host for the present one.",
-                HTTPStatus.FORBIDDEN,
-            )
+        if not is_code(text, self.code):
+            raise EntryError(NOT_VALID, HTTPStatus.FORBIDDEN)
+
+
+def is_code(text: str, code: str) -> bool:
+    """Return whether what somebody typed, in letters of either size, is a code; an empty one is none."""
+    typed = "".join(letter for letter in text.upper() if letter.isalnum())
+    return bool(code) and secrets.compare_digest(typed.encode(errors="replace"), code.encode())
