@@ -34,13 +34,17 @@ def viewer_file(name: str) -> bytes:
         raise UserError(f"the viewer is not built, as {path} is missing: {TO_BUILD}") from None
 
 
-def viewer_addresses() -> tuple[str, str]:
+def viewer_addresses(root: str = "/") -> tuple[str, str]:
     """Return the addresses of the script and the style sheet, which change when the files do.
+
+    Args:
+        root: The address of the site, with a slash at its end.
 
     Raises:
         UserError: The viewer is not built.
     """
-    return f"{PATH}/{versioned(SCRIPT)}", f"{PATH}/{versioned(STYLE)}"
+    folder = f"{root}{PATH[1:]}"
+    return f"{folder}/{versioned(SCRIPT)}", f"{folder}/{versioned(STYLE)}"
 
 
 def versioned(name: str) -> str:

@@ -31,6 +31,7 @@ class Use(Base):
 TRIES = 10  # of passwords that are wrong, by address
 SIGN_UPS = 10  # accounts, by address
 GAMES = 6  # against submissions, by account or address
+CODES = 60  # of tables, right or wrong, by everybody; by address as many as TRIES
 DOWNLOADS = 30  # of boards with all of their matches, by address
 MINUTE = 60.0  # s
 

@@ -34,7 +34,6 @@ from wildscav_leaderboard.submissions.archives import load_archive
 from wildscav_server.hosting.hosted_match import HostedMatch
 from wildscav_server.monitoring.logs import open_log
 from wildscav_stage.playing.links import Base, Links
-from wildscav_stage.playing.lobby import HOST
 from wildscav_stage.playing.plan import DEFAULT_MAP, FRAMES_PER_ACTION, Opponent, Plan
 from wildscav_stage.playing.serve import Served, prepare, served_on
 from wildscav_stage.viewer_files import viewer_file
@@ -42,7 +41,6 @@ from wildscav_stage.viewer_files import viewer_file
 LOOKS = 0.5  # s between two looks at whether the person is here
 COMING = 120.0  # s in which the person must open the page for the first time
 AWAY = 20.0  # s for which the page may be closed, such as to load it again
-PEOPLE = 1
 ROBOTS = {"royale": ("fighter-easy",) * 4}  # besides the two, where two alone would be no match
 LOG = "agent.log"
 
@@ -73,7 +71,7 @@ async def _serve(order: Order) -> str:
     rules = season.settings.play
     sandbox = SANDBOXES[chosen_sandbox(season, LocalExecutor(1), open_log(None))]
     (submission,) = with_images([load_archive(season, order.archive, order.entrant)], sandbox.name)
-    plan = plan_of(order, submission, rules.match)
+    plan = plan_of(order, submission, rules)
     viewer_file("play.js")
     prepare(plan)
     listening = socket.socket(socket.AF_UNIX)
@@ -84,14 +82,13 @@ async def _serve(order: Order) -> str:
     async with served_on(
         listening,
         Base(order.base, order.base),
-        Links(PEOPLE, order.secret),
+        Links(rules.people, order.secret),
         plan,
         Path(order.records),
         lambda _: None,
         agents=SandboxedAgents(submission, sandbox, season.limits(order.track)),
         at_home=False,
     ) as served:
-        _tell(Told(state="ready"))
         why = await _end(served, rules)
         # The reason goes ahead of the end, so that it is known when the page's connection is lost.
         _tell(Told(state="ended", why=why))
@@ -99,17 +96,20 @@ async def _serve(order: Order) -> str:
 
 
 async def _end(served: Served, rules: Play) -> str:
-    """Wait for the end of a table, and return why it ends."""
-    controls = served.table.lobby.seats[HOST].person.controls
+    """Wait for the end of a table, tell by which code guests come, and return why it ends."""
+    lobby = served.table.lobby
     began = acted = here = time.monotonic()
-    patience, received = COMING, 0
+    patience, received, code = COMING, [0], None
     while not served.serving.done():
+        if code != lobby.room.code:
+            code = lobby.room.code
+            _tell(Told(state="ready", code=code))
         await asyncio.wait([served.serving], timeout=LOOKS)
         now = time.monotonic()
         if served.table.is_attended:
             here, patience = now, min(AWAY, rules.idle)
-        if controls.received != received:
-            acted, received = now, controls.received
+        if (inputs := [player.person.controls.received for player in lobby.seats]) != received:
+            acted, received = now, inputs
         if now - here >= patience:
             return "you left"
         if now - acted >= rules.idle:
@@ -123,13 +123,13 @@ def _span(seconds: float) -> str:
     return f"{seconds:.0f} s" if seconds < 120.0 else f"{seconds / 60.0:.0f} min"
 
 
-def plan_of(order: Order, submission: Submission, longest: float) -> Plan:
-    """Return the plan of a person's matches against a submission.
+def plan_of(order: Order, submission: Submission, rules: Play) -> Plan:
+    """Return the plan of people's matches against a submission, on a map that is drawn for them.
 
     Args:
         order: The order.
         submission: The submission.
-        longest: s of game time that a match may take.
+        rules: What the organizer allows.
     """
     robots = ROBOTS.get(order.track, ())
     opponent = Opponent(order.title, submission.folder, submission.manifest.sensors)
@@ -137,11 +137,11 @@ def plan_of(order: Order, submission: Submission, longest: float) -> Plan:
         track=order.track,
         map=MapSpec(config=DEFAULT_MAP, seed=order.seed),
         seed=order.seed,
-        seats=(SUBMISSION, SUBMISSION, *robots),
-        time_limit=min(longest, TRACKS[order.track].time_limit),
+        seats=(*(SUBMISSION,) * rules.people, SUBMISSION, *robots),
+        time_limit=min(rules.match, TRACKS[order.track].time_limit),
         frames_per_action=FRAMES_PER_ACTION,
     )
-    return Plan(spec, (opponent, *map(Opponent, robots)))
+    return Plan(spec, (opponent, *map(Opponent, robots)), rules.people)
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,8 @@ class Order(Part):
 
 
 class Told(Part):
-    """A line from the process: its table is ready, or has ended, and why."""
+    """A line from the process: its table is ready and how guests come to it, or has ended and why."""
 
     state: Literal["ready", "ended", "failed"]
+    code: str = ""  # by which guests come to a table that is ready; it changes
     why: str = ""  # one line: for the person, or if it failed, for the organizers alone

@@ -18,6 +18,7 @@ from wildscav_leaderboard.playing.tables import OpenTable
 ASKED = ("accept-encoding", "if-none-match")
 KEPT = (
     "content-type",
+    "location",
     "content-encoding",
     "vary",
     "etag",
@@ -37,7 +38,7 @@ SPECIAL = (1005, 1006, 1015)  # codes that say that there was none
 
 
 async def pass_request(table: OpenTable, path: str, request: Request) -> Response:
-    """Return what a table answers to a GET request.
+    """Return what a table answers to a request.
 
     Args:
         table: The table, which is ready.
@@ -46,11 +47,12 @@ async def pass_request(table: OpenTable, path: str, request: Request) -> Respons
     """
     url = httpx.URL(f"http://table/{quote(path)}", query=request.url.query.encode())
     asked = {name: request.headers.get(name, "") for name in ASKED}
+    sent = await request.body() if request.method == "POST" else None
     transport = httpx.AsyncHTTPTransport(uds=str(table.socket), verify=False)
     try:
         async with (
             httpx.AsyncClient(transport=transport, timeout=PATIENCE, trust_env=False) as client,
-            client.stream("GET", url, headers=asked) as answer,
+            client.stream(request.method, url, headers=asked, content=sent) as answer,
         ):
             content = b"".join([part async for part in answer.aiter_raw()])  # as it was encoded
     except httpx.HTTPError:

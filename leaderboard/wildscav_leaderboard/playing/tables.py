@@ -23,6 +23,7 @@ from wildscav_leaderboard.seasons.refusals import NotFoundError, RefusalError, T
 from wildscav_server import leftovers
 from wildscav_server.monitoring.logs import Log
 from wildscav_stage.playing.links import new_secret
+from wildscav_stage.playing.room import NOT_VALID, is_code
 
 
 class TableCounts:
@@ -89,6 +90,7 @@ class OpenTable:
     secret: str = field(default_factory=new_secret)  # of all its pages
     seat: str = field(default_factory=new_secret)  # of the person's seat
     state: str = STARTING
+    code: str = ""  # by which guests come
     why: str = ""  # why it ends or has ended, one line
     failed: bool = False  # whether it ended because something went wrong
     socket: Path = Path()  # on which its site is served once it is ready
@@ -152,6 +154,17 @@ class Tables:
         if found is None:
             raise NotFoundError(GONE)
         return found
+
+    def find_by_code(self, text: str) -> OpenTable:
+        """Return the table whose guests come by a code that somebody typed.
+
+        Raises:
+            NotFoundError: There is none.
+        """
+        for table in list(self._tables.values()):
+            if table.state == READY and not table.why and is_code(text, table.code):
+                return table
+        raise NotFoundError(NOT_VALID)
 
     def open(self, wish: Wish, refused: Callable[[], str] = str) -> OpenTable:
         """Open a table for a person, or return the one at which they play the same already.
@@ -264,7 +277,9 @@ class Tables:
         except ValueError:
             return  # a library's remark
         if told.state == "ready":
-            table.change_to(READY)
+            table.code = told.code
+            if table.state == STARTING:
+                table.change_to(READY)
         elif told.state == "ended":
             table.why = told.why
         else:

@@ -113,6 +113,7 @@ class Play(_Part):
     enabled: bool = False
     who: Literal["accounts", "anybody"] = "accounts"
     tables: Annotated[int, Field(ge=1, le=50)] = 2  # at once; each person has one at most
+    people: Annotated[int, Field(ge=1, le=8)] = 1  # with a seat at a table: whoever opened it, and guests
     tracks: tuple[str, ...] = ()  # on which people play; none: all tracks of the season
     match: Annotated[float, Field(ge=10.0, le=3600.0)] = 180.0  # s of game time that a match takes at most
     session: Annotated[float, Field(ge=10.0, le=86_400.0)] = 1800.0  # s after which a table ends

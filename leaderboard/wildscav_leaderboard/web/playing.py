@@ -6,7 +6,7 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Form, Request, WebSocket
 from fastapi.responses import RedirectResponse, Response
 
-from wildscav_leaderboard.access.rate_limits import GAMES
+from wildscav_leaderboard.access.rate_limits import CODES, GAMES, TRIES
 from wildscav_leaderboard.access.requests import (
     Address,
     AnyBrowser,
@@ -21,7 +21,7 @@ from wildscav_leaderboard.api.matches import titled
 from wildscav_leaderboard.database.connection import Database, DatabaseError
 from wildscav_leaderboard.playing.passing import OVER, pass_request, pass_socket, refuse
 from wildscav_leaderboard.playing.permission import refused_why
-from wildscav_leaderboard.playing.tables import STARTING, Tables, Wish
+from wildscav_leaderboard.playing.tables import READY, STARTING, Tables, Wish
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import (
     ForbiddenError,
@@ -31,6 +31,7 @@ from wildscav_leaderboard.seasons.refusals import (
 )
 from wildscav_leaderboard.submissions.service import find_submission
 from wildscav_leaderboard.web.rendering import base_of, page
+from wildscav_stage.playing.room import NOT_VALID
 
 router = APIRouter()
 Text = Annotated[str, Form(max_length=2000)]
@@ -80,6 +81,49 @@ def play(
     limits.use(GAMES, "games", wish.person)
     table = tables.open(wish, lambda: _refused_now(database, season, number, track))
     return RedirectResponse(table.path, HTTPStatus.SEE_OTHER)
+
+
+@router.get("/play")
+def code_page(request: Request, season: CurrentSeason, caller: AnyBrowser) -> Response:
+    """Show the form in which a guest enters the code of a table."""
+    _check_guests(season)
+    return page(request, "play_code.html", caller, error="", code="")
+
+
+@router.post("/play")
+def join(
+    request: Request,
+    _own_form: SameSite,
+    season: CurrentSeason,
+    tables: OwnTables,
+    caller: AnyBrowser,
+    limits: Limits,
+    where: Address,
+    code: Text = "",
+) -> Response:
+    """Send a guest, with the code, to the entrance of the table whose code it is."""
+    _check_guests(season)
+    limits.use(TRIES, "code", where)
+    limits.use(CODES, "codes")
+    try:
+        table = tables.find_by_code(code)
+    except NotFoundError as error:
+        return page(request, "play_code.html", caller, HTTPStatus.NOT_FOUND, error=str(error), code=code)
+    return RedirectResponse(f"{table.base_path}join", HTTPStatus.TEMPORARY_REDIRECT)
+
+
+@router.post("/play/{secret}/join")
+async def enter_table(request: Request, secret: str, _own_form: SameSite, tables: OwnTables) -> Response:
+    """Pass a code on to a table, which gives whoever sent it a seat."""
+    table = tables.find(secret)
+    if table.state != READY or table.why:
+        raise NotFoundError(f"this game is over: {table.why}" if table.why else NOT_VALID)
+    return await pass_request(table, "join", request)
+
+
+def _check_guests(season: Season) -> None:
+    if not season.settings.play.enabled or season.settings.play.people == 1:
+        raise ForbiddenError("in this season nobody joins the games of others")
 
 
 def _refused_now(database: Database, season: Season, number: int, track: str) -> str:

@@ -14,12 +14,17 @@ from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket
 
 from wildscav_stage.headers import SecurityHeaders
+from wildscav_stage.playing.entrance import Entrance
 from wildscav_stage.playing.inputs import (
+    Arrange,
+    Command,
+    Free,
     Input,
     InputError,
+    OpenRoom,
     Pause,
+    Ready,
     Rename,
-    Renew,
     Seen,
     Start,
     decode_message,
@@ -29,15 +34,17 @@ from wildscav_stage.playing.links import Base, Links
 from wildscav_stage.playing.lobby import LobbyError
 from wildscav_stage.playing.page import (
     POLICY_VIOLATION,
+    SEATED,
     TOO_MANY,
     UNSUPPORTED,
     Allowance,
     OpenPage,
     PageClosedError,
 )
+from wildscav_stage.playing.replays import Replays
 from wildscav_stage.playing.sight import Known
 from wildscav_stage.playing.table import MAX_SPECTATORS, Table
-from wildscav_stage.viewer_files import digest, versioned, viewer_routes
+from wildscav_stage.viewer_files import PATH, digest, versioned, viewer_routes
 
 MAX_COMMANDS = 10  # a second: whatever is told to everybody
 STATIC = Path(__file__).parents[1] / "static"
@@ -50,7 +57,7 @@ PROBLEMS = {  # with links: a title and what to do, in HTML
     ),
     "renewed": (
         "This link was replaced",
-        "The host has made a new link for this seat. Ask the host for it.",
+        "The host has freed this seat, or somebody took it by a code. Ask the host for another link.",
     ),
     "nothing": (
         "There is nothing here",
@@ -65,15 +72,16 @@ class SpectatorPage(OpenPage):
     Args:
         socket: The page's connection, which was accepted.
         table: The table.
+        seat: The seat of whoever watches until they can take it; None if they have none.
     """
 
-    def __init__(self, socket: WebSocket, table: Table) -> None:
+    def __init__(self, socket: WebSocket, table: Table, seat: int | None) -> None:
         super().__init__(socket)
-        self._table = table
+        self._table, self._seat = table, seat
 
     async def serve(self) -> None:
         """Serve the page until it is closed."""
-        if not self._table.admit(self):
+        if not self._table.admit(self, self._seat):
             return await self._socket.close(TOO_MANY, f"{MAX_SPECTATORS} people watch already")
         try:
             await self._serve(self._receive(), self._send_moments())
@@ -139,20 +147,28 @@ class PlayerPage(OpenPage):
                 case _:
                     self._command(message)
 
-    def _command(self, message: Start | Pause | Rename | Renew) -> None:
+    def _command(self, message: Command) -> None:
         """Do what everybody is told of."""
         if not self._commands.count():
             raise PageClosedError(POLICY_VIOLATION, "too many messages")
+        table, seat = self._table, self._seat
         try:
             match message:
                 case Start():
-                    self._table.start(self._seat)
+                    table.start(seat)
                 case Pause():
-                    self._table.pause(message.paused)
+                    table.pause(message.paused)
+                case Ready():
+                    table.vote(seat, ready=message.ready)
                 case Rename():
-                    self._table.rename(self._seat, message.name)
-                case Renew():
-                    self._table.renew(self._seat, message.seat)
+                    table.lobby.rename(seat, message.name)
+                case Free():
+                    table.lobby.free(seat, message.seat)
+                case OpenRoom():
+                    table.lobby.open_room(seat, is_open=message.open)
+                case Arrange():
+                    table.lobby.arrange(seat, message.robots, new_map=message.new_map)
+            table.tell_people()
         except LobbyError as error:
             self.tell({"kind": "refused", "message": str(error)})
 
@@ -176,7 +192,10 @@ class Site:
                 Route("/watch/{secret}", self._show_match),
                 Route("/watch/{secret}/map", self._send_map),
                 WebSocketRoute("/watch/{secret}/socket", self._connect_spectator),
+                *(Entrance(table).routes if len(table.lobby.seats) > 1 else ()),
+                *Replays(table, links).routes,
                 Mount("/static/viewer", viewer_routes()),  # compressed
+                Mount(PATH, viewer_routes()),  # the same, for the pages of matches
                 Mount("/static", StaticFiles(directory=STATIC)),
                 Route("/{path:path}", _show_nothing),
             ],
@@ -198,21 +217,26 @@ class Site:
         await PlayerPage(socket, self._table, seat).serve()
 
     async def _show_match(self, request: Request) -> Response:
-        if self._links.is_watching(request.path_params["secret"]):
+        if self._links.opens_match(request.path_params["secret"]):
             return _page("watch.html", "spectate.js")
         return _explain("wrong", request)
 
     async def _connect_spectator(self, socket: WebSocket) -> None:
-        if not self._links.is_watching(socket.path_params["secret"]) or not self._is_own_page(socket):
+        secret = socket.path_params["secret"]
+        seat = self._links.seat_of(secret)
+        if not self._links.opens_match(secret) or not self._is_own_page(socket):
             await socket.close(NO_ACCESS)
             return
         await socket.accept()
-        await SpectatorPage(socket, self._table).serve()
+        if seat is None or self._table.is_waiting(seat):
+            await SpectatorPage(socket, self._table, seat).serve()
+        else:
+            await socket.close(SEATED, "whoever plays does not watch")
 
     async def _send_map(self, request: Request) -> Response:
         """Send the map of the present match, or of the last one."""
         secret, watches = request.path_params["secret"], request.url.path.startswith("/watch/")
-        valid = self._links.is_watching(secret) if watches else self._links.seat_of(secret) is not None
+        valid = self._links.opens_match(secret) if watches else self._links.seat_of(secret) is not None
         if not valid or self._table.map_file is None:
             return _explain("wrong" if not valid else "nothing", request)
         key = f'"{digest(self._table.map_file)}"'

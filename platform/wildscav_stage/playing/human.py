@@ -102,6 +102,8 @@ async def _serve(
         say(f"play at {links.host}")
         for number, link in enumerate(links.guests, start=2):
             say(f"person {number} plays at {link}")
+        if links.entrance:
+            say(f"or others join at {links.entrance}")
         say(f"spectators watch at {links.watch}")
         if browser:
             await asyncio.to_thread(webbrowser.open, links.host)

@@ -11,8 +11,10 @@ from wildscav.errors import WildscavError
 FASTEST = 10.0  # m/s, of a person who walks
 MAX_TURN = 3600.0  # degrees in one message
 LONGEST_TEXT = 100  # characters
+MAX_ROBOTS = 8  # that the host of a table may choose
 Share = Annotated[float, Field(ge=-1.0, le=1.0)]
 Turn = Annotated[float, Field(ge=-MAX_TURN, le=MAX_TURN)]
+Text = Annotated[str, Field(max_length=LONGEST_TEXT)]
 Count = Annotated[int, Field(ge=0, le=2**53)]
 
 
@@ -68,17 +70,40 @@ class Rename(_Message):
     """Call the person by another name."""
 
     kind: Literal["rename"]
-    name: Annotated[str, Field(max_length=LONGEST_TEXT)]
+    name: Text
 
 
-class Renew(_Message):
-    """Give a guest's seat a new link."""
+class Free(_Message):
+    """Free a guest's seat for somebody else."""
 
-    kind: Literal["renew"]
+    kind: Literal["free"]
     seat: Count
 
 
-Message = Input | Seen | Start | Pause | Rename | Renew
+class OpenRoom(_Message):
+    """Let guests in by another code, or by none."""
+
+    kind: Literal["room"]
+    open: bool
+
+
+class Ready(_Message):
+    """Say whether the person wants the next match to start."""
+
+    kind: Literal["ready"]
+    ready: bool
+
+
+class Arrange(_Message):
+    """Choose what the next matches are."""
+
+    kind: Literal["arrange"]
+    robots: Annotated[tuple[Text, ...], Field(max_length=MAX_ROBOTS)]
+    new_map: bool
+
+
+Command = Start | Pause | Rename | Free | OpenRoom | Ready | Arrange
+Message = Input | Seen | Command
 _messages: TypeAdapter[Message] = TypeAdapter(Annotated[Message, Field(discriminator="kind")])
 _of_spectators: TypeAdapter[Seen] = TypeAdapter(Seen)
 T = TypeVar("T")

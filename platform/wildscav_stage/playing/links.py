@@ -42,6 +42,10 @@ class Links:
         """Return whether a text is the secret of spectators."""
         return _equal(text, self.watching)
 
+    def opens_match(self, text: str) -> bool:
+        """Return whether a text is the secret of spectators or of a seat, whose person may watch, too."""
+        return self.is_watching(text) or self.seat_of(text) is not None
+
     def renew(self, seat: int) -> None:
         """Replace the secret of a seat by another one."""
         self._replaced.add(self._secrets[seat])
@@ -58,6 +62,7 @@ class Addresses(NamedTuple):
     host: str  # the link of whoever started the table
     guests: tuple[str, ...]  # those of the other people
     watch: str  # that of spectators
+    entrance: str = ""  # where whoever has the code takes a free seat; it names the code
 
 
 class Base(NamedTuple):
@@ -84,6 +89,10 @@ class Base(NamedTuple):
     def watching(self, links: Links) -> str:
         """Return the link that is sent to spectators."""
         return f"{self.invited}watch/{links.watching}"
+
+    def entrance(self, code: str) -> str:
+        """Return the link that is sent to whoever may come, with the code in it."""
+        return f"{self.invited}join?code={code}"
 
 
 def base_of(host: str, port: int, public_url: str | None) -> Base:

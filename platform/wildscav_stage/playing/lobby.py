@@ -1,15 +1,20 @@
 """Who sits where at a table: people with their names and pages, and robots for those who are not here."""
 
 import asyncio
+import time
 import unicodedata
 from collections.abc import Callable, Sequence
+from http import HTTPStatus
 from typing import TYPE_CHECKING, Any, Protocol
 
-from wildscav.errors import WildscavError
+from wildscav.errors import UserError, WildscavError
 from wildscav.sdk.connection import Connection
 from wildscav.version import __version__
 from wildscav_stage.playing.inputs import Controls
+from wildscav_stage.playing.links import Links
+from wildscav_stage.playing.page import RENEWED
 from wildscav_stage.playing.plan import Plan, numbered
+from wildscav_stage.playing.room import EntryError, Room
 from wildscav_stage.playing.sight import Known, Sight
 
 if TYPE_CHECKING:
@@ -17,6 +22,7 @@ if TYPE_CHECKING:
 
 MAX_BEHIND = 0.1  # s that the match may be behind real time before it stops catching up
 LONGEST_NAME = 20  # characters
+ON_THE_WAY = 30.0  # s in which somebody who was let in opens the page of their seat
 HOST = 0  # the seat of whoever started the table
 
 
@@ -109,15 +115,32 @@ class PlayerSeat:
     """
 
     def __init__(self, seat: int, name: str) -> None:
-        self.seat, self.name = seat, name
+        self.seat = seat
         self.person = Person()
         self.page: Page | None = None  # the one that the person has open
+        self.free(name)
+
+    def free(self, name: str) -> None:
+        """Forget who had the seat."""
+        self.name = name
         self.came = False  # whether somebody was ever here
+        self.is_ready = False  # whether they want the next match to start
+        self._kept_until = 0.0  # s, for somebody who is on the way
+
+    def keep(self) -> None:
+        """Keep the seat for somebody who is on the way."""
+        self._kept_until = time.monotonic() + ON_THE_WAY
+
+    @property
+    def is_free(self) -> bool:
+        """Whether nobody has the seat, or is on the way to it."""
+        return self.page is None and not self.came and time.monotonic() >= self._kept_until
 
     def describe(self) -> dict[str, Any]:
         """Return what everybody may know of the person, as JSON has it."""
         where = "here" if self.page is not None else "away" if self.came else "expected"
-        return {"seat": self.seat, "name": self.name, "where": where, "host": self.seat == HOST}
+        told = {"seat": self.seat, "name": self.name, "where": where, "host": self.seat == HOST}
+        return told | {"ready": self.is_ready}
 
 
 class Lobby:
@@ -125,10 +148,14 @@ class Lobby:
 
     Args:
         plan: What is played at it.
+        links: Their links.
     """
 
-    def __init__(self, plan: Plan) -> None:
-        self._plan = plan
+    def __init__(self, plan: Plan, links: Links) -> None:
+        self.plan, self._links, self.room = plan, links, Room()
+        if plan.people > 1:
+            self.room.open()
+        self.wants_new_map = False  # for the next match
         self.seats = tuple(PlayerSeat(seat, plan.names[seat]) for seat in range(plan.people))
 
     def rename(self, seat: int, text: str) -> None:
@@ -139,10 +166,83 @@ class Lobby:
         """
         name = _checked_name(text)
         taken = [player.name for player in self.seats if player.seat != seat]
-        taken += self._plan.names[self._plan.people :]
+        taken += self.plan.names[self.plan.people :]
         if name.casefold() in map(str.casefold, taken):
             raise LobbyError(f"somebody else is called {name}; take another name")
         self.seats[seat].name = name
+
+    def free(self, asked_by: int, seat: int) -> None:
+        """Free a seat: give it a new link, and close the page that was opened by the old one.
+
+        Raises:
+            LobbyError: Somebody else than the host asks for it, or it is no guest's seat.
+        """
+        only_host(asked_by, "frees seats")
+        if not 0 < seat < len(self.seats):
+            raise LobbyError(f"seat {seat} is no guest's")
+        self._links.renew(seat)
+        player = self.seats[seat]
+        if player.page is not None:
+            player.page.dismiss(RENEWED, "the host has freed this seat")
+        player.free(self.plan.names[seat])
+
+    def open_room(self, asked_by: int, *, is_open: bool) -> None:
+        """Make another code by which guests come, or end the present one.
+
+        Raises:
+            LobbyError: Somebody else than the host asks for it, or there are no seats for guests.
+        """
+        only_host(asked_by, "opens and closes the room")
+        if len(self.seats) == 1:
+            raise LobbyError("there are no seats for guests")
+        if is_open:
+            self.room.open()
+        else:
+            self.room.close()
+
+    def let_in(self, code: str) -> str:
+        """Give a free seat to whoever has the code, and return its secret, which nobody had before.
+
+        Links are sent for the first seats first, so this is the last one.
+
+        Raises:
+            EntryError: The code is wrong, too many were tried, or all seats are taken.
+        """
+        self.room.check(code)
+        guests = self.seats[HOST + 1 :]
+        player = next((player for player in reversed(guests) if player.is_free), None)
+        if player is None:
+            raise EntryError("All seats are taken. Ask the host to free one.", HTTPStatus.CONFLICT)
+        player.keep()
+        self._links.renew(player.seat)
+        return self._links.of_seat(player.seat)
+
+    def arrange(self, asked_by: int, robots: Sequence[str], *, new_map: bool) -> None:
+        """Choose the robots of the next matches, and whether the next one is on another map.
+
+        Raises:
+            LobbyError: Somebody else than the host asks for it, or such a match is not possible.
+        """
+        only_host(asked_by, "chooses what is played")
+        try:
+            self.plan = self.plan.arranged(robots, new_map=False)
+        except UserError as error:
+            raise LobbyError(str(error)) from None
+        self.wants_new_map = new_map
+
+    def begin(self) -> Plan:
+        """Return the plan of the match that begins; nobody wants it anymore."""
+        if self.wants_new_map:
+            self.plan, self.wants_new_map = self.plan.arranged(self.plan.robots, new_map=True), False
+        for player in self.seats:
+            player.is_ready = False
+        return self.plan
+
+    @property
+    def all_ready(self) -> bool:
+        """Whether the host is away, and everybody who is here wants to play."""
+        here = [player for player in self.seats if player.page is not None]
+        return bool(here) and all(player.is_ready and player.seat != HOST for player in here)
 
     def absent(self) -> tuple[int, ...]:
         """Return the seats of the people who are not here."""
@@ -150,8 +250,18 @@ class Lobby:
 
     def names(self, absent: Sequence[int]) -> tuple[str, ...]:
         """Return the display name of every seat, with robots in the seats of those who are absent."""
-        people = [self._plan.stand_in if player.seat in absent else player.name for player in self.seats]
-        return numbered([*people, *(opponent.name for opponent in self._plan.opponents)])
+        people = [self.plan.stand_in if player.seat in absent else player.name for player in self.seats]
+        return numbered([*people, *(opponent.name for opponent in self.plan.opponents)])
+
+
+def only_host(seat: int, does: str) -> None:
+    """Check that the host asks for something.
+
+    Raises:
+        LobbyError: It is somebody else.
+    """
+    if seat != HOST:
+        raise LobbyError(f"only the host {does}")
 
 
 def _checked_name(text: str) -> str:

@@ -3,7 +3,7 @@
 import asyncio
 import json
 import time
-from collections.abc import AsyncIterator, Coroutine
+from collections.abc import AsyncIterator, Callable, Coroutine
 from typing import Any
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
@@ -16,7 +16,7 @@ MAX_WAITING = 200  # messages to a page that does not read them
 LONGEST_REASON = 120  # bytes, of why a page is closed; the protocol allows 123
 # Why a page is closed, as the protocol and our pages know it.
 POLICY_VIOLATION, UNSUPPORTED = 1008, 1003
-REPLACED, RENEWED, TOO_MANY = 4001, 4002, 4003
+REPLACED, RENEWED, TOO_MANY, SEATED = 4001, 4002, 4003, 4006
 
 
 class PageClosedError(WildscavError):
@@ -33,20 +33,23 @@ class PageClosedError(WildscavError):
 
 
 class Allowance:
-    """How many messages of a kind are taken in a second.
+    """How many things of a kind are taken in some time.
 
     Args:
         most: So many.
+        seconds: The time.
+        clock: Returns the time, s.
     """
 
-    def __init__(self, most: int) -> None:
-        self._most, self._second, self._count = most, 0, 0
+    def __init__(self, most: int, seconds: float = 1.0, clock: Callable[[], float] = time.monotonic) -> None:
+        self._most, self._seconds, self._clock = most, seconds, clock
+        self._span = self._count = 0
 
     def count(self) -> bool:
-        """Count a message, and return whether it is within the allowance."""
-        second = int(time.monotonic())
-        if second != self._second:
-            self._second, self._count = second, 0
+        """Count one, and return whether it is within the allowance."""
+        span = int(self._clock() / self._seconds)
+        if span != self._span:
+            self._span, self._count = span, 0
         self._count += 1
         return self._count <= self._most
 

@@ -1,7 +1,7 @@
 """Which match is played: its spec, who sits where, and their names."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -51,7 +51,7 @@ class Plan:
 
     spec: MatchSpec
     opponents: tuple[Opponent, ...]
-    people: int = 1  # who have the first seats
+    people: int = 1  # who have the first seats; submissions have the next ones, and robots the last
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -79,6 +79,35 @@ class Plan:
         """The seats of submissions."""
         opponents = enumerate(self.opponents, start=self.people)
         return tuple(seat for seat, opponent in opponents if opponent.folder is not None)
+
+    @property
+    def robots(self) -> tuple[str, ...]:
+        """The robots, which have the last seats."""
+        return tuple(opponent.name for opponent in self.opponents if opponent.folder is None)
+
+    def arranged(self, robots: Sequence[str], *, new_map: bool) -> "Plan":
+        """Return the plan with other robots, and perhaps with the next map of its kind.
+
+        Args:
+            robots: Their names.
+            new_map: Whether it is another map.
+
+        Raises:
+            UserError: There is no such robot, or such a match cannot be recorded.
+        """
+        for name in robots:
+            if name not in ROBOTS:
+                raise UserError(f"there is no robot {name!r}{did_you_mean(name, ROBOTS)}")
+        spec, others = self.spec, self.opponents[: len(self.submissions)]
+        changed: dict[str, Any] = {"seats": (*spec.seats[: self.people + len(others)], *robots)}
+        if new_map:
+            changed["map"] = spec.map.model_copy(update={"seed": (spec.map.seed + 1) % 2**64})
+        arranged = spec.model_copy(update=changed)
+        try:
+            check_recordable(arranged)
+        except RecordError as error:
+            raise UserError(str(error)) from None
+        return replace(self, spec=arranged, opponents=(*others, *map(Opponent, robots)))
 
     def played(self, times: int, absent: Collection[int] = ()) -> MatchSpec:
         """Return the spec of the match after it was played some times already.
@@ -119,8 +148,8 @@ def make_plan(
         track: The name of a track.
         map_id: Number of a map; None for a map that is generated from the seed.
         seed: Seed of the match.
-        opponents: Names of robots and folders of submissions; None for as many as suit the track, fewer with
-            more people.
+        opponents: Names of robots and folders of submissions, whose seats come before those of robots; None
+            for as many as suit the track, fewer with more people.
         time_limit: s of game time; None for the track's.
         people: How many people can play.
         rules: The name of rules.
@@ -132,7 +161,7 @@ def make_plan(
         raise UserError(f"--track is {track!r}; the tracks are {', '.join(TRACKS)}", exit_code=2)
     usual = DEFAULT_OPPONENTS.get(track, ())
     wanted = usual[: max(0, len(usual) + 1 - people)] if opponents is None else opponents
-    chosen = tuple(_opponent(text, track) for text in wanted)
+    chosen = tuple(sorted((_opponent(text, track) for text in wanted), key=lambda one: one.folder is None))
     filled_by = (SUBMISSION if opponent.folder else opponent.name for opponent in chosen)
     try:
         spec = MatchSpec(

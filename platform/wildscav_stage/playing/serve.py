@@ -61,7 +61,10 @@ async def served(
     listening, links = listen(host, port), Links(plan.people)
     base = base_of(host, listening.getsockname()[1], public_url)
     async with served_on(listening, base, links, plan, folder, say, countdown=countdown) as served_table:
-        yield base.addresses(links, plan.people), served_table.serving
+        addresses = base.addresses(links, plan.people)
+        if code := served_table.table.lobby.room.code:
+            addresses = addresses._replace(entrance=base.entrance(code))
+        yield addresses, served_table.serving
 
 
 class Served(NamedTuple):

@@ -10,20 +10,22 @@ from typing import TYPE_CHECKING, Any
 from wildscav.errors import WildscavError, describe
 from wildscav.terminal.console import command
 from wildscav_engine.simulation.match import MatchSetupError
+from wildscav_engine.simulation.robots.decide import ROBOTS
 from wildscav_engine.specs.actions import Field
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_stage.playing.audience import Audience
 from wildscav_stage.playing.display import metric_titles, scores_of
 from wildscav_stage.playing.fights import Fights
 from wildscav_stage.playing.links import Base, Links
-from wildscav_stage.playing.lobby import HOST, Lobby, LobbyError, Page, PlayerSeat
-from wildscav_stage.playing.page import RENEWED, REPLACED
+from wildscav_stage.playing.lobby import HOST, Lobby, Page, PlayerSeat, only_host
+from wildscav_stage.playing.page import REPLACED, SEATED
 from wildscav_stage.playing.plan import Plan
 from wildscav_stage.playing.rounds import MatchHosting, hosted_match, play_out
 from wildscav_stage.scene.map_file import map_file
 from wildscav_stage.scene.trails import seats_shown
 
 if TYPE_CHECKING:
+    from wildscav_engine.specs.map_spec import MapSpec
     from wildscav_server.hosting.hosted_match import HostedMatch
 
 SCORES_EVERY = 0.5  # s
@@ -66,15 +68,22 @@ class Table:
         *,
         at_home: bool = True,
     ) -> None:
-        self.lobby, self.audience = Lobby(plan), Audience()
+        self.lobby, self.audience = Lobby(plan, links), Audience()
         self.map_file: bytes | None = None  # of the present match, or of the last one
-        self._spectators: dict[Page, None] = {}  # their pages, in the order in which they came
-        self._plan, self._hosting, self._links, self._base, self._say = plan, hosting, links, base, say
-        self._countdown, self._at_home = countdown, at_home
+        # The pages of spectators in the order in which they came, and the seats of those who wait for one.
+        self._spectators: dict[Page, int | None] = {}
+        self._hosting, self._links, self._base, self._say = hosting, links, base, say
+        self._countdown, self.at_home = countdown, at_home
+        self.records: list[Path] = []  # of the matches that were played
         self._situation: dict[str, Any] = {"kind": "lobby"}
         self._playing: frozenset[int] = frozenset()  # the people's seats in the present match
         self._match: asyncio.Task[None] | None = None
         self._played = 0
+        self._drawn: MapSpec | None = None  # the map in ``map_file``
+
+    @property
+    def _plan(self) -> Plan:
+        return self.lobby.plan
 
     @property
     def is_attended(self) -> bool:
@@ -91,17 +100,18 @@ class Table:
         player.page, player.came = page, True
         player.person.controls.release()
         page.tell(self._introduction(player))
-        self._tell_people()
+        self.tell_people()
         page.tell(self._present_to(player))
 
     def detach(self, seat: int, page: Page) -> None:
         """Tell a page nothing anymore; its seat stands idle, and the match is paused if it may be."""
         player = self.lobby.seats[seat]
         if player.page is page:
-            player.page = None
+            player.page, player.is_ready = None, False
             player.person.controls.release()
             self.pause(True)
-            self._tell_people()
+            self.tell_people()
+            self._start_if_all_want()
 
     def start(self, seat: int) -> None:
         """Start the next match, unless one is being played.
@@ -109,8 +119,24 @@ class Table:
         Raises:
             LobbyError: Somebody else than the host asks for it.
         """
-        _only_host(seat, "starts matches")
-        if self._match is None or self._match.done():
+        only_host(seat, "starts matches")
+        self._start()
+
+    def vote(self, seat: int, *, ready: bool) -> None:
+        """Note whether a person wants the next match to start; without the host, it does when all want it."""
+        self.lobby.seats[seat].is_ready = ready and not self._is_playing
+        self._start_if_all_want()
+
+    def _start_if_all_want(self) -> None:
+        if self.lobby.all_ready:
+            self._start()
+
+    @property
+    def _is_playing(self) -> bool:
+        return self._match is not None and not self._match.done()
+
+    def _start(self) -> None:
+        if not self._is_playing:
             self._match = asyncio.create_task(self._run())
 
     def pause(self, paused: bool) -> None:
@@ -125,44 +151,39 @@ class Table:
         self._situation["paused"] = paused
         self._announce({"kind": "paused", "paused": paused})
 
-    def rename(self, seat: int, name: str) -> None:
-        """Call a person by another name.
+    def is_waiting(self, seat: int) -> bool:
+        """Return whether a person waits for the end of the match that others play."""
+        return bool(self._playing) and seat not in self._playing
+
+    def let_in(self, code: str) -> str:
+        """Give a free seat to whoever has the code, and return its secret.
 
         Raises:
-            LobbyError: It is no name, or somebody else's.
+            EntryError: The code is wrong, too many were tried, or all seats are taken.
         """
-        self.lobby.rename(seat, name)
-        self._tell_people()
+        secret = self.lobby.let_in(code)
+        self.tell_people()
+        return secret
 
-    def renew(self, asked_by: int, seat: int) -> None:
-        """Give a seat a new link, and close the page that was opened by the old one.
+    def admit(self, page: Page, seat: int | None = None) -> bool:
+        """Tell everything to a spectator's page from now on; return whether there was room for it.
 
-        Raises:
-            LobbyError: Somebody else than the host asks for it, or it is no guest's seat.
+        Args:
+            page: The page.
+            seat: The seat of whoever watches until they can take it; None if they have none.
         """
-        _only_host(asked_by, "makes new links")
-        if not 0 < seat < len(self.lobby.seats):
-            raise LobbyError(f"seat {seat} is no guest's")
-        self._links.renew(seat)
-        player = self.lobby.seats[seat]
-        if player.page is not None:
-            player.page.dismiss(RENEWED, "the host has made a new link for this seat")
-        self._tell_people()
-
-    def admit(self, page: Page) -> bool:
-        """Tell everything to a spectator's page from now on; return whether there was room for it."""
         if len(self._spectators) >= MAX_SPECTATORS:
             return False
-        self._spectators[page] = None
+        self._spectators[page] = seat
         page.tell(self._introduction(None))
-        self._tell_people()
+        self.tell_people()
         page.tell(self._present_to(None))
         return True
 
     def dismiss(self, page: Page) -> None:
         """Tell a spectator's page nothing anymore."""
         del self._spectators[page]
-        self._tell_people()
+        self.tell_people()
 
     async def close(self) -> None:
         """End the match that is being played."""
@@ -184,19 +205,24 @@ class Table:
         finally:
             self._playing = frozenset()
             self.audience.end()
+            for page, seat in self._spectators.items():
+                if seat is not None:
+                    page.dismiss(SEATED, "the match is over")
 
     def _fail(self, message: str) -> None:
         self._say(message)
         self._change({"kind": "failed", "message": message})
 
     async def _play(self) -> None:
-        absent = self.lobby.absent()
-        spec, names = self._plan.played(self._played, absent), self.lobby.names(absent)
+        absent, plan = self.lobby.absent(), self.lobby.begin()
+        spec, names = plan.played(self._played, absent), self.lobby.names(absent)
         self._played += 1
+        self.tell_people()
         people = {player.seat: player.person for player in self.lobby.seats if player.seat not in absent}
-        async with hosted_match(self._hosting, self._plan, spec, names) as hosted:
-            if self.map_file is None:  # all matches of a plan are played on one map
+        async with hosted_match(self._hosting, plan, spec, names) as hosted:
+            if self._drawn != spec.map:
                 self.map_file = await asyncio.to_thread(map_file, hosted.match.game_map)
+                self._drawn = spec.map
             self._playing = frozenset(people)
             if len(people) > 1:
                 await self._count_down()
@@ -250,6 +276,7 @@ class Table:
         for row in rows:
             row["values"] += [fights.figure(row["seat"], column["title"]) for column in columns]
         self._say(f"record: {path}")
+        self.records.append(path)
         self._change(
             {
                 "kind": "over",
@@ -257,6 +284,8 @@ class Table:
                 "time": match.frame / FRAMES_PER_SECOND,
                 "metrics": metrics + columns,
                 "rows": rows,
+                "played": sorted(self._playing),
+                "match": {"number": len(self.records) - 1, "record": path.name if self.at_home else None},
                 "record": str(path.absolute()),
                 "commands": [command("wildscav", verb, path) for verb in ("replay", "verify")],
             }
@@ -275,12 +304,20 @@ class Table:
             "may_pause": self._plan.may_pause,
             "stand_in": self._plan.stand_in,
             "is_range": bool(self._plan.targets),
+            "kinds": list(ROBOTS),
         }
 
-    def _tell_people(self) -> None:
-        """Tell everybody who is here; the links of the others, to the host alone."""
+    def tell_people(self) -> None:
+        """Tell everybody who is here, and what is played next; how to invite others, to the host alone."""
         people = [player.describe() for player in self.lobby.seats]
-        told = {"kind": "people", "people": people, "spectators": len(self._spectators)}
+        told = {
+            "kind": "people",
+            "people": people,
+            "spectators": len(self._spectators),
+            "opponents": self._plan.names[self._plan.people :],
+            "robots": self._plan.robots,
+            "new_map": self.lobby.wants_new_map,
+        }
         for page, player in self._open_pages():
             page.tell(told | self._invitations() if _is_host(player) else told)
 
@@ -288,21 +325,26 @@ class Table:
         guests = self.lobby.seats[HOST + 1 :]
         return {
             "links": {player.seat: self._base.invitation(self._links, player.seat) for player in guests},
+            "room": self._entrance() if guests else None,
             "watch_link": self._base.watching(self._links),
-            "local_only": self._at_home and self._base.local_only,
+            "local_only": self.at_home and self._base.local_only,
         }
+
+    def _entrance(self) -> dict[str, Any]:
+        code = self.lobby.room.code
+        return {"code": code, "link": self._base.entrance(code), "seconds": self.lobby.room.seconds_left}
 
     def _present_to(self, player: PlayerSeat | None) -> dict[str, Any]:
         """Return the situation as a person, or a spectator, may know it."""
         situation = self._situation
         if situation["kind"] in ("begin", "countdown") and player and player.seat not in self._playing:
             return {"kind": "elsewhere"}
-        if self._at_home and _is_host(player):
+        if self.at_home and _is_host(player):
             return situation
         if situation["kind"] == "over":
             return {key: value for key, value in situation.items() if key not in HOST_ALONE_KNOWS}
         if situation["kind"] == "failed":
-            return {"kind": "failed", "message": HOST_KNOWS if self._at_home else NOBODY_KNOWS}
+            return {"kind": "failed", "message": HOST_KNOWS if self.at_home else NOBODY_KNOWS}
         return situation
 
     def _change(self, situation: dict[str, Any]) -> None:
@@ -335,8 +377,3 @@ async def beside(work: Coroutine[Any, Any, None]) -> AsyncIterator[None]:
 
 def _is_host(player: PlayerSeat | None) -> bool:
     return player is not None and player.seat == HOST
-
-
-def _only_host(seat: int, does: str) -> None:
-    if seat != HOST:
-        raise LobbyError(f"only the host {does}")

@@ -97,22 +97,27 @@ class Shown(NamedTuple):
     address: str  # below it are the ``map``, the ``trails`` and the ``notes``
 
 
-def match_page(match: Shown, other: Shown | None = None) -> str:
+def match_page(match: Shown, other: Shown | None = None, root: str = "/") -> str:
     """Return the page of a match on a site that has the viewer's files, or of two that are compared.
+
+    Args:
+        match: The match.
+        other: The one beside it.
+        root: The address of the site, with a slash at its end.
 
     Raises:
         UserError: The viewer is not built.
     """
-    script, style = viewer_addresses()
+    script, style = viewer_addresses(root)
     head = f'<link rel="stylesheet" href="{style}"><script type="module" src="{script}"></script>'
     if other is None:
-        return _page(match.title, f"{_linked_style()}{head}", f"{_element(match)}{NO_SCRIPT}")
+        return _page(match.title, f"{_linked_style(root)}{head}", f"{_element(match)}{NO_SCRIPT}")
     one, two = (
         _element(each, f' data-title="{escape(each.title)}"{more}')
         for each, more in ((match, ""), (other, " data-with"))
     )
     content = f'<div class="player-pair">{one}{two}</div>{NO_SCRIPT}'
-    return _page("Two matches", f"{_linked_style()}{head}", content)
+    return _page("Two matches", f"{_linked_style(root)}{head}", content)
 
 
 def _element(match: Shown, more: str = "") -> str:
@@ -167,8 +172,9 @@ def _page(title: str, head: str, content: str, policy: str = "") -> str:
     return page.substitute(title=escape(title), head=head, content=content, policy=told)
 
 
-def _linked_style() -> str:
-    return f'<link rel="icon" href="/static/icon.svg"><link rel="stylesheet" href="/static/{PAGE_STYLE}">'
+def _linked_style(root: str = "/") -> str:
+    icon, style = f"{root}static/icon.svg", f"{root}static/{PAGE_STYLE}"
+    return f'<link rel="icon" href="{icon}"><link rel="stylesheet" href="{style}">'
 
 
 def _inside(element: str, code: str) -> str:

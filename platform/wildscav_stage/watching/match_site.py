@@ -81,17 +81,16 @@ def match_site(
 
     def match(request: Request) -> Response:
         others = request.query_params.getlist("with")[:1]
-        return HTMLResponse(match_page(*map(shown, [asked_for(request), *map(existing, others)])))
+        one, other = asked_for(request), next(map(existing, others), None)
+        return HTMLResponse(match_page(shown(one), None if other is None else shown(other)))
 
     def file(name: str, request: Request) -> Response:
         try:
             number = asked_for(request)
             with playing:
-                content = getattr(scene(number), name)
+                return file_response(scene(number), name)
         except UserError as error:
             return JSONResponse({"error": str(error)}, 500)
-        form = "application/octet-stream" if name == "map" else "application/json"
-        return Response(content, headers={"Content-Encoding": "gzip"}, media_type=form)
 
     each = "/matches/{number:int}"
     return Starlette(
@@ -105,6 +104,12 @@ def match_site(
         middleware=[Middleware(SecurityHeaders), Middleware(OwnNames, host=host)],
         exception_handlers={HTTPException: _there_is_no_such_page, UserError: _it_cannot_be_shown},
     )
+
+
+def file_response(scene: Scene, name: str) -> Response:
+    """Return one of the ``FILES`` of a scene."""
+    form = "application/octet-stream" if name == "map" else "application/json"
+    return Response(getattr(scene, name), headers={"Content-Encoding": "gzip"}, media_type=form)
 
 
 def _there_is_no_such_page(_request: Request, error: Exception) -> Response:

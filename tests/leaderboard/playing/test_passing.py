@@ -26,7 +26,8 @@ def answer(request: Request) -> Response:
 
 def asked(query: str, **headers: str) -> Request:
     told = [(name.replace("_", "-").encode(), value.encode()) for name, value in headers.items()]
-    return Request({"type": "http", "path": "/", "query_string": query.encode(), "headers": told})
+    what = {"type": "http", "method": "GET", "path": "/", "query_string": query.encode()}
+    return Request({**what, "headers": told})
 
 
 def test_compression_versions_and_keys_are_passed_on(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from datetime import UTC, datetime
 from typing import Any
 
 import httpx
@@ -12,10 +13,11 @@ from tests.leaderboard.filled_season import COOKIE, FilledSeason
 from tests.leaderboard.hosting.clients import ask
 from tests.leaderboard.spectating.served import served
 
-from wildscav_leaderboard.access.rate_limits import Use
+from wildscav_leaderboard.access.rate_limits import CODES, TRIES, Use, _digest
 from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.playing.tables import Tables
 from wildscav_leaderboard.seasons.settings import Play
+from wildscav_stage.playing.room import LASTING, LETTERS, LETTERS_OF_CODE
 
 
 @contextmanager
@@ -120,6 +122,32 @@ def test_a_form_of_another_site_or_session_opens_no_table(hostile_season: Filled
         cookie = {"Cookie": f"{COOKIE}={hostile_season.people['other'].cookie}"}
         forged = client.post(path, data={"track": "battle", "csrf": "guessed"}, headers=cookie)
         assert (forged.status_code, "from another session" in forged.text) == (403, True)
+
+
+def test_guests_enter_codes_only_where_tables_have_seats_for_them(hostile_season: FilledSeason) -> None:
+    number = hostile_season.submissions["active"]
+    with site(hostile_season) as client:  # a table has one seat
+        assert client.get("/play").status_code == 403
+        assert "Join a game" not in client.get(f"/submissions/{number}").text
+    with site(hostile_season, people=2) as client:
+        assert 'href="/play">Join a game by its code' in client.get(f"/submissions/{number}").text
+        assert "six letters" in client.get("/play").text
+        wrong = client.post("/play", data={"code": "bcdfgh"})
+        assert (wrong.status_code, 'value="bcdfgh"' in wrong.text) == (404, True)
+        assert "This code is not valid" in wrong.text
+
+
+def test_whoever_guesses_codes_is_stopped_by_address_and_all_together(hostile_season: FilledSeason) -> None:
+    with site(hostile_season, people=2) as client:
+        answers = [client.post("/play", data={"code": "BCDFGH"}).status_code for _ in range(TRIES + 1)]
+        assert answers == [404] * TRIES + [429]
+        now = datetime.now(UTC)
+        with hostile_season.database.writing() as session:
+            session.execute(delete(Use))
+            session.add_all(Use(key=_digest(("codes",)), at=now) for _ in range(CODES))
+        assert client.post("/play", data={"code": "BCDFGH"}).status_code == 429
+    guesses = CODES * LASTING / 60.0 * Play().tables
+    assert guesses / len(LETTERS) ** LETTERS_OF_CODE < 1 / 15_000
 
 
 def test_nobody_opens_tables_again_and_again(hostile_season: FilledSeason) -> None:

@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import httpx
 import pytest
 from fastapi import FastAPI
 from tests.browsers import DESK, IN_3D, chromium
@@ -122,7 +123,7 @@ def test_somebody_plays_by_keys_against_a_submission_in_the_sandbox(hostile_seas
         page.wait_for_selector(
             "#game[data-state=lobby]", timeout=PATIENCE * 1000
         )  # after the page that waits
-        assert "Against you: night-owl 1.1" in page.inner_text("#words")
+        assert "Also in the match: night-owl 1.1" in page.inner_text("#next")
         page.click("#go")
         wait_for_match(page)
 
@@ -152,6 +153,38 @@ def test_somebody_plays_by_keys_against_a_submission_in_the_sandbox(hostile_seas
         assert "this game is over: you left" in visitor.content()
     left = {number: command for number, command in descendants().items() if number not in before}
     assert not [command for command in left.values() if "wildscav" in command]
+
+
+def test_a_guest_comes_by_the_code_and_both_watch_the_match_afterwards(hostile_season: FilledSeason) -> None:
+    with site(hostile_season, "process", people=2, match=10.0) as served_site:
+        table = served_site.open()
+
+        async def play() -> dict[str, Any]:
+            async with page_of(f"{served_site.address}{table.path}") as host:
+                told = (await host.until("people"))["room"]
+                assert (table.code, len(told["code"])) == (told["code"], 6)
+                assert told["link"].startswith(f"{served_site.address}{table.base_path}join?code=")
+                async with httpx.AsyncClient(trust_env=False, follow_redirects=True) as browser:
+                    wrong = await browser.post(told["link"], data={"code": "BCDFGH"})
+                    assert (wrong.status_code, "not valid" in wrong.text) == (403, True)
+                    sent = await browser.post(
+                        f"{served_site.address}/play", data={"code": table.code.lower()}
+                    )
+                    assert sent.status_code == 200
+                    guests = str(sent.url)
+                    async with page_of(guests) as guest:
+                        assert (await guest.until("table"))["seat"] == 1
+                        await host.send(kind="start")
+                        over = await guest.until("over")
+                    shown = await browser.get(f"{guests}/matches/0")
+                    assert (shown.status_code, "night-owl" in shown.text) == (200, True)
+                    assert (await browser.get(f"{guests}/matches/0/trails")).json()["seats"]
+                    assert (await browser.get(f"{guests}/matches/0/record")).status_code == 404
+            return over
+
+        over = asyncio.run(play())
+        assert over["match"] == {"number": 0, "record": None}  # records stay on the server
+        assert "commands" not in over
 
 
 @pytest.mark.parametrize(

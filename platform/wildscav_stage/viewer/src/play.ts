@@ -10,6 +10,7 @@ import { Lobby } from "./play/lobby";
 import { Match } from "./play/match";
 import type { Begin, Handlers, Message, Now, Over, Table } from "./play/messages";
 import { METRICS } from "./play/practice";
+import { showReplay } from "./play/replay";
 import { eachPicture, hasWebGL, withMap } from "./play/scene";
 import { settingsIn } from "./play/settings";
 import { Sounds } from "./play/sounds";
@@ -50,6 +51,7 @@ let waiting: [Now, number][] | null = null; // moments of a match whose map is b
 let isLoading = false; // whether the match waits until it can be shown
 let names: string[] = []; // of the seats in the last match
 let asked = 0; // pauses and their ends that the server has not answered
+let isReady = false; // whether one wants the next match to start
 let number = 0; // of the last input
 let lastSent = "";
 
@@ -86,19 +88,20 @@ const handlers: Handlers = {
     find("escape").textContent = table.may_pause ? "free the mouse, pause" : "free the mouse";
   },
   people: (message) => {
-    lobby.update(message, table.seat as number, table.stand_in);
+    lobby.update(message, table);
+    isReady = message.people[table.seat as number].ready;
+    if (!isHost() && ["lobby", "over"].includes(game.dataset.state as string)) showStart(startButton(""));
     find("lobby").hidden = !showsPeople();
   },
   refused: ({ message }) => lobby.say(`${message[0].toUpperCase()}${message.slice(1)}.`),
   lobby: () => {
     game.toggleAttribute("data-weapon", ["battle", "royale"].includes(table.track));
     game.toggleAttribute("data-supplies", table.track !== "navigation" && table.track !== "capture");
-    const others = table.names.slice(table.people);
-    const who = table.people > 1 ? "Robots and agents" : "Against you";
-    const against = others.length ? ` ${who}: ${others.join(", ")}.` : "";
     const fingers = isTouched ? " Walk with the stick, and swipe over the picture to look around." : "";
-    const waits = isHost() ? "" : " The host starts the match.";
-    const words = table.is_range ? RANGE : `${goal()}${against}${fingers}${waits}`;
+    const waits = isHost()
+      ? ""
+      : " The host starts the match; without the host, it starts when all are ready.";
+    const words = table.is_range ? RANGE : `${goal()}${fingers}${waits}`;
     const title = `Wildscav: ${table.is_range ? "shooting range" : table.track}`;
     if (canDraw) showPanel("lobby", title, words, startButton("Play"), true);
     else showPanel("lobby", title, `${NO_3D} Open the link in another one.`);
@@ -108,8 +111,10 @@ const handlers: Handlers = {
     showPanel("countdown", `The match starts in ${seconds} …`, goal(), "", true);
     sounds.tick();
   },
-  elsewhere: () =>
-    showPanel("elsewhere", "A match is being played", "It began without you. You take part in the next one."),
+  elsewhere: () => {
+    const words = "It began without you. You take part in the next one, and can watch until then.";
+    showPanel("elsewhere", "A match is being played", words, "Watch");
+  },
   begin: (told) => {
     const message = { ...told, seats: asKnownTo(table.seat as number, told.seats) };
     begun = message;
@@ -150,7 +155,8 @@ const handlers: Handlers = {
 
 const goal = () => GOALS[table.track] ?? "";
 const isHost = () => table.seat === HOST;
-const startButton = (text: string) => (isHost() ? text : "");
+const startButton = (text: string) =>
+  isHost() ? text : isReady ? "Ready: wait for the others" : "I am ready";
 const isPlaying = () => game.dataset.state === "playing";
 const showsPeople = () =>
   Boolean(table) && (table.people > 1 || isHost()) && WAITING.includes(game.dataset.state as string);
@@ -213,20 +219,25 @@ function showPanel(state: string, title: string, words: string, button = "", key
   if (document.pointerLockElement && state !== "preparing") document.exitPointerLock();
   find("title").textContent = title;
   find("words").textContent = words;
-  find("go").textContent = button;
-  find("go").hidden = !button;
+  showStart(button);
   find("keys").hidden = !keys || isTouched;
   find("settings").hidden = !keys;
   find("bindings").hidden = !keys || isTouched;
   find("teach").hidden = !keys || !teacher.hasTaught;
-  find("result").hidden = find("record").hidden = true;
+  find("result").hidden = find("record").hidden = find("replay").hidden = true;
   find("touch").hidden = true;
   find("lobby").hidden = !showsPeople();
   find("panel").hidden = false;
   find("hud").hidden = state !== "paused";
 }
 
-function headline({ ending, time, rows }: Over): string {
+function showStart(button: string): void {
+  find("go").textContent = button;
+  find("go").hidden = !button;
+}
+
+function headline({ ending, time, rows, played }: Over): string {
+  if (!played.includes(table.seat as number)) return "The match is over";
   const first = rows[0].seat === table.seat;
   if (table.track === "navigation" || table.track === "capture") {
     if (ending !== "goal") return "Time is up";
@@ -243,14 +254,18 @@ function showEnd(message: Over): void {
   begun = null;
   endMatch();
   const ending = message.ending === "time_up" ? "The time is up." : "The match is over.";
-  const waits = isHost() ? "" : " The host starts the next one.";
+  const waits = isHost()
+    ? ""
+    : " The host starts the next one; without the host, it starts when all are ready.";
   const title = practice?.summary ?? headline(message);
   showPanel("over", title, `${ending}${waits}`, startButton("Play again"));
   const rows = practice?.rows(names) ?? message.rows;
-  fillTable(find("result"), titlesOf(practice ? METRICS : message.metrics), rows, table.seat);
+  const own = message.played.includes(table.seat as number) ? table.seat : null; // a robot may have had it
+  fillTable(find("result"), titlesOf(practice ? METRICS : message.metrics), rows, own);
   find("record code").textContent = message.record ?? "";
   find("record pre").textContent = message.commands?.join("\n") ?? "";
   find("result").hidden = false;
+  showReplay(message);
   find("record").hidden = !message.record; // where it lies is the host's business
   find("panel").scrollTop = 0;
   find("go").focus({ preventScroll: true });
@@ -277,7 +292,11 @@ eachPicture((now, length) => {
 });
 
 find("go").addEventListener("click", () => {
+  const { state } = game.dataset;
   sounds.unlock();
+  if (state === "elsewhere") return location.assign(`../watch/${location.pathname.split("/").pop()}`);
+  if (["lobby", "over"].includes(state as string) && !isHost())
+    return connection.send({ kind: "ready", ready: !isReady });
   controls.lock();
   if (game.dataset.state === "closed") {
     showPanel("connecting", "Wildscav", "Connecting …");

@@ -16,11 +16,13 @@ import {
   ownOf,
   type Table,
 } from "./play/messages";
+import { showReplay } from "./play/replay";
 import { eachPicture, hasWebGL, Picture, withMap } from "./play/scene";
 import { make } from "./player/dom";
 import type { StageMaker, View } from "./stage";
 import { createStage } from "./world";
 
+const SEATED = 4006; // close code: whoever waited for a seat has it now
 const BEHIND = 7; // frames that everybody is shown in the past
 
 const game = find("game");
@@ -39,7 +41,8 @@ let makeStage: StageMaker = hasWebGL() ? createStage : createFlatStage;
 new Connection({
   receive: (message) => (handlers[message.kind] as ((message: Message) => void) | undefined)?.(message),
   lose: () => showPanel("lost", "Connection lost", "Trying to connect again …"),
-  close: (_, reason) => {
+  close: (code, reason) => {
+    if (code === SEATED) return location.replace(`../play/${location.pathname.split("/").pop()}`);
     const why = reason
       ? `The server closed the connection: ${reason}.`
       : "The game does not answer. It may have ended; if it was started anew, its links have changed.";
@@ -94,6 +97,7 @@ const handlers: Handlers = {
     showPanel("over", "The match is over", words);
     fillTable(find("result"), titlesOf(message.metrics), message.rows, null);
     find("result").hidden = false;
+    showReplay(message);
   },
 };
 
@@ -132,7 +136,7 @@ function showPanel(state: string, title: string, words: string, people = false):
   find("title").textContent = title;
   find("words").textContent = words;
   find("lobby").hidden = !people;
-  find("result").hidden = true;
+  find("result").hidden = find("replay").hidden = true;
   find("hud").hidden = find("views").hidden = true;
   find("panel").hidden = false;
 }

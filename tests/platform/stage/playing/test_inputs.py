@@ -7,12 +7,16 @@ import pytest
 
 from wildscav.agent import Action
 from wildscav_stage.playing.inputs import (
+    MAX_ROBOTS,
+    Arrange,
     Controls,
+    Free,
     Input,
     InputError,
+    OpenRoom,
     Pause,
+    Ready,
     Rename,
-    Renew,
     Seen,
     Start,
     decode_message,
@@ -29,7 +33,11 @@ def test_every_kind_of_message_is_read() -> None:
     assert decode_message('{"kind": "seen", "number": 4}') == Seen(kind="seen", number=4)
     assert decode_message('{"kind": "start"}') == Start(kind="start")
     assert decode_message('{"kind": "rename", "name": "Ada"}') == Rename(kind="rename", name="Ada")
-    assert decode_message('{"kind": "renew", "seat": 2}') == Renew(kind="renew", seat=2)
+    assert decode_message('{"kind": "free", "seat": 2}') == Free(kind="free", seat=2)
+    assert decode_message('{"kind": "room", "open": true}') == OpenRoom(kind="room", open=True)
+    assert decode_message('{"kind": "ready", "ready": true}') == Ready(kind="ready", ready=True)
+    arranged = Arrange(kind="arrange", robots=("fighter",), new_map=False)
+    assert decode_message('{"kind": "arrange", "robots": ["fighter"], "new_map": false}') == arranged
     assert decode_message('{"kind": "pause", "paused": true}') == Pause(kind="pause", paused=True)
 
 
@@ -50,7 +58,8 @@ def test_every_kind_of_message_is_read() -> None:
         '{"kind": "input", "number": 1, "seat": 1}',  # nor acts for another
         '{"kind": "rename", "name": 5}',
         f'{{"kind": "rename", "name": "{"x" * 101}"}}',
-        '{"kind": "renew", "seat": -1}',
+        '{"kind": "free", "seat": -1}',
+        json.dumps({"kind": "arrange", "robots": ["walker"] * (MAX_ROBOTS + 1), "new_map": False}),
         "[" * 4000,
         '{"kind": "watch", "seat": 1}',  # nor chooses what to be told
     ],

@@ -3,11 +3,12 @@
 import pytest
 from tests.platform.stage.playing.tables import small_plan
 
+from wildscav_stage.playing.links import Links
 from wildscav_stage.playing.lobby import Lobby, LobbyError
 
 
 def lobby() -> Lobby:
-    return Lobby(small_plan("battle", opponents=("fighter-easy",), people=3))
+    return Lobby(small_plan("battle", opponents=("fighter-easy",), people=3), Links(3))
 
 
 @pytest.mark.parametrize(

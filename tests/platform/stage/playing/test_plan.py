@@ -40,6 +40,18 @@ def test_a_submission_has_a_seat_with_its_sensors() -> None:
     assert not plan.may_pause  # it needs its time, so the match cannot be paused
 
 
+def test_submissions_come_before_robots_which_the_host_may_change() -> None:
+    plan = make_plan("navigation", 101, 0, ["seeker", str(HOMING)], None)
+    assert plan.names == ("person", "homing", "seeker")
+    changed = plan.arranged(["walker", "walker"], new_map=True)
+    assert changed.names == ("person", "homing", "walker 1", "walker 2")
+    assert changed.spec.seats == ("submission", "submission", "walker", "walker")
+    assert changed.submissions == plan.submissions
+    assert changed.spec.map.config == plan.spec.map.config  # another map of the same kind
+    assert changed.spec.map.seed == plan.spec.map.seed + 1
+    assert plan.arranged(["seeker"], new_map=False) == plan
+
+
 def test_people_have_the_first_seats_and_robots_the_rest() -> None:
     plan = make_plan("battle", None, 0, None, None, people=3)
     assert plan.spec.seats == ("submission", "submission", "submission", "fighter-easy")

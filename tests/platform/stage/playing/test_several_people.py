@@ -111,10 +111,16 @@ def test_only_the_host_decides(tmp_path: Path) -> None:
             assert "links" not in await guest.until("people")
             await guest.send(kind="start")
             assert (await guest.until("refused"))["message"] == "only the host starts matches"
-            await guest.send(kind="renew", seat=2)
-            assert (await guest.until("refused"))["message"] == "only the host makes new links"
-            await host.send(kind="renew", seat=0)
+            await guest.send(kind="free", seat=2)
+            assert (await guest.until("refused"))["message"] == "only the host frees seats"
+            await guest.send(kind="room", open=True)
+            assert (await guest.until("refused"))["message"] == "only the host opens and closes the room"
+            await guest.send(kind="arrange", robots=[], new_map=True)
+            assert (await guest.until("refused"))["message"] == "only the host chooses what is played"
+            await host.send(kind="free", seat=0)
             assert (await host.until("refused"))["message"] == "seat 0 is no guest's"
+            await host.send(kind="arrange", robots=["gost"], new_map=False)
+            assert (await host.until("refused"))["message"].startswith("there is no robot 'gost'")
             await guest.send(kind="rename", name="person 1")
             assert (await guest.until("refused"))["message"].startswith("somebody else is called person 1")
 
@@ -141,7 +147,7 @@ def test_a_match_of_several_people_is_not_paused(tmp_path: Path) -> None:
     asyncio.run(play())
 
 
-def test_a_new_link_ends_the_old_one(tmp_path: Path) -> None:
+def test_a_seat_that_is_freed_has_another_link_and_the_old_one_ends(tmp_path: Path) -> None:
     def ask(link: str) -> str:
         refused = httpx.get(link, trust_env=False)
         assert refused.status_code == 404
@@ -151,16 +157,17 @@ def test_a_new_link_ends_the_old_one(tmp_path: Path) -> None:
         async with tables_links(small_plan(people=2), tmp_path) as links, AsyncExitStack() as stack:
             host, guest = await opened(stack, links.host, *links.guests)
             await everybody(host, "here", "here")
-            await host.send(kind="renew", seat=1)
+            await host.send(kind="free", seat=1)
             with pytest.raises(ConnectionClosed) as closed:
                 await guest.until("over")
             assert closed.value.rcvd is not None
             assert closed.value.rcvd.code == RENEWED
-            await everybody(host, "here", "away")
+            await everybody(host, "here", "expected")
             explained = await asyncio.to_thread(ask, links.guests[0])
-            assert "Ask the host for it" in explained
+            assert "Ask the host for another link" in explained
             assert "ask whoever invited you" in await asyncio.to_thread(ask, f"{links.host}x")
-            assert "open the whole link" in await asyncio.to_thread(ask, links.host.partition("/play/")[0])
+            root = links.host.partition("play/")[0]
+            assert "open the whole link" in await asyncio.to_thread(ask, f"{root}elsewhere")
 
     asyncio.run(play())
 
@@ -168,7 +175,7 @@ def test_a_new_link_ends_the_old_one(tmp_path: Path) -> None:
 def test_the_new_link_is_the_hosts_to_send(tmp_path: Path) -> None:
     async def play() -> None:
         async with tables_links(small_plan(people=2), tmp_path) as links, page(links.host) as host:
-            await host.send(kind="renew", seat=1)
+            await host.send(kind="free", seat=1)
             link = links.guests[0]
             while link == links.guests[0]:
                 link = (await host.until("people"))["links"]["1"]
@@ -221,3 +228,48 @@ def test_a_match_of_several_people_is_counted_down(tmp_path: Path) -> None:
                 assert (await client.until("moment"))["frame"] < 25
 
     asyncio.run(play())
+
+
+def test_everybody_who_is_ready_plays_on_without_the_host(tmp_path: Path) -> None:
+    async def play() -> None:
+        plan = small_plan("navigation", 0.6, people=3)
+        async with tables_links(plan, tmp_path) as links, AsyncExitStack() as stack:
+            first, second = await opened(stack, *links.guests)
+            async with page(links.host) as host:
+                await everybody(host, "here", "here", "here")
+                await first.send(kind="ready", ready=True)
+                await second.send(kind="ready", ready=True)
+                while not all(person["ready"] for person in (await host.until("people"))["people"][1:]):
+                    pass
+                assert (await host.moments_within(0.3)) == 0  # the host decides while they are here
+                await host.send(kind="start")
+                await asyncio.gather(first.until("moment"), second.until("moment"))
+            await asyncio.gather(first.until("over"), second.until("over"))  # which the host does not end
+            await first.send(kind="ready", ready=True)
+            assert (await first.until("people"))["people"][1]["ready"]
+            await second.send(kind="ready", ready=True)
+            assert (await second.until("begin"))["seats"][0]["name"] == "seeker-easy"  # in the host's seat
+
+    asyncio.run(play())
+
+
+def test_the_host_chooses_the_robots_and_another_map_for_the_next_match(tmp_path: Path) -> None:
+    async def play() -> list[Path]:
+        plan = small_plan("battle", 0.5, ("fighter-easy",), people=2)
+        async with tables_links(plan, tmp_path) as links, page(links.host) as host:
+            records = []
+            for new_map in (False, True, False):
+                robots = ["walker", "gatherer"] if new_map else ["fighter"]
+                await host.send(kind="arrange", robots=robots, new_map=new_map)
+                told = await host.until("people")
+                while told["robots"] != robots:
+                    told = await host.until("people")
+                assert (told["opponents"], told["new_map"]) == (robots, new_map)
+                await host.send(kind="start")
+                records.append(Path((await host.until("over"))["record"]))
+            return records
+
+    first, second, third = [read_record(path) for path in asyncio.run(play())]
+    assert (first.names[2:], second.names[2:]) == (("fighter",), ("walker", "gatherer"))
+    assert [one.spec.map.seed for one in (first, second, third)] == [5, 6, 6]  # it stays until the host asks
+    assert second.spec.map.config == first.spec.map.config

@@ -66,7 +66,7 @@ def test_spectators_are_told_the_same_and_one_who_comes_to_a_paused_match_sees_i
         {"kind": "start"},
         {"kind": "pause", "paused": True},
         {"kind": "rename", "name": "nobody"},
-        {"kind": "renew", "seat": 1},
+        {"kind": "free", "seat": 1},
         {"kind": "watch", "seat": 0},
     ],
 )
@@ -124,10 +124,12 @@ def test_the_map_is_sent_to_whoever_has_a_link_and_does_not_have_it_yet(tmp_path
 def test_links_of_spectators_and_of_people_open_their_own_pages_alone(tmp_path: Path) -> None:
     async def play() -> None:
         async with tables_links(small_plan(people=2), tmp_path) as links:
-            for link in (links.watch.replace("/watch/", "/play/"), links.host.replace("/play/", "/watch/")):
-                with pytest.raises(InvalidStatus, match="403"):
-                    async with page(link):
-                        pass
+            with pytest.raises(InvalidStatus, match="403"):
+                async with page(links.watch.replace("/watch/", "/play/")):
+                    pass
+            async with page(links.host.replace("/play/", "/watch/")) as player:
+                with pytest.raises(ConnectionClosed, match="whoever plays does not watch"):
+                    await player.until("table")
 
     asyncio.run(play())
 

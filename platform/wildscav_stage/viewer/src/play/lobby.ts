@@ -1,18 +1,24 @@
-// Who is here, what they are called, and the links by which the host invites others.
+// Who is here, what they are called, how the host invites others, and what is played next.
 
 import { make } from "../player/dom";
-import type { People, Person } from "./messages";
+import type { People, Person, Room, Table } from "./messages";
 import { remember, remembered } from "./settings";
 
 const WHERE = { here: "here", away: "not connected", expected: "not here yet" };
 const COPIED = 1600; // ms
 const NAME = "name"; // the key under which a chosen name is kept for the next game
+const MAX_ROBOTS = 8;
 
 export class Lobby {
   private readonly list: HTMLElement;
   private readonly form: HTMLFormElement;
   private readonly input: HTMLInputElement;
+  private readonly robots: HTMLSelectElement;
+  private readonly kind: HTMLSelectElement;
+  private readonly newMap: HTMLInputElement;
   private wanted = remembered(NAME);
+  private told = ""; // what is shown of the next match
+  private codeEnds = 0; // id of the timer that forgets the code
 
   // section holds a list, a form with a name, and notes; send sends a message to the server.
   constructor(
@@ -27,11 +33,20 @@ export class Lobby {
       this.rename();
     });
     this.input.addEventListener("change", () => this.rename());
+    const arrange = () => this.arrange();
+    this.robots = make("select", { ariaLabel: "Robots", onchange: arrange });
+    this.kind = make("select", { ariaLabel: "Kind of robots", onchange: arrange });
+    this.newMap = make("input", { type: "checkbox", onchange: arrange });
+    for (let count = 0; count <= MAX_ROBOTS; count += 1) {
+      const value = String(count);
+      this.robots.append(make("option", { value }, count === 1 ? "1 robot" : `${count || "no"} robots`));
+    }
   }
 
   // Take what the server says of everybody; seat is one's own.
-  update(message: People, seat: number, standIn: string): void {
+  update(message: People, { seat, stand_in: standIn, kinds }: Table): void {
     const { people } = message;
+    if (seat === null) return;
     const own = people[seat];
     if (document.activeElement !== this.input) this.input.value = own.name;
     if (this.wanted && this.wanted !== own.name) this.send({ kind: "rename", name: this.wanted });
@@ -42,6 +57,8 @@ export class Lobby {
     this.part("#missing").textContent = missing
       ? `A robot (${standIn}) plays for whoever is not here when the match starts.`
       : "";
+    this.showRoom(message.room);
+    this.showNext(message, people[seat].host ? kinds : []);
     this.showWatching(message);
     this.say("");
   }
@@ -61,6 +78,71 @@ export class Lobby {
     this.send({ kind: "rename", name });
   }
 
+  // Show the code by which guests come, and forget it when it ends.
+  private showRoom(room?: Room | null): void {
+    clearTimeout(this.codeEnds);
+    const part = this.part("#room");
+    part.hidden = !room;
+    if (!room) return;
+    const { code, link, seconds } = room;
+    const open = (label: string) => this.button(label, { kind: "room", open: true });
+    if (!code) {
+      part.replaceChildren("Nobody can join by a code. ", open("Make a code"));
+      return;
+    }
+    const minutes = Math.ceil(seconds / 60);
+    const words = make(
+      "small",
+      { title: "Whoever enters this code takes a free seat" },
+      `code, ${minutes} min`,
+    );
+    const close = this.button("Close", { kind: "room", open: false });
+    part.replaceChildren(make("b", {}, code), words, copyButton("Copy link", link), open("New code"), close);
+    this.codeEnds = window.setTimeout(() => this.showRoom({ code: "", link, seconds: 0 }), 1000 * seconds);
+  }
+
+  // Show what is played next; to the host, who has kinds of robots to choose from, with choices.
+  private showNext({ opponents, robots, new_map: newMap }: People, kinds: string[]): void {
+    const part = this.part("#next");
+    const told = JSON.stringify([opponents, robots, newMap, kinds]);
+    if (told === this.told) return; // so that a list that is open stays open
+    this.told = told;
+    if (!kinds.length) {
+      const against = opponents.length ? `Also in the match: ${opponents.join(", ")}.` : "";
+      part.replaceChildren([against, newMap ? "The next map is another one." : ""].filter(Boolean).join(" "));
+      return;
+    }
+    const mixed = new Set(robots).size > 1;
+    const values = mixed ? [robots.join(), ...kinds] : kinds;
+    const titles = mixed ? ["mixed", ...kinds] : kinds;
+    this.kind.replaceChildren(...values.map((value, index) => make("option", { value }, titles[index])));
+    this.kind.value = mixed ? values[0] : (robots[0] ?? this.kind.value);
+    this.robots.value = String(robots.length);
+    this.newMap.checked = newMap;
+    const others = opponents.slice(0, opponents.length - robots.length);
+    const first = others.length ? `${others.join(", ")}, ` : "";
+    part.replaceChildren(
+      `Also in the match: ${first}`,
+      this.robots,
+      this.kind,
+      make("label", {}, this.newMap, "another map"),
+    );
+  }
+
+  // Tell the server what the host has chosen.
+  private arrange(): void {
+    const kinds = this.kind.value.split(",");
+    const robots = Array.from(
+      { length: Number(this.robots.value) },
+      (_, index) => kinds[index % kinds.length],
+    );
+    this.send({ kind: "arrange", robots, new_map: this.newMap.checked });
+  }
+
+  private button(textContent: string, message: object): HTMLElement {
+    return make("button", { type: "button", textContent, onclick: () => this.send(message) });
+  }
+
   // Show how many watch, and to the host the link by which they do.
   private showWatching({ spectators, watch_link: link, local_only: localOnly }: People): void {
     const count = spectators ? `${spectators} ${spectators === 1 ? "person watches" : "people watch"}. ` : "";
@@ -72,18 +154,18 @@ export class Lobby {
   private row(person: Person, seat: number, links?: Record<string, string>): HTMLElement {
     const row = personRow(person, seat);
     const link = links?.[person.seat];
-    if (link) row.append(copyButton("Copy link", link), this.renewButton(person));
+    if (link) row.append(copyButton("Copy link", link), this.freeButton(person));
     return row;
   }
 
-  private renewButton({ seat, name }: Person): HTMLElement {
-    const title =
-      "Make another link for this seat; the present one ends, and so does the page that has it open";
+  private freeButton({ seat, name, where }: Person): HTMLElement {
+    const title = "Free this seat for somebody else. Its link ends, and so does the page that has it open";
     const onclick = () => {
-      if (confirm(`Make a new link for ${name}'s seat? The old one will no longer work.`))
-        this.send({ kind: "renew", seat });
+      const isAway = where === "expected";
+      if (isAway || confirm(`Free ${name}'s seat? The link of this seat ends.`))
+        this.send({ kind: "free", seat });
     };
-    return make("button", { type: "button", textContent: "New link", title, onclick });
+    return make("button", { type: "button", textContent: "Free", title, onclick });
   }
 }
 
@@ -91,7 +173,10 @@ export class Lobby {
 export function personRow(person: Person, seat: number | null): HTMLElement {
   const row = make("li");
   row.dataset.where = person.where;
-  const roles = [person.seat === seat ? "you" : "", person.host ? "host" : ""].filter(Boolean);
+  const is = (holds: boolean, role: string) => (holds ? role : "");
+  const roles = [is(person.seat === seat, "you"), is(person.host, "host"), is(person.ready, "ready")].filter(
+    Boolean,
+  );
   if (person.where !== "here" || !roles.length) roles.push(WHERE[person.where]);
   const dot = make("i", { "aria-hidden": "true" });
   row.append(dot, make("b", {}, person.name), make("small", {}, roles.join(", ")));

@@ -38,12 +38,24 @@ export interface Person {
   name: string;
   where: "here" | "away" | "expected";
   host: boolean;
+  ready: boolean; // whether they want the next match to start
+}
+
+// How guests come; the code is empty if they do not.
+export interface Room {
+  code: string;
+  link: string;
+  seconds: number; // that the code is still valid
 }
 
 export interface People {
   kind: "people";
   people: Person[];
   spectators: number;
+  opponents: string[]; // the names of all seats that are not people's
+  robots: string[]; // those of them that the host chooses
+  new_map: boolean; // whether the next match is on another one
+  room?: Room | null;
   links?: Record<string, string>;
   watch_link?: string;
   local_only?: boolean;
@@ -58,6 +70,7 @@ export interface Table {
   may_pause: boolean;
   stand_in: string;
   is_range: boolean; // whether the others are targets
+  kinds: string[]; // of robots
 }
 
 export interface Metric {
@@ -97,6 +110,8 @@ export interface Over {
   time: number;
   metrics: Metric[];
   rows: ScoreRow[];
+  played: number[]; // the seats of people who took part
+  match: { number: number; record: string | null }; // the name of its record, if it can be downloaded
   record?: string;
   commands?: string[];
 }
