@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from PIL.ImageDraw import ImageDraw
 
 BOX_HEIGHT = 0.5  # m, above which a box has its mark
-TEXT_SIZE = 12  # pixels
+TEXT_SIZE, LINE = 12, 16  # pixels
+ROWS = 6  # in which marks above one another may stand
 INK, PAPER = (255, 255, 255), (20, 24, 28)
 
 
@@ -30,28 +31,43 @@ def picture(image: NDArray[Any], observation: Observation, *, marks: bool) -> by
 
     drawn = Image.fromarray(image)
     if marks:
-        draw = ImageDraw.Draw(drawn)
-        for box in observation.supply_boxes[::-1]:
-            _mark(draw, observation, box.position, BOX_HEIGHT, f"box {box.id}")
-        for agent in observation.agents[::-1]:
-            _mark(draw, observation, agent.position, BODY_HEIGHT, f"agent {agent.seat}")
+        marked = _Marks(ImageDraw.Draw(drawn), observation)
+        for agent in observation.agents:
+            marked.add(agent.position, BODY_HEIGHT, f"agent {agent.seat}")
+        for box in observation.supply_boxes:
+            marked.add(box.position, BOX_HEIGHT, f"box {box.id}")
     file = io.BytesIO()
     drawn.save(file, "PNG")
     return file.getvalue()
 
 
-def _mark(draw: "ImageDraw", observation: Observation, place: Vector, top: float, text: str) -> None:
-    """Write a text above a place; nothing if it is out of the picture."""
-    from PIL import ImageFont
+class _Marks:
+    """The marks of a picture, the nearest things' first; others give way to them, upwards."""
 
-    width, height = draw.im.size
-    at = pixel_of((place[0], place[1] + top, place[2]), observation, width, height)
-    if at is None:
-        return
-    font = ImageFont.load_default(TEXT_SIZE)
-    left, upper, right, lower = draw.textbbox(at, text, font=font, anchor="mb")
-    draw.rectangle((left - 3, upper - 2, right + 3, lower + 2), fill=PAPER)
-    draw.text(at, text, fill=INK, font=font, anchor="mb")
+    def __init__(self, draw: "ImageDraw", observation: Observation) -> None:
+        from PIL import ImageFont
+
+        self.draw, self.observation = draw, observation
+        self.font = ImageFont.load_default(TEXT_SIZE)
+        self.taken: list[tuple[float, float, float, float]] = []  # left, upper, right and lower edges
+
+    def add(self, place: Vector, top: float, text: str) -> None:
+        """Write a text above a place; nothing if it is out of the picture, or there is no room."""
+        at = pixel_of((place[0], place[1] + top, place[2]), self.observation, *self.draw.im.size)
+        if at is None:
+            return
+        left, upper, right, lower = self.draw.textbbox(at, text, font=self.font, anchor="mb")
+        for rise in range(0, ROWS * LINE, LINE):
+            edges = (left - 3.0, upper - 2.0 - rise, right + 3.0, lower + 2.0 - rise)
+            if not any(_overlap(edges, other) for other in self.taken):
+                self.taken.append(edges)
+                self.draw.rectangle(edges, fill=PAPER)
+                self.draw.text((at[0], at[1] - rise), text, fill=INK, font=self.font, anchor="mb")
+                return
+
+
+def _overlap(a: tuple[float, float, float, float], b: tuple[float, float, float, float]) -> bool:
+    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
 
 
 def pixel_of(point: Vector, observation: Observation, width: int, height: int) -> tuple[float, float] | None:
