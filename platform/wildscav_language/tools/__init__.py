@@ -16,6 +16,6 @@ def tools_of(body: Body) -> tuple[Tool, ...]:
     if body.gathers:
         tools.append(PICK_UP)
     if body.is_armed:
-        tools += [TAKE_COVER, RELOAD]
-        tools += [] if match.senses == "pixels" else [ATTACK, HOLD_FIRE]
+        tools.append(RELOAD)
+        tools += [] if match.senses == "pixels" else [ATTACK, HOLD_FIRE, TAKE_COVER]
     return tuple(tools)

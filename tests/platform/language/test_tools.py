@@ -223,7 +223,7 @@ def test_a_call_that_has_nothing_to_do_takes_a_step() -> None:
         ({"track": "navigation", "seats": 1}, {"pick_up", "attack", "follow", "reload"}),
         ({"track": "gathering"}, {"attack", "reload", "take_cover"}),
         ({"track": "battle"}, set()),
-        ({"track": "battle", "senses": "pixels"}, {"attack", "follow"}),
+        ({"track": "battle", "senses": "pixels"}, {"attack", "follow", "hold_fire", "take_cover"}),
     ],
 )
 def test_tools_follow_track_and_senses(match: Mapping[str, Any], absent: set[str]) -> None:
