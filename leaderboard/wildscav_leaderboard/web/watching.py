@@ -110,6 +110,7 @@ class MatchStage(NamedTuple):
     style: str
     map: str  # this and the next are others where the files are
     trails: str
+    live: str  # the stream of a match that is being played
 
 
 def _stage(match: Match, view: MatchView) -> MatchStage | None:
@@ -120,7 +121,7 @@ def _stage(match: Match, view: MatchView) -> MatchStage | None:
         return None  # the log says so since the site began
     files, record = f"/api/v1/matches/{match.id}", (view.record or "")[:16]
     trails = f"{files}/trails?v={TRAILS_VERSION}{record and '-'}{record}"
-    return MatchStage(script, style, f"{files}/map?v={map_key(map_spec_of(match))}", trails)
+    return MatchStage(script, style, f"{files}/map?v={map_key(map_spec_of(match))}", trails, f"{files}/live")
 
 
 def _playable(session: Session, season: Season, view: MatchView) -> list[SeatView]:

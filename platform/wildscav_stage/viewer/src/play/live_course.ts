@@ -154,8 +154,7 @@ function emptyTrails(begin: Begin, track: string): Trails {
   return {
     version: 0, // of no file
     over: false,
-    first: true,
-    cursor: "",
+    delay: 0,
     track,
     title: track,
     frames_per_second: FRAMES,
