@@ -88,7 +88,7 @@ def _answer(request: Request, error: Exception) -> Response:
 
 
 async def _why_hidden(app: FastAPI, match: int) -> str | None:
-    """Return why strangers may not watch a match, once it is this question's turn; None if that is unknown."""
+    """Return why strangers may not watch a match, when it is the question's turn; None if that is unknown."""
     database: Database = app.state.database
     async with app.state.readers:
         try:

@@ -102,7 +102,7 @@ class Channel:
 
     Args:
         path: Its file.
-        why_hidden: Returns why not everybody may watch it; an empty text if they may, None if that is not known.
+        why_hidden: Returns why not everybody may watch it; empty if they may, None if that is unknown.
     """
 
     def __init__(self, path: Path, why_hidden: Callable[[], Awaitable[str | None]]) -> None:
