@@ -51,6 +51,7 @@ class Table:
         base: Where its pages are reached.
         say: Called with a line for whoever started the table.
         countdown: s before a match of several people.
+        delay: s after which spectators are told of a match; None for what the plan says.
         at_home: Whether this machine is the host's, who may then know where files lie and what went wrong.
     """
 
@@ -63,14 +64,16 @@ class Table:
         say: Callable[[str], None],
         countdown: int = COUNTDOWN,
         *,
+        delay: float | None = None,
         at_home: bool = True,
     ) -> None:
-        self.lobby, self.audience = Lobby(plan), Audience()
+        self.lobby, self.audience = Lobby(plan), Audience(plan.delay if delay is None else delay)
         self.map_file: bytes | None = None  # of the present match, or of the last one
         self._spectators: dict[Page, None] = {}  # their pages, in the order in which they came
         self._plan, self._hosting, self._links, self._base, self._say = plan, hosting, links, base, say
         self._countdown, self._at_home = countdown, at_home
         self._situation: dict[str, Any] = {"kind": "lobby"}
+        self._shown = self._situation  # to spectators, who are told later
         self._playing: frozenset[int] = frozenset()  # the people's seats in the present match
         self._match: asyncio.Task[None] | None = None
         self._played = 0
@@ -155,7 +158,7 @@ class Table:
         self._spectators[page] = None
         page.tell(self._introduction(None))
         self._tell_people()
-        page.tell(self._present_to(None))
+        page.tell(self._shown)
         return True
 
     def dismiss(self, page: Page) -> None:
@@ -262,14 +265,17 @@ class Table:
             "seat": None if player is None else player.seat,
             "may_pause": self._plan.may_pause,
             "stand_in": self._plan.stand_in,
+            "delay": self.audience.delay,
         }
 
     def _tell_people(self) -> None:
         """Tell everybody who is here; the links of the others, to the host alone."""
         people = [player.describe() for player in self.lobby.seats]
         told = {"kind": "people", "people": people, "spectators": len(self._spectators)}
-        for page, player in self._open_pages():
+        for page, player in self._people():
             page.tell(told | self._invitations() if _is_host(player) else told)
+        for page in self._spectators:
+            page.tell(told)
 
     def _invitations(self) -> dict[str, Any]:
         guests = self.lobby.seats[HOST + 1 :]
@@ -294,17 +300,33 @@ class Table:
 
     def _change(self, situation: dict[str, Any]) -> None:
         self._situation = situation
-        for page, player in self._open_pages():
+        for page, player in self._people():
             page.tell(self._present_to(player))
+        self._tell_spectators(self._present_to(None))
 
     def _announce(self, message: dict[str, Any]) -> None:
-        for page, _ in self._open_pages():
+        for page, _ in self._people():
+            page.tell(message)
+        self._tell_spectators(message)
+
+    def _tell_spectators(self, message: dict[str, Any]) -> None:
+        """Tell spectators what happens to a match when they see it."""
+        if self.audience.delay:
+            asyncio.get_running_loop().call_later(self.audience.delay, self._show, dict(message))
+        else:
+            self._show(message)
+
+    def _show(self, message: dict[str, Any]) -> None:
+        if message["kind"] == "paused":
+            self._shown |= {"paused": message["paused"]}
+        elif message["kind"] != "scores":
+            self._shown = message
+        for page in self._spectators:
             page.tell(message)
 
-    def _open_pages(self) -> list[tuple[Page, PlayerSeat | None]]:
-        """Return the pages of people with their seats, and those of spectators."""
-        people = [(player.page, player) for player in self.lobby.seats if player.page is not None]
-        return [*people, *((page, None) for page in self._spectators)]
+    def _people(self) -> list[tuple[Page, PlayerSeat]]:
+        """Return the pages of people with their seats."""
+        return [(player.page, player) for player in self.lobby.seats if player.page is not None]
 
 
 @asynccontextmanager
