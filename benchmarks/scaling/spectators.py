@@ -1,85 +1,100 @@
-"""Spectators of one live match of a season: all ask the web server for what is new, as its page does."""
+"""Spectators of one live match of a season: all follow its stream, as its page does.
+
+The match is played in a process of its own, at the pace of the game, and its news go through files to the web
+server, as a worker and the conductor have it. One spectator of ten reads what it is sent.
+"""
 
 import asyncio
-import json
+import multiprocessing
+import re
 import tempfile
 import time
+import zlib
+from multiprocessing.connection import Connection
 from pathlib import Path
 from statistics import median, quantiles
 
 from benchmarks.services.large_season import Size, make_large_season
-from benchmarks.services.load import read_answer
 from benchmarks.services.service import children_of, free_port, processor_time, served, wait_for
 from sqlalchemy import delete
 
-from wildscav_engine.simulation.match import Match
-from wildscav_engine.specs.actions import no_actions
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.run_job import HEARTBEAT_INTERVAL, SNAPSHOT_INTERVAL
-from wildscav_evaluator.matches.snapshots import snapshot_of
+from wildscav_evaluator.matches.snapshots import WatchedMatch
 from wildscav_leaderboard.matches.models import PLAYING, MatchResult
 from wildscav_leaderboard.matches.models import Match as StoredMatch
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.spectating.live import LiveMatches, key_of
-from wildscav_stage.scene.document import values_of
+from wildscav_leaderboard.spectating.streams import OF_ONE
 
-POLL = 0.4  # s between an answer and the next question of a page (``POLL`` in the viewer's loading.ts)
-OF_ONE_ADDRESS = 150  # spectators; the server takes 200 connections of each
+READ = 10  # spectators, of which one reads what it is sent
 SIZE = Size(10, 90, 100)
 SEATS = ("fighter",) * 4
-WARM_UP, SECONDS = 3.0, 8.0
+JOIN, SECONDS = 4.0, 8.0  # s in which all come, and for which is measured
+NEWEST = re.compile(rb'"samples":\{"frames":\[([\d,]+)\]')
+
+
+def play(live: Path, spec: MatchSpec, pipe: Connection) -> None:
+    """Play the match at its pace, and write its news; then send when each frame was played and was due."""
+    match, writer, snapshots = WatchedMatch(spec), LiveMatches(live), []
+    pipe.send("ready")
+    started = told = time.perf_counter()
+    times: dict[int, tuple[float, float]] = {}
+    while (due := started + SNAPSHOT_INTERVAL * match.step_number) < started + JOIN + SECONDS:
+        time.sleep(max(0.0, due - time.perf_counter()))
+        match.step()
+        times[match.frame] = (time.perf_counter(), due)
+        snapshots.append(match.notes.take())
+        if time.perf_counter() > told + HEARTBEAT_INTERVAL:
+            writer.add(key_of(SIZE.matches), spec, SEATS, snapshots)
+            told, snapshots = time.perf_counter(), []
+    pipe.send(times)
 
 
 class Spectators:
-    """What all spectators saw after warming up."""
+    """What all spectators were sent after all had come."""
 
-    def __init__(self, port: int, match: int) -> None:
-        self.port, self.path = port, f"/api/v1/matches/{match}/trails?after="
-        self.begun = time.perf_counter() + WARM_UP
+    def __init__(self, port: int) -> None:
+        self.port, self.begun = port, time.perf_counter() + JOIN
         self.end = self.begun + SECONDS
-        self.played: dict[int, float] = {}  # when each frame was played
-        self.answers: list[float] = []  # s
-        self.delays: list[float] = []  # s from the moment of a sample until it is there
+        self.came: list[tuple[int, float]] = []  # frames, and when somebody read of them
+        self.joined: list[float] = []  # s until the beginning was there
+        self.bytes = 0
 
     async def watch(self, number: int, count: int) -> None:
         """Watch as one of them."""
-        await asyncio.sleep(POLL * number / count)
-        here = (f"127.0.0.{2 + number // OF_ONE_ADDRESS}", 0)
+        await asyncio.sleep(0.5 + (JOIN - 1.0) * number / count)
+        here = (f"127.0.0.{2 + number // OF_ONE}", 0)
+        asked = time.perf_counter()
         reader, writer = await asyncio.open_connection("127.0.0.1", self.port, local_addr=here, limit=1 << 22)
-        cursor = ""
+        path = f"/api/v1/matches/{SIZE.matches}/live"
+        writer.write(f"GET {path} HTTP/1.1\r\nHost: localhost\r\nAccept-Encoding: gzip\r\n\r\n".encode())
+        await reader.readuntil(b"\r\n\r\n")
+        unpacked = zlib.decompressobj(zlib.MAX_WBITS | 16) if number % READ == 0 else None
         while time.perf_counter() < self.end:
-            asked = time.perf_counter()
-            writer.write(f"GET {self.path}{cursor} HTTP/1.1\r\nHost: localhost\r\n\r\n".encode())
-            status, body = await read_answer(reader)
-            if status == 200:  # 202 before the first heartbeat
-                document = json.loads(body)
-                cursor = document["cursor"]
-                self._note(asked, values_of(document["samples"]["frames"]))
-            await asyncio.sleep(POLL)
+            size = int(await reader.readline(), 16)
+            part = (await reader.readexactly(size + 2))[:-2]
+            now = time.perf_counter()
+            if asked is not None and size > 10:  # more than how a compressed stream begins
+                self.joined.append(now - asked)
+                asked = None
+            if now > self.begun:
+                self.bytes += size
+            if unpacked is not None:
+                self._note(unpacked.decompress(part), now)
         writer.close()
 
-    def _note(self, asked: float, frames: list[int]) -> None:
-        now = time.perf_counter()
-        if asked > self.begun:
-            self.answers.append(now - asked)
-            self.delays += [now - self.played[frame] for frame in frames if self.played[frame] > self.begun]
-
-    async def play(self, live: LiveMatches, key: str, spec: MatchSpec) -> None:
-        """Play the match at its pace, and write what spectators see, as a worker and the conductor do."""
-        match, snapshots = Match(spec), []
-        started = told = time.perf_counter()
-        while time.perf_counter() < self.end:
-            match.step(no_actions(len(SEATS)))
-            snapshots.append(snapshot_of(match))
-            self.played[match.frame] = time.perf_counter()
-            if time.perf_counter() > told + HEARTBEAT_INTERVAL:
-                live.add(key, spec, SEATS, snapshots)
-                told, snapshots = time.perf_counter(), []
-            await asyncio.sleep(started + SNAPSHOT_INTERVAL * match.step_number - time.perf_counter())
+    def _note(self, text: bytes, now: float) -> None:
+        frame = 0
+        for news in NEWEST.finditer(text):
+            frame = 0
+            for difference in news[1].split(b","):
+                frame += int(difference)
+                self.came.append((frame, now))
 
 
 def spectators(count: int) -> dict[str, float]:
-    """Measure spectators of a battle of four, with a connection each."""
+    """Measure spectators of a battle of four, with a stream each."""
     with tempfile.TemporaryDirectory() as folder:
         season, _, _ = make_large_season(Path(folder) / "season", free_port(), SIZE)
         spec = _play_last(season)
@@ -87,7 +102,15 @@ def spectators(count: int) -> dict[str, float]:
         with served(season, "web") as web:
             wait_for(f"http://127.0.0.1:{port}/ready")
             (server,) = children_of(web.pid)
-            return asyncio.run(_measure(season, spec, server, count))
+            here, there = multiprocessing.Pipe()
+            context = multiprocessing.get_context("spawn")
+            player = context.Process(target=play, args=(season.live, spec, there))
+            player.start()
+            here.recv()  # the map is made
+            watching, used = asyncio.run(_watch(port, server, count))
+            times = here.recv()
+            player.join()
+    return _figures(watching, times, used, count)
 
 
 def _play_last(season: Season) -> MatchSpec:
@@ -102,24 +125,35 @@ def _play_last(season: Season) -> MatchSpec:
     return spec.model_copy(update={"time_limit": 600.0, "seats": SEATS})
 
 
-async def _measure(season: Season, spec: MatchSpec, server: int, count: int) -> dict[str, float]:
-    watching = Spectators(season.settings.web.port, SIZE.matches)
-    tasks = [watching.watch(number, count) for number in range(count)]
-    playing = watching.play(LiveMatches(season.live), key_of(SIZE.matches), spec)
+async def _watch(port: int, server: int, count: int) -> tuple[Spectators, float]:
+    watching = Spectators(port)
     used = asyncio.create_task(_processor_time(server))
-    await asyncio.gather(playing, *tasks)
-    return {
-        "answer": median(watching.answers),
-        "answer_95": quantiles(watching.answers, n=20)[-1],
-        "delay": median(watching.delays),
-        "answers_a_second": len(watching.answers) / SECONDS,
-        "server_milliseconds": 1000 * await used * SECONDS / len(watching.answers),
-    }
+    await asyncio.gather(*(watching.watch(number, count) for number in range(count)))
+    return watching, await used
 
 
 async def _processor_time(server: int) -> float:
-    """Return the share of a core that the web server uses after warming up."""
-    await asyncio.sleep(WARM_UP)
+    """Return the share of a core that the web server uses once all have come."""
+    await asyncio.sleep(JOIN)
     before, started = processor_time(server), time.perf_counter()
     await asyncio.sleep(SECONDS - 0.5)
     return (processor_time(server) - before) / (time.perf_counter() - started)
+
+
+def _figures(
+    watching: Spectators, times: dict[int, tuple[float, float]], used: float, count: int
+) -> dict[str, float]:
+    late = [played - due for played, due in times.values()]
+    played = {frame: moment for frame, (moment, _) in times.items() if moment > watching.begun}
+    delays = [now - played[frame] for frame, now in watching.came if frame in played]
+    return {
+        "step_late_95": quantiles(late, n=20)[-1],
+        "step_late_most": max(late),
+        "join": median(watching.joined),
+        "delay": median(delays),
+        "delay_95": quantiles(delays, n=20)[-1],
+        "delay_most": max(delays),
+        "bytes_a_second": watching.bytes / count / SECONDS,
+        "server_core": used,
+        "server_milliseconds": 1000.0 * used / count,  # a second, for each spectator
+    }

@@ -33,7 +33,7 @@ def panels(curves: dict[str, Any]) -> tuple[Panel, ...]:
     """Return the panels; limits that were measured are those of the largest size."""
     last = {name: curve["points"][-1] for name, curve in curves.items()}
     cores = curves["matches"]["machine"]["cores"]
-    asked = 1000 / last["spectators"]["server_milliseconds"]
+    most = 1000 / last["spectators"]["server_milliseconds"]
     return (
         Panel(
             "agents",
@@ -76,9 +76,9 @@ def panels(curves: dict[str, Any]) -> tuple[Panel, ...]:
             "spectators",
             "spectators of a live match",
             "ms",
-            {"delay": ("until a move is seen", 1000), "answer": ("a request", 1000)},
-            f"limit: one process, {asked:.0f} requests/s",
-            across=0.4 * asked,
+            {"delay": ("until a move is told", 1000), "delay_95": ("95 % within", 1000)},
+            f"limit: one process, {most:.0f} spectators",
+            across=most,
         ),
         Panel(
             "nodes",

@@ -22,6 +22,7 @@ from sqlalchemy.orm import Session, defer
 
 from wildscav.notes import Note
 from wildscav_leaderboard.accounts.service import Caller
+from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import FINISHED, LADDER, PLAYING, VOID, Match, MatchResult, MatchSeat
 from wildscav_leaderboard.matches.service import find_match
 from wildscav_leaderboard.seasons import state
@@ -105,6 +106,13 @@ def seen_by(
         return Visible(record, live, suite or frozen, suite, name, everything)
 
     return {match.id: visible(match) for match in matches}
+
+
+def why_live_is_hidden(database: Database, number: int) -> str:
+    """Return why strangers may not watch a match now; an empty text if they may, or it is not played."""
+    with database.reading() as session:
+        match = find_match(session, number)
+        return seen_by(session, [match], None)[number].live if match.state == PLAYING else ""
 
 
 def perhaps_shown(session: Session) -> list[Match]:

@@ -29,14 +29,15 @@ from wildscav_evaluator.matches.play import (
     prepare_logs,
     remove_empty_logs,
 )
-from wildscav_evaluator.matches.snapshots import Snapshot, snapshot_of
+from wildscav_evaluator.matches.snapshots import Notes, Snapshot, WatchedMatch
 from wildscav_evaluator.output.results import FAILED, FINISHED, MatchRow, MatchTiming, SeatRow, SeatTiming
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_server.hosting.hosted_match import HostedMatch
 from wildscav_server.hosting.reports import SeatReport
 
 HEARTBEAT_INTERVAL = 0.5  # s between two heartbeats of a match
-SNAPSHOT_INTERVAL = 0.1  # s between two snapshots of a match that is watched
+SNAPSHOT_INTERVAL = 0.1  # s between two snapshots of a match that is watched, at least, and
+SNAPSHOT_FRAMES = 5  # so many frames
 
 
 def run_job(
@@ -99,11 +100,11 @@ async def _play_with_heartbeats(
 
     async def beat(hosted: HostedMatch) -> None:
         snapshots: tuple[Snapshot, ...] = ()
-        shown = -1  # the frame of the last snapshot
+        shown = -SNAPSHOT_FRAMES  # the frame of the last snapshot
         while True:
             on_event(Heartbeat(hosted.match.frame, hosted.match.step_number, snapshots))
-            if job.watched:
-                snapshots = await _observe(hosted.match, shown)
+            if isinstance(hosted.match, WatchedMatch):
+                snapshots = await _observe(hosted.match, hosted.match.notes, shown)
                 shown = snapshots[-1].frame if snapshots else shown
             else:
                 await asyncio.sleep(HEARTBEAT_INTERVAL)
@@ -119,6 +120,7 @@ async def _play_with_heartbeats(
                 seating,
                 sandbox=SANDBOXES[job.sandbox],
                 on_start=begin,
+                make=WatchedMatch if job.watched else None,
                 faults=job.faults,
                 on_failure=lambda reason: on_event(AttemptFailed(reason)),
             )
@@ -127,14 +129,14 @@ async def _play_with_heartbeats(
             task.cancel()
 
 
-async def _observe(match: Match, shown: int) -> tuple[Snapshot, ...]:
+async def _observe(match: Match, notes: Notes, shown: int) -> tuple[Snapshot, ...]:
     """Wait until the next heartbeat, and return snapshots of the moments after a frame."""
     snapshots = []
     for _ in range(round(HEARTBEAT_INTERVAL / SNAPSHOT_INTERVAL)):
         await asyncio.sleep(SNAPSHOT_INTERVAL)
-        if match.frame > shown:
+        if match.frame >= shown + SNAPSHOT_FRAMES:
             shown = match.frame
-            snapshots.append(snapshot_of(match))
+            snapshots.append(notes.take())
     return tuple(snapshots)
 
 

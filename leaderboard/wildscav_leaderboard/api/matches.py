@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
 from fastapi import APIRouter, Depends, Query, Request
-from fastapi.responses import FileResponse, JSONResponse, PlainTextResponse, Response
+from fastapi.responses import FileResponse, JSONResponse, PlainTextResponse, Response, StreamingResponse
 from pydantic import Field
 from sqlalchemy import select
 from sqlalchemy.orm import Session
@@ -16,6 +16,7 @@ from wildscav_engine.specs.map_spec import MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.seats import ROBOT_ENTRANT
 from wildscav_leaderboard.access.requests import (
+    Address,
     AnyReader,
     CurrentSeason,
     KnownReader,
@@ -29,9 +30,9 @@ from wildscav_leaderboard.api.documents import REFUSALS, MatchList, MatchView, S
 from wildscav_leaderboard.boards.ladders import places_of
 from wildscav_leaderboard.matches.models import LADDER, Match, MatchResult, MatchSeat
 from wildscav_leaderboard.matches.service import MAX_LISTED, find_match, list_matches, results_of
-from wildscav_leaderboard.seasons.refusals import NotFoundError
-from wildscav_leaderboard.spectating.live import LiveMatches, key_of
+from wildscav_leaderboard.seasons.refusals import ForbiddenError, NotFoundError
 from wildscav_leaderboard.spectating.render_cache import Rendering
+from wildscav_leaderboard.spectating.streams import Streams
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.teams.service import find_team
@@ -291,18 +292,34 @@ Asked = Annotated[RenderRequest, Depends()]
 
 
 @router.get("/matches/{match}/trails", responses=RENDERED)
-def trails(asked: Asked, request: Request, after: Annotated[str, Query(max_length=40)] = "") -> Response:
-    """Return where everyone was at all times, what happened, and the map's size, as one document.
-
-    Of a match that is being played, return what came after a cursor, which is in the document before.
-    """
-    if asked.is_live:
-        live: LiveMatches = request.app.state.live
-        told = live.trails(key_of(asked.match), after)
-        if told is None:
-            return progress_response(Rendering("waiting", "The match begins or ends in a moment …"))
-        return Response(told.model_dump_json(), media_type="application/json", headers=NO_STORE)
+def trails(asked: Asked) -> Response:
+    """Return where everyone was at all times, what happened, and the map's size, as one document."""
     return file_response("trails", asked.progress("trails"))
+
+
+def sees_everything(asked: Asked) -> bool:
+    """Return whether a caller, who may watch a match now, may go on when others may not.
+
+    Raises:
+        ForbiddenError: The caller may not watch it, or it is not being played.
+    """
+    why = seen_by(asked.session, [find_match(asked.session, asked.match)], asked.caller)[asked.match].live
+    if why:
+        raise ForbiddenError(why)
+    return asked.caller is not None and asked.caller.is_organizer
+
+
+@router.get("/matches/{match}/live", response_class=StreamingResponse, responses=REFUSALS)
+async def live(
+    request: Request, match: Number, address: Address, everything: Annotated[bool, Depends(sees_everything)]
+) -> Response:
+    """Return a match that is being played, as server-sent events that go on until it is over.
+
+    `begin` has the document as of `trails`, without its course, and each `news` what came next. A header
+    `Last-Event-ID` has the stream go on after the event of that `id`.
+    """
+    streams: Streams = request.app.state.streams
+    return streams.follow(request, match, address, everything=everything)
 
 
 @router.get("/matches/{match}/map", responses=RENDERED)

@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from functools import partial
 from http import HTTPStatus
 
 from fastapi import FastAPI, Request
@@ -15,7 +16,7 @@ from wildscav.version import __version__
 from wildscav_evaluator.cache import cache_folder
 from wildscav_leaderboard.access.rate_limits import AddressLimit
 from wildscav_leaderboard.api.routers import PREFIX, answer, api_router, as_json
-from wildscav_leaderboard.database.connection import READERS, Database
+from wildscav_leaderboard.database.connection import READERS, Database, DatabaseError
 from wildscav_leaderboard.hosting.middleware import BodyLimit, BrokenRequests, HeadRequests, SecurityHeaders
 from wildscav_leaderboard.hosting.rendering_ahead import RenderingAhead
 from wildscav_leaderboard.hosting.request_log import RequestLog, WebCounts
@@ -25,6 +26,8 @@ from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.spectating import rerun_viewer
 from wildscav_leaderboard.spectating.live import LiveMatches
 from wildscav_leaderboard.spectating.render_cache import RenderCache
+from wildscav_leaderboard.spectating.streams import Streams
+from wildscav_leaderboard.visibility import why_live_is_hidden
 from wildscav_leaderboard.web.pages import add_pages, as_page
 from wildscav_server.monitoring.logs import Log
 
@@ -61,7 +64,8 @@ def create_app(
     )
     app.state.season, app.state.database = season, database
     app.state.readers = asyncio.Semaphore(READERS)
-    app.state.renders, app.state.live, app.state.tables = renders, LiveMatches(season.live), tables
+    app.state.renders, app.state.tables = renders, tables
+    app.state.streams = Streams(LiveMatches(season.live), partial(_why_hidden, app))
     app.include_router(api_router())
     app.include_router(rerun_viewer.router(cache_folder("rerun-viewer")))
     add_pages(app)
@@ -81,6 +85,16 @@ def create_app(
 def _answer(request: Request, error: Exception) -> Response:
     """Answer a request that was refused, or went wrong: a document for programs, a page for people."""
     return as_json(error) if request.url.path.startswith("/api/") else as_page(request, error)
+
+
+async def _why_hidden(app: FastAPI, match: int) -> str | None:
+    """Return why strangers may not watch a match, when it is the question's turn; None if that is unknown."""
+    database: Database = app.state.database
+    async with app.state.readers:
+        try:
+            return await asyncio.to_thread(why_live_is_hidden, database, match)
+        except DatabaseError:
+            return None
 
 
 def _health() -> PlainTextResponse:

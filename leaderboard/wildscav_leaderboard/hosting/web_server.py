@@ -15,9 +15,10 @@ from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.hosting.request_log import WebCounts
 from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.spectating.streams import ENDLESS
 from wildscav_server.monitoring.logs import Log
 
-INTERVAL = 30.0  # s in which a request comes to its end, headers and body, or has sent so much more:
+INTERVAL = 30.0  # s in which a client reads some of an answer; in which a request ends, or sends so much:
 LEAST = 30 << 10  # bytes
 IN_ALL = 800  # connections, less than the files that a process may usually open
 OF_ONE = 200  # connections of one address that is no proxy of ours
@@ -29,6 +30,7 @@ class GuardedConnection(H11Protocol):
     subscriber = ""
     _received = 0
     _timer: asyncio.TimerHandle | None = None
+    _reading: asyncio.TimerHandle | None = None  # set while the client has not read for some time
 
     def connection_made(self, transport: Any) -> None:
         """Keep a connection, unless there are too many."""
@@ -50,9 +52,27 @@ class GuardedConnection(H11Protocol):
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Forget a connection."""
-        if self._timer is not None:
-            self._timer.cancel()
+        for timer in (self._timer, self._reading):
+            if timer is not None:
+                timer.cancel()
         super().connection_lost(exc)
+
+    def shutdown(self) -> None:
+        """End a stream when the server stops; other answers come to their end."""
+        super().shutdown()
+        if self.cycle is not None and self.cycle.scope.get(ENDLESS):
+            self.transport.abort()
+
+    def pause_writing(self) -> None:
+        """Wait for a client that does not read what it asked for, but not for ever."""
+        super().pause_writing()
+        self._reading = self.loop.call_later(INTERVAL, self.transport.abort)
+
+    def resume_writing(self) -> None:
+        """Go on writing."""
+        super().resume_writing()
+        if self._reading is not None:
+            self._reading.cancel()
 
     def _watch(self) -> None:
         self._received = 0

@@ -104,6 +104,7 @@ class MatchStage(NamedTuple):
     map: str  # this and the next are others where the files are
     trails: str
     notes: str
+    live: str  # the stream of a match that is being played
 
 
 def _stage(match: Match, view: MatchView) -> MatchStage | None:
@@ -114,7 +115,8 @@ def _stage(match: Match, view: MatchView) -> MatchStage | None:
         return None  # the log says so since the site began
     files, record = f"/api/v1/matches/{match.id}", (view.record or "")[:16]
     trails = f"{files}/trails?v={TRAILS_VERSION}{record and '-'}{record}"
-    return MatchStage(script, style, f"{files}/map?v={map_key(map_spec_of(match))}", trails, f"{files}/notes")
+    game_map = f"{files}/map?v={map_key(map_spec_of(match))}"
+    return MatchStage(script, style, game_map, trails, f"{files}/notes", f"{files}/live")
 
 
 def _seat_names(view: MatchView) -> str:

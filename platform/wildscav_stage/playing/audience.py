@@ -1,12 +1,15 @@
-"""What spectators are sent: one message a moment, made once for all of them when the first one takes it.
+"""What spectators are sent: one message a moment, made once for all of them, and told some time later.
 
-A message is JSON in the units of ``sight.py``: ``frame``; ``agents``, of each that is in the match the seat
-and its row; ``shots`` and ``deaths``; ``boxes`` and ``gone``; ``zone``. The first one to a page, and the next
-after any that it missed, has all boxes (``all`` is 1) and the ``target``.
+A message is JSON in the units of ``sight.py``: ``frame``, ``shots``, ``deaths``, and what is new since the
+message before: ``moved``, of each agent that has changed the seat, bits that say which numbers of its row
+have, and by how much each; ``left``, the seats that are no longer in the match; ``boxes``, ``gone`` and
+``zone``. The first message to a page, and the next after any that it missed, has everything (``all`` is 1):
+``agents``, of each that is in the match the seat and its row, all boxes, the zone, and the ``target``.
 """
 
 import asyncio
 import json
+from collections import deque
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,29 +21,92 @@ if TYPE_CHECKING:
     from wildscav_engine.simulation.match import Match
 
 AUDIENCE_FRAMES = 4  # from one message to the next
+KEPT = 6  # moments, so that whoever is a little late misses none
+ROW = (0, 1, 2, 3, 4, *range(9, 16))  # columns of ``rows_of``: all but velocities and flags
+BITS = 1 << np.arange(len(ROW))
+
+
+class Moment:
+    """What is told of one moment.
+
+    Args:
+        match: The match.
+        happened: Shots and deaths since the moment before.
+        before: That moment; None if this is the first.
+    """
+
+    def __init__(self, match: "Match", happened: dict[str, Any], before: "Moment | None") -> None:
+        matches = match.state.matches
+        self.rows = rows_of(match)[:, ROW]
+        self.present = match.state.agents.present[0].copy()
+        self.boxes = {row[0]: row for row in box_rows(match, boxes_of(match))}
+        self.zone = zone_of(match)
+        self._target = centimetres(matches.target[0]).tolist() if matches.has_target[0] else None
+        self._told = {"frame": match.frame, **happened}
+        self._everything = ""
+        self.number = 0  # of all that were told
+        self.news: str | None = None  # None if everything is told, since somebody has come to the match
+        if before is not None and not (self.present & ~before.present).any():
+            self.news = self._news(before)
+
+    def _news(self, before: "Moment") -> str:
+        change = self.rows - before.rows
+        moved = np.flatnonzero(self.present & change.any(axis=1)).tolist()
+        new = {
+            "moved": [
+                [seat, int((change[seat] != 0) @ BITS), *change[seat][change[seat] != 0].tolist()]
+                for seat in moved
+            ],
+            "left": np.flatnonzero(before.present & ~self.present).tolist(),
+            "boxes": [row for serial, row in self.boxes.items() if serial not in before.boxes],
+            "gone": [serial for serial in before.boxes if serial not in self.boxes],
+            "zone": self.zone if self.zone != before.zone else None,
+        }
+        return self._text(new)
+
+    @property
+    def everything(self) -> str:
+        """All of it, for whoever does not have the moment before."""
+        if not self._everything:
+            agents = [[seat, *self.rows[seat].tolist()] for seat in np.flatnonzero(self.present).tolist()]
+            boxes = list(self.boxes.values())
+            always = {"all": 1, "agents": agents, "boxes": boxes}
+            self._everything = self._text(always | {"zone": self.zone, "target": self._target})
+        return self._everything
+
+    def _text(self, told: dict[str, Any]) -> str:
+        """Return JSON without ``{``."""
+        filled = {name: value for name, value in (self._told | told).items() if value or name == "frame"}
+        return json.dumps(filled, separators=(",", ":"))[1:]
 
 
 class Audience:
-    """Makes the messages of one match after another."""
+    """Makes the messages of one match after another.
 
-    def __init__(self) -> None:
+    Args:
+        delay: s after which they are told.
+    """
+
+    def __init__(self, delay: float = 0.0) -> None:
+        self.delay = delay
         self._match: Match | None = None
+        self._last: Moment | None = None  # that was made
+        self._shown = deque[Moment](maxlen=KEPT)
         self._number = 0
         self._changed = asyncio.Event()  # set, and replaced, when there is a new message
 
     def begin(self, match: "Match") -> None:
         """Show a match from now on."""
-        self._match, self._happenings = match, Happenings(match)
-        self._number += 1  # so that nobody has the one before the first message
+        self._match, self._happenings, self._last = match, Happenings(match), None
         self._shots: list[list[int]] = []
         self._deaths: list[list[int]] = []
-        self._boxes: dict[int, list[int]] = {}  # the rows of those that were told, by serials
         self._noted = match.frame
         self._offer()
 
     def end(self) -> None:
         """Show nothing."""
         self._match = None
+        self._later(None)
 
     def note(self) -> None:
         """Note what happened in a frame that was played; it may be called several times."""
@@ -56,47 +122,38 @@ class Audience:
             self._offer()
 
     def _offer(self) -> None:
-        """Offer a message of this moment to everybody; what nobody took of the last one is forgotten."""
-        self._number += 1
-        self._happened = {"shots": self._shots, "deaths": self._deaths}
+        """Make a message of this moment."""
+        if self._match is None:
+            return
+        happened = {"shots": self._shots, "deaths": self._deaths}
         self._shots, self._deaths = [], []
-        self._told: dict[str, Any] = {}  # not made yet
+        self._last = Moment(self._match, happened, self._last)
+        self._later(self._last)
+
+    def _later(self, moment: Moment | None) -> None:
+        if self.delay:
+            asyncio.get_running_loop().call_later(self.delay, self._show, moment)
+        else:
+            self._show(moment)
+
+    def _show(self, moment: Moment | None) -> None:
+        """Tell a moment to everybody; None for nothing anymore."""
+        if moment is None or moment.news is None:
+            self._shown.clear()
+        if moment is None:
+            return
+        self._number += 1
+        moment.number = self._number
+        self._shown.append(moment)
         self._changed.set()
         self._changed = asyncio.Event()
 
-    def _make(self) -> None:
-        match = self._present()
-        agents = [[seat, *row] for seat, row in enumerate(rows_of(match).tolist())]
-        present = {row[0]: row for row in box_rows(match, boxes_of(match))}
-        told = {
-            "agents": [agents[seat] for seat in np.flatnonzero(match.state.agents.present[0]).tolist()],
-            "zone": zone_of(match),
-            **self._happened,
-        }
-        new = [row for serial, row in present.items() if serial not in self._boxes]
-        gone = [serial for serial in self._boxes if serial not in present]
-        self._told = {"frame": match.frame} | {name: value for name, value in told.items() if value}
-        self._news = {name: value for name, value in (("boxes", new), ("gone", gone)) if value}
-        self._boxes, self._texts = present, dict[bool, str]()
-
     async def next(self, after: int) -> tuple[int, str]:
         """Wait for a message that is newer than a number; return its number, and JSON without ``{``."""
-        while self._match is None or self._number <= after:
+        while not self._shown or self._shown[-1].number <= after:
             await self._changed.wait()
-        if not self._told:
-            self._make()
-        is_next = self._number == after + 1
-        if is_next not in self._texts:
-            more = self._news if is_next else self._everything()
-            self._texts[is_next] = json.dumps(self._told | more, separators=(",", ":"))[1:]
-        return self._number, self._texts[is_next]
-
-    def _everything(self) -> dict[str, Any]:
-        matches = self._present().state.matches
-        target = {"target": centimetres(matches.target[0]).tolist()} if matches.has_target[0] else {}
-        return {"all": 1, "boxes": list(self._boxes.values()), **target}
-
-    def _present(self) -> "Match":
-        if self._match is None:
-            raise RuntimeError("there is no match to show")
-        return self._match
+        for moment in self._shown:
+            if moment.number == after + 1 and moment.news is not None:
+                return moment.number, moment.news
+        newest = self._shown[-1]
+        return newest.number, newest.everything

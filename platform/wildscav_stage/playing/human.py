@@ -59,6 +59,15 @@ def human(
             help="Where others reach the page, behind a proxy: https://play.example.org.", metavar="URL"
         ),
     ] = None,
+    spectator_delay: Annotated[
+        float | None,
+        typer.Option(
+            help="Seconds after which spectators see a match. Default: 3 where several people play, else 0.",
+            min=0,
+            max=60,
+            show_default=False,
+        ),
+    ] = None,
     browser: Annotated[bool, typer.Option(help="Open the page in a browser.")] = True,
     records: Annotated[Path, typer.Option(help="Folder for the records of the matches.")] = Path("out/human"),
 ) -> None:
@@ -86,11 +95,18 @@ def human(
     with preparing(console):
         prepare(plan)
     with contextlib.suppress(KeyboardInterrupt):
-        asyncio.run(_serve(plan, records, host, port, public, browser=browser))
+        asyncio.run(_serve(plan, records, host, port, public, spectator_delay, browser=browser))
 
 
 async def _serve(
-    plan: "Plan", records: Path, host: str, port: int, public_url: str | None, *, browser: bool
+    plan: "Plan",
+    records: Path,
+    host: str,
+    port: int,
+    public_url: str | None,
+    delay: float | None,
+    *,
+    browser: bool,
 ) -> None:
     from wildscav.terminal.console import console
     from wildscav_stage.playing.serve import served
@@ -98,7 +114,7 @@ async def _serve(
     def say(line: str) -> None:
         console.print(line)
 
-    async with served(plan, records, host, port, say, public_url=public_url) as (links, serving):
+    async with served(plan, records, host, port, say, public_url=public_url, delay=delay) as (links, serving):
         say(f"play at {links.host}")
         for number, link in enumerate(links.guests, start=2):
             say(f"person {number} plays at {link}")

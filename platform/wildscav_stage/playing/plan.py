@@ -23,6 +23,7 @@ from wildscav_server.hosting.manifest import read_manifest
 from wildscav_stage.playing.shooting_range import TARGETS, Target, range_spec
 
 PERSON = "person"
+SPECTATOR_DELAY = 3.0  # s
 FRAMES_PER_ACTION = 1  # so that a person's inputs take effect 50 times a second
 DEFAULT_MAP = MapConfig(size=120, houses=5, water=0.05)
 STAND_INS = {  # the robots that play for people who are not here
@@ -68,6 +69,11 @@ class Plan:
     def may_pause(self) -> bool:
         """Whether nobody but one person needs time to think."""
         return self.people == 1 and all(opponent.folder is None for opponent in self.opponents)
+
+    @property
+    def delay(self) -> float:
+        """After how many s spectators see a match: where people meet, none may tell one where others are."""
+        return SPECTATOR_DELAY if self.people > 1 else 0.0
 
     @property
     def stand_in(self) -> str:

@@ -5,7 +5,7 @@ import socket
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import uvicorn
 
@@ -40,6 +40,7 @@ async def served(
     *,
     public_url: str | None = None,
     countdown: int = COUNTDOWN,
+    delay: float | None = None,
 ) -> AsyncIterator[tuple[Addresses, asyncio.Task[None]]]:
     """Serve a table within the block.
 
@@ -51,6 +52,7 @@ async def served(
         say: Called with a line for whoever started the table.
         public_url: The URL of a proxy's root by which others reach it; None if there is no proxy.
         countdown: s before a match of several people.
+        delay: s after which spectators see a match; None for what the plan says.
 
     Yields:
         The links, and the task of the web server, which ends on Ctrl-C.
@@ -60,7 +62,8 @@ async def served(
     """
     listening, links = listen(host, port), Links(plan.people)
     base = base_of(host, listening.getsockname()[1], public_url)
-    async with served_on(listening, base, links, plan, folder, say, countdown=countdown) as served_table:
+    options: Any = {"countdown": countdown, "delay": delay}
+    async with served_on(listening, base, links, plan, folder, say, **options) as served_table:
         addresses = base.addresses(links, plan.people)
         if code := served_table.table.lobby.room.code:
             addresses = addresses._replace(entrance=base.entrance(code))
@@ -84,6 +87,7 @@ async def served_on(
     say: Callable[[str], None],
     *,
     countdown: int = COUNTDOWN,
+    delay: float | None = None,
     agents: Agents = playing,
     at_home: bool = True,
 ) -> AsyncIterator[Served]:
@@ -97,6 +101,7 @@ async def served_on(
         folder: For records, and for the output of agents.
         say: Called with a line for whoever started the table.
         countdown: s before a match of several people.
+        delay: s after which spectators see a match; None for what the plan says.
         agents: Runs the submissions.
         at_home: Whether this machine is the host's.
     """
@@ -108,7 +113,7 @@ async def served_on(
             (place / str(seat)).mkdir(mode=0o700)
         own = await server.start([f"unix:{place}/{seat}/match" for seat in plan.submissions])
         hosting = MatchHosting(server, address, dict(zip(plan.submissions, own, strict=True)), folder, agents)
-        table = Table(plan, hosting, links, base, say, countdown, at_home=at_home)
+        table = Table(plan, hosting, links, base, say, countdown, delay=delay, at_home=at_home)
         web = uvicorn.Server(_config(Site(table, links, base)))
         serving = asyncio.create_task(web.serve(sockets=[listening]))
         try:

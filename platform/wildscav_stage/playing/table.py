@@ -54,6 +54,7 @@ class Table:
         base: Where its pages are reached.
         say: Called with a line for whoever started the table.
         countdown: s before a match of several people.
+        delay: s after which spectators are told of a match; None for what the plan says.
         at_home: Whether this machine is the host's, who may then know where files lie and what went wrong.
     """
 
@@ -66,9 +67,11 @@ class Table:
         say: Callable[[str], None],
         countdown: int = COUNTDOWN,
         *,
+        delay: float | None = None,
         at_home: bool = True,
     ) -> None:
-        self.lobby, self.audience = Lobby(plan, links), Audience()
+        self.lobby = Lobby(plan, links)
+        self.audience = Audience(plan.delay if delay is None else delay)
         self.map_file: bytes | None = None  # of the present match, or of the last one
         # The pages of spectators in the order in which they came, and the seats of those who wait for one.
         self._spectators: dict[Page, int | None] = {}
@@ -76,6 +79,7 @@ class Table:
         self._countdown, self.at_home = countdown, at_home
         self.records: list[Path] = []  # of the matches that were played
         self._situation: dict[str, Any] = {"kind": "lobby"}
+        self._shown = self._situation  # to spectators, who are told later
         self._playing: frozenset[int] = frozenset()  # the people's seats in the present match
         self._match: asyncio.Task[None] | None = None
         self._played = 0
@@ -177,7 +181,7 @@ class Table:
         self._spectators[page] = seat
         page.tell(self._introduction(None))
         self.tell_people()
-        page.tell(self._present_to(None))
+        page.tell(self._shown)
         return True
 
     def dismiss(self, page: Page) -> None:
@@ -305,6 +309,7 @@ class Table:
             "stand_in": self._plan.stand_in,
             "is_range": bool(self._plan.targets),
             "kinds": list(ROBOTS),
+            "delay": self.audience.delay,
         }
 
     def tell_people(self) -> None:
@@ -318,8 +323,10 @@ class Table:
             "robots": self._plan.robots,
             "new_map": self.lobby.wants_new_map,
         }
-        for page, player in self._open_pages():
+        for page, player in self._people():
             page.tell(told | self._invitations() if _is_host(player) else told)
+        for page in self._spectators:
+            page.tell(told)
 
     def _invitations(self) -> dict[str, Any]:
         guests = self.lobby.seats[HOST + 1 :]
@@ -349,17 +356,33 @@ class Table:
 
     def _change(self, situation: dict[str, Any]) -> None:
         self._situation = situation
-        for page, player in self._open_pages():
+        for page, player in self._people():
             page.tell(self._present_to(player))
+        self._tell_spectators(self._present_to(None))
 
     def _announce(self, message: dict[str, Any]) -> None:
-        for page, _ in self._open_pages():
+        for page, _ in self._people():
+            page.tell(message)
+        self._tell_spectators(message)
+
+    def _tell_spectators(self, message: dict[str, Any]) -> None:
+        """Tell spectators what happens to a match when they see it."""
+        if self.audience.delay:
+            asyncio.get_running_loop().call_later(self.audience.delay, self._show, dict(message))
+        else:
+            self._show(message)
+
+    def _show(self, message: dict[str, Any]) -> None:
+        if message["kind"] == "paused":
+            self._shown |= {"paused": message["paused"]}
+        elif message["kind"] != "scores":
+            self._shown = message
+        for page in self._spectators:
             page.tell(message)
 
-    def _open_pages(self) -> list[tuple[Page, PlayerSeat | None]]:
-        """Return the pages of people with their seats, and those of spectators."""
-        people = [(player.page, player) for player in self.lobby.seats if player.page is not None]
-        return [*people, *((page, None) for page in self._spectators)]
+    def _people(self) -> list[tuple[Page, PlayerSeat]]:
+        """Return the pages of people with their seats."""
+        return [(player.page, player) for player in self.lobby.seats if player.page is not None]
 
 
 @asynccontextmanager

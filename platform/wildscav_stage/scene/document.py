@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict
 
 from wildscav_stage.scene.arrays import LEVEL
 
-TRAILS_VERSION: Final = 2  # of the document; it moves when a field changes its meaning or goes
+TRAILS_VERSION: Final = 3  # of the document; it moves when a field changes its meaning or goes
 
 EventKind = Literal["hit", "death", "out", "respawn", "pick_up", "target", "zone"]
 Differences = list[int]
@@ -161,21 +161,30 @@ class Target(Part):
     height: int  # cm
 
 
-class Trails(Part):
-    """A match, as a page shows it.
+class News(Part):
+    """What spectators of a match that is being played are told next.
 
-    Of a match that is being played, a document holds the samples and events after a cursor; the next one is
-    asked for with ``cursor``. ``first`` says whether this is the beginning.
+    Boxes are those that have appeared. ``taken`` has the place of each that is gone, among all in the order
+    in which they appeared, and the frame.
     """
 
-    version: Literal[2] = TRAILS_VERSION
+    samples: Samples
+    shots: Shots
+    events: list[Event]
+    boxes: list[Box]
+    taken: list[tuple[int, int]]
+
+
+class Trails(Part):
+    """A match, as a page shows it; of one that is being played, its beginning, which news go on with."""
+
+    version: Literal[3] = TRAILS_VERSION
     over: bool  # whether the match has ended; False while it is being played
-    first: bool = True  # whether samples and events begin with the match
-    cursor: str = ""  # of a match that is being played: where the next document goes on
+    delay: float = 0.0  # s from a moment of a match that is being played until its news are sent, as a rule
     track: str
     title: str  # of the track
     frames_per_second: int
-    frames: int  # played so far
+    frames: int  # played
     frame_limit: int
     ending: str  # "none", "time_up", "goal" or "last_standing"
     # One sentence without a full stop, with names of competitors; empty while it is being played.

@@ -171,6 +171,7 @@ TABLE = (
     each("GET /api/v1/matches/{match}/notes", "/api/v1/matches/{own_suite}/notes", 403, 403, 403, 200),
     everyone("GET /api/v1/matches/{match}/notes", "/api/v1/matches/{ladder}/notes"),
     each("GET /api/v1/matches/{match}/trails", "/api/v1/matches/{own_suite}/trails", 403, 403, 403, NOT_NOW),
+    each("GET /api/v1/matches/{match}/live", "/api/v1/matches/{own_suite}/live", 403, 403, 403, 403),
     each(
         "GET /api/v1/matches/{match}/map",
         "/api/v1/matches/{own_suite}/map",

@@ -1,5 +1,6 @@
 """Clients that open connections and send little or nothing: they are ended, and others are served."""
 
+import asyncio
 import socket
 import threading
 import time
@@ -10,11 +11,12 @@ from pathlib import Path
 import pytest
 import uvicorn
 from starlette.responses import PlainTextResponse
-from starlette.types import Receive, Scope, Send
+from starlette.types import ASGIApp, Receive, Scope, Send
 from tests.leaderboard.seasons_made import make_season
 
 from wildscav_leaderboard.hosting import web_server
 from wildscav_leaderboard.hosting.web_server import configured
+from wildscav_leaderboard.spectating.streams import ENDLESS
 
 WHOLE = b"GET / HTTP/1.1\r\nHost: a\r\n\r\n"
 
@@ -27,10 +29,28 @@ async def reads(scope: Scope, receive: Receive, send: Send) -> None:
         await PlainTextResponse("ok")(scope, receive, send)
 
 
+class Endless:
+    """An application whose answers end when their connections do."""
+
+    def __init__(self) -> None:
+        self.ended = threading.Event()
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        scope[ENDLESS] = True
+        await send({"type": "http.response.start", "status": 200, "headers": []})
+        sending = asyncio.create_task(
+            send({"type": "http.response.body", "body": bytes(20 << 20), "more_body": True})
+        )
+        while (await receive())["type"] != "http.disconnect":
+            pass
+        await sending
+        self.ended.set()
+
+
 @contextmanager
-def listening(folder: Path, more: str = "") -> Iterator[tuple[str, int]]:
+def listening(folder: Path, more: str = "", app: ASGIApp = reads) -> Iterator[tuple[str, int]]:
     """Serve an application as a season is served, and give its address."""
-    config = configured(make_season(folder, more), reads)
+    config = configured(make_season(folder, more), app)
     config.lifespan = "off"
     with socket.create_server(("127.0.0.1", 0)) as listener:
         server = uvicorn.Server(config)
@@ -64,6 +84,25 @@ def test_a_request_that_never_ends_is_ended(
         connection.sendall(sent)
         with suppress(ConnectionResetError):
             assert connection.recv(1) == b""
+
+
+def test_who_does_not_read_an_answer_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(web_server, "INTERVAL", 0.05)
+    app = Endless()
+    with listening(tmp_path / "season", app=app) as there, socket.create_connection(there) as connection:
+        connection.sendall(WHOLE)
+        assert app.ended.wait(30.0)
+
+
+def test_a_stream_ends_when_the_server_stops(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(web_server, "GRACE", 600)
+    app = Endless()
+    with listening(tmp_path / "season", app=app) as there:
+        connection = socket.create_connection(there)
+        connection.sendall(WHOLE)
+        assert connection.recv(1)
+    assert app.ended.is_set()
+    connection.close()
 
 
 @pytest.mark.parametrize("name", ["IN_ALL", "OF_ONE"])

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from html import escape
 from pathlib import Path
 
-from fastapi import FastAPI
+from fastapi import FastAPI, Request
 from fastapi.responses import HTMLResponse, Response
 from fastapi.staticfiles import StaticFiles
 from tests.leaderboard.spectating.served import served
@@ -24,7 +24,7 @@ PAGE = """<!doctype html>
 <script type="module" src="{script}"></script>
 </head>
 <body>
-<main><h1>A match</h1><div data-match data-map="/map" data-trails="/trails?v=2" {attributes}></div></main>
+<main><h1>A match</h1><div data-match data-map="/map" data-trails="/trails?v=3" {attributes}></div></main>
 </body>
 </html>
 """
@@ -32,25 +32,25 @@ PAGE = """<!doctype html>
 
 @contextmanager
 def match_page(
-    trails: Callable[[str], Response],
+    trails: Callable[[], Response],
     game_map: Callable[[], Response],
     names: str = "{}",
-    *,
-    is_live: bool = False,
+    live: Callable[[Request], Response] | None = None,
 ) -> Iterator[str]:
     """Serve a page with the player, and give its address.
 
     Args:
-        trails: Answers with the trails after a cursor.
+        trails: Answers with the trails.
         game_map: Answers with the map.
         names: The names of seats as people read them, as JSON.
-        is_live: Whether the match is being played.
+        live: Answers with the stream of a match that is being played; None if it is over.
     """
     app = FastAPI()
     app.mount("/static", StaticFiles(directory=STATIC))
     app.mount(PATH, viewer_routes())
     script, style = viewer_addresses()
-    written = f'data-names="{escape(names)}"{" data-live" if is_live else ""}'
+    is_live = ' data-live="/live"' if live else ""
+    written = f'data-names="{escape(names)}"{is_live}'
     page = PAGE.format(script=script, style=style, attributes=written)
 
     @app.get("/")
@@ -62,8 +62,12 @@ def match_page(
         return Response(status_code=204)
 
     @app.get("/trails")
-    def answer(after: str = "") -> Response:
-        return trails(after)
+    def answer() -> Response:
+        return trails()
+
+    @app.get("/live")
+    async def follow(request: Request) -> Response:
+        return live(request) if live else Response(status_code=404)
 
     @app.get("/map")
     def answer_map() -> Response:

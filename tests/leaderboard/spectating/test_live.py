@@ -1,37 +1,67 @@
-"""Running matches as pages see them, compared with their records."""
+"""Running matches as spectators are told of them, compared with their records."""
 
-from collections import Counter
-from collections.abc import Callable, Iterator
+import json
+from collections.abc import Callable
+from itertools import groupby
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
+from tests.leaderboard.spectating.moments import moments_of
 
-from wildscav_engine.record import Record, read_record, resimulate
-from wildscav_evaluator.matches.snapshots import Snapshot, snapshot_of
+from wildscav_engine.record import Record, read_record
+from wildscav_evaluator.matches.snapshots import Snapshot
 from wildscav_leaderboard.spectating.live import COLUMNS, LiveMatches
-from wildscav_stage.scene.document import values_of
+from wildscav_stage.scene.document import Box, Event, News, Trails, values_of
 from wildscav_stage.scene.trails import trails_of
 
 Records = Callable[[str], Path]
 TRACKS = ("navigation", "gathering", "battle", "capture", "royale")
 
 
-def snapshots_of(record: Record) -> Iterator[Snapshot]:
-    """Every moment of a match, one after the other, as it is played."""
-    for match in resimulate(record):
-        yield snapshot_of(match)
+class Told(NamedTuple):
+    """What the file of a match tells."""
+
+    beginning: Trails
+    news: list[News]
+
+    def column(self, seat: int, name: str) -> list[int]:
+        return [each for news in self.news for each in values_of(getattr(news.samples.seats[seat], name))]
+
+    @property
+    def frames(self) -> list[int]:
+        return [frame for news in self.news for frame in values_of(news.samples.frames)]
+
+    @property
+    def events(self) -> list[Event]:
+        return [event for news in self.news for event in news.events]
+
+    @property
+    def boxes(self) -> list[Box]:
+        boxes: list[Box] = []
+        for news in self.news:
+            boxes += news.boxes
+            for place, frame in news.taken:
+                boxes[place] = boxes[place].model_copy(update={"taken": frame})
+        return boxes
 
 
-def play(live: LiveMatches, record: Record, steps: int = 10_000) -> None:
-    """Play a match up to a step, with a heartbeat for every seven steps."""
+def told_in(file: Path) -> Told:
+    beginning, *news = file.read_bytes().splitlines()
+    return Told(Trails.model_validate_json(beginning), [News.model_validate_json(line) for line in news])
+
+
+def play(live: LiveMatches, record: Record, steps: int = 10_000, together: int = 7) -> Told:
+    """Play a match up to a step, with a heartbeat for every few steps."""
     waiting: list[Snapshot] = []
-    for step, snapshot in enumerate(snapshots_of(record)):
+    for step, snapshot in enumerate(moments_of(record)):
         waiting.append(snapshot)
-        if step % 7 == 0 or step == min(steps, record.steps):
+        if step % together == 0 or step == min(steps, record.steps):
             live.add("m1", record.spec, record.names, waiting)
             waiting = []
         if step == steps:
-            return
+            break
+    return told_in(live.path("m1"))
 
 
 @pytest.fixture(params=TRACKS)
@@ -44,106 +74,71 @@ def battle(record_of_track: Records) -> Record:
     return read_record(record_of_track("battle"))
 
 
-def test_a_page_sees_what_the_record_will_tell(tmp_path: Path, record: Record) -> None:
-    live = LiveMatches(tmp_path)
-    play(live, record)
+def test_spectators_are_told_what_the_record_will_tell(tmp_path: Path, record: Record) -> None:
+    shown, told = play(LiveMatches(tmp_path), record), trails_of(record)
 
-    shown, told = live.trails("m1"), trails_of(record)
-
-    assert shown is not None
-    assert not shown.over
-    assert (shown.map, shown.target, shown.zone) == (told.map, told.target, told.zone)
-    assert [(seat.name, seat.team, seat.result) for seat in shown.seats] == [
+    beginning = shown.beginning
+    assert not beginning.over
+    assert (beginning.map, beginning.target, beginning.zone) == (told.map, told.target, told.zone)
+    assert [(seat.name, seat.team, seat.result) for seat in beginning.seats] == [
         (seat.name, seat.team, None) for seat in told.seats
     ]
-    frames = [values_of(each.samples.frames) for each in (shown, told)]
-    both = sorted(set(frames[0]) & set(frames[1]))
-    assert len(both) >= len(frames[1]) - 1  # but for the last moment
-    for seen, kept in zip(shown.samples.seats, told.samples.seats, strict=True):
+    frames = values_of(told.samples.frames)
+    both = sorted(set(shown.frames) & set(frames))
+    assert len(both) >= len(frames) - 1  # but for the last moment
+    for number, kept in enumerate(told.samples.seats):
         for name in COLUMNS:
-            here = dict(zip(frames[0], values_of(getattr(seen, name)), strict=True))
-            there = dict(zip(frames[1], values_of(getattr(kept, name)), strict=True))
+            here = dict(zip(shown.frames, shown.column(number, name), strict=True))
+            there = dict(zip(frames, values_of(getattr(kept, name)), strict=True))
             assert [here[frame] for frame in both] == [there[frame] for frame in both], name
 
 
-def test_deaths_pick_ups_and_respawns_are_told(tmp_path: Path, battle: Record) -> None:
+def test_shots_boxes_and_events_are_those_of_the_record(tmp_path: Path, record: Record) -> None:
+    shown, told = play(LiveMatches(tmp_path), record), trails_of(record)
+
+    assert shown.events == told.events
+    assert shown.boxes == told.boxes
+    for name in ("frames", "seats", "x", "z", "height"):
+        shots = [each for news in shown.news for each in values_of(getattr(news.shots, name))]
+        assert shots == values_of(getattr(told.shots, name)), name
+
+
+def test_what_happens_between_two_moments_is_told_with_the_later_one(tmp_path: Path, battle: Record) -> None:
+    every_tenth = []
+    for _, moments in groupby(enumerate(moments_of(battle)), lambda each: (each[0] + 9) // 10):
+        moment, *before = [snapshot for _, snapshot in moments][::-1]
+        parts = ("happened", "shots", "appeared", "taken")
+        noted = {name: sum((getattr(each, name) for each in [*before[::-1], moment]), ()) for name in parts}
+        every_tenth.append(moment._replace(**noted))
     live = LiveMatches(tmp_path)
-    play(live, battle)
+    live.add("m1", battle.spec, battle.names, every_tenth)
 
-    shown = live.trails("m1")
-
-    assert shown is not None
-    seen, told = (Counter(event.kind for event in each.events) for each in (shown, trails_of(battle)))
-    assert seen["death"] == told["death"] > 0
-    assert seen["respawn"] == told["respawn"]
-    assert 0 < seen["pick_up"] <= told["pick_up"]  # two in one moment look like one
-
-
-def test_documents_after_each_other_are_the_whole(tmp_path: Path, battle: Record) -> None:
-    live, reader = LiveMatches(tmp_path), LiveMatches(tmp_path)
-    frames: list[int] = []
-    heights: list[int] = []
-    cursor = ""
-
-    for place, snapshot in enumerate(snapshots_of(battle)):
-        live.add("m1", battle.spec, battle.names, [snapshot])
-        if place % 40 == 0:
-            shown = reader.trails("m1", cursor)
-            assert shown is not None
-            assert shown.first is (place == 0)
-            frames += values_of(shown.samples.frames)
-            heights += values_of(shown.samples.seats[1].height)
-            cursor = shown.cursor
-    rest, whole = reader.trails("m1", cursor), reader.trails("m1")
-
-    assert rest is not None
-    assert whole is not None
-    assert frames + values_of(rest.samples.frames) == values_of(whole.samples.frames)
-    assert heights + values_of(rest.samples.seats[1].height) == values_of(whole.samples.seats[1].height)
-    assert set(whole.samples.frames[1:]) == {5}
+    assert told_in(live.path("m1")).events == trails_of(battle).events
 
 
 def test_a_match_that_is_played_again_begins_anew(tmp_path: Path, battle: Record) -> None:
     live = LiveMatches(tmp_path)
     play(live, battle, steps=60)
-    before = live.trails("m1")
-    assert before is not None
 
-    play(live, battle, steps=20)
-    again = live.trails("m1", before.cursor)
+    again = play(live, battle, steps=20)
 
-    assert again is not None
-    assert again.first
-    assert again.samples.frames[0] == 0
-    assert again.frames == 100
+    assert (again.frames[0], again.frames[-1]) == (0, 100)
 
 
-@pytest.mark.parametrize("cursor", ["", "nonsense", "0-999999", "ffff-12", "1-" + "9" * 30])
-def test_a_cursor_of_something_else_gives_the_whole(tmp_path: Path, battle: Record, cursor: str) -> None:
+def test_a_match_whose_beginning_was_missed_is_not_shown(tmp_path: Path, battle: Record) -> None:
     live = LiveMatches(tmp_path)
-    play(live, battle, steps=20)
+    live.add("m1", battle.spec, battle.names, list(moments_of(battle))[5:9])
 
-    shown = live.trails("m1", cursor)
-
-    assert shown is not None
-    assert shown.first
-    assert shown.frames == 100
+    assert not live.path("m1").exists()
 
 
-def test_half_a_line_is_left_for_the_next_document(tmp_path: Path, battle: Record) -> None:
+def test_a_line_holds_half_a_second_in_a_kilobyte(tmp_path: Path, battle: Record) -> None:
     live = LiveMatches(tmp_path)
-    play(live, battle, steps=20)
-    file = next(tmp_path.glob("*.live"))
-    whole = file.read_bytes()
-    file.write_bytes(whole[:-30])
+    play(live, battle, together=5)
 
-    first = live.trails("m1")
-    assert first is not None
-    file.write_bytes(whole)
-    rest = live.trails("m1", first.cursor)
-
-    assert rest is not None
-    assert (first.frames, rest.samples.frames) == (95, [100])
+    lines = live.path("m1").read_bytes().splitlines()[1:]
+    assert json.loads(lines[1])["samples"]["frames"] == [5, 5, 5, 5, 5]
+    assert sum(map(len, lines)) / len(lines) / len(battle.names) < 400  # bytes a seat
 
 
 def test_a_match_that_has_ended_is_gone(tmp_path: Path, battle: Record) -> None:
@@ -152,7 +147,6 @@ def test_a_match_that_has_ended_is_gone(tmp_path: Path, battle: Record) -> None:
 
     live.end("m1")
 
-    assert live.trails("m1") is None
     assert list(tmp_path.iterdir()) == []
 
 

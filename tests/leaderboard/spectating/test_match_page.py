@@ -2,18 +2,21 @@
 
 import json
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 import pytest
+from fastapi import Request
 from fastapi.responses import JSONResponse, Response
 from tests.browsers import DESK, IN_3D, chromium
+from tests.leaderboard.spectating.moments import moments_of
 from tests.leaderboard.spectating.pages_for_tests import match_page
 
 from wildscav_engine.maps import map_of
-from wildscav_engine.record import read_record, resimulate
-from wildscav_evaluator.matches.snapshots import snapshot_of
-from wildscav_leaderboard.spectating.live import LiveMatches
+from wildscav_engine.record import read_record
+from wildscav_leaderboard.spectating.live import LiveMatches, key_of
+from wildscav_leaderboard.spectating.streams import Streams
 from wildscav_stage.scene.document import Trails
 from wildscav_stage.scene.map_file import map_file
 from wildscav_stage.scene.trails import trails_of
@@ -55,6 +58,10 @@ def game_map(battle: Path) -> bytes:
     return map_file(map_of(read_record(battle).spec.map))
 
 
+async def shown_to_all(_match: int) -> str:
+    return ""
+
+
 def answer_with(trails: Trails) -> Response:
     return Response(trails.compressed(), headers=GZIP, media_type="application/json")
 
@@ -71,7 +78,7 @@ def test_what_is_still_rendered_is_waited_for_and_names_are_text(
     names = json.dumps({0: HOSTILE})
     made = Response(game_map, headers=GZIP)
     with match_page(
-        lambda _: answer("trails", answer_with(trails)), lambda: answer("map", made), names
+        lambda: answer("trails", answer_with(trails)), lambda: answer("map", made), names
     ) as address:
         page.goto(address)
         page.get_by_text("Soon …").first.wait_for()
@@ -85,7 +92,7 @@ def test_what_is_still_rendered_is_waited_for_and_names_are_text(
 
 def test_a_map_that_failed_can_be_asked_for_again(page: Any, battle: Path, game_map: bytes) -> None:
     answers = [JSONResponse({"detail": "Not now"}, 200), Response(game_map, headers=GZIP)]
-    with match_page(lambda _: answer_with(trails_of(read_record(battle))), lambda: answers.pop(0)) as address:
+    with match_page(lambda: answer_with(trails_of(read_record(battle))), lambda: answers.pop(0)) as address:
         page.goto(address)
         page.get_by_text("The map cannot be shown").wait_for()
         page.get_by_role("button", name="Try again").click()
@@ -96,35 +103,40 @@ def test_a_running_match_moves_by_itself_until_its_record_is_there(
     page: Any, tmp_path: Path, battle: Path, game_map: bytes
 ) -> None:
     record, told = read_record(battle), trails_of(read_record(battle))
-    moments = [snapshot_of(match) for match in resimulate(record)]
+    moments = list(moments_of(record))
     live = LiveMatches(tmp_path)
-    live.add("m1", record.spec, record.names, moments[:60])
-    is_cut = False
+    live.add(key_of(7), record.spec, record.names, moments[:60])
+    following = Streams(live, shown_to_all)
+    asked = 0
 
-    def answer(after: str) -> Response:
-        if is_cut:
-            return Response("not now", media_type="application/json")
-        return answer_with(live.trails("m1", after) or told)
+    def follow(request: Request) -> Response:
+        nonlocal asked
+        asked += 1
+        if asked == 1:
+            return Response(media_type="text/event-stream")  # which ends at once
+        return following.follow(request, 7, "somebody", everything=False)
 
     def wait_for(text: str) -> None:
         page.locator(".player-time", has_text=text).wait_for()
 
-    with match_page(answer, lambda: Response(game_map, headers=GZIP), is_live=True) as address:
+    made = Response(game_map, headers=GZIP)
+    with match_page(lambda: answer_with(told), lambda: made, live=follow) as address, ExitStack() as stack:
+        stack.callback(live.end, key_of(7))  # or the server would wait for the end of the stream
         page.goto(address)
+        page.get_by_text("The connection is lost").wait_for()
         wait_for("0:05 of 0:05")
-        live.add("m1", record.spec, record.names, moments[60:210])
+        page.locator(".player-behind", has_text="s behind").wait_for()
+        live.add(key_of(7), record.spec, record.names, moments[60:210])
         wait_for("0:20 of 0:20")
         page.get_by_role("button", name="Back 5 seconds").click()  # whoever looks back is left alone
-        live.add("m1", record.spec, record.names, moments[210:260])
+        live.add(key_of(7), record.spec, record.names, moments[210:260])
         wait_for("of 0:25")
         assert not page.locator(".player-time").text_content().startswith("0:25")
         page.get_by_role("button", name="Live").click()
         wait_for("0:25 of 0:25")
-        is_cut = True
-        page.get_by_text("The connection is lost").wait_for()
-        is_cut = False
-        page.get_by_text("The connection is lost").wait_for(state="detached")
-        live.end("m1")
+        assert page.locator(".player-events li").count() == sum(event.frame < 1300 for event in told.events)
+        live.end(key_of(7))
         page.get_by_text("The match is over.").wait_for()
 
         assert page.locator(".player-events li").count() == len(told.events)
+        assert page.locator(".player-behind").is_hidden()

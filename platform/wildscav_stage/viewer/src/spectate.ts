@@ -7,15 +7,7 @@ import { find } from "./play/dom";
 import { fillTable, Hud, titlesOf } from "./play/hud";
 import { WatchedCourse } from "./play/live_course";
 import { personRow } from "./play/lobby";
-import {
-  type All,
-  type Begin,
-  type Handlers,
-  type Message,
-  type Own,
-  ownOf,
-  type Table,
-} from "./play/messages";
+import type { All, Begin, Handlers, Message, Table } from "./play/messages";
 import { showReplay } from "./play/replay";
 import { eachPicture, hasWebGL, Picture, withMap } from "./play/scene";
 import { make } from "./player/dom";
@@ -58,7 +50,8 @@ const handlers: Handlers = {
   people: ({ people }) =>
     find("lobby ul").replaceChildren(...people.map((person) => personRow(person, null))),
   lobby: () => {
-    const words = "You watch the match as soon as the host starts it.";
+    const late = table.delay ? `, ${table.delay} s behind those who play` : "";
+    const words = `You watch the match as soon as the host starts it${late}.`;
     showPanel("lobby", `Wildscav: ${table.track}`, words, true);
   },
   preparing: () => showPanel("preparing", "Making the map …", "The match starts in a few seconds.", true),
@@ -164,6 +157,7 @@ function showViews(): void {
       const properties = { type: "button", onclick: () => choose(own), "aria-pressed": isSame(own, view) };
       return make("button", properties, ...shown);
     }),
+    make("span", {}, table.delay ? `${table.delay} s behind` : ""),
   );
 }
 
@@ -181,16 +175,12 @@ function followed(): number | null {
   return view.kind === "eyes" || view.kind === "behind" ? view.seat : null;
 }
 
-function ownOfSeat(): Own | null {
-  const row = latest?.agents.find((agent) => agent[0] === followed());
-  return row ? ownOf(row.slice(1)) : null;
-}
-
 eachPicture((now) => {
   if (!picture || !course || game.dataset.state !== "watching") return;
   const frame = clock.frame(now);
   picture.draw(frame, now);
-  const own = ownOfSeat();
+  const seat = followed();
+  const own = seat === null ? null : course.rows.of(seat);
   if (own) hud.show(own, course.at(view.seat, frame), course);
   hud.showPace(latest?.ping ?? null, picture.rate, null);
 });

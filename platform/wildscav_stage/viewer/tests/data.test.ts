@@ -84,7 +84,7 @@ describe("files of other versions are refused", () => {
   });
 
   test("matches", () => {
-    expect(() => readTrails('{"version": 1}')).toThrow("matches of version 2, not 1");
+    expect(() => readTrails('{"version": 1}')).toThrow("matches of version 3, not 1");
   });
 });
 
@@ -120,13 +120,22 @@ describe("the course of a match", () => {
     expect(course.at(0, 1000)).toEqual(course.at(0, 15));
   });
 
-  test("a document that is not the first one is added", () => {
+  test("news are added, and a match that is played again begins anew", () => {
     const live = new Course(match({ over: false }));
     const one = { x: [0], z: [0], height: [0], yaw: [0], pitch: [0], health: [9], supplies: [4] };
-    live.extend(match({ first: false, samples: { frames: [25], seats: [one] } }));
+    live.extend({ ...match({ samples: { frames: [25], seats: [one] } }), taken: [] });
     expect([live.frames, live.at(0, 25).health]).toEqual([[0, 10, 15, 25], 9]);
-    live.extend(match({ samples: { frames: [5], seats: [one] } }));
+    live.begin(match({ samples: { frames: [5], seats: [one] } }));
     expect(live.frames).toEqual([5]);
+  });
+
+  test("news say which boxes have appeared, and which of all are gone", () => {
+    const live = new Course(match({ over: false }));
+    const box = { x: 0, z: 0, height: 0, dropped: false, quantity: 1, appears: 5, taken: null };
+    const nothing = { ...match({ events: [] }), samples: { frames: [], seats: [] }, boxes: [] };
+    live.extend({ ...nothing, boxes: [box, { ...box, appears: 7 }], taken: [] });
+    live.extend({ ...nothing, taken: [[1, 9]] });
+    expect([4, 5, 8, 9].map((frame) => live.boxesAt(frame).length)).toEqual([0, 1, 2, 1]);
   });
 
   test("boxes lie from their appearance until they are taken", () => {

@@ -35,10 +35,9 @@ export function trails(
   others: Partial<Trails> = {},
 ): Trails {
   return {
-    version: 2,
+    version: 3,
     over: true,
-    first: true,
-    cursor: "",
+    delay: 0,
     track: "battle",
     title: "Supply battle",
     frames_per_second: 50,

@@ -4,7 +4,7 @@ import { expect, test } from "vitest";
 import { Clock } from "../src/play/clock";
 import { TurnLimit } from "../src/play/controls";
 import { SeenCourse } from "../src/play/live_course";
-import { type Begin, FRAMES, type Now, ON_GROUND, type Own } from "../src/play/messages";
+import { type Begin, FRAMES, type Now, ON_GROUND, type Own, Rows } from "../src/play/messages";
 import { type Held, Prediction } from "../src/play/prediction";
 import { DEFAULTS, settingsOf } from "../src/play/settings";
 
@@ -296,4 +296,20 @@ test("settings are what was kept, as far as it is allowed", () => {
   expect(settingsOf("")).toEqual(DEFAULTS);
   expect(settingsOf("no JSON")).toEqual(DEFAULTS);
   expect(settingsOf('{"field": 70, "sensitivity": 99, "invert": 1}')).toEqual({ ...DEFAULTS, field: 70 });
+});
+
+test("a spectator is told of rows by what has changed of them", () => {
+  const rows = new Rows();
+  const moment = { kind: "all", number: 1, ping: null, frame: 4 } as const;
+  rows.take({
+    ...moment,
+    all: 1,
+    agents: [
+      [0, 100, 0, 200, 9000, 0, 100, 30, 90, 5, 0, 0, 0],
+      [1, ...Array(12).fill(0)],
+    ],
+  });
+  rows.take({ ...moment, moved: [[0, 0b100001, 50, -20]], left: [1] });
+  expect(rows.of(0)).toMatchObject({ x: 1.5, z: 2, yaw: 90, health: 80, clip: 30, supplies: 5 });
+  expect(rows.of(1)).toBeNull();
 });

@@ -20,6 +20,7 @@ class PageClient:
         self.socket = socket
         self.shown: dict[str, Any] = {}  # the last moment of the match
         self.boxes: set[int] = set()  # serials of those that are known
+        self.rows: dict[int, list[int]] = {}  # of agents, as spectators are told them
         self.moments = 0
         self.texts: list[str] = []  # all that it was sent
 
@@ -53,9 +54,21 @@ class PageClient:
             self.shown = message
             self.boxes |= {box[0] for box in message.get("boxes", ())}
             self.boxes -= set(message.get("gone", ()))
+            self._take_rows(message)
             self.moments += 1
             await self.send(kind="seen", number=message["number"])
         return message
+
+    def _take_rows(self, message: dict[str, Any]) -> None:
+        """Take in what spectators are told of agents."""
+        if message.get("all"):
+            self.rows = {seat: row for seat, *row in message["agents"]}
+        for seat in message.get("left", ()):
+            del self.rows[seat]
+        for seat, bits, *changes in message.get("moved", ()):
+            for place in range(len(self.rows[seat])):
+                if bits >> place & 1:
+                    self.rows[seat][place] += changes.pop(0)
 
 
 @asynccontextmanager

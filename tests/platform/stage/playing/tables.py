@@ -29,11 +29,11 @@ def small_plan(
 
 @asynccontextmanager
 async def tables_links(
-    plan: Plan, folder: Path, public_url: str | None = None, countdown: int = 0
+    plan: Plan, folder: Path, public_url: str | None = None, countdown: int = 0, delay: float = 0.0
 ) -> AsyncIterator[Addresses]:
     """Serve a table, and yield its links."""
     prepare(plan)
-    options: Any = {"public_url": public_url, "countdown": countdown}
+    options: Any = {"public_url": public_url, "countdown": countdown, "delay": delay}
     async with served(plan, folder, "127.0.0.1", 0, [].append, **options) as (links, _):
         yield links
 

@@ -2,17 +2,18 @@
 
 import asyncio
 import json
+import time
 from contextlib import AsyncExitStack
 from pathlib import Path
 
 import httpx
 import pytest
-from tests.platform.stage.playing.pages import page
+from tests.platform.stage.playing.pages import PageClient, page
 from tests.platform.stage.playing.tables import small_plan, tables_links
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from wildscav_engine.simulation.match import Match
-from wildscav_stage.playing.audience import Audience
+from wildscav_stage.playing.audience import AUDIENCE_FRAMES, Audience
 from wildscav_stage.playing.page import TOO_MANY, UNSUPPORTED
 from wildscav_stage.playing.table import MAX_SPECTATORS
 
@@ -34,6 +35,7 @@ def test_a_spectator_is_told_of_everybody(tmp_path: Path) -> None:
             assert [row[0] for row in first["agents"]] == [0, 1, 2]
             assert (first["all"], len(first["boxes"]) > 0) == (1, True)
             assert "all" not in await spectator.until("moment")
+            assert spectator.rows.keys() == {0, 1, 2}
             async with page(links.watch) as later:
                 assert (await later.until("moment"))["all"] == 1
                 assert later.boxes == spectator.boxes
@@ -53,7 +55,7 @@ def test_spectators_are_told_the_same_and_one_who_comes_to_a_paused_match_sees_i
             await asyncio.gather(first.moments_within(0.3), second.moments_within(0.3))
             async with page(links.watch) as late:
                 await late.until("moment")
-                told = [each.shown["agents"] for each in (first, second, late)]
+                told = [each.rows for each in (first, second, late)]
             assert told[0] == told[1] == told[2]
 
     asyncio.run(play())
@@ -82,23 +84,78 @@ def test_a_spectator_who_tries_to_act_is_closed(tmp_path: Path, message: dict[st
     asyncio.run(play())
 
 
-def test_messages_are_made_for_those_who_take_them() -> None:
-    async def watch() -> None:
-        match, audience = Match(small_plan("battle", 60.0, ("fighter",) * 3).spec), Audience()
+def spectate(match: Match, audience: Audience, frames: int, *, asked: int) -> list[tuple[int, str]]:
+    """Play frames, and return what a spectator who asks after every few frames is told."""
+
+    async def watch() -> list[tuple[int, str]]:
         audience.begin(match)
-        told = []
-        for frame in range(1, 101):
+        told = [await audience.next(0)]
+        for frame in range(1, frames + 1):
             match.step()
             match.state.agents.fired[0, 1] = frame in (50, 98)
             audience.note()
-            if frame in (60, 100):
-                told.append(await audience.next(0))
-        (_, before), (number, now) = told
-        assert '"shots"' not in before  # they are old
-        assert json.loads(f"{{{now}")["shots"][0][0] == 1
-        assert await audience.next(0) == (number, now)
+            if frame % asked == 0:
+                told.append(await audience.next(told[-1][0]))
+        return told
 
-    asyncio.run(watch())
+    return asyncio.run(watch())
+
+
+def fighters() -> Match:
+    return Match(small_plan("battle", 60.0, ("fighter",) * 3).spec)
+
+
+@pytest.mark.parametrize("seen", [1, 3])
+def test_changes_add_up_to_what_is_there(seen: int) -> None:
+    """Whoever takes every moment, or is a few late at times, knows what one knows who comes now."""
+    audience, match, client = Audience(), fighters(), PageClient.__new__(PageClient)
+    told = spectate(match, audience, 400, asked=AUDIENCE_FRAMES * seen)
+
+    for _, text in told:
+        client._take_rows(json.loads(f"{{{text}"))
+    everything = json.loads(f"{{{asyncio.run(audience.next(0))[1]}")
+
+    if seen == 1:
+        assert sum('"all"' in text for _, text in told) == 1
+        assert client.rows == {seat: row for seat, *row in everything["agents"]}
+
+
+def test_a_spectator_who_missed_moments_is_told_everything_and_no_old_shots() -> None:
+    told = spectate(fighters(), Audience(), 100, asked=50)
+
+    texts = [json.loads(f"{{{text}") for _, text in told]
+    assert [text.get("all") for text in texts] == [1, 1, 1]
+    assert "shots" not in texts[1]  # they are old
+    assert texts[2]["shots"][0][0] == 1
+
+
+def test_changes_are_small() -> None:
+    told = spectate(Match(small_plan("battle", 60.0, ("fighter",) * 9).spec), Audience(), 500, asked=4)
+
+    rate = 50 / AUDIENCE_FRAMES
+    assert rate * sum(len(text) for _, text in told[1:]) / len(told[1:]) < 5000  # bytes a second
+
+
+def test_what_spectators_see_is_so_many_seconds_old(tmp_path: Path) -> None:
+    """Of all that tells where somebody is, and of the end."""
+
+    async def play() -> None:
+        plan = small_plan("battle", 2.0, people=2)
+        assert plan.delay > 0.0
+        async with tables_links(plan, tmp_path, delay=1.0) as links, AsyncExitStack() as stack:
+            spectator, host = [
+                await stack.enter_async_context(page(link)) for link in (links.watch, links.host)
+            ]
+            assert (await spectator.until("table"))["delay"] == 1.0
+            await host.send(kind="start")
+            for kind in ("begin", "over"):
+                await host.until(kind)
+                there = time.monotonic()
+                await spectator.until(kind)
+                assert time.monotonic() - there > 0.5
+            assert spectator.shown["frame"] >= 96  # nothing of the match is left out
+
+    asyncio.run(play())
 
 
 def test_the_map_is_sent_to_whoever_has_a_link_and_does_not_have_it_yet(tmp_path: Path) -> None:

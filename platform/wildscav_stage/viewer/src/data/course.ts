@@ -6,6 +6,7 @@ import {
   type Circle,
   type MatchEvent,
   METRE,
+  type News,
   type SampleName,
   type Seat,
   type ShotName,
@@ -53,14 +54,21 @@ export class Course {
     this.add(trails);
   }
 
-  // Add what a match that is being played has seen since the last document, or begin anew.
-  extend(next: Trails): void {
-    if (next.first) {
-      this.frames.length = this.shots.length = this.events.length = 0;
-      for (const samples of this.samples) for (const name of SAMPLES) samples[name].length = 0;
-    }
-    this.trails = next;
-    this.add(next);
+  // Begin anew, with another document of the same match.
+  begin(trails: Trails): void {
+    this.frames.length = this.shots.length = this.events.length = 0;
+    for (const samples of this.samples) for (const name of SAMPLES) samples[name].length = 0;
+    this.trails = trails;
+    this.add(trails);
+  }
+
+  // Add what comes next of a match that is being played.
+  extend(news: News): void {
+    this.add(news);
+    const { boxes } = this.trails;
+    for (const box of news.boxes) boxes.push(box);
+    for (const [place, frame] of news.taken) boxes[place].taken = frame;
+    this.trails.frames = this.lastFrame;
   }
 
   // Add what agents said, as events, and drew.
@@ -149,7 +157,7 @@ export class Course {
     return { now: circle({ x: at("x"), z: at("z"), radius: at("radius") }), next: circle(phase.after) };
   }
 
-  private add(trails: Trails): void {
+  private add(trails: Omit<News, "taken">): void {
     addSums(this.frames, trails.samples.frames);
     trails.samples.seats.forEach((samples, seat) => {
       for (const name of SAMPLES) addSums(this.samples[seat][name], samples[name]);

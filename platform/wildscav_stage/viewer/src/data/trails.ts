@@ -1,6 +1,6 @@
 // The document of a match, as platform/wildscav_stage/scene/document.py describes it. Lengths are centimetres there.
 
-const TRAILS_VERSION = 2;
+const TRAILS_VERSION = 3;
 export const METRE = 100; // units of the document
 export const CLOTHES = 2; // the part of a body that is seen best: of its colours, the one of its team
 
@@ -68,8 +68,7 @@ export interface Box {
 export interface Trails {
   version: number;
   over: boolean;
-  first: boolean;
-  cursor: string;
+  delay: number; // s until news are sent
   track: string;
   title: string;
   frames_per_second: number;
@@ -85,6 +84,11 @@ export interface Trails {
   events: MatchEvent[];
   zone: ZonePhase[];
   boxes: Box[];
+}
+
+// What comes next of a match that is being played. Of each box that is gone: its place among all, and the frame.
+export interface News extends Pick<Trails, "samples" | "shots" | "events" | "boxes"> {
+  taken: [number, number][];
 }
 
 // Read the text of a document. It throws an Error whose message a person can read.

@@ -4,7 +4,7 @@ import { Course, type SeatState } from "../data/course";
 import { METRE, type Trails } from "../data/trails";
 import { bearingOf } from "./bearing";
 import { type Killer, killerOf } from "./fall";
-import { type All, type Begin, FRAMES, type Moment, type Now, ownOf } from "./messages";
+import { type All, type Begin, FRAMES, type Moment, type Now, Rows } from "./messages";
 
 const NOWHERE = 1e5; // m, where nobody is drawn
 const GAP = 10; // frames without word of an agent after which it comes anew
@@ -48,12 +48,14 @@ export abstract class LiveCourse extends Course {
 
 // What spectators see: everybody.
 export class WatchedCourse extends LiveCourse {
+  readonly rows = new Rows();
+
   learn(moment: All): void {
     if (moment.all) this.forgetBoxes();
+    this.rows.take(moment);
     this.frames.push(moment.frame);
     this.samples.forEach((samples, seat) => {
-      const row = moment.agents.find((agent) => agent[0] === seat);
-      const own = row ? ownOf(row.slice(1)) : null;
+      const own = this.rows.of(seat);
       const before = samples.yaw[samples.yaw.length - 1] ?? 0;
       samples.x.push(own ? METRE * own.x : METRE * NOWHERE);
       samples.z.push(own ? METRE * own.z : METRE * NOWHERE);
@@ -185,8 +187,7 @@ function emptyTrails(begin: Begin, track: string): Trails {
   return {
     version: 0, // of no file
     over: false,
-    first: true,
-    cursor: "",
+    delay: 0,
     track,
     title: track,
     frames_per_second: FRAMES,

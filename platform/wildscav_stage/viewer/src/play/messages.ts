@@ -28,8 +28,10 @@ export interface Now extends Moment {
 
 export interface All extends Moment {
   kind: "all";
-  all?: 1; // whether these are all boxes
-  agents: number[][]; // seat, and what ownOf reads
+  all?: 1; // whether this is everything, and not what is new
+  agents?: number[][]; // seat and row
+  moved?: number[][]; // seat, bits of the numbers of its row that have changed, and by how much each has
+  left?: number[]; // seats
   shots?: number[][]; // seat, and where the shot ended: x, y, z
 }
 
@@ -71,6 +73,7 @@ export interface Table {
   stand_in: string;
   is_range: boolean; // whether the others are targets
   kinds: string[]; // of robots
+  delay: number; // s after which spectators see a match
 }
 
 export interface Metric {
@@ -134,6 +137,31 @@ export type Handlers = { [M in Message as M["kind"]]?: (message: M) => void };
 
 export const FRAMES = 50; // a second
 export const [ON_GROUND, IN_WATER, CAN_PICK_UP] = [1, 2, 4]; // flags
+
+// The rows of agents as spectators are told them, in which velocities and flags are missing.
+export class Rows {
+  private readonly rows = new Map<number, number[]>();
+
+  take(moment: All): void {
+    if (moment.all) this.rows.clear();
+    for (const [seat, ...row] of moment.agents ?? []) this.rows.set(seat, row);
+    for (const seat of moment.left ?? []) this.rows.delete(seat);
+    for (const [seat, bits, ...changes] of moment.moved ?? []) {
+      const before = this.rows.get(seat) ?? [];
+      let next = 0;
+      this.rows.set(
+        seat,
+        before.map((value, place) => value + (bits & (1 << place) ? changes[next++] : 0)),
+      );
+    }
+  }
+
+  // What is told of a seat; null if it is not in the match.
+  of(seat: number): Own | null {
+    const row = this.rows.get(seat);
+    return row ? ownOf([...row.slice(0, 5), 0, 0, 0, 0, ...row.slice(5)]) : null;
+  }
+}
 
 // A seat in full. Lengths are m, angles degrees, times frames.
 export interface Own {

@@ -55,6 +55,7 @@ export class Controls {
   private readonly live: HTMLButtonElement;
   private readonly inset: HTMLButtonElement;
   private readonly time = make("span", { className: "player-time" });
+  private readonly behind = make("span", { className: "player-behind" });
   private readonly speed: HTMLSelectElement;
   private readonly seat: HTMLSelectElement;
   private readonly trail: HTMLSelectElement;
@@ -97,13 +98,16 @@ export class Controls {
     this.trail.hidden = !hasTrail;
   }
 
-  update(clock: Clock, text: string, isAtEnd: boolean): void {
+  // lag: s that the picture is behind a match that is being played.
+  update(clock: Clock, text: string, isAtEnd: boolean, lag: number): void {
     const isMoving = clock.isPlaying || clock.isFollowingLive;
     setIcon(this.play, isMoving ? "pause" : isAtEnd ? "again" : "play");
     rename(this.play, isMoving ? "Pause" : isAtEnd ? "Play again" : "Play");
     if (this.time.textContent !== text) this.time.textContent = text;
     this.speed.value = String(clock.speed);
-    this.live.hidden = !clock.isOpen;
+    const behind = `${Math.round(lag)} s behind`;
+    if (this.behind.textContent !== behind) this.behind.textContent = behind;
+    this.live.hidden = this.behind.hidden = !clock.isOpen;
     this.live.setAttribute("aria-pressed", String(clock.isFollowingLive));
   }
 
@@ -130,6 +134,7 @@ export class Controls {
       iconButton("eventOn", "Next event", () => actions.jump(1)),
       this.time,
       this.live,
+      this.behind,
     );
   }
 

@@ -3,7 +3,7 @@
 import type { Course } from "../data/course";
 import type { GameMap } from "../data/map";
 import type { Note } from "../data/notes";
-import type { Trails } from "../data/trails";
+import type { News, Trails } from "../data/trails";
 import type { StageMaker, ViewKind } from "../stage";
 import { followsSeat, type Moment } from "./address";
 import { Caption } from "./caption";
@@ -13,6 +13,7 @@ import { make } from "./dom";
 import { EventList } from "./event_list";
 import { Feed } from "./feed";
 import { keysDialog, listenToKeys } from "./keys";
+import { Lag } from "./lag";
 import { type Drawn, Loop } from "./loop";
 import { jumpFrom, stepFrom } from "./moments";
 import { Screen } from "./screen";
@@ -39,6 +40,8 @@ export class Player implements Actions, Drawn {
   private readonly keys = keysDialog();
   private readonly theater: HTMLElement;
   private readonly stops: (() => void)[];
+  private readonly lag: Lag;
+  private state = ""; // of the connection, as it was said last
   private follower: Player | null = null;
   private shownTime = -1; // s, by all but the picture
   private listsAt = 0; // ms, when the lists are due again
@@ -52,6 +55,7 @@ export class Player implements Actions, Drawn {
     private readonly lead: Player | null = null, // whose time line and buttons move this one too, where two are compared
   ) {
     this.loop = new Loop(root, clock, this);
+    this.lag = new Lag(course.trails.delay, course.trails.frames_per_second);
     this.screen = new Screen(course, makers, () => this.loop.stir());
     this.views = new Views(course, this.screen, (told) => this.tellView(told));
     this.controls = new Controls(course.seats, this);
@@ -112,14 +116,20 @@ export class Player implements Actions, Drawn {
     this.views.goTo(moment);
   }
 
-  // Take in new samples of a match that is being played.
-  extend(next: Trails): void {
-    this.course.extend(next);
+  // Begin anew: the match is played again, or is over and recorded.
+  begin(trails: Trails, news: News[]): void {
+    this.course.begin(trails);
+    this.extend(news);
+    if (trails.over) this.clock.close();
+  }
+
+  // Take in news of a match that is being played.
+  extend(news: News[]): void {
+    for (const each of news) this.course.extend(each);
     this.standings.extend();
     this.events.extend();
     this.views.extend();
     this.setEnd();
-    if (next.over) this.clock.close();
   }
 
   // Show what agents said and drew.
@@ -133,7 +143,13 @@ export class Player implements Actions, Drawn {
     this.controls.status.replaceChildren(...what);
   }
 
-  // Ask for no more samples, and say why.
+  // Say how it goes with the connection, until an empty text says that all is well.
+  sayState(text: string): void {
+    if (text !== this.state) this.say(text);
+    this.state = text;
+  }
+
+  // There is no more news; say why.
   giveUp(why: string): void {
     this.clock.close();
     this.say(why);
@@ -274,6 +290,7 @@ export class Player implements Actions, Drawn {
   }
 
   private setEnd(): void {
+    this.lag.note(this.course.lastFrame, performance.now());
     this.clock.setEnd(this.course.seconds(this.course.lastFrame), this);
   }
 
@@ -303,7 +320,7 @@ export class Player implements Actions, Drawn {
     this.shownTime = seconds;
     const text = timeText(seconds, end);
     this.timeline.update(seconds, end, text);
-    this.controls.update(clock, text, seconds >= end && !isOpen);
+    this.controls.update(clock, text, seconds >= end && !isOpen, this.lag.of(frame, now));
     this.feed.update(frame, clock.speed);
     this.caption.update(frame, this.views.seat);
     this.showOutcome(frame >= course.lastFrame && !isOpen);

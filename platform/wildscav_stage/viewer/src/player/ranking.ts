@@ -1,7 +1,7 @@
 // The standings of a match at a moment.
 
 import type { Course, SeatState } from "../data/course";
-import { type MatchEvent, METRE, type Seat } from "../data/trails";
+import { type MatchEvent, METRE, type Seat, type Trails } from "../data/trails";
 
 export interface Standing {
   seat: Seat;
@@ -22,6 +22,7 @@ export class Tally {
   private readonly outs: (number | null)[];
   private readonly reached: (number | null)[];
   private counted = 0;
+  private trails: Trails | null = null; // of the course when they were counted
 
   constructor(private readonly course: Course) {
     this.kills = course.seats.map(() => []);
@@ -33,7 +34,8 @@ export class Tally {
   // Take in the events that have come since, or begin anew with the match.
   update(): void {
     const { events, trails } = this.course;
-    if (trails.first) this.clear();
+    if (trails !== this.trails) this.clear();
+    this.trails = trails;
     for (const event of events.slice(this.counted)) this.add(event);
     this.counted = events.length;
   }

@@ -1,15 +1,17 @@
-// A player in an element of a page: loads its match, says how that goes, and asks for more while it is being played.
+// A player in an element of a page: loads its match, says how that goes, and follows it while it is being played.
 
 import { Course } from "../data/course";
 import type { GameMap } from "../data/map";
-import type { Trails } from "../data/trails";
+import type { News, Trails } from "../data/trails";
 import type { StageMaker } from "../stage";
 import { readMoment } from "./address";
 import { Clock } from "./clock";
 import { make } from "./dom";
-import { POLL, pause, RETRY, Refusal, type Source, sourceOf } from "./loading";
+import { Broadcast } from "./live";
+import { pause, Refusal, type Source, sourceOf } from "./loading";
 import { Player } from "./player";
 
+const SOON = 100; // ms between two looks for the match beside which this one is shown
 const PATIENCE = 10_000; // ms for which a match waits for its map
 
 const players: Player[] = [];
@@ -28,15 +30,22 @@ export async function show(root: HTMLElement, makers: StageMaker[]): Promise<voi
   try {
     const map = source.map((text) => players.find((each) => each.root === root)?.screen.say(text));
     map.catch(() => {}); // is handled below, but perhaps later than the browser complains
-    const trails = await firstTrails(source, tell);
-    const lead = await leadOf(root);
-    const player = enter(root, new Course(trails, namesOf(root)), makers, lead);
-    const shown = showMap(player, source, map);
-    await Promise.race([shown, pause(PATIENCE)]);
-    if (!lead) player.start(first() === player ? readMoment(location.hash) : null);
-    const notes = showNotes(player, source);
-    if ("live" in root.dataset) await watch(player, source);
-    await Promise.all([shown, notes]);
+    const open = (lead: Player | null) => (trails: Trails, news: News[]) => {
+      const course = new Course(trails, namesOf(root));
+      for (const each of news) course.extend(each);
+      const player = enter(root, course, makers, lead);
+      const shown = showMap(player, source, map);
+      Promise.race([shown, pause(PATIENCE)]).then(() => {
+        if (!lead) player.start(first() === player ? readMoment(location.hash) : null);
+      });
+      showNotes(player, source);
+      return player;
+    };
+    if ("live" in root.dataset) await watch(source, open(null), tell);
+    else {
+      const trails = await recorded(source, tell);
+      open(await leadOf(root))(trails, []);
+    }
   } catch (error) {
     console.warn(error);
     forget(root);
@@ -50,15 +59,10 @@ function again(onclick: () => void): HTMLButtonElement {
   return make("button", { type: "button", textContent: "Try again", onclick });
 }
 
-// The document of a match, when it has begun.
-async function firstTrails(source: Source, tell: (text: string) => void): Promise<Trails> {
-  for (;;) {
-    const trails = await source.trails(tell);
-    if (trails.samples.frames.length) return trails;
-    if (trails.over) throw new Error("nothing of it was recorded");
-    tell("The match has not begun yet …");
-    await pause(RETRY);
-  }
+async function recorded(source: Source, tell: (text: string) => void): Promise<Trails> {
+  const trails = await source.trails(tell);
+  if (!trails.samples.frames.length) throw new Error("nothing of it was recorded");
+  return trails;
 }
 
 // Of an element with `data-with`: the player in the element before it, once it is there. They share time and views.
@@ -67,14 +71,14 @@ async function leadOf(root: HTMLElement): Promise<Player | null> {
   for (;;) {
     const lead = players.find((player) => player.root === root.previousElementSibling);
     if (lead) return lead;
-    await pause(POLL);
+    await pause(SOON);
   }
 }
 
 function enter(root: HTMLElement, course: Course, makers: StageMaker[], lead: Player | null): Player {
   forget(root);
   const clock = lead?.clock ?? new Clock();
-  if (!lead) clock.isOpen = "live" in root.dataset && !course.trails.over;
+  if (!lead) clock.isOpen = !course.trails.over;
   const player = new Player(root, course, clock, makers, () => first() === player, lead);
   players.push(player);
   return player;
@@ -120,20 +124,41 @@ function namesOf(root: HTMLElement): Record<number, string> {
   }
 }
 
-// Ask for new samples until the match is over, or the server tells no more.
-async function watch(player: Player, source: Source): Promise<void> {
-  let isLost = false;
-  while (!player.course.trails.over && player.root.isConnected) {
-    const { cursor } = player.course.trails;
-    const next = await source.trails(() => {}, cursor).catch((error: Error) => error);
-    if (next instanceof Refusal) return player.giveUp(`The match cannot be followed: ${next.message}.`);
-    if (next instanceof Error) player.say("The connection is lost; trying again …");
-    else player.extend(next);
-    if (isLost && !(next instanceof Error)) player.say();
-    isLost = next instanceof Error;
-    await pause(isLost ? RETRY : POLL);
+// Show a match while it is being played, and its record when it is over, if that may be seen.
+async function watch(
+  source: Source,
+  open: (trails: Trails, news: News[]) => Player,
+  tell: (text: string) => void,
+): Promise<void> {
+  let player: Player | null = null;
+  tell("The match has not begun yet …");
+  const broadcast = new Broadcast(source, {
+    begin: (trails, news) => {
+      if (player) player.begin(trails, news);
+      else player = open(trails, news);
+    },
+    extend: (news) => player?.extend(news),
+    say: (text) => (player ? player.sayState(text) : text && tell(text)),
+    isWanted: () => !player || player.root.isConnected,
+  });
+  let whyNot = await broadcast.follow().catch(refusal);
+  const trails = await recorded(source, tell).catch((error: Error) => {
+    whyNot ??= error;
+  });
+  const shown = player as Player | null;
+  if (!trails && !shown) throw whyNot;
+  if (!trails) return shown?.giveUp(`The match cannot be followed: ${whyNot?.message}.`);
+  if (!shown) {
+    open(trails, []);
+    return;
   }
-  player.say("The match is over. ", make("a", { href: "", textContent: "See its result" }));
+  shown.begin(trails, []);
+  shown.say("The match is over. ", make("a", { href: "", textContent: "See its result" }));
+}
+
+function refusal(error: Error): Error {
+  if (error instanceof Refusal) return error;
+  throw error;
 }
 
 window.addEventListener("hashchange", () => {

@@ -38,7 +38,7 @@ test("a match that goes on is followed on, and its past stays as it was", () => 
     const entries = Object.entries(lists).map(([name, [value]]) => [name, [value]]);
     return Object.fromEntries(entries) as typeof lists;
   });
-  shown.extend({ ...next, first: false, samples: { frames: [1250], seats: firsts } });
+  shown.extend({ ...next, taken: [], samples: { frames: [1250], seats: firsts } });
   director.update();
   expect(director.at(300)).toBe(2);
   expect(director.at(1250)).toBe(1);

@@ -1,15 +1,18 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import { EventReader } from "../../src/data/stream";
 import { Refusal, sourceOf } from "../../src/player/loading";
 import { trails } from "../matches";
 
 const asked: string[] = [];
+const requests: (RequestInit | undefined)[] = [];
 const said: string[] = [];
 const say = (text: string) => said.push(text);
 
 // Answer questions one after the other, the last for good; undefined: nobody answers.
 function answer(...answers: (Response | undefined)[]): void {
-  vi.stubGlobal("fetch", async (address: string) => {
+  vi.stubGlobal("fetch", async (address: string, request?: RequestInit) => {
     asked.push(address);
+    requests.push(request);
     const next = answers.length > 1 ? answers.shift() : answers[0];
     if (!next) throw new TypeError("failed to fetch");
     return next.clone();
@@ -25,7 +28,7 @@ async function gzipped(text: string): Promise<ArrayBuffer> {
 }
 
 beforeEach(() => {
-  asked.length = said.length = 0;
+  asked.length = requests.length = said.length = 0;
   vi.useFakeTimers({ toFake: ["setTimeout"] });
   vi.stubGlobal("document", { baseURI: "https://example.org/matches/3", getElementById: () => null });
 });
@@ -42,10 +45,27 @@ test("a document is read, compressed or not", async () => {
   expect(await source({ trails: "/trails" }).trails(say)).toEqual(match);
 });
 
-test("what a match has seen since is asked for by its cursor", async () => {
-  answer(told(trails([[3]])));
-  await source({ trails: "/trails?v=2" }).trails(say, "90 a");
-  expect(asked).toEqual(["https://example.org/trails?v=2&after=90+a"]);
+test("what a match has seen since is asked for by the last event", async () => {
+  const parts = ["id: a-1\nevent: ne", 'ws\ndata: {"x": 1}\n\n:\n\nevent: over\nda', "ta: \n\n"];
+  answer(new Response(new Blob(parts).stream()));
+  const heard: unknown[] = [];
+  const { signal } = new AbortController();
+  await source({ live: "/live" }).follow((events) => heard.push(...events), "a-0", signal);
+  expect(heard).toEqual([
+    { id: "a-1", kind: "news", data: '{"x": 1}' },
+    { id: "", kind: "over", data: "" },
+  ]);
+  expect(requests[0]?.headers).toEqual({ "Last-Event-ID": "a-0" });
+});
+
+test("events are read from parts that end anywhere", () => {
+  const reader = new EventReader();
+  const bytes = new TextEncoder().encode("event: news\ndata: \u00e9\n\nevent: over\ndata: \n\n");
+  const read = [...bytes].flatMap((byte) => reader.read(new Uint8Array([byte])));
+  expect(read.map(({ kind, data }) => [kind, data])).toEqual([
+    ["news", "\u00e9"],
+    ["over", ""],
+  ]);
 });
 
 test("a file that is still being made is waited for", async () => {
@@ -64,7 +84,7 @@ test.each([
   ["a failure", told({ state: "failed", detail: "the record is broken" }, 202), "the record is broken"],
   ["a page of a proxy", new Response("<h1>Bad gateway</h1>", { status: 502 }), "the server answered 502"],
   ["no answer", undefined, "the server cannot be reached"],
-  ["another version", told({ version: 1 }), "this page reads matches of version 2, not 1"],
+  ["another version", told({ version: 1 }), "this page reads matches of version 3, not 1"],
 ])("%s is said", async (_, response, message) => {
   answer(response);
   await expect(source({ trails: "/trails" }).trails(say)).rejects.toThrow(message);

@@ -83,11 +83,11 @@ test("a match that goes on, or begins anew, is counted anew", () => {
   const match = course([[0], [0]], [event(10, "death", 1, 0)]);
   const tally = new Tally(match);
   const next = trails([[0], [0]], [event(60, "death", 1, 0)]);
-  match.extend({ ...next, first: false, samples: { frames: [55], seats: next.samples.seats.map(firsts) } });
+  match.extend({ ...next, taken: [], samples: { frames: [55], seats: next.samples.seats.map(firsts) } });
   tally.update();
   expect(tally.at(60)[0].kills).toBe(2);
   for (const kills of [0, 3]) {
-    match.extend(trails([[0], [0]], Array(kills).fill(event(20, "death", 1, 0))));
+    match.begin(trails([[0], [0]], Array(kills).fill(event(20, "death", 1, 0))));
     tally.update();
     expect(tally.at(50)[0].kills).toBe(kills);
   }
