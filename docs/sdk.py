@@ -43,6 +43,7 @@ MODULES = {
         "Choose",
         "load_network",
     ),
+    "wildscav.policy.keys": ("Keys", "Mouse"),
     "wildscav.skills.gathering": ("Gathering",),
     "wildscav.skills.supplies": ("BoxMemory", "Prospecting"),
     "wildscav.skills.surroundings": ("Surroundings", "Rings"),

@@ -21,13 +21,16 @@ from wildscav_engine.sensors import (
     DepthCamera,
     Lidar,
     NormalCamera,
+    Screen,
     SegmentationCamera,
 )
 from wildscav_engine.sensors.display.legend import draw_reading
 from wildscav_engine.sensors.optics.dynamic_objects import placed_objects
 from wildscav_engine.sensors.optics.image_sensor import ImageSensor
+from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.body import EYE_HEIGHT
 from wildscav_engine.specs.map_spec import MapConfig
+from wildscav_engine.specs.match_spec import MatchSpec
 
 FOLDER = Path(__file__).parent
 CONFIG = MapConfig(
@@ -67,6 +70,7 @@ def main() -> None:
     ):
         reading = _look(sensor, game_map, objects, GARDEN)
         draw_reading(sensor, reading).save(folder / f"{sensor.name}.png", optimize=True)
+    Image.fromarray(_screen(game_map)).save(folder / "screen.png", optimize=True)
     for path in (FOLDER / "camera.jpg", *sorted(folder.glob("*.png"))):
         sys.stdout.write(f"{path.relative_to(FOLDER)}: {path.stat().st_size / 1e3:.0f} kB\n")
 
@@ -82,6 +86,20 @@ def _photograph(
     camera = ColorCamera(round(size[0] * larger), round(size[1] * larger), field_of_view=ANGLE)
     picture = Image.fromarray(_look(camera, game_map, objects, place))
     return picture.resize(size, Image.Resampling.LANCZOS)
+
+
+def _screen(game_map: GameMap) -> NDArray[Any]:
+    """Return the screen of an agent in a battle that has just been hit."""
+    match = Match(MatchSpec(track="battle", map=game_map.spec, seats=("submission",) * 3), game_map)
+    agents = match.state.agents
+    places = (GARDEN, *((x, z, yaw, 0.0) for x, z, yaw in ((23.5, -24.0, 180.0), (19.5, -21.0, 150.0))))
+    for seat, (x, z, yaw, pitch) in enumerate(places):
+        agents.position[0, seat] = _ground(game_map, x, z)
+        agents.yaw[0, seat], agents.pitch[0, seat] = yaw, pitch
+    agents.invincible_left[:] = 0
+    agents.health[0, 0], agents.supplies[0, 0], agents.clip[0, 0] = 60, 12, 7
+    agents.hit_by_seat[0, 0] = 1
+    return Screen(320, 240, field_of_view=ANGLE).read(match, [0])[0]
 
 
 def _look(

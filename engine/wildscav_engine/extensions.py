@@ -39,6 +39,7 @@ BUILT_IN: Mapping[str, Mapping[str, str]] = {
         "depth": "wildscav_engine.sensors.optics.depth:DepthCamera",
         "lidar": "wildscav_engine.sensors.optics.lidar:Lidar",
         "camera": "wildscav_engine.sensors.optics.camera:ColorCamera",
+        "screen": "wildscav_engine.sensors.screen.screen:Screen",
         "segmentation": "wildscav_engine.sensors.optics.segmentation:SegmentationCamera",
         "normals": "wildscav_engine.sensors.optics.normals:NormalCamera",
         "visible_agents": "wildscav_engine.sensors.state.agents:VisibleAgents",

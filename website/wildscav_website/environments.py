@@ -21,7 +21,7 @@ from wildscav_website.links import ROOT
 from wildscav_website.markdown import code, indented, sentence, table
 from wildscav_website.observed import Row, observation_rows
 
-MODES = ("dict", "box", "baseline", "multidiscrete", "fine")
+MODES = ("dict", "box", "baseline", "multidiscrete", "fine", "keys")
 ACTIONS = """## Action space
 
 An action is held for all frames of a step. The option `action_mode` chooses its format; the default here is

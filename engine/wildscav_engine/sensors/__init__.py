@@ -1,4 +1,4 @@
-"""The sensors of agents: images in ``optics``, numbers in ``state``. ``extensions.py`` lists them."""
+"""The sensors of agents: images in ``optics`` and ``screen``, numbers in ``state``; see ``extensions.py``."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -13,6 +13,7 @@ from wildscav_engine.sensors.optics.image_sensor import ImageSensor
 from wildscav_engine.sensors.optics.lidar import Lidar
 from wildscav_engine.sensors.optics.normals import NormalCamera
 from wildscav_engine.sensors.optics.segmentation import SegmentationCamera
+from wildscav_engine.sensors.screen.screen import Screen
 from wildscav_engine.sensors.state.agents import Teammates, VisibleAgents
 from wildscav_engine.sensors.state.places import Compass, HotSpotSensor, ToHotSpot, ToWaves
 from wildscav_engine.sensors.state.safe_zone import SafeZone
@@ -32,6 +33,7 @@ __all__ = [
     "NearbySupplies",
     "NormalCamera",
     "SafeZone",
+    "Screen",
     "SegmentationCamera",
     "Sensor",
     "Sights",

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from wildscav.agent import ACTION_FIELDS, Action
 from wildscav.policy.elementary_functions import arctangent
 from wildscav.policy.errors import PolicyError
+from wildscav.policy.keys import MOST_COUNTS, MOUSE, WALKS, Keys
 
 
 class ActionMode(ABC):
@@ -42,6 +43,25 @@ class DictMode(ActionMode):
         if not isinstance(choice, Mapping) or set(choice) != set(self._fields):
             raise PolicyError(f"the choice is {choice!r}, must be a mapping of {', '.join(self._fields)}")
         return Action(**{name: np.asarray(value).item() for name, value in choice.items()})
+
+
+class KeysMode(ActionMode):
+    """Keys and a mouse, by name."""
+
+    def __init__(self, description: Mapping[str, Any]) -> None:
+        self._names = (*WALKS, *MOUSE, *description["flags"])
+        self._most, self._frames = int(description["most"]), int(description["frames"])
+
+    def action(self, choice: Any, yaw: float) -> Action:
+        """Return the action of these keys. See ``ActionMode.action``."""
+        if not isinstance(choice, Mapping) or set(choice) != set(self._names):
+            raise PolicyError(f"the choice is {choice!r}, must be a mapping of {', '.join(self._names)}")
+        values = {name: np.asarray(value).item() for name, value in choice.items()}
+        for name, value in values.items():
+            if not (abs(value) <= MOST_COUNTS if name in MOUSE else value in (0, 1)):
+                allowed = f"from {-MOST_COUNTS} to {MOST_COUNTS}" if name in MOUSE else "0 or 1"
+                raise PolicyError(f"{name} is {value!r}, must be {allowed}")
+        return Keys(**values).action_with(yaw, self._most, self._frames)
 
 
 class BoxMode(ActionMode):
@@ -127,6 +147,7 @@ MODES: dict[str, type[Any]] = {
     "baseline": TableMode,
     "multidiscrete": ChoicesMode,
     "fine": ChoicesMode,
+    "keys": KeysMode,
 }
 
 

@@ -1,14 +1,13 @@
 """What a person's page sends, and how it becomes actions."""
 
-import math
 from typing import TYPE_CHECKING, Annotated, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError, create_model
 
-from wildscav.agent import ACTION_FIELDS, Action
+from wildscav.agent import Action
 from wildscav.errors import WildscavError
+from wildscav.policy.keys import AT_ONCE, FLAGS, Mouse, held_action
 
-FASTEST = 10.0  # m/s, of a person who walks
 MAX_TURN = 3600.0  # degrees in one message
 LONGEST_TEXT = 100  # characters
 MAX_ROBOTS = 8  # that the host of a table may choose
@@ -24,9 +23,6 @@ class InputError(WildscavError):
 
 class _Message(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
-
-
-FLAGS = tuple(name for name, kind in ACTION_FIELDS.items() if kind is bool)
 
 
 class Held(_Message):
@@ -151,39 +147,39 @@ class Controls:
         """Let go of everything, and forget the numbers of inputs: another page counts anew."""
         self.taken = 0  # number of the last input that the present frame tells of
         self._taking = 0  # and of the last one that a step has taken
+        self.ahead = self._left = (
+            0.0,
+            0.0,
+        )  # degrees, right and down, of these that the body has yet to turn
         self._held = Input(kind="input", number=0)
-        self._turn = self._look = 0.0
+        self._turn, self._look = Mouse(), Mouse()
         self._flags = dict.fromkeys(FLAGS, False)
 
     def receive(self, message: Input) -> None:
         """Note an input. What was pressed since the last step counts even if it is released by now."""
         self._held = message
-        self._turn += message.turn
-        self._look += message.look
+        self._turn.move(message.turn)
+        self._look.move(message.look)
         for name in FLAGS:
             self._flags[name] |= getattr(message, name)
 
-    def take(self, yaw: float, frames: int) -> Action:
+    def take(self, yaw: float, frames: int, turn_speed: float = AT_ONCE) -> Action:
         """Return the action of the next step.
 
         Args:
             yaw: Where the person looks, degrees.
             frames: Frames in a step, over which the turn is spread.
+            turn_speed: Degrees/s that a body turns at most.
         """
         held = self._held
-        length = math.hypot(held.right, held.forward)
-        action = Action(
-            walk_direction=yaw + self._turn + math.degrees(math.atan2(held.right, held.forward)),
-            walk_speed=FASTEST * min(1.0, length),
-            turn=self._turn / frames,
-            look=self._look / frames,
-            **self._flags,
-        )
+        mouse = self._turn.take(turn_speed, frames), self._look.take(turn_speed, frames)
+        action = held_action((held.forward, held.right), mouse, self._flags, yaw, frames)
         self._taking = max(self._taking, held.number)
-        self._turn = self._look = 0.0
+        self._left = round(self._turn.left, 2), round(self._look.left, 2)
         self._flags = {name: getattr(held, name) for name in FLAGS}
         return action
 
     def confirm(self) -> None:
         """Note that the step which took the last inputs was played."""
         self.taken = self._taking
+        self.ahead = self._left

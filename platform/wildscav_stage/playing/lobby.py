@@ -67,7 +67,7 @@ class Person:
             due = max(due + info.step_time, loop.time() - MAX_BEHIND)
             await asyncio.sleep(max(0.0, due - loop.time()))
             await self.clock_runs.wait()
-            action = self.controls.take(observation.yaw, info.frames_per_action)
+            action = self.controls.take(observation.yaw, info.frames_per_action, info.turn_speed)
             observation = await connection.answer(observation.step, action)
 
     def _tell(self) -> None:
@@ -82,7 +82,8 @@ class Person:
         """
         while (sight := self._sight_for(known)) is None or not sight.has_news_for(known):
             await self._changed.wait()
-        return {"input": self.controls.taken, **sight.message(known)}
+        told = {"input": self.controls.taken, **sight.message(known)}
+        return told | {"ahead": self.controls.ahead} if any(self.controls.ahead) else told
 
     def _sight_for(self, known: Known) -> Sight | None:
         """Return what may be told of the present match; a page that did not know it is told no past."""

@@ -6,6 +6,7 @@ from typing import Any
 
 from wildscav.errors import UserError
 from wildscav_engine.envs.settings.config import EnvConfig, read_config
+from wildscav_engine.envs.spaces.actions import ActionError
 from wildscav_engine.maps import GENERATOR_VERSION, MapError, map_of
 from wildscav_engine.record import Record, RecordError, read_record
 from wildscav_engine.simulation.batch import Batch
@@ -148,7 +149,10 @@ class RecordedEpisodes:
             raise UserError(f"{path}: the match cannot be set up: {error}") from None
         watcher = Watcher(config, batch, self._chosen(path, record))
         for step, (actions, digest) in enumerate(zip(record.actions, record.digests, strict=True), start=1):
-            watcher.step(actions)
+            try:
+                watcher.step(actions)
+            except ActionError as error:
+                raise UserError(f"{path}: step {step}: {error}") from None
             if batch.state.matches.digest[0] != digest:
                 raise UserError(f"{path} does not hold: step {step} differs; see wildscav verify")
         if not record.steps:

@@ -185,6 +185,7 @@ def test_threads_that_share_images_of_what_moves_change_no_bit(
     ("name", "chosen"),
     [
         ("camera", {}),
+        ("screen", {}),
         ("segmentation", {}),
         ("segmentation", {"label": "instance"}),
         ("segmentation", {"width": 300, "height": 220}),

@@ -28,6 +28,7 @@ ODD: dict[str, list[dict[str, object]]] = {
     ],
     "normals": [{"width": 7, "height": 3, "far": 33.3, "moving": True}],
     "camera": [{"width": 7, "height": 3, "far": 33.3}],
+    "screen": [{"width": 7, "height": 3, "far": 33.3}, {"width": 483, "height": 301, "quality": "fast"}],
     "segmentation": [
         {"width": 7, "height": 3, "label": "instance"},
         {"width": 5, "height": 9, "label": "kind"},

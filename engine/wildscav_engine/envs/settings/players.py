@@ -31,7 +31,7 @@ Policy: TypeAlias = Callable[[Any], Any]  # from the observations of N seats to 
 Indices: TypeAlias = NDArray[np.int64]
 
 LONGEST_NAME = 100  # characters
-ActionMode = Literal["dict", "box", "baseline", "multidiscrete", "fine"]
+ActionMode = Literal["dict", "box", "baseline", "multidiscrete", "fine", "keys"]
 _ROBOTS: Registry[tuple[RobotName, ...]] = Registry("wildscav.robots")
 
 

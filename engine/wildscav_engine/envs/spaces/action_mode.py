@@ -22,6 +22,7 @@ WHOLE = (np.dtype(np.int64),)
 # The columns of rows, as kernels take them.
 DIRECTION, SPEED = int(Field.WALK_DIRECTION), int(Field.WALK_SPEED)
 TURN, LOOK = int(Field.TURN), int(Field.LOOK)
+VALID = -1  # in place of the index of a number that is not allowed
 
 
 class ActionError(ValueError):
@@ -147,6 +148,22 @@ def check_names(actions: Any, names: Collection[str]) -> None:
         if isinstance(actions, Mapping):
             given += f" of {', '.join(map(str, actions)) or 'nothing'}"
         raise ActionError(f"actions: {given}, must be a dictionary of {', '.join(names)}")
+
+
+def named_values(actions: Any, names: Sequence[str], axes: Axes) -> NDArray[np.float64]:
+    """Return the actions of N learners, (*axes,) numbers of each name, as (len(names), N) numbers.
+
+    Raises:
+        ActionError: They are no dictionary of these names, or not such numbers.
+    """
+    check_names(actions, names)
+    try:
+        values = np.array([actions[name] for name in names])
+    except ValueError:  # of different shapes
+        values = np.empty(0)
+    if values.shape != (len(names), *axes) or values.dtype.kind not in NUMBERS:
+        values = np.array([as_array(actions[name], axes, (), FLOATS[:1], name) for name in names])
+    return np.ascontiguousarray(values, np.float64).reshape(len(names), -1)
 
 
 def is_whole(array: NDArray[Any]) -> NDArray[np.bool_]:

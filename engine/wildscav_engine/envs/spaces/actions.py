@@ -6,6 +6,7 @@
 - ``baseline``: one number, as in the public baselines: a compass direction, a speed, and whether to pick up.
 - ``multidiscrete``: a few choices per field; directions are clockwise from the view.
 - ``fine``: the same with more turns and looks, for aiming.
+- ``keys``: the keys and the mouse of a person.
 """
 
 from collections.abc import Sequence
@@ -22,9 +23,9 @@ from wildscav_engine.envs.spaces.action_mode import (
     DIRECTION,
     FLOATS,
     LOOK,
-    NUMBERS,
     SPEED,
     TURN,
+    VALID,
     WHOLE,
     ActionError,
     ActionMode,
@@ -32,9 +33,10 @@ from wildscav_engine.envs.spaces.action_mode import (
     Rows,
     Yaws,
     as_array,
-    check_names,
     choice_mask,
+    named_values,
 )
+from wildscav_engine.envs.spaces.keys import KeysMode
 from wildscav_engine.sensors.base import Column
 from wildscav_engine.specs.actions import FIELDS, MAX_WALK_SPEED, MEANINGS, Field
 
@@ -52,7 +54,6 @@ FINE_TURNS = (*(-turn for turn in reversed(_FINE_TURNS)), 0.0, *_FINE_TURNS)  # 
 FINE_LOOKS = (*(-look for look in reversed(_FINE_LOOKS)), 0.0, *_FINE_LOOKS)  # degrees per step
 TURN_STEP, LOOK_STEP = 45.0, 20.0  # degrees per step, for 1 in the mode box
 SPEEDS = int(MAX_WALK_SPEED) + 1  # whole numbers of m/s, in the mode dict; records play fractions, too
-VALID = -1
 
 
 class DictMode(ActionMode):
@@ -60,7 +61,7 @@ class DictMode(ActionMode):
 
     def __init__(self, fields: Sequence[Field], frames_per_action: int) -> None:
         super().__init__(fields, frames_per_action)
-        self._names = {field.name.lower(): int(field) for field in self.fields}
+        self._names = [field.name.lower() for field in self.fields]
         self._columns = np.array(self.fields, np.int64)
         self._ranges = np.array([_range(field) for field in self.fields])
 
@@ -77,20 +78,12 @@ class DictMode(ActionMode):
 
     def describe(self) -> dict[str, Any]:
         """Return the names of the fields."""
-        return {"mode": "dict", "fields": list(self._names)}
+        return {"mode": "dict", "fields": self._names}
 
     def decode(self, actions: Any, yaws: Yaws, rows: Rows, axes: Axes) -> None:  # noqa: ARG002
         """Write (*axes,) numbers of each field into its column."""
-        names = self._names
-        check_names(actions, names)
-        try:
-            values = np.array([actions[name] for name in names])
-        except ValueError:  # of different shapes
-            values = np.empty(0)
-        if values.shape != (len(names), *axes) or values.dtype.kind not in NUMBERS:
-            values = np.array([as_array(actions[name], axes, (), FLOATS[:1], name) for name in names])
+        values = named_values(actions, self._names, axes)
         rows[:] = 0.0
-        values = np.ascontiguousarray(values, np.float64).reshape(len(names), -1)
         wrong = _write_rows(values, self._columns, self._ranges, rows)
         if wrong != VALID:
             field = self.fields[wrong // values.shape[1]]
@@ -363,9 +356,12 @@ MODES: dict[str, type[ActionMode]] = {
     "baseline": BaselineMode,
     "multidiscrete": MultiDiscreteMode,
     "fine": FineMode,
+    "keys": KeysMode,
 }
 
 
 def action_mode(config: EnvConfig) -> ActionMode:
     """Return the action mode of an environment."""
+    if config.action_mode == "keys":
+        return KeysMode(config.fields, config.frames_per_action, config.rules.turn_speed)
     return MODES[config.action_mode](config.fields, config.frames_per_action)

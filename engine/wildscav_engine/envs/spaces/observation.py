@@ -138,6 +138,8 @@ class SensorReader:
         self._rows = np.array(self._seats, np.int64)
         self._shown = ShownMaps([])  # the map of every seat that is read
         self._begun: list[SharedWork] = []
+        self._displays: list[tuple[ImageSensor, NDArray[Any]]] = []  # to draw over finished images
+        self._batch: Batch | None = None  # whose images they are
         count = len(poses[1])
         viewers = np.resize(np.array(self._seats, np.int32), count)
         self._cameras = {
@@ -159,7 +161,7 @@ class SensorReader:
 
         Other threads begin with images. All readings are complete after ``finish``.
         """
-        self._begun = []
+        self._begun, self._displays, self._batch = [], [], batch
         if self._together:
             self._begin_together(batch, found)
         for name, sensor in self._others.items():
@@ -176,9 +178,13 @@ class SensorReader:
         return batch.seen_by(self._seats if sight == "own" else (), self._threads)
 
     def finish(self) -> None:
-        """Render the images that no other thread has begun with, and wait for those."""
+        """Render the images that no other thread has begun with, wait for those, and draw the displays."""
         while self._begun:
             self._begun.pop().finish()
+        while self._displays and self._batch is not None:
+            sensor, images = self._displays.pop()
+            batch, seen = self._batch, self._seen(self._batch, "own")
+            sensor.draw_over(batch.state, seen, batch.track.name, self._rows, images)
 
     def _read_each(self, sensor: Sensor, matches: Sequence[MatchInBatch]) -> list[NDArray[Any]]:
         """Return the readings of a sensor in each match."""
@@ -204,6 +210,8 @@ class SensorReader:
         for name, sensor in self._together.items():
             images = np.empty((count // seats, seats, *sensor.shape), sensor.dtype)
             found[name] = images
+            if sensor.has_display:
+                self._displays.append((sensor, images))
             shown: Any = (NO_DYNAMIC_OBJECTS.sets, in_one_match(count))
             if name in self._moves:
                 shown = (self._objects, self._matches)

@@ -1,7 +1,8 @@
 """From the actions that were played to those of an action mode: the nearest ones, for learners that imitate.
 
-The mode ``dict`` keeps what was played, so its space here allows any walk speed. The others approximate:
-``box`` limits how fast an agent turns, and the others have few choices.
+The mode ``dict`` keeps what was played, so its space here allows any walk speed; ``keys`` are those that were
+held, by agents that play so. The others approximate: ``box`` limits how fast an agent turns, and the others
+have few choices.
 """
 
 from collections.abc import Callable
@@ -21,6 +22,7 @@ from wildscav_engine.envs.spaces.actions import (
     MultiDiscreteMode,
     action_mode,
 )
+from wildscav_engine.envs.spaces.keys import KeysMode
 from wildscav_engine.specs.actions import LOOK_LIMIT, MAX_WALK_SPEED, TURN_LIMIT, Field
 
 Played = NDArray[np.float32]  # (N, FIELDS) rows as the engine returned them
@@ -31,7 +33,7 @@ Encoder = Callable[[Played, Yaws], Any]  # returns N actions, as Gymnasium batch
 def played_space(config: EnvConfig) -> Space[Any]:
     """Return the space of one learner's actions as an ``Encoder`` of an environment returns them."""
     space = action_mode(config).space
-    if isinstance(space, Dict):
+    if config.action_mode == "dict" and isinstance(space, Dict):
         walk = Field.WALK_SPEED.name.lower()
         return Dict({**space.spaces, walk: Box(0.0, MAX_WALK_SPEED, (), np.float32)})
     return space
@@ -46,6 +48,8 @@ def played_encoder(config: EnvConfig) -> Encoder:
     if config.action_mode == "box":
         return lambda rows, _: _box(rows, frames, flags)
     mode = action_mode(config)
+    if isinstance(mode, KeysMode):
+        return mode.recover
     if isinstance(mode, MultiDiscreteMode):
         return lambda rows, yaws: _choices(rows, yaws, mode, flags)
     table = BaselineMode(config.fields, frames).table

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
     from wildscav_engine.maps.game_map import GameMap
     from wildscav_engine.simulation.match_view import MatchView
+    from wildscav_engine.simulation.state import State
+    from wildscav_engine.simulation.systems.visibility import Seen
 
 MIN_THREAD_TIME = 250_000  # ns of work for a thread; less takes no longer than waking the thread
 IMAGE_TIME = 2_500  # ns that an image takes in addition to its rays
@@ -80,6 +82,7 @@ class ImageSensor(Sensor):
 
     dtype: ClassVar[type[np.generic]]
     ray_time: ClassVar[int] = 10  # approximate ns per ray, which decides how threads share images
+    has_display: ClassVar[bool] = False  # whether ``draw_over`` draws anything
 
     @property
     @abstractmethod
@@ -209,6 +212,19 @@ class ImageSensor(Sensor):
             for part in parts
         )
 
+    def draw_over(
+        self, state: "State", seen: "Seen", track: str, seats: NDArray[np.int64], images: NDArray[Any]
+    ) -> None:
+        """Draw what the world does not show over the images of some seats.
+
+        Args:
+            state: The state of B matches.
+            seen: What these seats see now.
+            track: The track of the matches.
+            seats: (S,) the numbers of the seats, which all matches have.
+            images: (B, S, *shape), drawn over.
+        """
+
     def read(self, match: "MatchView", seats: Sequence[int]) -> NDArray[Any]:
         """Return the images of some agents, (len(seats), *shape).
 
@@ -219,6 +235,9 @@ class ImageSensor(Sensor):
         images = np.empty((len(seats), *self.shape), self.dtype)
         if not self.render_into(match.game_map, self.moving_in(match), cameras, images):
             _raise_not_finite(*cameras[:3])
+        if self.has_display:
+            rows = rows_of(match, seats)
+            self.draw_over(match.state, match.seen, match.spec.track, rows, images[np.newaxis])
         return images
 
     def cameras_of(self, match: "MatchView", seats: Sequence[int]) -> Cameras:

@@ -112,6 +112,16 @@ test("the view turns at once, and is that of the server in the end", () => {
   expect(moved[moved.length - 1].yaw).toBe(truth.yaw);
 });
 
+test("what the body has yet to turn of an input is seen with the input", () => {
+  const prediction = new Prediction(RULES, () => 0);
+  prediction.send(1, { ...STILL, turn: 20 }, 0);
+  prediction.advance(STILL, PICTURE, 0);
+  prediction.take({ ...OWN }, 1, 0, 20);
+  expect(prediction.yaw).toBe(20);
+  prediction.take({ ...OWN, yaw: 7.2 }, 2, 1, 40, [12.8, 0]);
+  expect(prediction.yaw).toBe(20);
+});
+
 test("a wall that holds the body is not walked through", () => {
   const { moved } = play(walk(500), 50, 4);
   expect(Math.max(...moved.map(({ z }) => z))).toBeLessThan(4 + 2.2); // it is not known of before it is touched

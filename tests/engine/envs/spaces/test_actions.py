@@ -56,6 +56,33 @@ def test_an_action_becomes(track: str, mode: str, action: Any, becomes: dict[str
     assert decoded(track, mode, given, yaw=30.0) == becomes
 
 
+HELD = {"forward": 0, "back": 0, "left": 0, "right": 0, "jump": 0, "mouse_x": 0.0, "mouse_y": 0.0}
+
+
+@pytest.mark.parametrize(
+    ("held", "becomes"),
+    [
+        ({}, {}),
+        ({"forward": 1}, {"walk_direction": 30, "walk_speed": 10}),
+        ({"back": 1, "right": 1}, {"walk_direction": 165, "walk_speed": 10}),  # two keys are no faster
+        ({"back": 1, "forward": 1, "left": 1}, {"walk_direction": -60, "walk_speed": 10}),
+        ({"mouse_x": 500.0, "mouse_y": -25.0}, {"turn": 2, "look": -0.1}),  # 10° and half a degree
+        ({"mouse_x": 500.4, "forward": 1}, {"walk_direction": 40, "walk_speed": 10, "turn": 2}),
+        ({"mouse_x": -9000.0, "jump": 1}, {"turn": -36, "jump": 1}),
+    ],
+)
+def test_keys_become(held: dict[str, float], becomes: dict[str, float]) -> None:
+    assert decoded("navigation", "keys", HELD | held, yaw=30.0) == becomes
+
+
+def test_a_body_turns_no_farther_than_its_rules_let_it() -> None:
+    """By fair rules that is 36° in a step of five frames, and one walks where one looks then."""
+    rows = np.zeros((1, FIELDS), np.float32)
+    config = EnvConfig(track="navigation", action_mode="keys", rules="fair")  # type: ignore[arg-type]
+    action_mode(config).decode(HELD | {"mouse_x": 5000.0, "forward": 1}, np.array([170.0]), rows, ())
+    assert rows[0, :4].tolist() == np.float32([-154.0, 10.0, 7.2, 0.0]).tolist()
+
+
 def test_the_dict_is_the_papers() -> None:
     """Speeds are whole in the space, but any is played, so that what agents did in a record can be, too."""
     action = {"walk_direction": 10.0, "walk_speed": 7.5, "turn": -3.0, "look": 1.0, "jump": 1}
@@ -82,6 +109,14 @@ FIELDS_OF = "must be a dictionary of walk_direction, walk_speed, turn, look, jum
         ("box", [0, [0, 0], 0, 0, 0], r"^actions: .*, must be numbers of shape \(5,\)"),
         ("box", [0, 0, 0, 0, 1.5], r"^actions: 1.5, must be in \[-1, 1\]$"),
         ("box", [0, 0, np.nan, 0, 0.0], r"^actions: nan, must be in \[-1, 1\]$"),
+        (
+            "keys",
+            {"forward": 1},
+            "^actions: a dict of forward, must be a dictionary of forward, back, left, ",
+        ),
+        ("keys", HELD | {"left": 0.5}, "^left: 0.5, must be 0 or 1$"),
+        ("keys", HELD | {"mouse_y": 9001.0}, r"^mouse_y: 9001, must be in \[-9000, 9000\]$"),
+        ("keys", HELD | {"mouse_x": np.nan}, r"^mouse_x: nan, must be in \[-9000, 9000\]$"),
         ("baseline", 8, "^actions: 8, must be from 0 to 7$"),
         ("baseline", -1, "^actions: -1, must be from 0 to 7$"),
         ("baseline", 0.5, "^actions: 0.5, must be whole numbers$"),

@@ -4,10 +4,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from gymnasium.vector.utils import batch_space
 from tests.engine.envs.common import SMALL
 
 from wildscav_engine.envs.settings.config import EnvConfig
-from wildscav_engine.envs.spaces.actions import action_mode
+from wildscav_engine.envs.spaces.actions import ActionError, action_mode
 from wildscav_engine.envs.spaces.played_actions import played_encoder, played_space
 from wildscav_engine.specs.actions import FIELDS, Field
 
@@ -63,6 +64,39 @@ def test_angles_outside_the_space_become_the_same_angles_inside(
 def test_the_mode_box_has_the_same_walk() -> None:
     walk = 0.75 * np.sqrt(0.5)
     assert encoded("box")[0] == pytest.approx([walk, walk, 25 / 45, -0.25, 1.0, -1.0, 1.0, -1.0])
+
+
+@pytest.mark.parametrize("rules", ["original", "fair"])
+def test_the_mode_keys_has_the_keys_that_were_held(rules: str) -> None:
+    chosen = EnvConfig(track="battle", map=SMALL, action_mode="keys", rules=rules)  # type: ignore[arg-type]
+    space, yaws = batch_space(action_mode(chosen).space, 500), np.linspace(-180.0, 180.0, 500)
+    space.seed(0)
+    held, rows = space.sample(), np.zeros((500, FIELDS), np.float32)
+    action_mode(chosen).decode(held, yaws, rows, (500,))
+
+    found, again = played_encoder(chosen)(rows, yaws), np.zeros_like(rows)
+    action_mode(chosen).decode(found, yaws, again, (500,))
+    assert again.tobytes() == rows.tobytes()
+    for name in ("jump", "pick_up", "shoot", "reload"):
+        np.testing.assert_array_equal(found[name], held[name])
+    most = 9000 if rules == "original" else 1800  # 36° in a step
+    np.testing.assert_array_equal(found["mouse_x"], np.rint(held["mouse_x"]).clip(-most, most))
+    for key, other in (("forward", "back"), ("left", "right")):  # both together are neither
+        np.testing.assert_array_equal(found[key], held[key] & ~held[other] & 1)
+
+
+@pytest.mark.parametrize(
+    "row",
+    [
+        [45.0, 10.0, 0.001, 0.0, 0.0, 0.0, 0.0, 0.0],  # a mouse turns a fiftieth of a degree
+        [45.0, 7.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],  # keys walk at 10 m/s
+        [44.0, 10.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],  # and in eight directions
+        [0.0, 0.0, 50.0, 0.0, 0.0, 0.0, 0.0, 0.0],  # 250° in a step
+    ],
+)
+def test_what_no_keys_do_is_said(row: list[float]) -> None:
+    with pytest.raises(ActionError, match="did not play by keys"):
+        encoded("keys", [row])
 
 
 @pytest.mark.parametrize(

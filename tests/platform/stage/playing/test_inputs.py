@@ -73,11 +73,11 @@ def test_anything_else_is_refused(text: str) -> None:
     ("forward", "right", "yaw", "direction", "speed"),
     [
         (1.0, 0.0, 30.0, 30.0, 10.0),
-        (-1.0, 0.0, 30.0, 210.0, 10.0),
+        (-1.0, 0.0, 30.0, -150.0, 10.0),
         (0.0, 1.0, 30.0, 120.0, 10.0),
         (1.0, -1.0, 0.0, -45.0, 10.0),  # two keys at once are no faster
         (0.5, 0.0, 0.0, 0.0, 5.0),  # a stick that is pushed half-way
-        (0.0, 0.0, 30.0, 30.0, 0.0),
+        (0.0, 0.0, 30.0, 0.0, 0.0),
     ],
 )
 def test_walking_is_relative_to_the_view(
@@ -98,6 +98,32 @@ def test_turns_add_up_and_count_once() -> None:
     action = controls.take(yaw=0.0, frames=5)
     assert (action.turn, action.look) == (3.0, -0.4)  # degrees a frame
     assert controls.take(0.0, 5).turn == 0.0
+
+
+def test_a_body_follows_a_mouse_that_is_faster_than_it() -> None:
+    controls = Controls()
+    controls.receive(given(turn=20.0, look=-7.21))  # the body turns 7.2° in a frame
+
+    taken = [controls.take(0.0, frames=1, turn_speed=360.0) for _ in range(4)]
+    assert [action.turn for action in taken] == [7.2, 7.2, 5.6, 0.0]
+    assert [action.look for action in taken] == [-7.2, 0.0, 0.0, 0.0]
+
+
+def test_what_the_body_has_yet_to_turn_is_told_with_the_inputs_that_turn_it() -> None:
+    controls = Controls()
+    controls.receive(given(turn=10.0))
+    controls.take(0.0, frames=1, turn_speed=360.0)
+    controls.receive(given(number=2, turn=5.0))
+    assert controls.ahead == (0.0, 0.0)
+    controls.confirm()
+    assert (controls.taken, controls.ahead) == (1, (2.8, 0.0))
+
+
+def test_a_mouse_is_a_tenth_of_a_second_ahead_at_most() -> None:
+    controls = Controls()
+    controls.receive(given(turn=400.0))
+    taken = [controls.take(0.0, frames=1, turn_speed=360.0).turn for _ in range(10)]
+    assert sum(taken) == pytest.approx(7.2 + 36.0)
 
 
 def test_a_key_that_was_released_before_the_step_counts_in_it() -> None:

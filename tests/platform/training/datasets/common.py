@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 
 from wildscav_engine.envs.settings.config import EnvConfig
 from wildscav_engine.envs.settings.episodes import Episodes, Plan
+from wildscav_engine.envs.spaces.actions import action_mode
 from wildscav_engine.record import write_record
 from wildscav_engine.simulation.match import Match
-from wildscav_engine.specs.actions import FIELDS, Field
+from wildscav_engine.specs.actions import FIELDS, Field, no_actions
 
 
 def random_rows(seats: int, seed: int) -> NDArray[np.float32]:
@@ -32,6 +33,20 @@ def write_match(path: Path, config: EnvConfig, seed: int, names: tuple[str, ...]
         match.step(random_rows(match.seats, match.step_number))
     write_record(path, match, names or tuple(f"agent {seat}" for seat in range(match.seats)))
     return match
+
+
+def write_keys(path: Path, config: EnvConfig, seed: int) -> list[dict[str, Any]]:
+    """Play the first match of an environment by random keys, write its record, and return the keys."""
+    episode, mode = Episodes(seed).next(Plan(config)), action_mode(config)
+    match, held, space = Match(episode.spec, episode.game_map), [], mode.space
+    space.seed(seed)
+    while not match.over:
+        held.append(space.sample())
+        rows = no_actions(match.seats)
+        mode.decode(held[-1], match.state.agents.yaw[0, :1], rows[:1], ())
+        match.step(rows)
+    write_record(path, match, [f"agent {seat}" for seat in range(match.seats)])
+    return held
 
 
 def at(values: Any, step: int) -> Any:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from tests.engine.envs.common import digest, many_options, options
-from tests.platform.training.datasets.common import at, write_match
+from tests.platform.training.datasets.common import at, write_keys, write_match
 
 from wildscav.errors import UserError
 from wildscav_engine.envs import SingleEnv
@@ -61,6 +61,25 @@ def test_observations_have_the_form_that_is_asked_for(tmp_path: Path) -> None:
     env = SingleEnv("battle", **options("battle", **asked))
     assert digest(env.reset(seed=4)[0]) == digest(episode.observations[0])
     assert env.action_space.contains(episode.actions[0])
+
+
+@pytest.mark.parametrize("rules", ["original", "fair"])
+def test_a_record_of_keys_gives_the_keys_and_what_was_seen(tmp_path: Path, rules: str) -> None:
+    form: dict[str, Any] = {"action_mode": "keys", "sensors": {"camera": {"width": 16, "height": 9}}}
+    given = options("battle", version=1, rules=rules, **form)
+    held = write_keys(tmp_path / "a.wsr", read_config("battle", given), seed=4)
+    ((episode,),) = RecordedEpisodes([tmp_path / "a.wsr"], form)
+    check_again(episode, "battle", given, seed=4)
+    most = 9000 if rules == "original" else 1800
+    moved = np.rint([keys["mouse_x"] for keys in held]).clip(-most, most)
+    np.testing.assert_array_equal(episode.actions["mouse_x"], moved)
+    np.testing.assert_array_equal(episode.actions["shoot"], [keys["shoot"] for keys in held])
+
+
+def test_a_record_without_keys_gives_none(tmp_path: Path) -> None:
+    write_match(tmp_path / "a.wsr", read_config("battle", options("battle")), seed=4)
+    with pytest.raises(UserError, match=r"a.wsr: step 1: the agent did not play by keys"):
+        list(RecordedEpisodes([tmp_path / "a.wsr"], {"action_mode": "keys"}))
 
 
 def test_an_agent_plays_the_episodes_of_the_environment() -> None:

@@ -24,6 +24,8 @@ CHOICES = {
     "flags": ["jump"],
 }
 BOX = {"mode": "box", "walk_speed": 10.0, "turn": 9.0, "look": 4.0, "flags": ["jump"]}
+KEYS = {"mode": "keys", "flags": ["jump"], "most": 9000, "frames": 5}
+HELD = dict.fromkeys(("forward", "back", "left", "right", "mouse_x", "mouse_y", "jump"), 0)
 BODY = {
     "name": "body",
     "shape": [3],
@@ -148,6 +150,9 @@ def with_depth(depth: Any) -> Observation:
         (CHOICES, [0, 0, 0], "must be 5 whole numbers"),
         (BOX, [0.0, 0.0, np.nan, 0.0, 0.0], r"must be 5 numbers in \[-1, 1\]"),
         ({"mode": "dict", "fields": ["jump"]}, {"fly": 1}, "must be a mapping of jump"),
+        (KEYS, {"forward": 1}, "must be a mapping of forward, back, left, right, mouse_x, mouse_y, jump"),
+        (KEYS, HELD | {"jump": 2}, "jump is 2, must be 0 or 1"),
+        (KEYS, HELD | {"mouse_x": np.nan}, "mouse_x is nan, must be from -9000 to 9000"),
     ],
 )
 def test_a_choice_outside_the_action_space_is_refused(actions: Any, choice: Any, message: str) -> None:

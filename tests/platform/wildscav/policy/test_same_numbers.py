@@ -20,6 +20,7 @@ EVERY_SENSOR: dict[str, dict[str, Any]] = {
     "depth": SMALL,
     "lidar": {},
     "camera": SMALL,
+    "screen": SMALL,
     "segmentation": SMALL,
     "normals": SMALL,
     "visible_agents": {"limit": 3},

@@ -73,7 +73,7 @@ export class Match {
     this.own = ownOf(moment.own);
     this.ping = moment.ping;
     this.clock.note(moment.frame, now);
-    this.prediction.take(this.own, moment.frame, moment.input, now);
+    this.prediction.take(this.own, moment.frame, moment.input, now, moment.ahead);
     this.course.learn(moment, this.clock.frame(now));
     this.hud.showTime(moment.frame);
   }

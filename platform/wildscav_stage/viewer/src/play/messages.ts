@@ -17,6 +17,7 @@ export interface Moment {
 export interface Now extends Moment {
   kind: "now";
   input: number; // the last one that took effect
+  ahead?: [number, number]; // degrees, right and down, that inputs so far turn and the body has yet to
   own: number[]; // as ownOf reads it
   others?: number[][]; // seat, x, y, z, yaw, and 1 if nobody can hurt it
   shots?: number[][]; // seat, x, y, z of its soles, and where the shot ended if that is known: x, y, z

@@ -1,8 +1,7 @@
 // Where one looks, and where one's own body is expected to be until the server tells: for display only.
 //
-// The view is what the server told, and all turns that it had not taken by then; where rules limit how fast one turns,
-// the server may take less of two inputs in one frame. The body goes on from
-// where it was told to be, by what was held since the moment that this tells of. What turns out to be wrong fades
+// The view is what the server told, and all turns that the body had not made by then. The body goes on from where it
+// was told to be, by what was held since the moment that this tells of. What turns out to be wrong fades
 // within some pictures.
 
 import { FRAMES, IN_WATER, ON_GROUND, type Own, type Rules } from "./messages";
@@ -42,6 +41,7 @@ export class Prediction {
   lag = 0; // ms from an input to the moment that tells of it
   errors: number[] = []; // m, of the last expectations
   private own: Own | null = null;
+  private ahead = [0, 0]; // degrees of the inputs taken that the body has yet to turn
   private told = 0; // ms, when what ``own`` tells was held
   private arrival = 0; // ms, when a moment of frame 0 would have come
   private newest = 0; // number of the last input that was taken
@@ -84,13 +84,13 @@ export class Prediction {
   }
 
   // Take what the server tells of a frame before which an input was taken.
-  take(own: Own, frame: number, input: number, now: number): void {
+  take(own: Own, frame: number, input: number, now: number, ahead = [0, 0]): void {
     const isOther = !this.own || this.own.health <= 0 || own.health <= 0;
     const arrival = now - (1000 * frame) / FRAMES;
     const isLate = this.own && Math.abs(arrival - this.arrival) < 500;
     this.arrival = isLate ? this.arrival + 0.1 * (arrival - this.arrival) : arrival;
     this.noteTaken(input, now);
-    this.own = own;
+    [this.own, this.ahead] = [own, ahead];
     this.told = this.arrival + (1000 * frame) / FRAMES - this.lag;
     const error = this.slide(isOther);
     if (!isOther && error <= FARTHEST) this.errors = [...this.errors.slice(-249), error];
@@ -122,8 +122,9 @@ export class Prediction {
   private show(): void {
     if (!this.own) return;
     [this.yaw, this.pitch] = [this.own.yaw, this.own.pitch];
+    const ahead = { turn: this.ahead[0], look: this.ahead[1] };
     // The dead do not turn.
-    for (const { turn, look } of this.own.health > 0 ? this.pending.values() : []) {
+    for (const { turn, look } of this.own.health > 0 ? [ahead, ...this.pending.values()] : []) {
       this.yaw += turn;
       this.pitch = Math.max(-90, Math.min(90, this.pitch + look));
     }
