@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any, Protocol
 from wildscav.errors import WildscavError
 from wildscav.sdk.connection import Connection
 from wildscav.version import __version__
+from wildscav_server.hosting.opponents import numbered
 from wildscav_stage.playing.inputs import Controls
-from wildscav_stage.playing.plan import Plan, numbered
+from wildscav_stage.playing.plan import Plan
 from wildscav_stage.playing.sight import Known, Sight
 
 if TYPE_CHECKING:

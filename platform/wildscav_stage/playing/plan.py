@@ -1,14 +1,12 @@
 """Which match is played: its spec, who sits where, and their names."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from pydantic import ValidationError
 
 from wildscav.errors import UserError
-from wildscav.sdk.submission_folder import MANIFEST
 from wildscav.terminal.suggestions import did_you_mean
 from wildscav_engine.maps.catalogue import map_spec
 from wildscav_engine.maps.errors import MapError
@@ -19,7 +17,7 @@ from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.specs.rules import RULES
 from wildscav_engine.specs.validation import one_line
 from wildscav_engine.tracks import TRACKS
-from wildscav_server.hosting.manifest import read_manifest
+from wildscav_server.hosting.opponents import Opponent, numbered, submission_opponent
 
 PERSON = "person"
 FRAMES_PER_ACTION = 1  # so that a person's inputs take effect 50 times a second
@@ -32,15 +30,6 @@ STAND_INS = {  # the robots that play for people who are not here
     "royale": "fighter-easy",
 }
 DEFAULT_OPPONENTS = {"battle": ("fighter-easy", "gatherer", "fighter"), "royale": ("fighter-easy",) * 5}
-
-
-@dataclass(frozen=True)
-class Opponent:
-    """Who plays in another seat than people's."""
-
-    name: str
-    folder: Path | None = None  # of a submission; None for a robot
-    sensors: Mapping[str, Mapping[str, Any]] | None = None  # of a submission
 
 
 @dataclass(frozen=True)
@@ -81,19 +70,6 @@ class Plan:
         """
         seats = (self.stand_in if seat in absent else who for seat, who in enumerate(self.spec.seats))
         return self.spec.model_copy(update={"seed": (self.spec.seed + times) % 2**64, "seats": tuple(seats)})
-
-
-def numbered(names: Sequence[str]) -> tuple[str, ...]:
-    """Return names of which those that occur several times are numbered, so that all are different."""
-    taken, chosen = set(names), []
-    for name in names:
-        own, number = name, 0
-        while names.count(name) > 1 and (own in taken or own == name):
-            number += 1
-            own = f"{name} {number}"
-        taken.add(own)
-        chosen.append(own)
-    return tuple(chosen)
 
 
 def make_plan(
@@ -154,13 +130,4 @@ def _opponent(text: str, track: str) -> Opponent:
             f"{did_you_mean(text, ROBOTS)}",
             exit_code=2,
         )
-    return _submission(folder, track)
-
-
-def _submission(folder: Path, track: str) -> Opponent:
-    manifest = read_manifest(folder / MANIFEST)
-    if track not in manifest.tracks:
-        raise UserError(
-            f"{manifest.name} does not play {track}; it plays {', '.join(manifest.tracks)}", exit_code=2
-        )
-    return Opponent(manifest.name, folder.absolute(), manifest.sensors)
+    return submission_opponent(folder, track)
