@@ -94,6 +94,16 @@ class Gathering:
         goal = self._far_goal(observation, boxes)
         return self.go(observation, goal if zone.is_safe(goal) else zone.next.center)
 
+    def fetch(self, observation: Observation, box: SupplyBox) -> Walk:
+        """Return how to walk to one box, which is the caller's choice. Call ``look`` first."""
+        if self.wanted != box.id:
+            self.walker.stop()
+        walk = self.walker.walk(observation) if self.walker.is_walking else None
+        if walk is None and self._finds_way(observation, {box.id: box}):
+            walk = self.walker.walk(observation)
+        self.wanted = box.id
+        return walk or self.go(observation, box.position)
+
     def _drop_what_is_over(self, is_safe: bool) -> None:
         """Follow no way to a box that is gone, nor one to supplies while the safe zone shrinks."""
         is_gone = self.wanted is not None and self.wanted not in self.memory.boxes
@@ -146,7 +156,7 @@ class Gathering:
         if self.wanted is not None and self.wanted in boxes:
             return boxes[self.wanted].position
         self.wanted = None
-        return self.prospecting.next_place(observation, self._centre(now))
+        return self.prospecting.next_place(observation, self.centre(now))
 
     def go(self, observation: Observation, goal: Vector) -> Walk:
         """Return how to walk far: straight, but out of buildings and past obstacles on known ways."""
@@ -165,7 +175,7 @@ class Gathering:
             self.rest = observation.time + 2.0
         return Walk(direction, FULL_SPEED, jump)
 
-    def _centre(self, time: float) -> tuple[float, float]:
+    def centre(self, time: float) -> tuple[float, float]:
         """Return the centre of the last wave of supplies, x and z."""
         waves = [wave for wave in self.match.supply_waves if wave.time <= time]
         return waves[-1].center if waves else (0.0, 0.0)
