@@ -5,7 +5,6 @@ FIELDS) float32, then the digests, (T,) uint64. The checksum detects damage but 
 detected by ``verify_record``, which re-simulates the match.
 """
 
-import time
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -93,13 +92,6 @@ def write_record(path: Path, match: Match, names: Sequence[str]) -> None:
         OSError: It cannot be written.
     """
     save(record_of(match, names), path)
-
-
-def new_record_path(folder: Path, track: str) -> Path:
-    """Return a path for a record, another one if a match ended in the same second."""
-    stem = f"{track}-{time.strftime('%Y%m%d-%H%M%S')}"
-    names = (f"{stem}{f'-{number}' if number > 1 else ''}{SUFFIX}" for number in range(1, 1000))
-    return next(path for path in (folder / name for name in names) if not path.exists())
 
 
 def check_recordable(spec: MatchSpec) -> None:

@@ -1,12 +1,13 @@
 """One match of a table: hosted by the match server, played by people and submissions, and recorded."""
 
 import asyncio
+import time
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
-from wildscav_engine.record import new_record_path, write_record
+from wildscav_engine.record import SUFFIX, write_record
 from wildscav_server.hosting.opponents import playing
 from wildscav_server.match_server import MatchServer
 from wildscav_server.time_limits import Clock
@@ -87,6 +88,13 @@ async def play_out(
     )
     await asyncio.gather(*joined)
     match = (await hosted.finished()).match
-    path = new_record_path(hosting.folder, match.spec.track)
+    path = _free_path(hosting.folder, match.spec.track)
     await asyncio.to_thread(write_record, path, match, hosted.names)
     return path
+
+
+def _free_path(folder: Path, track: str) -> Path:
+    """Return a path for a record, another one if a match ended in the same second."""
+    stem = f"{track}-{time.strftime('%Y%m%d-%H%M%S')}"
+    names = (f"{stem}{f'-{number}' if number > 1 else ''}{SUFFIX}" for number in range(1, 1000))
+    return next(path for path in (folder / name for name in names) if not path.exists())
