@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from wildscav_engine.specs.result import MatchResult
 
 JOIN_TIME = 60.0  # s for baselines to start
-KEPT = 100  # matches that are over, whose score and record can be asked for
+KEPT = 20  # matches that are over, whose score and record can be asked for, and whose maps stay in memory
 CLOSING_TIME = 1.5  # s that matches have to end when the server does; clients kill it after two
 
 

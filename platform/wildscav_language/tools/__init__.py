@@ -6,11 +6,6 @@ from wildscav_language.tools.fighting import ATTACK, FOLLOW, HOLD_FIRE, RELOAD, 
 from wildscav_language.tools.looking import LOOK_AROUND, TURN, WAIT_UNTIL
 from wildscav_language.tools.walking import EXPLORE, GO, PICK_UP
 
-# Those of all tracks.
-TOOLS = (
-    *(LOOK_AROUND, TURN, GO, EXPLORE, FOLLOW, PICK_UP),
-    *(ATTACK, HOLD_FIRE, RELOAD, TAKE_COVER, WAIT_UNTIL),
-)
 WITHOUT_SUPPLIES = ("navigation", "capture")  # tracks in which nobody picks anything up
 UNARMED = (*WITHOUT_SUPPLIES, "gathering")  # tracks in which nobody shoots
 
@@ -26,3 +21,10 @@ def tools_of(match: MatchInfo) -> tuple[Tool, ...]:
         tools += [TAKE_COVER, RELOAD]
         tools += [] if match.senses == "pixels" else [ATTACK, HOLD_FIRE]
     return tuple(tools)
+
+
+# Those of all tracks.
+TOOLS = (
+    *(LOOK_AROUND, TURN, GO, EXPLORE, FOLLOW, PICK_UP),
+    *(ATTACK, HOLD_FIRE, RELOAD, TAKE_COVER, WAIT_UNTIL),
+)

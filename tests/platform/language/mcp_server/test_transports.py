@@ -89,6 +89,11 @@ def test_two_clients_over_http_play_one_battle(tmp_path: Path) -> None:
         async with served(tmp_path) as url, by_http(url) as first, by_http(url) as second:
             await second.join(await first.start("battle", clients=2, others=[], time_limit=2.0))
             await asyncio.gather(*(one.read("wait_until", seconds=9.0) for one in (first, second)))
+            page = await first.read("replay")
+            async with httpx2.AsyncClient(timeout=60.0) as browser:
+                answer = await browser.get(page)
+                assert answer.headers["content-type"].startswith("text/html")
+                assert (await browser.get(f"{page}0")).status_code == 404
             return [await one.read("score") for one in (first, second)]
 
     for number, score in enumerate(asyncio.run(play())):
