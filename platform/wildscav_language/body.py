@@ -2,21 +2,29 @@
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from wildscav.agent import Action, MatchInfo, Observation, SupplyBox, Vector, VisibleAgent
-from wildscav.geometry import direction_to, flat_distance, turn_to
+from wildscav.geometry import direction_to, flat_distance, moved, turn_to
 from wildscav.skills.aiming import Aim, Lookout, Thrift, aim_at, max_turn_of, velocity_of
 from wildscav.skills.fighting import Dodging, steady, wants_reload
-from wildscav.skills.gathering import RICH, Gathering
+from wildscav.skills.gathering import LOOK_EVERY_OUTDOORS, RICH, Gathering
 from wildscav.skills.scouting import Scouting
+from wildscav.skills.supplies import WALL_HITS
+from wildscav.skills.surroundings import CELL
 from wildscav.skills.walking import FULL_SPEED, Walk, hold
 from wildscav_language.calls import End, Reason, Steps, StopFor
 from wildscav_language.memory import Memory
 
 WALK_TURN = 9.0  # degrees per frame, to look where it walks
+WITHOUT_SUPPLIES = ("navigation", "capture")  # tracks in which nobody picks anything up
+UNARMED = (*WITHOUT_SUPPLIES, "gathering")  # tracks in which nobody shoots
+HOUSE_DISTANCE = 30.0  # m, within which walls count as one building
 STANDING = Walk(0.0, 0.0)
 FIGHT_RANGE = 12.0  # m, beyond which an attack comes nearer
 NEAR = 4.0  # m, within which walks stop at a goal
 STOREY = 2.0  # m up or down, from which on a goal may be in a building
+AHEAD = 8.0  # m, in which the straight way is checked for what is in it
 A_PLACE = -2  # the number of a box that is none, but a place to walk to
 
 
@@ -31,18 +39,20 @@ class Body:
             names: The display names of all seats.
         """
         self.match = match
+        self.gathers = match.track not in WITHOUT_SUPPLIES
+        self.is_armed = match.track not in UNARMED
         self.gathering = Gathering(match)
         self.scouting = Scouting(match)
         self.dodging, self.lookout, self.thrift = Dodging(match), Lookout(match), Thrift()
         self.memory = Memory(match, names)
         self.enemies: list[VisibleAgent] = []  # in sight, nearest first
-        self.tool_names: frozenset[str] = frozenset()
         self.holds_fire = False
         self.has_seen = False
         self.has_just_died = False
         self._goal: Vector | None = None  # that it walks to, if it is a place
         self.now: Observation
         self.told: Observation | None = None  # as the last text has it
+        self.told_boxes: frozenset[int] = frozenset()  # that were known then
 
     def look(self, observation: Observation) -> None:
         """Take in an observation; call it in every step."""
@@ -52,7 +62,17 @@ class Body:
         self.gathering.look(observation)
         self.dodging.look(observation)
         self.thrift.look(observation)
-        self.enemies = self.lookout.enemies(observation) if observation.alive else []
+        self.enemies = self.lookout.enemies(observation) if self.is_armed and observation.alive else []
+        if observation.step % LOOK_EVERY_OUTDOORS == 0:
+            self._note_houses()
+
+    def _note_houses(self) -> None:
+        """Remember the buildings whose walls the LIDAR has shown, one in a neighbourhood."""
+        found, height = self.gathering.prospecting, self.now.position[1]
+        for cell in zip(*np.nonzero(found.walls >= WALL_HITS), strict=True):
+            place = (float(found.middle_x[cell]), height, float(found.middle_z[cell]))
+            if not self.memory.is_near_house(place, HOUSE_DISTANCE):
+                self.memory.note_house(place)
 
     @property
     def turn_in_step(self) -> float:
@@ -117,8 +137,26 @@ class Body:
         return self.fetching(SupplyBox(A_PLACE, goal, RICH if is_hard else 0))
 
     def fetching(self, box: SupplyBox) -> Action:
-        """Walk to a box, picking up whatever comes within reach."""
-        return self.moving(self.gathering.fetch(self.now, box))
+        """Walk to a box, picking up whatever comes within reach; straight if nothing is known in the way."""
+        gathering = self.gathering
+        if not gathering.roofed and not gathering.walker.is_walking and self._is_straight(box.position):
+            direction, jump = gathering.steering.toward(self.now, box.position)
+            if gathering.steering.detours < 2:
+                return self.moving(Walk(direction, FULL_SPEED, jump))
+        return self.moving(gathering.fetch(self.now, box))
+
+    def _is_straight(self, place: Vector) -> bool:
+        """Return whether nothing that was seen is in the way to a place at about the same height."""
+        here = self.now.position
+        far = flat_distance(here, place)
+        if abs(place[1] - here[1]) > max(STOREY, 0.5 * far):
+            return False
+        direction, rise = direction_to(here, place), (place[1] - here[1]) / max(far, CELL)
+        for step in range(1, int(min(far, AHEAD) / CELL)):
+            x, y, z = moved(here, direction, step * CELL)
+            if not self.gathering.surroundings.is_free((x, y + rise * step * CELL, z)):
+                return False
+        return True
 
     def exploring(self) -> Action:
         """Walk to where nobody of the team has looked yet."""

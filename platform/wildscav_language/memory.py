@@ -124,6 +124,8 @@ class Memory:
             for agent in in_sight
             if agent.seat not in self.agents or now.time - self.agents[agent.seat].time > FORGOTTEN_AGENT
         }
+        for seat in sorted(self.new_agents):
+            self._note(now, f"{self.name_of(seat)} came into sight")
         self.agents.update({agent.seat: Seen(now.time, agent) for agent in in_sight})
 
     def nearest_box(self, here: Vector) -> int | None:

@@ -1,6 +1,6 @@
 """What a seat senses, as text: the same observations always give the same bytes."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from wildscav.agent import Observation, SupplyBox
 from wildscav.geometry import direction_to, distance, flat_distance, turn_to
@@ -12,10 +12,12 @@ from wildscav_language.surroundings import around, in_view
 
 LIMIT = 8000  # bytes of a text at most
 # Lines of each list; what is nearest comes first, of agents out of sight who was seen last.
-MOST = {"Boxes": 24, "Boxes out of sight": 16, "Agents in sight": 16, "Agents seen before": 8}
+MOST = {"Boxes": 24, "Boxes out of sight": 16, "Agents in sight": 16, "Agents seen before": 8, "Teammates": 8}
 MOST_EVENTS = 10
+MOST_NUMBERS = 12  # of boxes that are new or gone
 MOST_PLACES = 20
 MOST_WAVES = 4
+IS_HOUSE = ", a building"
 FACING = 20.0  # degrees off this seat, within which an agent faces it
 
 
@@ -25,9 +27,9 @@ def describe(body: Body) -> str:
     parts = [_time(body), _own_state(body)]
     parts += [_changes(body)] if body.told is not None else []
     if now.alive:
-        parts += [*_goals(body), *_boxes(body), *_agents(body)]
+        parts += [*_goals(body), *_boxes(body), *_agents(body), *_teammates(body)]
         parts += [around(body), in_view(body), _places(body)]
-    body.told = now
+    body.told, body.told_boxes = now, frozenset(body.memory.boxes)
     return bounded("\n".join(part for part in parts if part))
 
 
@@ -65,13 +67,12 @@ def _own_state(body: Body) -> str:
 
 def _equipment(body: Body) -> str:
     """Return what the seat carries, on tracks that have it."""
-    now, names = body.now, body.tool_names
-    text = ""
-    if "reload" in names:
+    now, text = body.now, ""
+    if body.is_armed:
         text += f"\nWeapon: {now.clip} rounds in the clip, {now.spare_ammo} spare"
         text += f", reloaded in {now.reload_in:.1f} s" if now.reloading else ""
         text += ", you hold your fire." if body.holds_fire else ", you shoot at enemies in sight."
-    if "pick_up" in names:
+    if body.gathers:
         text += f"\nSupplies: you carry {now.supplies}, your team {now.team_supplies}."
         text += " A box is within reach." if now.can_pick_up else ""
     return text
@@ -89,6 +90,10 @@ def _changes(body: Body) -> str:
         changes.append(f"your health changed by {now.health - before.health:+d}")
     if now.supplies != before.supplies:
         changes.append(f"your supplies changed by {now.supplies - before.supplies:+d}")
+    boxes = body.memory.boxes.keys()
+    changes += _numbers("new boxes", boxes - body.told_boxes) + _numbers(
+        "boxes gone", body.told_boxes - boxes
+    )
     lines = [f"Since the last text: {', '.join(changes)}."]
     events = [event for event in body.memory.events if event.time > before.time]
     lines += [f"- {event.time:.1f} s: {event.text}" for event in events[-MOST_EVENTS:]]
@@ -96,22 +101,36 @@ def _changes(body: Body) -> str:
     return "\n".join(lines)
 
 
+def _numbers(what: str, boxes: Iterable[int]) -> list[str]:
+    """Return what became of boxes; nothing if there are none."""
+    found = sorted(boxes)
+    more = f" and {len(found) - MOST_NUMBERS} more" if len(found) > MOST_NUMBERS else ""
+    return [f"{what} {' '.join(map(str, found[:MOST_NUMBERS]))}{more}"] if found else []
+
+
 def _goals(body: Body) -> list[str]:
-    """Return where target, zone and supplies of the next waves are."""
+    """Return where target, zone and waves of supplies are."""
     now, match = body.now, body.match
-    lines = []
+    lines: list[str] = []
     if now.target is not None:
         lines.append(f"Target: {way_to(now.position, now.yaw, now.target)}.")
     elif match.track == "capture":
         lines.append("Target: not found yet; come within about 20 m of it.")
     lines += _zone(now)
-    coming = [
-        (number, wave) for number, wave in enumerate(match.supply_waves, start=1) if wave.time > now.time
-    ]
-    for number, wave in coming[:MOST_WAVES]:
-        place = (wave.center[0], now.position[1], wave.center[1])
-        way = way_to(now.position, now.yaw, place)
-        lines.append(f"Wave {number}: supplies appear in {wave.time - now.time:.1f} s around {way}.")
+    return [*lines, *_waves(body)]
+
+
+def _waves(body: Body) -> list[str]:
+    """Return where supplies appeared last, and where they will appear next."""
+    now, begun = body.now, body.waves_begun
+    first = max(0, begun - 1)
+    lines = []
+    for number, wave in enumerate(body.match.supply_waves[first : begun + MOST_WAVES], start=first + 1):
+        way = way_to(now.position, now.yaw, (wave.center[0], now.position[1], wave.center[1]))
+        when = f"appear in {wave.time - now.time:.1f} s"
+        if wave.time <= now.time:
+            when = f"appeared {now.time - wave.time:.1f} s ago"
+        lines.append(f"Wave {number}: supplies {when} around {way}, most within {wave.radius:.0f} m.")
     return lines
 
 
@@ -175,6 +194,21 @@ def _agent(body: Body, seen: Seen) -> str:
     return f"- {body.memory.name_of(agent.seat)}, {side}: {', '.join(parts)}"
 
 
+def _teammates(body: Body) -> list[str]:
+    """Return where the teammates are, in sight or not."""
+    now, lines = body.now, []
+    x, y, z = now.position
+    for row in now.tensors.get("teammates", ()):
+        if not row[0]:
+            continue
+        east, up, north = (float(number) for number in row[2:5])
+        way = way_to(now.position, now.yaw, (x + east, y + up, z + north))
+        state = f"health {row[10]:.0f}" if row[10] else "dead"
+        carries = f", carries {row[12]:.0f} supplies" if body.gathers else ""
+        lines.append(f"- {body.memory.name_of(int(row[1]))}: {way}, {state}{carries}")
+    return _listing("Teammates", lines)
+
+
 def _listing(title: str, lines: Sequence[str]) -> list[str]:
     """Return a list under its title, as long as it may be; nothing if it is empty."""
     most = MOST[title]
@@ -189,5 +223,8 @@ def _places(body: Body) -> str:
     now = body.now
     places = [(name, place) for name, place in body.memory.places().items() if name != "target"]
     ordered = sorted(places, key=lambda one: flat_distance(now.position, one[1]))
-    lines = [f"- {name}: {way_to(now.position, now.yaw, place)}" for name, place in ordered[:MOST_PLACES]]
+    lines = [
+        f"- {name}{IS_HOUSE * name.startswith('place')}: {way_to(now.position, now.yaw, place)}"
+        for name, place in ordered[:MOST_PLACES]
+    ]
     return "\n".join(["Places:", *lines]) if lines else ""

@@ -27,7 +27,7 @@ def way_to(here: Vector, yaw: float, place: Vector) -> str:
     """Return where a place is: hour, bearing, distance and, unless it is level, height."""
     far = flat_distance(here, place)
     if far < 0.5:
-        return f"right here{height(place[1] - here[1])}"
+        return f"here{height(place[1] - here[1])}"
     direction = direction_to(here, place)
     hour = clock(turn_to(yaw, direction))
     return f"{hour}, bearing {degrees(direction)}, {far:.1f} m{height(place[1] - here[1])}"

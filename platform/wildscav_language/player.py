@@ -32,6 +32,9 @@ class Counts:
     calls: int = 0
     refused: int = 0  # calls that could not be understood or played: the losses by parsing
     steps: int = 0  # of game time
+    texts: int = 0
+    bytes: int = 0  # of all texts
+    longest: int = 0  # bytes of the longest text
     ended: Counter[Reason] = field(default_factory=Counter)
 
     @property
@@ -51,9 +54,8 @@ class Player:
             names: The display names of all seats.
         """
         self.match = match
-        self.tools: tuple[Tool, ...] = tools_of(match)
         self.body = Body(match, names)
-        self.body.tool_names = frozenset(tool.name for tool in self.tools)
+        self.tools: tuple[Tool, ...] = tools_of(self.body)
         self.counts = Counts()
         self.steps = 0  # that the running tool has played
         self.reply = Reply("", Reason.DONE, 0, over=False)  # to the last call
@@ -75,7 +77,12 @@ class Player:
 
     def text(self) -> str:
         """Return the text of now. The next one tells what has changed since."""
-        return describe(self.body)
+        text = describe(self.body)
+        size = len(text.encode())
+        self.counts.texts += 1
+        self.counts.bytes += size
+        self.counts.longest = max(self.counts.longest, size)
+        return text
 
     def give(self, name: str, arguments: Mapping[str, Any]) -> None:
         """Begin a tool; a bad call begins a pause."""

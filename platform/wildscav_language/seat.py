@@ -8,8 +8,11 @@ import threading
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from numpy.typing import NDArray
+
 from wildscav.agent import Action, Agent, MatchInfo, Observation
 from wildscav_language.calls import Reason, Tool
+from wildscav_language.pictures import picture
 from wildscav_language.player import Counts, Player, Reply
 
 __all__ = ["Counts", "Reply", "Seat", "Tool", "WordsAgent"]
@@ -81,6 +84,24 @@ class Seat:
         """
         with self._changed:
             return self._begun(timeout).text()
+
+    def picture(self, image: NDArray[Any] | None = None, *, marks: bool = False) -> bytes:
+        """Return what the seat's camera shows, as a PNG file of less than 1 MiB.
+
+        Args:
+            image: What a camera with the options ``PICTURE`` shows now; by default, that of the observation.
+            marks: Whether the boxes and agents that the seat is told of have their numbers in it.
+
+        Raises:
+            TimeoutError: The match did not begin.
+            ValueError: The seat has no camera.
+        """
+        with self._changed:
+            now = self._begun(START_TIME).body.now
+        image = now.tensors.get("camera") if image is None else image
+        if image is None:
+            raise ValueError("this seat has no camera: host its match with sensors(pictures=True)")
+        return picture(image, now, marks=marks)
 
     def call(self, name: str, arguments: Mapping[str, Any], timeout: float | None = None) -> Reply:
         """Play a tool until it ends. A bad call is answered with what is allowed, and costs game time.

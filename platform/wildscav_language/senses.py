@@ -1,4 +1,4 @@
-"""The sensors of a seat of words, and the words for what they show."""
+"""The sensors of a seat of words."""
 
 from typing import Any
 
@@ -6,7 +6,7 @@ from wildscav.skills.gathering import RINGS
 
 FIELD_OF_VIEW = 90.0  # degrees
 VIEW = {"width": 48, "height": 27, "field_of_view": FIELD_OF_VIEW}
-PICTURE = {"width": 480, "height": 270, "field_of_view": FIELD_OF_VIEW}
+PICTURE = {"width": 480, "height": 270, "field_of_view": FIELD_OF_VIEW, "quality": "fast"}
 
 
 def sensors(*, pictures: bool = False) -> dict[str, dict[str, Any]]:

@@ -33,19 +33,20 @@ def around(body: Body) -> str:
     if reading is None:
         return ""
     ways = obstacles(reading, body.gathering.rings)
-    hours = []
+    told = []
     for hour in range(12):
         middle = round(hour * len(ways) / 12)
         half = len(ways) // 24
         sector = np.take(ways, range(middle - half, middle + half), mode="wrap")
-        hours.append(f"{hour or 12} {_said_of(sector)}")
-    return f"Obstacles within {REACH:.0f} m, by hour of the clock: {'; '.join(hours)}."
+        if float(sector.min()) < REACH:
+            told.append(f"{hour or 12} o'clock {_said_of(sector)}")
+    where = f"{'; '.join(told)}; free elsewhere" if told else "none"
+    return f"Obstacles within {REACH:.0f} m: {where}."
 
 
 def _said_of(sector: NDArray[np.float64]) -> str:
+    """Return what the rays of an hour show, (rays,) m, if they show anything."""
     nearest = float(sector.min())
-    if nearest >= REACH:
-        return "free"
     share = float((sector < min(REACH, 1.5 * nearest + 1.0)).mean())
     return f"{'blocked' if share >= BLOCKED else 'something'} at {nearest:.0f} m"
 

@@ -1,14 +1,19 @@
 """An agent that plays by the texts of a seat of words alone: it reads them, and calls tools."""
 
 import re
-from typing import Any
+from typing import Any, NamedTuple
 
 from wildscav import Action, Agent, MatchInfo, Observation
 from wildscav_language.player import Player
 
-BOX = re.compile(r"^- box (\d+): .*?([\d.]+) m(?:, ([\d.]+) m (?:higher|lower))?, (\d+) supplies$", re.M)
+BOX = re.compile(
+    r"^- box (\d+): (?:here|.*?, ([\d.]+) m)(?:, ([\d.]+) m (?:higher|lower))?, (\d+) supplies$", re.M
+)
 HEADING = re.compile(r"bearing (\d+)°")
-HERE = re.compile(r"^- box (\d+): right here", re.M)
+WAVE = re.compile(r"^Wave (\d+): supplies (appeared|appear in) ([\d.]+) s .*?most within (\d+) m", re.M)
+RICH = 8  # supplies: such boxes are worth more than a walk to a wave
+HOT = 20.0  # m, greatest radius of a wave that is worth a walk
+EARLY = 10.0  # s before a wave, at which it walks there
 STOREY = 4.0  # m on foot for each metre up or down
 START_UP = 3.0  # m, that every box costs besides
 
@@ -21,6 +26,8 @@ class Reader(Agent):
         self.player = Player(match)
         self.failed: dict[int, int] = {}  # tries of boxes that were not reached
         self.stuck = 0  # times in a row
+        self.visited = 0  # the number of the last wave that it has been to
+        self.goal = 0  # the number of the wave that it walks to
 
     def act(self, observation: Observation) -> Action:
         """Play on, and decide whenever a tool has ended."""
@@ -41,21 +48,49 @@ class Reader(Agent):
             return "go", {"bearing": off % 360, "seconds": 2.0, "stop_for": []}
         if "\nTarget: " in text and "not found yet" not in text:
             return "go", {"place": "target", "seconds": 30.0, "stop_for": []}
-        box = self.best_box(text)
-        if box is not None:
-            self.failed[box] = self.failed.get(box, 0) + 1
-            return "go", {"box": box, "seconds": 8.0, "stop_for": []}
+        if ended == "arrived" and f"\nWave {self.goal}: supplies appeared" in text:
+            self.visited = max(self.visited, self.goal)
+        boxes = self.boxes(text)
+        wave = None if any(box.supplies >= RICH for box in boxes.values()) else self.wave(text)
+        if wave is not None:
+            return self.walk_to_wave(*wave, ended)
+        if boxes:
+            best = min(boxes, key=lambda number: boxes[number].effort)
+            self.failed[best] = self.failed.get(best, 0) + 1
+            return "go", {"box": best, "seconds": 3.0 + boxes[best].way / 4.0, "stop_for": []}
         return "explore", {"seconds": 5.0, "stop_for": ["box"]}
 
-    def best_box(self, text: str) -> int | None:
-        """Return the number of the box with the shortest way for its worth that did not fail twice."""
-        found = {int(one[1]): self.effort(one) for one in BOX.finditer(text)}
-        found |= {int(one[1]): 0.0 for one in HERE.finditer(text)}
-        tried = {box: cost for box, cost in found.items() if self.failed.get(box, 0) < 2}
-        return min(tried, key=lambda box: tried[box], default=None)
+    def walk_to_wave(self, number: int, seconds: float, ended: str) -> tuple[str, dict[str, Any]]:
+        """Return the call that leads to a wave, or waits there for it."""
+        if ended == "arrived" and self.goal == number and seconds > 0.0:
+            return "wait_until", {"event": "wave", "seconds": seconds + 0.5}
+        self.goal = number
+        return "go", {"place": f"wave {number}", "seconds": 5.0, "stop_for": ["box"]}
 
-    @staticmethod
-    def effort(line: re.Match[str]) -> float:
-        """Return what a box costs for its worth."""
-        way = float(line[2]) + STOREY * float(line[3] or 0.0)
-        return (way + START_UP) / float(line[4]) ** 0.6
+    def wave(self, text: str) -> tuple[int, float] | None:
+        """Return a dense wave that has just appeared or soon will, and in how many s, unless it was there."""
+        for number, tense, seconds, radius in WAVE.findall(text):
+            left = 0.0 if tense == "appeared" else float(seconds)
+            if left < EARLY and float(radius) <= HOT and int(number) > self.visited:
+                return int(number), left
+        return None
+
+    def boxes(self, text: str) -> dict[int, "Box"]:
+        """Return the boxes in a text that it did not fail to reach twice."""
+        found = {
+            int(number): Box(float(way or 0.0) + STOREY * float(height or 0.0), int(supplies))
+            for number, way, height, supplies in BOX.findall(text)
+        }
+        return {number: box for number, box in found.items() if self.failed.get(number, 0) < 2}
+
+
+class Box(NamedTuple):
+    """A box of which it read."""
+
+    way: float  # m on foot, about
+    supplies: int
+
+    @property
+    def effort(self) -> float:
+        """What it costs for its worth."""
+        return (self.way + START_UP) / self.supplies**0.6

@@ -14,7 +14,6 @@ from wildscav_engine.specs.validation import one_line
 from wildscav_language.calls import Reason
 from wildscav_language.mcp_server import reports, requests
 from wildscav_language.mcp_server.matches import ClientSeat, ClientsMatch, Matches
-from wildscav_language.mcp_server.pictures import picture_of
 from wildscav_language.player import Reply
 from wildscav_language.rules_text import rules
 from wildscav_language.tools import TOOLS
@@ -149,10 +148,15 @@ class Desk:
                 return await self._end_of(match, seat, lambda: seat.words.wait(WAIT))
             return Answer(await self._in_thread(lambda: seat.words.observe(WAIT)))
 
-    async def picture(self, request: requests.OfSeat) -> Answer:
+    async def picture(self, request: requests.TakePicture) -> Answer:
         """Return what a seat sees."""
         match, seat = self.matches.seat(request.seat)
-        return Answer(f"What seat {seat.number} sees now.", picture_of(match.hosted.match, seat.number))
+        async with seat.calling:
+            if seat.is_busy:
+                raise UserError(STILL)
+            await self._in_thread(lambda: seat.words.match)  # which waits for the match to begin
+            picture = seat.words.picture(match.image_of(seat), marks=request.marks)
+        return Answer(f"What seat {seat.number} sees now.", picture)
 
     async def score(self, request: requests.OfSeat) -> str:
         """Return the score of a match."""

@@ -6,17 +6,20 @@ from collections.abc import AsyncIterator, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import asynccontextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from numpy.typing import NDArray
 
 from wildscav.errors import UserError, WildscavError
 from wildscav.sdk.connection import Connection
 from wildscav.terminal.console import error_console
 from wildscav.version import __version__
 from wildscav_engine.record import SUFFIX, RecordError, check_recordable, write_record
+from wildscav_engine.sensors import allowed_sensors, parse_sensors
 from wildscav_engine.simulation.match import MatchSetupError
 from wildscav_language.mcp_server.requests import StartMatch, opponents_of, spec_of
 from wildscav_language.seat import Seat
-from wildscav_language.senses import sensors
+from wildscav_language.senses import PICTURE, sensors
 from wildscav_server.hosting.hosted_match import HostedMatch
 from wildscav_server.hosting.opponents import numbered, playing
 from wildscav_server.leftovers import temporary_folder
@@ -132,6 +135,17 @@ class ClientsMatch:
         for ended in await asyncio.gather(*playing_seats, return_exceptions=True):
             if isinstance(ended, Exception) and not isinstance(ended, WildscavError):
                 error_console.print(f"{self.id}: a seat failed: {ended!r}", markup=False)
+
+    def image_of(self, seat: ClientSeat) -> NDArray[Any]:
+        """Return what the camera of a seat shows now, as far as the match's senses allow.
+
+        It is read for those who ask, since a camera in every step would take longer than all else.
+        """
+        match = self.hosted.match
+        camera = allowed_sensors(parse_sensors({"camera": PICTURE}), match.spec.rules)["camera"]
+        camera.prepare(match.game_map)
+        image: NDArray[Any] = camera.read(match, [seat.number])[0]
+        return image
 
     def next_seat(self) -> ClientSeat:
         """Take the next free seat.

@@ -93,7 +93,11 @@ class Observe(OfSeat):
 
 
 class TakePicture(OfSeat):
-    """Get a picture of what your seat sees."""
+    """Get a picture of what your seat sees now. It costs no time."""
+
+    marks: Annotated[
+        bool, Field(description="whether the boxes and agents that you are told of have their numbers in it")
+    ] = False
 
 
 class ReadScore(OfSeat):

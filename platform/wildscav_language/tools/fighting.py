@@ -72,6 +72,8 @@ def attack(body: Body, order: Attack) -> Steps:
     if order.agent is None and not body.enemies:
         raise RefusedCallError("No enemy is in sight; look around, or name one that you have seen.")
     target = body.enemies[0].seat if order.agent is None else order.agent
+    if body.now.clip == body.now.spare_ammo == 0:
+        raise RefusedCallError("There are no rounds left.")
     if seen_agent(body, target).team == body.match.team:
         raise RefusedCallError(f"Agent {target} is of your team; attack takes enemies.")
     body.holds_fire, end, progress = False, body.now.time + order.seconds, Progress(body)

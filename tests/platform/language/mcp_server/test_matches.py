@@ -30,7 +30,9 @@ class Played:
         self.begun = await player.start("navigation", time_limit=60.0)
         self.rules = await player.read("rules")
         self.observed = await player.read("observe")
-        (image,) = [one for one in (await player.ask("picture")).content if isinstance(one, ImageContent)]
+        (image,) = [
+            one for one in (await player.ask("picture", marks=True)).content if isinstance(one, ImageContent)
+        ]
         self.picture = base64.b64decode(image.data)
         self.early = text_of(await player.ask("record"))
         while "The match is over." not in self.end:
