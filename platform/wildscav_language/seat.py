@@ -8,6 +8,8 @@ import threading
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from numpy.typing import NDArray
+
 from wildscav.agent import Action, Agent, MatchInfo, Observation
 from wildscav_language.calls import Reason, Tool
 from wildscav_language.pictures import picture
@@ -83,10 +85,11 @@ class Seat:
         with self._changed:
             return self._begun(timeout).text()
 
-    def picture(self, *, marks: bool = False) -> bytes:
+    def picture(self, image: NDArray[Any] | None = None, *, marks: bool = False) -> bytes:
         """Return what the seat's camera shows, as a PNG file of less than 1 MiB.
 
         Args:
+            image: What a camera with the options ``PICTURE`` shows now; by default, that of the observation.
             marks: Whether the boxes and agents that the seat is told of have their numbers in it.
 
         Raises:
@@ -95,7 +98,7 @@ class Seat:
         """
         with self._changed:
             now = self._begun(START_TIME).body.now
-        image = now.tensors.get("camera")
+        image = now.tensors.get("camera") if image is None else image
         if image is None:
             raise ValueError("this seat has no camera: host its match with sensors(pictures=True)")
         return picture(image, now, marks=marks)

@@ -6,6 +6,9 @@ played without it. What one seat spends never shortens another's bank. Seats may
 match lasts at most the time to join, the budgets of its steps and the banks of all seats. An organizer who
 wants shorter matches sets the longest time, and every bank is made smaller alike.
 
+A match whose spec has the clock ``paused`` stands still until all seats have answered. There is no bank; a
+seat that gives no answer for the idle limit is closed, so that it costs the others no more than that.
+
 Time in which the machine had no processor for an agent, because of others' work, is credited: the bank does
 not pay for it. No more than one budget is credited in a step, so that every match ends.
 """
@@ -31,9 +34,10 @@ class Clock:
     time_bank: float = 30.0  # for answers beyond the budget, per seat and match
     join_timeout: float = 30.0  # for all seats to join
     longest: float | None = None  # for all steps together; None: as long as budgets and banks allow
+    idle_limit: float = 600.0  # for an answer where the clock is paused, before the seat is closed
 
     def __post_init__(self) -> None:
-        for name in ("step_budget", "join_timeout"):
+        for name in ("step_budget", "join_timeout", "idle_limit"):
             if not getattr(self, name) > 0:
                 raise ValueError(f"clock: {name} is {getattr(self, name)}, must be above 0")
         if not self.time_bank >= 0:
@@ -42,18 +46,23 @@ class Clock:
     def fitted(self, spec: "MatchSpec") -> "Clock":
         """Return the clock of one match, whose banks are smaller if all would exceed the longest time.
 
+        In a match whose clock is paused, the idle limit is the budget of a step, and there is no bank.
+
         Raises:
-            ValueError: The budgets of its steps alone exceed it.
+            ValueError: The budgets of its steps alone exceed the longest time.
         """
-        if self.longest is None:
-            return self
-        budgets = spec.step_limit * self.step_budget
-        if not self.longest >= budgets:
+        paused = spec.clock == "paused"
+        clock = replace(self, step_budget=self.idle_limit, time_bank=0.0) if paused else self
+        if clock.longest is None:
+            return clock
+        steps, budgets = spec.step_limit, spec.step_limit * clock.step_budget
+        if not clock.longest >= budgets:
             raise ValueError(
-                f"a match cannot end within {self.longest:g} s: the budgets of its {spec.step_limit:,} steps "
+                f"a match cannot end within {clock.longest:g} s: the budgets of its {steps:,} steps "
                 f"alone are {budgets:,g} s"
             )
-        return replace(self, time_bank=min(self.time_bank, (self.longest - budgets) / max(1, _seats(spec))))
+        bank = (clock.longest - budgets) / max(1, _seats(spec))
+        return replace(clock, time_bank=min(clock.time_bank, bank))
 
     def bank(self) -> "TimeBank":
         """Return a seat's time bank."""
@@ -67,7 +76,7 @@ class Clock:
 
     def deadline(self, spec: "MatchSpec") -> float:
         """Return after how long a match hangs that has not ended, s, with all that may be credited."""
-        return self.bound(spec) + spec.step_limit * self.step_budget + MARGIN
+        return self.bound(spec) + spec.step_limit * self.fitted(spec).step_budget + MARGIN
 
 
 def _seats(spec: "MatchSpec") -> int:

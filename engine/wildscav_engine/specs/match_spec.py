@@ -103,13 +103,16 @@ class MatchSpec(Spec):
     rules: RulesField = Rules()
     # Metrics from packages, by name, that are measured in addition to those of the track.
     metrics: Annotated[tuple[str, ...], Field(max_length=20)] = ()
+    # Agents' time: a budget for each step and a bank, or the match stands still until all have answered.
+    clock: Literal["bank", "paused"] = "bank"
 
     @model_serializer(mode="wrap")
-    def _omit_empty_metrics(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Omit ``metrics`` if it is empty, so that records and digests of other specs do not change."""
+    def _omit_later_defaults(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Omit later fields that have no effect, so that records and digests of older specs do not change."""
         fields: dict[str, Any] = serialize(self)
-        if not self.metrics:
-            fields.pop("metrics", None)
+        for name in ("metrics", "clock"):
+            if getattr(self, name) == MatchSpec.model_fields[name].default:
+                fields.pop(name, None)
         return fields
 
     @property

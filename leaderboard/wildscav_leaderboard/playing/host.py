@@ -32,9 +32,10 @@ from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.settings import Play, SeasonSettings
 from wildscav_leaderboard.submissions.archives import load_archive
 from wildscav_server.hosting.hosted_match import HostedMatch
+from wildscav_server.hosting.opponents import Opponent
 from wildscav_server.monitoring.logs import open_log
 from wildscav_stage.playing.links import Base, Links
-from wildscav_stage.playing.plan import DEFAULT_MAP, FRAMES_PER_ACTION, Opponent, Plan
+from wildscav_stage.playing.plan import DEFAULT_MAP, FRAMES_PER_ACTION, Plan
 from wildscav_stage.playing.serve import Served, prepare, served_on
 from wildscav_stage.viewer_files import viewer_file
 

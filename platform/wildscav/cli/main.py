@@ -26,7 +26,7 @@ NAME = "wildscav"
 GROUP = "wildscav.commands"
 # The panels of the help, each in the order of its commands: first what a newcomer needs.
 PANELS = {
-    "Agents": ("init", "play", "human", "check", "build", "train", "dataset"),
+    "Agents": ("init", "play", "human", "mcp", "check", "build", "train", "dataset"),
     "Evaluations": ("evaluate", "baselines", "compare", "tournament", "leaderboard", "verify"),
     "Matches": ("watch", "replay"),
     "Seasons": ("login", "submit", "team", "season"),
@@ -40,6 +40,7 @@ PACKAGE_EXTRAS = {
     "wildscav_leaderboard": "leaderboard",
     "wildscav_evaluator": "evaluator",
     "wildscav_legacy": "legacy",
+    "wildscav_language": "language",
     "wildscav_stage": "stage",
     "wildscav_server": "server",
 }
@@ -52,6 +53,7 @@ EXTRAS = {
     "h5py": "data",
     "httpx": "leaderboard",
     "jinja2": "leaderboard",
+    "mcp": "language",
     "minari": "data",
     "numba": "engine",
     "prometheus_client": "server",

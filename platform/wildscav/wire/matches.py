@@ -68,10 +68,10 @@ _SAME = (
     *("seed", "step_budget", "time_bank", "target_distance", "pick_up_distance", "supply_sight"),
     *("respawns", "supply_goal"),
     *("clip_size", "start_health"),
-    *("senses", "turn_speed", "spread", "recoil", "walking_sway", "turning_sway", "bounty"),
+    *("senses", "turn_speed", "spread", "recoil", "walking_sway", "turning_sway", "bounty", "clock"),
 )
 # What holds on a server that is too old to say so.
-_UNTOLD = {name: MatchInfo.__dataclass_fields__[name].default for name in ("senses", "turn_speed")}
+_UNTOLD = {name: MatchInfo.__dataclass_fields__[name].default for name in ("senses", "turn_speed", "clock")}
 
 
 def _vector(value: Vector) -> VectorMessage:

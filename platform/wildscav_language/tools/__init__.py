@@ -19,3 +19,10 @@ def tools_of(body: Body) -> tuple[Tool, ...]:
         tools.append(RELOAD)
         tools += [] if match.senses == "pixels" else [ATTACK, HOLD_FIRE, TAKE_COVER]
     return tuple(tools)
+
+
+# Those of all tracks.
+TOOLS = (
+    *(LOOK_AROUND, TURN, GO, EXPLORE, FOLLOW, PICK_UP),
+    *(ATTACK, HOLD_FIRE, RELOAD, TAKE_COVER, WAIT_UNTIL),
+)

@@ -1,7 +1,8 @@
 """The lockstep between the engine and the seats' streams.
 
 A step opens with an observation to every seat that owes no answer. It closes as soon as every seat in the
-match has answered, or when the time of all seats that have not is up. A seat that has not answered gets no
+match has answered, or when the time of all seats that have not is up; where the clock is paused, those seats
+are closed. A seat that has not answered gets no
 further observation until it does; then it gets that of the step that is open. So no messages pile up for a
 slow agent, and a stalled one blocks no buffer.
 
@@ -24,6 +25,7 @@ from wildscav.proto.match_pb2 import Action
 from wildscav.wire.actions import decode_action
 from wildscav.wire.observations import encode_observation
 from wildscav_server.hosting.observations import SeatObservations
+from wildscav_server.hosting.reports import SeatStatus
 from wildscav_server.hosting.seat import Seat
 from wildscav_server.time_limits import Clock, SeatClock
 
@@ -203,6 +205,8 @@ class Lockstep:
             self._charge(seat, now)
             seat.bank.use_up()
             self._count_late(seat)
+            if self._match.spec.clock == "paused":
+                seat.close(SeatStatus.TIMED_OUT, f"gave no answer for {self._clock.step_budget:g} s")
         self._close()
 
     def _close(self) -> None:

@@ -88,4 +88,5 @@ def info_from(spec: "MatchSpec", start: "StartInfo", seat: int, clock: Clock) ->
         walking_sway=spec.rules.walking_sway,
         turning_sway=spec.rules.turning_sway,
         bounty=spec.rules.bounty,
+        clock=spec.clock,
     )

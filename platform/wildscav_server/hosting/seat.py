@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
+import grpc
 from numpy.typing import NDArray
 
 from wildscav.errors import SensorError
@@ -69,6 +70,12 @@ class Seat:
         if self.stream is not None and self.refusal is None:
             self.refusal = refusal
             self.stream.cancel()
+
+    def close(self, status: SeatStatus, reason: str) -> None:
+        """Play it with no action from now on, and end its stream."""
+        self.gone = True
+        self.set_outcome(status, reason)
+        self.dismiss(RefusalError(grpc.StatusCode.FAILED_PRECONDITION, "SEAT_CLOSED", reason))
 
     def read_sensors(self, match: "Match") -> dict[str, NDArray[Any]]:
         """Read the seat's sensors."""

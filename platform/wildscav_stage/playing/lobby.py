@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any, Protocol
 from wildscav.errors import UserError, WildscavError
 from wildscav.sdk.connection import Connection
 from wildscav.version import __version__
+from wildscav_server.hosting.opponents import numbered
 from wildscav_stage.playing.inputs import Controls
 from wildscav_stage.playing.links import Links
 from wildscav_stage.playing.page import RENEWED
-from wildscav_stage.playing.plan import Plan, numbered
+from wildscav_stage.playing.plan import Plan
 from wildscav_stage.playing.room import EntryError, Room
 from wildscav_stage.playing.sight import Known, Sight
 

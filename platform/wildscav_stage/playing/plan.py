@@ -1,6 +1,6 @@
 """Which match is played: its spec, who sits where, and their names."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -8,7 +8,6 @@ from typing import Any
 from pydantic import ValidationError
 
 from wildscav.errors import UserError
-from wildscav.sdk.submission_folder import MANIFEST
 from wildscav.terminal.suggestions import did_you_mean
 from wildscav_engine.maps.catalogue import map_spec
 from wildscav_engine.maps.errors import MapError
@@ -19,7 +18,7 @@ from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.specs.rules import RULES
 from wildscav_engine.specs.validation import one_line
 from wildscav_engine.tracks import TRACKS
-from wildscav_server.hosting.manifest import read_manifest
+from wildscav_server.hosting.opponents import Opponent, numbered, submission_opponent
 from wildscav_stage.playing.shooting_range import TARGETS, Target, range_spec
 
 PERSON = "person"
@@ -37,13 +36,10 @@ DEFAULT_OPPONENTS = {"battle": ("fighter-easy", "gatherer", "fighter"), "royale"
 
 
 @dataclass(frozen=True)
-class Opponent:
-    """Who plays in another seat than people's."""
+class RangeTarget(Opponent):
+    """A target at the shooting range."""
 
-    name: str
-    folder: Path | None = None  # of a submission; None for a robot
-    sensors: Mapping[str, Mapping[str, Any]] | None = None  # of a submission
-    target: Target | None = None  # at the shooting range
+    target: Target | None = None
 
 
 @dataclass(frozen=True)
@@ -63,7 +59,11 @@ class Plan:
     def targets(self) -> dict[int, Target]:
         """The targets of a shooting range, by their seats; elsewhere, there are none."""
         opponents = enumerate(self.opponents, start=self.people)
-        return {seat: opponent.target for seat, opponent in opponents if opponent.target is not None}
+        return {
+            seat: opponent.target
+            for seat, opponent in opponents
+            if isinstance(opponent, RangeTarget) and opponent.target is not None
+        }
 
     @property
     def may_pause(self) -> bool:
@@ -126,19 +126,6 @@ class Plan:
         return self.spec.model_copy(update={"seed": (self.spec.seed + times) % 2**64, "seats": tuple(seats)})
 
 
-def numbered(names: Sequence[str]) -> tuple[str, ...]:
-    """Return names of which those that occur several times are numbered, so that all are different."""
-    taken, chosen = set(names), []
-    for name in names:
-        own, number = name, 0
-        while names.count(name) > 1 and (own in taken or own == name):
-            number += 1
-            own = f"{name} {number}"
-        taken.add(own)
-        chosen.append(own)
-    return tuple(chosen)
-
-
 def make_plan(
     track: str,
     map_id: int | None,
@@ -190,7 +177,7 @@ def make_plan(
 def make_range(seed: int, time_limit: float | None, rules: str = "original") -> Plan:
     """Return the plan of a person's practice at the shooting range; see ``make_plan``."""
     spec = range_spec(seed, time_limit, rules, FRAMES_PER_ACTION)
-    return Plan(spec, tuple(Opponent(target.name, target=target) for target in TARGETS))
+    return Plan(spec, tuple(RangeTarget(target.name, target=target) for target in TARGETS))
 
 
 def _opponent(text: str, track: str) -> Opponent:
@@ -203,13 +190,4 @@ def _opponent(text: str, track: str) -> Opponent:
             f"{did_you_mean(text, ROBOTS)}",
             exit_code=2,
         )
-    return _submission(folder, track)
-
-
-def _submission(folder: Path, track: str) -> Opponent:
-    manifest = read_manifest(folder / MANIFEST)
-    if track not in manifest.tracks:
-        raise UserError(
-            f"{manifest.name} does not play {track}; it plays {', '.join(manifest.tracks)}", exit_code=2
-        )
-    return Opponent(manifest.name, folder.absolute(), manifest.sensors)
+    return submission_opponent(folder, track)

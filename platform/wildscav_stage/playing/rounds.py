@@ -1,16 +1,14 @@
 """One match of a table: hosted by the match server, played by people and submissions, and recorded."""
 
 import asyncio
-import os
-import sys
 import time
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
-from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
-from wildscav.sdk.run import ADDRESS_VARIABLE, TOKEN_VARIABLE
 from wildscav_engine.record import SUFFIX, write_record
+from wildscav_server.hosting.opponents import playing
 from wildscav_server.match_server import MatchServer
 from wildscav_server.time_limits import Clock
 from wildscav_stage.playing.lobby import Person
@@ -21,7 +19,6 @@ if TYPE_CHECKING:
     from wildscav_engine.specs.match_spec import MatchSpec
     from wildscav_server.hosting.hosted_match import HostedMatch
 
-END_TIME = 3.0  # s for an agent to end when the match is over
 LONGEST_PAUSE = 86_400.0  # s, of a match against robots alone, which wait for the person
 ROBOT_CLOCK = Clock(time_bank=LONGEST_PAUSE)
 
@@ -40,48 +37,6 @@ class Agents(Protocol):
             addresses: Where each of these seats is joined, which nobody else can.
             logs: The folder for what agents print.
         """
-
-
-@asynccontextmanager
-async def playing(
-    folders: Mapping[int, Path], hosted: "HostedMatch", addresses: Mapping[int, str], logs: Path
-) -> AsyncIterator[None]:
-    """Run submissions without a sandbox; whoever starts them trusts their code. See ``Agents``."""
-    async with AsyncExitStack() as stack:
-        for seat, folder in folders.items():
-            log = logs / f"{seat}-{hosted.names[seat].replace(' ', '-')}.log"
-            await stack.enter_async_context(_agent(seat, folder, hosted, addresses[seat], log))
-        yield
-
-
-@asynccontextmanager
-async def _agent(
-    seat: int, folder: Path, hosted: "HostedMatch", address: str, log: Path
-) -> AsyncIterator[None]:
-    own = {ADDRESS_VARIABLE: address, TOKEN_VARIABLE: hosted.tokens[seat]}
-    with log.open("wb") as file:
-        process = await asyncio.create_subprocess_exec(
-            *(sys.executable, "-m", "wildscav.sdk", str(folder)),
-            env=os.environ | own,
-            stdin=asyncio.subprocess.DEVNULL,
-            stdout=file,
-            stderr=file,
-        )
-    watching = asyncio.create_task(_watch(process, seat, hosted, log))
-    try:
-        yield
-    finally:
-        try:
-            await asyncio.wait_for(process.wait(), END_TIME)
-        except TimeoutError:
-            process.kill()
-        await watching
-
-
-async def _watch(process: asyncio.subprocess.Process, seat: int, hosted: "HostedMatch", log: Path) -> None:
-    """Let the match go on without an agent whose process ends early."""
-    code = await process.wait()
-    hosted.give_up(seat, f"its process ended with exit code {code}; its output is in {log}")
 
 
 class MatchHosting(NamedTuple):

@@ -13,6 +13,7 @@ from wildscav_engine.sensors import parse_sensors
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_server.endpoints.endpoint import EndpointSettings
+from wildscav_server.hosting.opponents import playing
 from wildscav_server.hosting.precompile import precompile, small_map
 from wildscav_server.leftovers import temporary_folder
 from wildscav_server.match_server import MatchServer
@@ -20,7 +21,7 @@ from wildscav_stage.listening import GRACE, listen
 from wildscav_stage.playing.app import Site
 from wildscav_stage.playing.links import Addresses, Base, Links, base_of
 from wildscav_stage.playing.plan import Plan
-from wildscav_stage.playing.rounds import Agents, MatchHosting, playing
+from wildscav_stage.playing.rounds import Agents, MatchHosting
 from wildscav_stage.playing.sight import Known, Sight
 from wildscav_stage.playing.table import COUNTDOWN, Table
 from wildscav_stage.scene.map_file import map_file

@@ -35,6 +35,7 @@ from wildscav_engine.specs.validation import one_line
         ({"track": "battle", "rules": {"spread": -1}}, "rules.spread: Input should be greater than"),
         ({"track": "battle", "map": {"config": {"size": 41}}}, "map.config.size"),
         ({"track": "battle", "map": {"config": {"storeys": [3, 1]}}}, "storeys is (3, 1)"),
+        ({"track": "battle", "clock": "stopped"}, "clock: Input should be 'bank' or 'paused'"),
         ({"track": "battle", "speed": 3}, "speed: Extra inputs are not permitted"),
         ({"track": "battle", "start": [0, 0, float("nan")]}, "start.2"),
     ],
@@ -55,6 +56,13 @@ def test_a_spec_survives_json() -> None:
         supplies=SupplyConfig(spacing=5),
     )
     assert MatchSpec.model_validate_json(spec.model_dump_json()) == spec
+
+
+def test_a_spec_names_its_clock_only_if_it_is_not_the_bank() -> None:
+    assert "clock" not in MatchSpec(track="battle", clock="bank").model_dump()
+    paused = MatchSpec(track="battle", clock="paused")
+    assert MatchSpec.model_validate_json(paused.model_dump_json()) == paused
+    assert paused != MatchSpec(track="battle")
 
 
 def test_whole_numbers_for_real_rules_become_real() -> None:

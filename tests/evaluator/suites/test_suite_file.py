@@ -190,3 +190,11 @@ def test_a_longest_time_must_allow_the_match_with_the_most_steps(write: Callable
     assert read_suite(write(chosen.replace("LONGEST", "150"))).limits["navigation"].wall_clock == 150
     with pytest.raises(UserError, match=r"navigation\.limits\.wall_clock: .* 1,500 steps alone are 150 s$"):
         read_suite(write(chosen.replace("LONGEST", "149")))
+
+
+def test_a_suite_may_wait_for_its_agents_and_is_compared_with_no_other(write: Callable[[str], Path]) -> None:
+    waiting = read_suite(write(SPRING.replace("time_limit = 30", 'time_limit = 30, clock = "paused"')))
+    usual = read_suite(write(SPRING))
+    assert {spec.clock for spec in waiting.matches("navigation", 3)} == {"paused"}
+    assert waiting.fingerprints["navigation"] != usual.fingerprints["navigation"]
+    assert waiting.fingerprints["battle"] == usual.fingerprints["battle"]

@@ -31,7 +31,7 @@ def test_time_beyond_the_budget_comes_from_the_bank(
 
 @pytest.mark.parametrize(
     "wrong",
-    [{"step_budget": 0.0}, {"time_bank": -1.0}, {"join_timeout": float("nan")}],
+    [{"step_budget": 0.0}, {"time_bank": -1.0}, {"join_timeout": float("nan")}, {"idle_limit": 0.0}],
 )
 def test_a_clock_that_cannot_be_kept_is_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(ValueError, match=next(iter(wrong))):
@@ -82,3 +82,15 @@ def test_the_longest_time_makes_every_bank_smaller(
 def test_a_longest_time_below_the_budgets_is_refused() -> None:
     with pytest.raises(ValueError, match=r"within 19 s: the budgets of its 200 steps alone are 20 s$"):
         Clock(longest=19.0).fitted(small_spec(seconds=20.0))
+
+
+def test_a_paused_clock_has_the_idle_limit_for_every_answer_and_no_bank() -> None:
+    spec = small_spec(seconds=20.0, clock="paused")
+
+    clock = Clock(idle_limit=50.0).fitted(spec)
+
+    assert (clock.step_budget, clock.time_bank) == (50.0, 0.0)
+    assert clock.fitted(spec) == clock
+    assert Clock(idle_limit=50.0).bound(spec) == 30.0 + 200 * 50.0
+    with pytest.raises(ValueError, match=r"its 200 steps alone are 10,000 s$"):
+        Clock(idle_limit=50.0, longest=9999.0).fitted(spec)

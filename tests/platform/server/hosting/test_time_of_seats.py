@@ -128,6 +128,49 @@ def test_the_first_step_without_an_answer_is_named(tmp_path: Path) -> None:
     serving_by_hand(tmp_path, play)
 
 
+def test_a_paused_match_waits_for_every_answer(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str, clock: HandSetLoop) -> None:
+        hosted = await host(server, small_spec(seats=2, clock="paused"), clock=HASTY)
+        async with connected(address) as slow, connected(address) as quick:
+            info = (await slow.join(hosted.tokens[0])).match_info
+            assert (info.clock, info.step_budget, info.time_bank) == ("paused", 600.0, 0.0)
+            await quick.join(hosted.tokens[1])
+            for step in range(20):
+                await answer(quick, hosted, 1, step)
+                await clock.pass_time(40.0 if step % 10 == 0 else HOP)  # far more than budget and bank
+                assert hosted.match.step_number == step
+                await answer(slow, hosted, 0, step)
+        for report in (await hosted.finished()).seats.values():
+            assert (report.status, report.steps_played, report.late_steps) == (SeatStatus.FINISHED, 20, 0)
+
+    serving_by_hand(tmp_path, play)
+
+
+def test_a_seat_that_gives_no_answer_in_a_paused_match_is_closed_alone(tmp_path: Path) -> None:
+    limits = Clock(idle_limit=BUDGET)
+
+    async def play(server: MatchServer, address: str, clock: HandSetLoop) -> None:
+        hosted = await host(server, small_spec(seats=2, clock="paused"), clock=limits)
+        async with connected(address) as silent, connected(address) as lively:
+            await silent.join(hosted.tokens[0])
+            await lively.join(hosted.tokens[1])
+            await answer(silent, hosted, 0, 0)
+            await answer(lively, hosted, 1, 0)
+            await silent.read()
+            await answer(lively, hosted, 1, 1)
+            await clock.pass_time(TURN)
+            for step in range(2, 20):  # nobody waits for it any longer
+                await answer(lively, hosted, 1, step)
+            with pytest.raises(grpc.aio.AioRpcError, match=f"gave no answer for {BUDGET:g} s"):
+                await silent.read()
+        closed, other = (await hosted.finished()).seats.values()
+        assert (closed.status, closed.steps_played, closed.late_steps) == (SeatStatus.TIMED_OUT, 1, 1)
+        assert closed.detail == f"gave no answer for {BUDGET:g} s"
+        assert (other.status, other.steps_played) == (SeatStatus.FINISHED, 20)
+
+    serving_by_hand(tmp_path, play)
+
+
 def test_a_killed_agent_costs_nobody_any_time(tmp_path: Path) -> None:
     async def play(server: MatchServer, address: str, clock: HandSetLoop) -> None:
         hosted = await host(server, small_spec(seats=2))

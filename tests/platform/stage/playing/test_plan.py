@@ -6,7 +6,8 @@ import pytest
 
 from wildscav.errors import UserError
 from wildscav_engine.specs.rules import NAMED
-from wildscav_stage.playing.plan import make_plan, numbered
+from wildscav_server.hosting.opponents import numbered
+from wildscav_stage.playing.plan import make_plan
 
 HOMING = Path(__file__).parents[4] / "submissions" / "homing"
 

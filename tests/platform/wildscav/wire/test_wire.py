@@ -111,6 +111,7 @@ def test_a_match_info_arrives() -> None:
         supply_sight=20.0,
         clip_size=15,
         start_health=100,
+        clock="paused",
     )
     assert decode_match_info(encode_match_info(info).match_info) == info
     assert info.step_time == 0.1

@@ -1,0 +1,1 @@
+"""The server of MCP, by which language models start matches and play in them: ``wildscav mcp``."""

@@ -1,0 +1,99 @@
+"""``wildscav mcp``: a server by which language models play."""
+
+import asyncio
+import contextlib
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from wildscav.errors import UserError
+from wildscav.system.output_folders import check_folder
+
+if TYPE_CHECKING:
+    from wildscav_language.mcp_server.matches import Bounds
+
+SHORTEST_TOKEN = 16  # characters
+
+
+def mcp(
+    http: Annotated[
+        str | None,
+        typer.Option(
+            help="Serve any number of clients over HTTP at HOST:PORT, path /mcp. Default: one client, over "
+            "standard input and output.",
+            metavar="HOST:PORT",
+            show_default=False,
+        ),
+    ] = None,
+    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the records of the matches.")] = Path(
+        "out/mcp"
+    ),
+    matches: Annotated[int, typer.Option(help="Matches played at one time.", min=1, max=100)] = 8,
+    idle_limit: Annotated[
+        float,
+        typer.Option(
+            help="Seconds that a match waits for a client's next call, before its seat is closed.",
+            min=1,
+            max=86_400,
+        ),
+    ] = 600.0,
+    token_file: Annotated[
+        Path | None,
+        typer.Option(help="File with the secret that clients send over HTTP. Required on public addresses."),
+    ] = None,
+) -> None:
+    """Let language models start matches and play in them, by the Model Context Protocol.
+
+    Assistants start this command themselves: give it to them as a server. It prints to standard error alone.
+    """
+    from wildscav.terminal.console import console
+    from wildscav_language.mcp_server.matches import Bounds
+    from wildscav_server.endpoints.addresses import is_public
+
+    console.stderr = True
+    check_folder("--out", out)
+    token = None if token_file is None else _read_token(token_file)
+    if http is None:
+        if token is not None:
+            raise UserError("--token-file is for --http: over standard input is one client", exit_code=2)
+    elif is_public(http) and token is None:
+        raise UserError(f"other machines can reach {http}: give --token-file", exit_code=2)
+    with contextlib.suppress(KeyboardInterrupt):
+        asyncio.run(_serve(http, out.absolute(), Bounds(matches, idle_limit), token))
+
+
+def _read_token(path: Path) -> str:
+    token = path.read_text("utf-8", errors="replace").strip()
+    if len(token) < SHORTEST_TOKEN or not token.isascii() or not token.isprintable():
+        raise UserError(
+            f"{path} must hold a token of {SHORTEST_TOKEN} or more printable ASCII characters", exit_code=2
+        )
+    return token
+
+
+async def _serve(http: str | None, out: Path, bounds: "Bounds", token: str | None) -> None:
+    from wildscav.terminal.console import console
+    from wildscav_language.mcp_server.desk import Desk
+    from wildscav_language.mcp_server.matches import serving
+    from wildscav_language.mcp_server.protocol import PATH, REPLAYS, serve_http, serve_stdio
+    from wildscav_server.endpoints.addresses import bind, is_public, with_port
+
+    ready = asyncio.ensure_future(asyncio.to_thread(_prepare))
+    async with serving(out, bounds) as matches:
+        if http is None:
+            return await serve_stdio(Desk(matches, ready, None))
+        sockets = bind(http)
+        site = f"http://{with_port(http, sockets[0].getsockname()[1])}"
+        console.print(f"serving MCP at {site}{PATH}", soft_wrap=True)
+        desk = Desk(matches, ready, lambda match: site + REPLAYS.format(match=match.id))
+        return await serve_http(desk, sockets, token, is_public=is_public(http))
+
+
+def _prepare() -> None:
+    """Compile all kernels that matches and pictures need, or load them from the cache."""
+    from wildscav_engine.sensors import parse_sensors
+    from wildscav_language.senses import sensors
+    from wildscav_server.hosting.precompile import precompile
+
+    precompile(parse_sensors(sensors(pictures=True)).values())

@@ -1,0 +1,229 @@
+"""The desk answers the calls of clients: it takes requests, and passes the tools of a seat on to the seat."""
+
+import asyncio
+import sys
+from collections.abc import Awaitable, Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any, NamedTuple, TypeVar
+
+from pydantic import ValidationError
+
+from wildscav.errors import UserError
+from wildscav_engine.specs.validation import one_line
+from wildscav_language.calls import Reason
+from wildscav_language.mcp_server import reports, requests
+from wildscav_language.mcp_server.matches import ClientSeat, ClientsMatch, Matches
+from wildscav_language.player import Reply
+from wildscav_language.rules_text import rules
+from wildscav_language.tools import TOOLS
+
+WAIT = 45.0  # s that a call waits for the end of its tool, because assistants give up after a minute
+RECORD_ADDRESS = "wildscav://matches/{match}/record"  # of the resource
+REPLAY = "replay.html"
+MAKES_REPLAY = "from wildscav.cli.main import main; main()"
+SAID = 300  # characters of an error of the command that makes replays
+STILL = "Your call is still being played, since the match waits for other seats: observe to read its end."
+COMPILING = "the engine is being compiled, once: ask again in a minute"
+WAITING = "the match has not begun, since other seats are not ready: ask again"
+
+Value = TypeVar("Value")
+
+
+class Answer(NamedTuple):
+    """What a client is answered."""
+
+    text: str
+    picture: bytes | None = None  # PNG
+    is_refusal: bool = False
+
+
+class Desk:
+    """Answers the calls of all clients of a server.
+
+    Args:
+        matches: The matches of the server.
+        ready: Done when the engine is compiled.
+        link: Returns the link of a match's replay; None if there is no web server.
+    """
+
+    def __init__(
+        self, matches: Matches, ready: asyncio.Future[None], link: Callable[[ClientsMatch], str] | None
+    ) -> None:
+        self.matches = matches
+        self._ready, self._link = ready, link
+        self._waiting = ThreadPoolExecutor(256, "calls")  # in which calls wait; none is started in vain
+
+    async def answer(self, name: str, arguments: Mapping[str, Any]) -> Answer:
+        """Answer a call.
+
+        Raises:
+            UserError: It cannot be answered; the message says what is allowed.
+        """
+        if name not in REQUESTS:
+            return await self._play(name, arguments)
+        kind, handle = REQUESTS[name]
+        try:
+            request = kind.model_validate(arguments)
+        except ValidationError as error:
+            fields = ", ".join(kind.model_fields) or "no arguments"
+            raise UserError(f"{name} takes {fields}; {one_line(error)}") from None
+        answer = await handle(self, request)
+        return Answer(answer) if isinstance(answer, str) else answer
+
+    async def _play(self, name: str, arguments: Mapping[str, Any]) -> Answer:
+        """Play a tool of a seat until it ends, or as long as a call may wait."""
+        given = dict(arguments)
+        handle = given.pop("seat", None)
+        if not isinstance(handle, str):
+            tools = ", ".join((*REQUESTS, *(tool.name for tool in TOOLS)))
+            raise UserError(f"{name[:40]!r} needs the handle of your seat; the tools are {tools}")
+        match, seat = self.matches.seat(handle)
+        async with seat.calling:
+            if seat.is_busy:
+                raise UserError(STILL)
+            return await self._end_of(match, seat, lambda: seat.words.call(name, given, WAIT))
+
+    async def _end_of(self, match: ClientsMatch, seat: ClientSeat, wait: Callable[[], Reply]) -> Answer:
+        """Wait for the end of a seat's tool, and tell it."""
+        if seat.words.is_over:
+            return await self._end(match, seat)
+        seat.is_busy = True  # also if the client gives up meanwhile
+        try:
+            reply = await self._in_thread(wait)
+        except UserError:
+            seat.is_busy = False
+            raise
+        seat.is_busy = reply.ended == Reason.PLAYING
+        if seat.is_busy:
+            return Answer(STILL)
+        if reply.over:
+            return await self._end(match, seat)
+        return Answer(reply.text, is_refusal=reply.ended == Reason.REFUSED)
+
+    async def _end(self, match: ClientsMatch, seat: ClientSeat) -> Answer:
+        """Tell how a seat's part in its match has ended, and the score."""
+        if match.hosted.match.over:  # then its record is about to be written
+            await asyncio.wait({match.task}, timeout=WAIT)
+        detail = match.hosted.seats[seat.number].conduct.detail
+        how = f"Your seat is closed: {detail}." if detail else match.failure or "The match is over."
+        return Answer(f"{how}\n\n{reports.score(match, seat)}")
+
+    async def _in_thread(self, wait: Callable[[], Value]) -> Value:
+        try:
+            return await asyncio.get_running_loop().run_in_executor(self._waiting, wait)
+        except TimeoutError:
+            raise UserError(WAITING) from None
+
+    # Requests.
+
+    async def start_match(self, request: requests.StartMatch) -> str:
+        """Start a match, and take its first seat."""
+        try:
+            await asyncio.wait_for(asyncio.shield(self._ready), WAIT)
+        except TimeoutError:
+            raise UserError(COMPILING) from None
+        match = await self.matches.start(request)
+        told, others = reports.seated(match, match.next_seat()), len(match.seats) - 1
+        return f"{told}\njoin code for {others} more clients: {match.code}" if others else told
+
+    async def join_match(self, request: requests.JoinMatch) -> str:
+        """Take a seat of another client's match."""
+        return reports.seated(*self.matches.join(request.code))
+
+    async def list_matches(self, _: requests.ListMatches) -> str:
+        """List the matches."""
+        return "\n".join(map(reports.state, self.matches)) or "There is no match: start one with start_match."
+
+    async def rules(self, request: requests.OfSeat) -> str:
+        """Return the rules of a match."""
+        _, seat = self.matches.seat(request.seat)
+        return rules(await self._in_thread(lambda: seat.words.match))
+
+    async def observe(self, request: requests.OfSeat) -> Answer:
+        """Return what a seat senses, or the end of its call."""
+        match, seat = self.matches.seat(request.seat)
+        async with seat.calling:
+            if seat.is_busy or seat.words.is_over:
+                return await self._end_of(match, seat, lambda: seat.words.wait(WAIT))
+            return Answer(await self._in_thread(lambda: seat.words.observe(WAIT)))
+
+    async def picture(self, request: requests.TakePicture) -> Answer:
+        """Return what a seat sees."""
+        match, seat = self.matches.seat(request.seat)
+        async with seat.calling:
+            if seat.is_busy:
+                raise UserError(STILL)
+            await self._in_thread(lambda: seat.words.match)  # which waits for the match to begin
+            picture = seat.words.picture(match.image_of(seat), marks=request.marks)
+        return Answer(f"What seat {seat.number} sees now.", picture)
+
+    async def score(self, request: requests.OfSeat) -> str:
+        """Return the score of a match."""
+        return reports.score(*self.matches.seat(request.seat))
+
+    async def record(self, request: requests.OfSeat) -> str:
+        """Return where the record of a match is."""
+        match, _ = self.matches.seat(request.seat)
+        path = _recorded(match)
+        address = RECORD_ADDRESS.format(match=match.id)
+        return f"{path}\nresource: {address}\nAnybody can verify it: wildscav verify {path}"
+
+    async def replay(self, request: requests.OfSeat) -> str:
+        """Return where a page is that plays a match."""
+        match, seat = self.matches.seat(request.seat)
+        page = match.folder / REPLAY
+        async with seat.calling:
+            if not page.exists():
+                await _make_replay(_recorded(match), page)
+        return str(page) if self._link is None else self._link(match)
+
+    async def leave(self, request: requests.OfSeat) -> str:
+        """Let a seat stand still from now on."""
+        match, seat = self.matches.seat(request.seat)
+        match.leave(seat)
+        if all(match.hosted.seats[one.number].gone for one in match.seats):  # then the rest is played at once
+            await asyncio.wait({match.task}, timeout=WAIT)
+        return f"You have left {match.id}."
+
+
+REQUESTS: dict[str, tuple[type[requests.Request], Callable[[Desk, Any], Awaitable[Answer | str]]]] = {
+    "start_match": (requests.StartMatch, Desk.start_match),
+    "join_match": (requests.JoinMatch, Desk.join_match),
+    "list_matches": (requests.ListMatches, Desk.list_matches),
+    "rules": (requests.ReadRules, Desk.rules),
+    "observe": (requests.Observe, Desk.observe),
+    "picture": (requests.TakePicture, Desk.picture),
+    "score": (requests.ReadScore, Desk.score),
+    "record": (requests.GetRecord, Desk.record),
+    "replay": (requests.GetReplay, Desk.replay),
+    "leave": (requests.Leave, Desk.leave),
+}
+
+
+def _recorded(match: ClientsMatch) -> Path:
+    """Return the record of a match that is over.
+
+    Raises:
+        UserError: It is not, or has failed.
+    """
+    if match.result is None:
+        raise UserError(match.failure or f"{match.id} is not over: play on, or leave it")
+    return match.record
+
+
+async def _make_replay(record: Path, page: Path) -> None:
+    """Make the page that plays a record, by the command that does.
+
+    Raises:
+        UserError: It cannot be made here.
+    """
+    process = await asyncio.create_subprocess_exec(
+        *(sys.executable, "-c", MAKES_REPLAY, "replay", str(record), "--html", "--out", str(page)),
+        stdin=asyncio.subprocess.DEVNULL,
+        stdout=asyncio.subprocess.DEVNULL,
+        stderr=asyncio.subprocess.PIPE,
+    )
+    _, said = await process.communicate()
+    if process.returncode:
+        raise UserError(f"no replay can be made: {' '.join(said.decode(errors='replace').split())[:SAID]}")

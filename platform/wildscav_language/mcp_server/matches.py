@@ -1,0 +1,280 @@
+"""Matches that clients play by words: hosted by the match server, which waits for them, and recorded."""
+
+import asyncio
+import secrets
+from collections.abc import AsyncIterator, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from numpy.typing import NDArray
+
+from wildscav.errors import UserError, WildscavError
+from wildscav.sdk.connection import Connection
+from wildscav.terminal.console import error_console
+from wildscav.version import __version__
+from wildscav_engine.record import SUFFIX, RecordError, check_recordable, write_record
+from wildscav_engine.sensors import allowed_sensors, parse_sensors
+from wildscav_engine.simulation.match import MatchSetupError
+from wildscav_language.mcp_server.requests import StartMatch, opponents_of, spec_of
+from wildscav_language.seat import Seat
+from wildscav_language.senses import PICTURE, sensors
+from wildscav_server.hosting.hosted_match import HostedMatch
+from wildscav_server.hosting.opponents import numbered, playing
+from wildscav_server.leftovers import temporary_folder
+from wildscav_server.match_server import MatchServer
+from wildscav_server.time_limits import Clock
+
+if TYPE_CHECKING:
+    from wildscav_engine.specs.result import MatchResult
+
+JOIN_TIME = 60.0  # s for baselines to start
+KEPT = 20  # matches that are over, whose score and record can be asked for, and whose maps stay in memory
+CLOSING_TIME = 1.5  # s that matches have to end when the server does; clients kill it after two
+
+
+class Bounds(NamedTuple):
+    """What a server allows."""
+
+    matches: int = 8  # played at one time
+    idle_limit: float = 600.0  # s for a client's next call, after which its seat is closed
+
+
+class ClientSeat:
+    """A seat of a match that a client plays.
+
+    Args:
+        number: The seat's number.
+        names: The display names of all seats.
+    """
+
+    def __init__(self, number: int, names: Sequence[str]) -> None:
+        self.number = number
+        self.handle = f"seat-{secrets.token_hex(8)}"  # whoever has it plays the seat
+        self.is_taken = False
+        self.words = Seat(names)
+        self.calling = asyncio.Lock()  # held while a call is answered
+        self.is_busy = False  # whether a tool goes on whose end its call did not wait for
+
+    async def play(self, address: str, token: str) -> None:
+        """Play to the end of the match, or until the server closes the seat.
+
+        Args:
+            address: Of the server.
+            token: Of the seat.
+        """
+        loop, agent = asyncio.get_running_loop(), self.words.agent
+        acting = ThreadPoolExecutor(1, self.handle)  # since ``act`` waits for the client's calls
+        try:
+            async with Connection(address, token, __version__) as connection:
+                agent.reset(connection.match)
+                observation = await connection.first()
+                while observation is not None:
+                    action = await loop.run_in_executor(acting, agent.act, observation)
+                    observation = await connection.answer(observation.step, action)
+        finally:
+            self.words.finish()
+            acting.shutdown(wait=False)
+
+
+class ClientsMatch:
+    """A match with seats for clients.
+
+    Args:
+        number: Of the match on its server.
+        hosted: The match.
+        seats: The seats of clients.
+        folder: For its record, and for what baselines print.
+    """
+
+    def __init__(self, number: int, hosted: HostedMatch, seats: Sequence[ClientSeat], folder: Path) -> None:
+        self.id = f"{hosted.match.spec.track}-{number}"
+        self.code = f"join-{secrets.token_hex(4)}"
+        self.hosted, self.seats, self.folder = hosted, tuple(seats), folder
+        self.result: MatchResult | None = None  # once it is over
+        self.failure = ""  # why it has no result
+        self.task: asyncio.Task[None]  # which plays it
+
+    @property
+    def record(self) -> Path:
+        """Where its record is once it is over."""
+        return self.folder / f"match{SUFFIX}"
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it has neither a result nor failed."""
+        return self.result is None and not self.failure
+
+    async def play(self, folders: Mapping[int, Path], address: str) -> None:
+        """Play it to its end, and write its record.
+
+        Args:
+            folders: Of the baselines that play in it, by their seats.
+            address: Where the server listens.
+        """
+        playing_seats: list[asyncio.Task[None]] = []
+        try:
+            async with playing(folders, self.hosted, dict.fromkeys(folders, address), self.folder):
+                for seat in self.seats:
+                    token = self.hosted.tokens[seat.number]
+                    playing_seats.append(asyncio.create_task(seat.play(address, token)))
+                match = (await self.hosted.finished()).match
+                await asyncio.to_thread(write_record, self.record, match, self.hosted.names)
+                self.result = await asyncio.to_thread(match.result)
+        except Exception as error:  # noqa: BLE001 - a match that fails is no reason to end the others
+            self.failure = str(error) or type(error).__name__
+        finally:
+            self.hosted.cancel()  # does nothing after its end
+            for seat in self.seats:
+                seat.words.leave()
+        await self._note_failures(playing_seats)
+
+    async def _note_failures(self, playing_seats: Sequence[asyncio.Task[None]]) -> None:
+        """Print why seats of clients failed; a seat that the server has closed has not."""
+        for ended in await asyncio.gather(*playing_seats, return_exceptions=True):
+            if isinstance(ended, Exception) and not isinstance(ended, WildscavError):
+                error_console.print(f"{self.id}: a seat failed: {ended!r}", markup=False)
+
+    def image_of(self, seat: ClientSeat) -> NDArray[Any]:
+        """Return what the camera of a seat shows now, as far as the match's senses allow.
+
+        It is read for those who ask, since a camera in every step would take longer than all else.
+        """
+        match = self.hosted.match
+        camera = allowed_sensors(parse_sensors({"camera": PICTURE}), match.spec.rules)["camera"]
+        camera.prepare(match.game_map)
+        image: NDArray[Any] = camera.read(match, [seat.number])[0]
+        return image
+
+    def next_seat(self) -> ClientSeat:
+        """Take the next free seat.
+
+        Raises:
+            UserError: There is none.
+        """
+        for seat in self.seats:
+            if not seat.is_taken and not self.hosted.seats[seat.number].gone:
+                seat.is_taken = True
+                return seat
+        raise UserError(f"{self.id} has no free seat for a client")
+
+    def leave(self, seat: ClientSeat) -> None:
+        """Let a seat stand still from now on."""
+        seat.words.leave()
+        self.hosted.give_up(seat.number, "its client left the match")
+
+
+class Matches:
+    """All matches of a server of MCP. Make one with ``serving``."""
+
+    def __init__(self, server: MatchServer, address: str, folder: Path, bounds: Bounds) -> None:
+        self._server, self._address, self._folder, self._bounds = server, address, folder, bounds
+        self._numbers = 0  # of matches begun so far
+        self._starting = 0  # that are being set up
+        self._run = secrets.token_hex(2)  # so that another run writes elsewhere
+        self._matches: dict[str, ClientsMatch] = {}  # by id, oldest first
+
+    def __iter__(self) -> Iterator[ClientsMatch]:
+        """Return an iterator over the matches, oldest first."""
+        return iter(self._matches.values())
+
+    async def start(self, request: StartMatch) -> ClientsMatch:
+        """Start a match.
+
+        Raises:
+            UserError: It cannot be played, or too many are.
+        """
+        if self._starting + sum(match.is_open for match in self) >= self._bounds.matches:
+            raise UserError(f"{self._bounds.matches} matches are being played: finish or leave one first")
+        self._starting += 1
+        try:
+            match = await self._started(request)
+        except (MatchSetupError, RecordError, ValueError) as error:
+            raise UserError(f"such a match is not possible: {error}") from None
+        finally:
+            self._starting -= 1
+        self._matches[match.id] = match
+        for old in [one.id for one in self if not one.is_open][:-KEPT]:
+            del self._matches[old]
+        return match
+
+    async def _started(self, request: StartMatch) -> ClientsMatch:
+        opponents = opponents_of(request)
+        spec = spec_of(request, opponents)
+        check_recordable(spec)
+        names = numbered([*[request.name] * request.clients, *(other.name for other in opponents)])
+        others = dict(enumerate(opponents, start=request.clients))
+        hosted = await self._server.host(
+            spec,
+            names=names,
+            sensors={
+                **dict.fromkeys(range(request.clients), sensors()),
+                **{seat: other.sensors for seat, other in others.items() if other.sensors},
+            },
+            clock=Clock(join_timeout=JOIN_TIME, idle_limit=self._bounds.idle_limit),
+        )
+        self._numbers += 1
+        seats = [ClientSeat(number, names) for number in range(request.clients)]
+        folder = self._folder / f"{spec.track}-{self._run}-{self._numbers}"
+        folder.mkdir(parents=True, exist_ok=True)
+        match = ClientsMatch(self._numbers, hosted, seats, folder)
+        folders = {seat: other.folder for seat, other in others.items() if other.folder is not None}
+        match.task = asyncio.create_task(match.play(folders, self._address))
+        return match
+
+    def seat(self, handle: str) -> tuple[ClientsMatch, ClientSeat]:
+        """Return a client's seat and its match by the seat's handle.
+
+        Raises:
+            UserError: There is no such seat.
+        """
+        for match in self:
+            for seat in match.seats:
+                if secrets.compare_digest(seat.handle.encode(), handle.encode()):
+                    return match, seat
+        raise UserError(
+            "no seat has this handle: start a match with start_match, or join one with join_match"
+        )
+
+    def join(self, code: str) -> tuple[ClientsMatch, ClientSeat]:
+        """Take a free seat of a match by its join code.
+
+        Raises:
+            UserError: There is no such match, or it has no free seat.
+        """
+        for match in self:
+            if secrets.compare_digest(match.code.encode(), code.encode()):
+                return match, match.next_seat()
+        raise UserError("no match has this join code: ask whoever started it, or start one with start_match")
+
+    async def close(self) -> None:
+        """End all matches; those that can end at once are recorded."""
+        for match in self:
+            if match.is_open:
+                for seat in match.seats:
+                    match.leave(seat)
+        tasks = [match.task for match in self]
+        if tasks:
+            await asyncio.wait(tasks, timeout=CLOSING_TIME)
+        for match in self:
+            match.hosted.cancel()
+
+
+@asynccontextmanager
+async def serving(folder: Path, bounds: Bounds) -> AsyncIterator[Matches]:
+    """Host matches within the block.
+
+    Args:
+        folder: For records, and for what baselines print.
+        bounds: What is allowed.
+    """
+    with temporary_folder("mcp-") as place:
+        server = MatchServer()
+        (address,) = await server.start([f"unix:{place}/match"])
+        matches = Matches(server, address, folder, bounds)
+        try:
+            yield matches
+        finally:
+            await matches.close()
+            await server.stop()
