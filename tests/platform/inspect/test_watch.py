@@ -126,7 +126,7 @@ def test_latest_is_the_newest_record_or_the_evaluation_that_it_is_of(
 ) -> None:
     watched: list[list[Path]] = []
     monkeypatch.setattr(
-        "wildscav_stage.watching.match_site.match_site", lambda _, records, __: watched.append(records)
+        "wildscav_stage.watching.match_site.match_site", lambda _, records, *__: watched.append(records)
     )
     monkeypatch.setattr("wildscav_stage.watching.match_site.serve", lambda _, listening: listening.close())
     evaluation = record.parent / "out" / "evaluation" / "records"
