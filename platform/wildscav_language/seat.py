@@ -69,6 +69,12 @@ class Seat:
             return Counts() if self._player is None else self._player.counts
 
     @property
+    def step(self) -> int:
+        """The step that the match was at when the seat last sensed something; 0 before that."""
+        with self._changed:
+            return self._player.body.now.step if self._player is not None and self._has_begun() else 0
+
+    @property
     def is_over(self) -> bool:
         """Whether the match is over, or the caller has left."""
         return self._is_over or self._has_left

@@ -22,7 +22,8 @@ WAIT = 45.0  # s that a call waits for the end of its tool, because assistants g
 RECORD_ADDRESS = "wildscav://matches/{match}/record"  # of the resource
 REPLAY = "replay.html"
 MAKES_REPLAY = "from wildscav.cli.main import main; main()"
-SAID = 300  # characters of an error of the command that makes replays
+SAID = 300  # characters of an error of the command that makes replays, and of arguments in a replay
+MOST_NAME = 40  # characters of a tool's name
 STILL = "Your call is still being played, since the match waits for other seats: observe to read its end."
 COMPILING = "the engine is being compiled, once: ask again in a minute"
 WAITING = "the match has not begun, since other seats are not ready: ask again"
@@ -77,11 +78,13 @@ class Desk:
         handle = given.pop("seat", None)
         if not isinstance(handle, str):
             tools = ", ".join((*REQUESTS, *(tool.name for tool in TOOLS)))
-            raise UserError(f"{name[:40]!r} needs the handle of your seat; the tools are {tools}")
+            raise UserError(f"{name[:MOST_NAME]!r} needs the handle of your seat; the tools are {tools}")
         match, seat = self.matches.seat(handle)
+        thought = str(given.pop("thought", ""))
         async with seat.calling:
             if seat.is_busy:
                 raise UserError(STILL)
+            match.note(seat, f"{thought} → {name[:MOST_NAME]} {_shown(given)}".strip())
             return await self._end_of(match, seat, lambda: seat.words.call(name, given, WAIT))
 
     async def _end_of(self, match: ClientsMatch, seat: ClientSeat, wait: Callable[[], Reply]) -> Answer:
@@ -97,6 +100,7 @@ class Desk:
         seat.is_busy = reply.ended == Reason.PLAYING
         if seat.is_busy:
             return Answer(STILL)
+        match.note(seat, reply.text.partition("\n")[0])
         if reply.over:
             return await self._end(match, seat)
         return Answer(reply.text, is_refusal=reply.ended == Reason.REFUSED)
@@ -199,6 +203,11 @@ REQUESTS: dict[str, tuple[type[requests.Request], Callable[[Desk, Any], Awaitabl
     "replay": (requests.GetReplay, Desk.replay),
     "leave": (requests.Leave, Desk.leave),
 }
+
+
+def _shown(arguments: Mapping[str, Any]) -> str:
+    """Return the arguments of a call as people read them."""
+    return ", ".join(f"{name} {value}" for name, value in arguments.items())[:SAID]
 
 
 def _recorded(match: ClientsMatch) -> Path:

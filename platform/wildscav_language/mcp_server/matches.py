@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from numpy.typing import NDArray
 
 from wildscav.errors import UserError, WildscavError
+from wildscav.notes import LONGEST_TEXT, note_line
 from wildscav.sdk.connection import Connection
 from wildscav.terminal.console import error_console
 from wildscav.version import __version__
@@ -158,6 +159,11 @@ class ClientsMatch:
                 seat.is_taken = True
                 return seat
         raise UserError(f"{self.id} has no free seat for a client")
+
+    def note(self, seat: ClientSeat, text: str) -> None:
+        """Add what a seat's client thinks, calls or is answered to what replays of the match show of it."""
+        with (self.folder / f"match.seat-{seat.number}.log").open("a", encoding="utf-8") as log:
+            log.write(note_line(seat.words.step, say=text[:LONGEST_TEXT]))
 
     def leave(self, seat: ClientSeat) -> None:
         """Let a seat stand still from now on."""

@@ -90,6 +90,12 @@ def make_server(desk: Desk) -> "Server[Any]":
     )
 
 
+THOUGHT = {
+    "type": "string",
+    "description": "why you do it, in a sentence: replays show it, and nobody in the match hears it",
+}
+
+
 def all_tools() -> list[types.Tool]:
     """Return all tools: the requests, and the tools of seats of all tracks."""
     requests = [
@@ -103,7 +109,7 @@ def _of_seat(tool: Tool) -> types.Tool:
     """Return a tool of a seat, whose calls have the seat's handle besides."""
     schema = _without_title(tool.schema)
     handle = Observe.model_json_schema()["properties"]["seat"]
-    schema["properties"] = {"seat": handle, **schema.get("properties", {})}
+    schema["properties"] = {"seat": handle, **schema.get("properties", {}), "thought": THOUGHT}
     schema["required"] = ["seat", *schema.get("required", ())]
     return types.Tool(name=tool.name, description=tool.description, input_schema=schema)
 

@@ -59,15 +59,15 @@ def notes_beside(record: Path, played: Record, logs: Path | None = None) -> list
     Args:
         record: The file of the record.
         played: The record.
-        logs: A log, or a folder with those of this match alone; None for those that an evaluation has put
-            beside the record, if there are some.
+        logs: A log, or a folder with those of this match alone; None for those that an evaluation or
+            ``wildscav mcp`` has put beside the record, if there are some.
 
     Raises:
         UserError: There is no such file, or a log whose name does not say of which seat it is.
     """
     if logs is None:
-        folder = record.parent.parent / LOGS
-        found = sorted([*folder.glob(f"{record.stem}.log"), *folder.glob(f"{record.stem}.seat-*.log")])
+        folders, names = (record.parent.parent / LOGS, record.parent), (".log", ".seat-*.log")
+        found = sorted(log for place in folders for name in names for log in place.glob(record.stem + name))
     elif logs.is_dir():
         found = sorted(logs.glob("*.log"))
     else:

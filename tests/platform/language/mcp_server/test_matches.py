@@ -16,6 +16,7 @@ from tests.platform.language.mcp_server.clients import SMALL, Player, text_of, w
 
 from wildscav_engine.record import read_record, verify_record
 from wildscav_language.mcp_server.matches import Bounds
+from wildscav_stage.scene.notes import notes_beside
 
 
 class Played:
@@ -36,7 +37,7 @@ class Played:
         self.picture = base64.b64decode(image.data)
         self.early = text_of(await player.ask("record"))
         while "The match is over." not in self.end:
-            self.end = await player.read("go", place="target", seconds=30.0)
+            self.end = await player.read("go", place="target", seconds=30.0, thought="There it is.")
         self.record = await player.read("record")
         address = self.record.splitlines()[1].removeprefix("resource: ")
         (content,) = (await player.client.read_resource(address)).contents
@@ -68,6 +69,14 @@ def test_the_record_of_a_clients_match_is_verified(navigation: Played) -> None:
     assert verify_record(record).holds
     assert navigation.blob == path.read_bytes()
     assert "navigation-1 is not over" in navigation.early
+
+
+def test_what_a_client_thinks_and_calls_is_shown_in_replays(navigation: Played) -> None:
+    path = Path(navigation.record.splitlines()[0])
+    notes = notes_beside(path, read_record(path))
+    assert notes[0].text == "There it is. → go place target, seconds 30.0"
+    assert (notes[0].seat, notes[0].public) == (0, False)
+    assert notes[-1].text == "The match is over."
 
 
 def test_the_picture_is_of_the_seats_camera(navigation: Played) -> None:
