@@ -93,7 +93,8 @@ def test_whoever_opens_the_link_again_goes_on_there(tmp_path: Path) -> None:
                     await first.until("over")
                 assert closed.value.rcvd is not None
                 assert closed.value.rcvd.code == 4001
-                assert (await second.until("moment"))["frame"] > frame
+                while (await second.until("moment"))["frame"] <= frame:
+                    pass  # both may have come before the first step
 
     asyncio.run(play())
 
