@@ -75,7 +75,10 @@ const connection = new Connection({
     showPanel("closed", "Not connected", why, "Try again");
   },
 });
-new KeyForm(find("bindings"), bindings, () => listKeys(find("keys"), bindings));
+new KeyForm(find("bindings"), bindings, () => {
+  listKeys(find("keys"), bindings);
+  teacher.show();
+});
 const lobby = new Lobby(find("lobby"), (message) => connection.send(message));
 
 const handlers: Handlers = {
@@ -83,6 +86,7 @@ const handlers: Handlers = {
     table = message;
     number = asked = 0;
     lastSent = "";
+    game.toggleAttribute("data-range", table.is_range);
     find("escape").textContent = table.may_pause ? "free the mouse, pause" : "free the mouse";
   },
   people: (message) => {
@@ -92,7 +96,8 @@ const handlers: Handlers = {
   refused: ({ message }) => lobby.say(`${message[0].toUpperCase()}${message.slice(1)}.`),
   lobby: () => {
     game.toggleAttribute("data-weapon", ["battle", "royale"].includes(table.track));
-    game.toggleAttribute("data-supplies", table.track !== "navigation" && table.track !== "capture");
+    const hasSupplies = !["navigation", "capture"].includes(table.track) && !table.is_range;
+    game.toggleAttribute("data-supplies", hasSupplies);
     const others = table.names.slice(table.people);
     const who = table.people > 1 ? "Robots and agents" : "Against you";
     const against = others.length ? ` ${who}: ${others.join(", ")}.` : "";
@@ -117,12 +122,12 @@ const handlers: Handlers = {
     lastSent = "";
     endMatch();
     hud.begin(message, table.seat);
-    game.toggleAttribute("data-range", table.is_range);
-    const { weapon, supplies } = message;
-    teacher.begin({ track: table.track, weapon, supplies: supplies && !table.is_range });
+    const { weapon } = message;
+    const supplies = message.supplies && !table.is_range;
+    teacher.begin({ track: table.track, weapon, supplies });
     names = message.seats.map(({ name }) => name);
-    game.toggleAttribute("data-weapon", message.weapon);
-    game.toggleAttribute("data-supplies", message.supplies);
+    game.toggleAttribute("data-weapon", weapon);
+    game.toggleAttribute("data-supplies", supplies);
     isLoading = table.may_pause && !message.paused;
     if (isLoading) pause(true);
     else if (message.paused) showPause(true);
@@ -244,7 +249,7 @@ function showEnd(message: Over): void {
   endMatch();
   const ending = message.ending === "time_up" ? "The time is up." : "The match is over.";
   const waits = isHost() ? "" : " The host starts the next one.";
-  const title = practice?.summary ?? headline(message);
+  const title = practice?.summary ?? (table.is_range ? "The practice is over" : headline(message));
   showPanel("over", title, `${ending}${waits}`, startButton("Play again"));
   const rows = practice?.rows(names) ?? message.rows;
   fillTable(find("result"), titlesOf(practice ? METRICS : message.metrics), rows, table.seat);
