@@ -77,7 +77,10 @@ const connection = new Connection({
     showPanel("closed", "Not connected", why, "Try again");
   },
 });
-new KeyForm(find("bindings"), bindings, () => listKeys(find("keys"), bindings));
+new KeyForm(find("bindings"), bindings, () => {
+  listKeys(find("keys"), bindings);
+  teacher.show();
+});
 const lobby = new Lobby(find("lobby"), (message) => connection.send(message));
 
 const handlers: Handlers = {
@@ -85,6 +88,7 @@ const handlers: Handlers = {
     table = message;
     number = asked = 0;
     lastSent = "";
+    game.toggleAttribute("data-range", table.is_range);
     find("escape").textContent = table.may_pause ? "free the mouse, pause" : "free the mouse";
   },
   people: (message) => {
@@ -96,7 +100,8 @@ const handlers: Handlers = {
   refused: ({ message }) => lobby.say(`${message[0].toUpperCase()}${message.slice(1)}.`),
   lobby: () => {
     game.toggleAttribute("data-weapon", ["battle", "royale"].includes(table.track));
-    game.toggleAttribute("data-supplies", table.track !== "navigation" && table.track !== "capture");
+    const hasSupplies = !["navigation", "capture"].includes(table.track) && !table.is_range;
+    game.toggleAttribute("data-supplies", hasSupplies);
     const fingers = isTouched ? " Walk with the stick, and swipe over the picture to look around." : "";
     const waits = isHost()
       ? ""
@@ -122,12 +127,12 @@ const handlers: Handlers = {
     lastSent = "";
     endMatch();
     hud.begin(message, table.seat);
-    game.toggleAttribute("data-range", table.is_range);
-    const { weapon, supplies } = message;
-    teacher.begin({ track: table.track, weapon, supplies: supplies && !table.is_range });
+    const { weapon } = message;
+    const supplies = message.supplies && !table.is_range;
+    teacher.begin({ track: table.track, weapon, supplies });
     names = message.seats.map(({ name }) => name);
-    game.toggleAttribute("data-weapon", message.weapon);
-    game.toggleAttribute("data-supplies", message.supplies);
+    game.toggleAttribute("data-weapon", weapon);
+    game.toggleAttribute("data-supplies", supplies);
     isLoading = table.may_pause && !message.paused;
     if (isLoading) pause(true);
     else if (message.paused) showPause(true);
@@ -257,7 +262,7 @@ function showEnd(message: Over): void {
   const waits = isHost()
     ? ""
     : " The host starts the next one; without the host, it starts when all are ready.";
-  const title = practice?.summary ?? headline(message);
+  const title = practice?.summary ?? (table.is_range ? "The practice is over" : headline(message));
   showPanel("over", title, `${ending}${waits}`, startButton("Play again"));
   const rows = practice?.rows(names) ?? message.rows;
   const own = message.played.includes(table.seat as number) ? table.seat : null; // a robot may have had it

@@ -215,7 +215,7 @@ export class Hud {
       [`${hits} of ${shots}`, "shots hit"],
       [accuracy === null ? "–" : `${accuracy} %`, "accuracy"],
       [String(kills), kills === 1 ? "kill" : "kills"],
-      [timeToKill === null ? "–" : `${timeToKill.toFixed(1)} s`, "from a first hit to the kill"],
+      [timeToKill === null ? "–" : `${timeToKill.toFixed(1)} s`, "time to kill"],
     ];
     const items = figures.map(([value, name]) =>
       make("div", {}, make("dd", {}, value), make("dt", {}, name)),

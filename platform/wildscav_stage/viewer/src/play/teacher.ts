@@ -76,7 +76,8 @@ export class Teacher {
     remember(KEPT, JSON.stringify([...(this.lessons?.known ?? [])]));
   }
 
-  private show(): void {
+  // Show what to do now, by the keys that do it.
+  show(): void {
     const words = this.lessons?.words(this.bindings, this.isTouched) ?? null;
     const [key] = this.bindings.keysOf("skip");
     this.shown.hidden = words === null;
