@@ -90,6 +90,38 @@ def test_two_browsers_fight_each_other_while_a_third_watches(tmp_path: Path, bro
     assert sum(seat.hits for seat in record.result.seats) > 0
 
 
+def test_a_guest_joins_by_the_code_and_one_who_comes_late_watches_first(tmp_path: Path, browser: Any) -> None:
+    plan = small_plan("navigation", 20.0, people=3)
+    with table_in_thread(plan, tmp_path) as links, pages(browser) as new_page:
+        host, guest, late = (new_page(**each) for each in (WIDE, PHONE, WIDE))
+        host.goto(links.host)
+        code = host.inner_text("#room b")
+        guest.goto(links.host.partition("play/")[0])
+        guest.fill("#code", code.lower())
+        guest.tap("#entry button")
+        guest.wait_for_selector("#game[data-state=lobby]")
+        guest.tap("#go")
+        host.wait_for_selector("#lobby li:nth-child(3) >> text=ready")
+        host.select_option("#next select >> nth=0", "1")
+        guest.wait_for_selector("#next >> text=Also in the match: ")
+        host.click("#go")
+        wait_for_match(host)
+        late.goto(links.entrance)
+        late.click("#entry button")
+        late.wait_for_selector("#game[data-state=elsewhere]")
+        late.click("#go")
+        late.wait_for_selector("#game[data-state=watching]", timeout=PATIENCE * 1000)
+        recorded(host)
+        late.wait_for_url("**/play/**")
+        for page in (guest, late):
+            page.wait_for_selector("#game[data-state=over]")
+            assert page.inner_text("#replay a >> nth=0") == "Watch it in 3D"
+            assert page.is_hidden("#record")
+        assert late.inner_text("#title") == "The match is over"
+        late.goto(f"{late.url}/matches/0")
+        late.wait_for_selector(".player-icon", state="attached", timeout=PATIENCE * 1000)
+
+
 def robots_place(page: Any) -> float | None:
     """Return where the picture shows the second seat's magenta torso, -1 (left) to 1; None if nowhere."""
     pixels = np.asarray(

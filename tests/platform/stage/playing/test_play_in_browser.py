@@ -148,6 +148,19 @@ def test_nothing_keeps_people_out(tmp_path: Path, browser: Any) -> None:
         found = axe.run(page, options={"resultTypes": ["violations"]})
         assert found.violations_count == 0, found.generate_report()
 
+    with (
+        table_in_thread(small_plan("battle", 60.0, people=2), tmp_path) as links,
+        pages(browser) as new_page,
+    ):
+        page, guest = new_page(bypass_csp=True), new_page(bypass_csp=True)
+        guest.goto(links.entrance)
+        guest.wait_for_selector("#entry")
+        found = axe.run(guest, options={"resultTypes": ["violations"]})
+        assert found.violations_count == 0, found.generate_report()
+        guest.click("#entry button")
+        check(guest, "lobby")
+        page.goto(links.host)
+        check(page, "lobby")
     plan = small_plan("battle", 60.0, ("walker-easy",))
     with table_in_thread(plan, tmp_path) as links, pages(browser) as new_page:
         page, spectator = new_page(bypass_csp=True), new_page(bypass_csp=True)

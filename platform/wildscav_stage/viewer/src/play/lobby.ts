@@ -159,13 +159,13 @@ export class Lobby {
   }
 
   private freeButton({ seat, name, where }: Person): HTMLElement {
-    const title = "Free this seat for somebody else. Its link ends, and so does the page that has it open";
+    const isFree = where === "expected";
+    const title = "Give this seat another link; the present one ends, and so does the page that has it open";
     const onclick = () => {
-      const isAway = where === "expected";
-      if (isAway || confirm(`Free ${name}'s seat? The link of this seat ends.`))
+      if (isFree || confirm(`Free ${name}'s seat? Its link will no longer work.`))
         this.send({ kind: "free", seat });
     };
-    return make("button", { type: "button", textContent: "Free", title, onclick });
+    return make("button", { type: "button", textContent: isFree ? "New link" : "Free", title, onclick });
   }
 }
 
