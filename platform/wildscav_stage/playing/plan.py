@@ -99,8 +99,10 @@ class Plan:
             new_map: Whether it is another map.
 
         Raises:
-            UserError: There is no such robot, or such a match cannot be recorded.
+            UserError: There is no such robot, such a match cannot be recorded, or this is a shooting range.
         """
+        if self.targets:
+            raise UserError("the shooting range has targets and a lawn of its own")
         for name in robots:
             if name not in ROBOTS:
                 raise UserError(f"there is no robot {name!r}{did_you_mean(name, ROBOTS)}")

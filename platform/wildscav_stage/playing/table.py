@@ -308,7 +308,7 @@ class Table:
             "may_pause": self._plan.may_pause,
             "stand_in": self._plan.stand_in,
             "is_range": bool(self._plan.targets),
-            "kinds": list(ROBOTS),
+            "kinds": [] if self._plan.targets else list(ROBOTS),
             "delay": self.audience.delay,
         }
 

@@ -30,6 +30,8 @@ def test_the_person_sees_every_target_at_its_distance() -> None:
         assert str(round(target.distance)) in target.name
     assert plan.may_pause
     assert plan.spec.time_limit == 180.0
+    with pytest.raises(UserError, match="has targets"):
+        plan.arranged(["fighter"], new_map=False)
 
 
 def test_targets_move_as_they_are_called_and_the_record_holds(tmp_path: Path) -> None:

@@ -73,7 +73,7 @@ export interface Table {
   may_pause: boolean;
   stand_in: string;
   is_range: boolean; // whether the others are targets
-  kinds: string[]; // of robots
+  kinds: string[]; // of robots that the host may choose
   delay: number; // s after which spectators see a match
 }
 
