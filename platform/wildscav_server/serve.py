@@ -86,7 +86,7 @@ def serve(
     """
     from wildscav_engine.parallel.threads import cores
 
-    token = None if organizer_token_file is None else _read_token(organizer_token_file)
+    token = None if organizer_token_file is None else read_token(organizer_token_file)
     certificate = _certificate(tls_cert, tls_key, client_ca)
     addresses = listen or ["127.0.0.1:50051"]
     options = ServerOptions(addresses, token, certificate, insecure, log_format, metrics_port)
@@ -107,7 +107,12 @@ def _certificate(chain: Path | None, key: Path | None, client_ca: Path | None) -
     return certificate
 
 
-def _read_token(path: Path) -> str:
+def read_token(path: Path) -> str:
+    """Return the secret in a file.
+
+    Raises:
+        UserError: It is too short, or cannot be sent.
+    """
     token = path.read_text("utf-8", errors="replace").strip()
     if len(token) < SHORTEST_TOKEN or not token.isascii() or not token.isprintable():
         raise UserError(

@@ -3,17 +3,12 @@
 import asyncio
 import contextlib
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from wildscav.errors import UserError
 from wildscav.system.output_folders import check_folder
-
-if TYPE_CHECKING:
-    from wildscav_language.mcp_server.matches import Bounds
-
-SHORTEST_TOKEN = 16  # characters
 
 
 def mcp(
@@ -48,39 +43,30 @@ def mcp(
     Assistants start this command themselves: give it to them as a server. It prints to standard error alone.
     """
     from wildscav.terminal.console import console
-    from wildscav_language.mcp_server.matches import Bounds
     from wildscav_server.endpoints.addresses import is_public
+    from wildscav_server.serve import read_token
 
     console.stderr = True
     check_folder("--out", out)
-    token = None if token_file is None else _read_token(token_file)
+    token = None if token_file is None else read_token(token_file)
     if http is None:
         if token is not None:
             raise UserError("--token-file is for --http: over standard input is one client", exit_code=2)
     elif is_public(http) and token is None:
         raise UserError(f"other machines can reach {http}: give --token-file", exit_code=2)
     with contextlib.suppress(KeyboardInterrupt):
-        asyncio.run(_serve(http, out.absolute(), Bounds(matches, idle_limit), token))
+        asyncio.run(_serve(http, out.absolute(), (matches, idle_limit), token))
 
 
-def _read_token(path: Path) -> str:
-    token = path.read_text("utf-8", errors="replace").strip()
-    if len(token) < SHORTEST_TOKEN or not token.isascii() or not token.isprintable():
-        raise UserError(
-            f"{path} must hold a token of {SHORTEST_TOKEN} or more printable ASCII characters", exit_code=2
-        )
-    return token
-
-
-async def _serve(http: str | None, out: Path, bounds: "Bounds", token: str | None) -> None:
+async def _serve(http: str | None, out: Path, bounds: tuple[int, float], token: str | None) -> None:
     from wildscav.terminal.console import console
     from wildscav_language.mcp_server.desk import Desk
-    from wildscav_language.mcp_server.matches import serving
+    from wildscav_language.mcp_server.matches import Bounds, serving
     from wildscav_language.mcp_server.protocol import PATH, REPLAYS, serve_http, serve_stdio
     from wildscav_server.endpoints.addresses import bind, is_public, with_port
 
     ready = asyncio.ensure_future(asyncio.to_thread(_prepare))
-    async with serving(out, bounds) as matches:
+    async with serving(out, Bounds(*bounds)) as matches:
         if http is None:
             return await serve_stdio(Desk(matches, ready, None))
         sockets = bind(http)

@@ -41,8 +41,6 @@ def score(match: ClientsMatch, own: ClientSeat) -> str:
 def _achieved(match: ClientsMatch, seat: int) -> str:
     """Return what a seat has achieved; while it is played, nothing that tells a hidden place."""
     agents = match.hosted.match.state.agents
-    counts = ", ".join(f"{name} {int(getattr(agents, name)[0, seat])}" for name in COUNTED)
-    if match.result is None:
-        return counts
-    metrics = match.result.seats[seat].metrics.items()
-    return ", ".join(f"{name.replace('_', ' ')} {value:.4g}" for name, value in metrics) + f"; {counts}"
+    counts = {name: float(getattr(agents, name)[0, seat]) for name in COUNTED}
+    told = counts if match.result is None else match.result.seats[seat].metrics | counts
+    return ", ".join(f"{name.replace('_', ' ')} {value:.4g}" for name, value in told.items())
