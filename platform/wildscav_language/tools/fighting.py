@@ -15,7 +15,6 @@ from wildscav_language.tools.looking import Seconds
 from wildscav_language.tools.walking import Progress, Stops
 
 LOST = 3.0  # s out of sight, after which an agent is lost
-CLOSE = 12.0  # m, within which an attack comes no nearer
 AT_COVER = 0.6  # m
 
 SeatNumber = Annotated[int, Field(ge=0, description="the number of an agent's seat")]

@@ -9,6 +9,7 @@ import pytest
 from tests.platform.helpers.seats import host, serving, small_spec
 from tests.platform.wildscav.skills.observations import match_info, seen
 
+from wildscav_engine.record import read_record, verify_record, write_record
 from wildscav_language.calls import Reason
 from wildscav_language.seat import Reply, Seat
 from wildscav_language.senses import sensors
@@ -18,8 +19,9 @@ from wildscav_server.time_limits import Clock
 OPEN = np.full((30, 96), 60.0, np.float32)  # what the LIDAR reads where nothing is
 
 
-def test_a_match_is_played_by_calls(tmp_path: Path) -> None:
+def test_a_match_is_played_by_calls_and_its_record_holds(tmp_path: Path) -> None:
     spec = small_spec("navigation", seconds=30.0)
+    record = tmp_path / "match.wsr"
     replies: list[Reply] = []
 
     async def play(server: MatchServer, address: str) -> dict[str, float]:
@@ -31,11 +33,14 @@ def test_a_match_is_played_by_calls(tmp_path: Path) -> None:
         while not seat.is_over:
             replies.append(await asyncio.to_thread(seat.call, "go", {"place": "target", "seconds": 20.0}))
         await playing
-        return dict((await hosted.finished()).match.result().seats[0].metrics)
+        match = (await hosted.finished()).match
+        write_record(record, match, hosted.names)
+        return dict(match.result().seats[0].metrics)
 
     metrics = serving(tmp_path, play)
 
     assert metrics["success"] == 1.0
+    assert verify_record(read_record(record)).holds
     assert replies[-1] == Reply("The match is over.", Reason.MATCH_OVER, 0, over=True)
 
 
