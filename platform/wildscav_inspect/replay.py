@@ -11,7 +11,7 @@ from wildscav.cli.shared_options import takes
 from wildscav.errors import UserError
 from wildscav_inspect.records import SeasonOption, read_of_seat, resolve_record
 from wildscav_inspect.video import VIDEO, VideoOptions, make_video
-from wildscav_inspect.watch import HTML, write_page
+from wildscav_inspect.watch import HTML, write_page, write_scene
 
 if TYPE_CHECKING:
     from wildscav_engine.record import Record
@@ -55,6 +55,12 @@ def replay(
     html: Annotated[
         bool, typer.Option("--html", help="Make a page that plays it in 3D in any browser, without a server.")
     ] = False,
+    scene: Annotated[
+        Path | None,
+        typer.Option(
+            "--scene", help="Write the two files from which a viewer of one's own draws it to this folder."
+        ),
+    ] = None,
     web: Annotated[bool, typer.Option("--web", help="Serve it with a browser viewer until Ctrl-C.")] = False,
     host: Annotated[
         str | None, typer.Option(help="Address that --web listens on. Default: 127.0.0.1, this machine only.")
@@ -71,9 +77,15 @@ def replay(
     """Render a record: for Rerun, as a page that plays it in 3D, as a video, or as one picture."""
     from wildscav_engine.view.video import VIDEOS
 
+    has_others = (
+        web or video or not images or any(each is not None for each in (seat, host, port, wanted.given()))
+    )
+    if scene is not None:
+        if has_others or html or out is not None:
+            raise UserError("--scene takes --season, and no other options", exit_code=2)
+        return write_scene(resolve_record(record, season), scene)
     if html or (out is not None and out.suffix.lower() == HTML):
-        others = (seat, host, port, wanted.given())
-        if web or video or not images or any(other is not None for other in others):
+        if has_others:
             raise UserError("--html takes --out and --season, and no other options", exit_code=2)
         return write_page(resolve_record(record, season), out)
     if video or wanted.poster is not None or (out is not None and out.suffix.lower() in VIDEOS):

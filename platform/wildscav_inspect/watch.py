@@ -12,18 +12,27 @@ from wildscav_inspect.records import SeasonOption, resolve_record
 
 HTML = ".html"
 RECORDS = "records"  # folder in the output of an evaluation
+LATEST = "latest"  # in place of a path
+DEPTH = 4  # folders below this one, down to which the latest record is looked for
+SCENE = ("map.gz", "match.json.gz")  # files from which a viewer draws a match
 
 
 def watch(
     record: Annotated[
         Path,
         typer.Argument(
-            help="Record file, the number or the page of a match of a season, or a folder with records, "
-            "such as the output of an evaluation.",
+            help="Record file, the number or the page of a match of a season, a folder with records, such as "
+            "the output of an evaluation, or latest.",
             metavar="RECORD",
             show_default=False,
         ),
     ],
+    other: Annotated[
+        Path | None,
+        typer.Option(
+            "--with", help="Another match, to be shown beside it.", metavar="RECORD", show_default=False
+        ),
+    ] = None,
     season: SeasonOption = None,
     host: Annotated[str, typer.Option(help="Address that the page is served on.")] = "127.0.0.1",
     port: Annotated[int, typer.Option(help="Its port; 0 for any free one.", min=0, max=65535)] = 0,
@@ -36,17 +45,50 @@ def watch(
     from wildscav_stage.viewer_files import viewer_addresses
     from wildscav_stage.watching.match_site import match_site, serve
 
-    path = resolve_record(record, season)
+    path = _latest() if str(record) == LATEST and not record.exists() else resolve_record(record, season)
     records = _records_in(path) if path.is_dir() else [path]
+    if other is not None:
+        records = [_one_record(records, path), _one_record([resolve_record(other, season)], other)]
     viewer_addresses()  # before the link is printed
     with error_console.status(f"playing {escape(path.name)}"):
         site = match_site(f"Matches of {path.resolve().name}", records, host)
     listening = listen(host, port)
     link = link_to(host, listening.getsockname()[1])
+    if other is not None:
+        link = f"{link}matches/0?with=1"
     console.print(f"watch at {link}", "Ctrl-C ends it.", sep="\n")
     if browser:
         webbrowser.open(link)
     serve(site, listening)
+
+
+def _one_record(records: list[Path], path: Path) -> Path:
+    """Return the record that is meant where two are compared.
+
+    Raises:
+        UserError: It is a folder of several, or cannot be read.
+    """
+    from wildscav_stage.watching.match_page import title_of
+
+    if len(records) > 1 or records[0].is_dir():
+        raise UserError(f"{path} is a folder: name one of its records", exit_code=2)
+    title_of(records[0])  # which it has if it can be read
+    return records[0]
+
+
+def _latest() -> Path:
+    """Return the newest record below this folder; of an evaluation's record, the folder of that evaluation.
+
+    Raises:
+        UserError: There is none.
+    """
+    from wildscav_engine.record import SUFFIX
+
+    found = [path for depth in range(DEPTH + 1) for path in Path().glob(f"{'*/' * depth}*{SUFFIX}")]
+    if not found:
+        raise UserError(f"there are no records ({SUFFIX}) in this folder, nor in those below it")
+    newest = max(found, key=lambda path: path.stat().st_mtime)
+    return newest.parent.parent if newest.parent.name == RECORDS else newest
 
 
 def _records_in(folder: Path) -> list[Path]:
@@ -61,6 +103,27 @@ def _records_in(folder: Path) -> list[Path]:
     if not found:
         raise UserError(f"{folder}: there are no records ({SUFFIX}) in it, nor in its folder {RECORDS}")
     return found
+
+
+def write_scene(record: Path, folder: Path) -> None:
+    """Write the two files from which a viewer draws a match.
+
+    Raises:
+        UserError: The record cannot be read, or the files not be written there.
+    """
+    from wildscav.terminal.console import console, error_console
+    from wildscav_engine.storage.files import write_whole
+    from wildscav_stage.watching.match_page import scene_of
+
+    with error_console.status(f"playing {escape(record.name)}"):
+        scene = scene_of(record)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UserError(f"cannot make {folder}: {error.strerror}") from None
+    for name, content in zip(SCENE, (scene.map, scene.trails), strict=True):
+        write_whole(folder / name, content)
+        console.print(f"{folder / name}: {len(content) / 1e3:.0f} kB")
 
 
 def write_page(record: Path, out: Path | None) -> None:

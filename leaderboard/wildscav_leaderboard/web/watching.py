@@ -71,6 +71,7 @@ def match(
     renders: Renders,
     now: Now,
     video: Annotated[bool, Query()] = False,  # have it rendered, and show it
+    other: Annotated[Number | None, Query(alias="with")] = None,  # a match beside which it is shown
 ) -> HTMLResponse:
     """Show a match: its result, and how it went."""
     found = find_match(session, number)
@@ -88,7 +89,8 @@ def match(
         match=view,
         infos={info.name: info for info in metric_infos(view.track)},
         names=list(dict.fromkeys(name for seat in view.seats for name in seat.metrics or ())),
-        seat_names=json.dumps({seat.seat: seat.who for seat in view.seats}),
+        seat_names=_seat_names(view),
+        compared=_compared(session, caller, other),
         placed=any(seat.place for seat in view.seats),
         told=any(seat.status is not None for seat in view.seats),
         timed=any(seat.latency_p50 is not None for seat in view.seats),
@@ -121,6 +123,33 @@ def _stage(match: Match, view: MatchView) -> MatchStage | None:
     files, record = f"/api/v1/matches/{match.id}", (view.record or "")[:16]
     trails = f"{files}/trails?v={TRAILS_VERSION}{record and '-'}{record}"
     return MatchStage(script, style, f"{files}/map?v={map_key(map_spec_of(match))}", trails)
+
+
+def _seat_names(view: MatchView) -> str:
+    return json.dumps({seat.seat: seat.who for seat in view.seats})
+
+
+class Compared(NamedTuple):
+    """A match that is shown beside another."""
+
+    match: MatchView
+    stage: MatchStage | None
+    seat_names: str
+
+
+def _compared(session: Session, caller: AnyBrowser, number: int | None) -> Compared | None:
+    """Return a match to be shown beside another.
+
+    Raises:
+        ForbiddenError: Whoever looks may not see it, or not yet.
+    """
+    if number is None:
+        return None
+    found = find_match(session, number)
+    (view,) = match_views(session, [found], caller)
+    if view.hidden is not None:
+        raise ForbiddenError(view.hidden)
+    return Compared(view, _stage(found, view), _seat_names(view))
 
 
 def _playable(session: Session, season: Season, view: MatchView) -> list[SeatView]:

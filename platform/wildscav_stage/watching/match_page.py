@@ -78,20 +78,34 @@ def _title(record: Record) -> str:
     return f"{TRACKS[record.spec.track].title}: {some}"
 
 
-def match_page(title: str, address: str) -> str:
-    """Return the page of a match on a site that has the viewer's files.
+class Shown(NamedTuple):
+    """A match on a site."""
 
-    Args:
-        title: The match's.
-        address: Below it are the ``map`` and the ``trails``.
+    title: str
+    address: str  # below it are the ``map`` and the ``trails``
+
+
+def match_page(match: Shown, other: Shown | None = None) -> str:
+    """Return the page of a match on a site that has the viewer's files, or of two that are compared.
 
     Raises:
         UserError: The viewer is not built.
     """
     script, style = viewer_addresses()
     head = f'<link rel="stylesheet" href="{style}"><script type="module" src="{script}"></script>'
-    content = f'<div data-match data-map="{address}/map" data-trails="{address}/trails"></div>{NO_SCRIPT}'
-    return _page(title, f"{_linked_style()}{head}", content)
+    if other is None:
+        return _page(match.title, f"{_linked_style()}{head}", f"{_element(match)}{NO_SCRIPT}")
+    one, two = (
+        _element(each, f' data-title="{escape(each.title)}"{more}')
+        for each, more in ((match, ""), (other, " data-with"))
+    )
+    content = f'<div class="player-pair">{one}{two}</div>{NO_SCRIPT}'
+    return _page("Two matches", f"{_linked_style()}{head}", content)
+
+
+def _element(match: Shown, more: str = "") -> str:
+    """Return what the viewer fills with a match; more: its further attributes."""
+    return f'<div data-match data-map="{match.address}/map" data-trails="{match.address}/trails"{more}></div>'
 
 
 def list_page(title: str, links: Iterable[tuple[str, str]]) -> str:

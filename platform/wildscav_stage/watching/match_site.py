@@ -24,6 +24,7 @@ from wildscav_stage.viewer_files import PATH, viewer_routes
 from wildscav_stage.watching.match_page import (
     STATIC,
     Scene,
+    Shown,
     list_page,
     match_page,
     scene_of,
@@ -38,6 +39,8 @@ FORMS = {"map": "application/octet-stream", "trails": "application/json"}  # the
 
 def match_site(title: str, records: Sequence[Path], host: str = LOOPBACK) -> Starlette:
     """Return the site of some records; of one alone, its first page is the match.
+
+    ``/matches/0?with=1`` compares two.
 
     Args:
         title: Of the list of several.
@@ -57,10 +60,15 @@ def match_site(title: str, records: Sequence[Path], host: str = LOOPBACK) -> Sta
         scene(0)
 
     def asked_for(request: Request) -> int:
-        number: int = request.path_params.get("number", 0)  # the first page has none
-        if number >= len(records):
+        return existing(request.path_params.get("number", 0))  # the first page has none
+
+    def existing(number: int | str) -> int:
+        if not str(number).isdecimal() or int(number) >= len(records):
             raise HTTPException(404)
-        return number
+        return int(number)
+
+    def shown(number: int) -> Shown:
+        return Shown(title_of(records[number]), f"/matches/{number}")
 
     def first(request: Request) -> Response:
         if len(records) == 1:
@@ -69,8 +77,8 @@ def match_site(title: str, records: Sequence[Path], host: str = LOOPBACK) -> Sta
         return HTMLResponse(list_page(title, links))
 
     def match(request: Request) -> Response:
-        number = asked_for(request)
-        return HTMLResponse(match_page(title_of(records[number]), f"/matches/{number}"))
+        others = request.query_params.getlist("with")[:1]
+        return HTMLResponse(match_page(*map(shown, [asked_for(request), *map(existing, others)])))
 
     def file(name: str, request: Request) -> Response:
         try:

@@ -1,5 +1,6 @@
 """``wildscav watch`` and ``wildscav replay --html``."""
 
+import os
 import re
 import shutil
 import signal
@@ -12,6 +13,7 @@ from pathlib import Path
 from urllib.request import ProxyHandler, build_opener
 
 import pytest
+from starlette.testclient import TestClient
 from tests.commands import Run, run_command
 from tests.platform.stage.built_viewer import viewer
 from tests.recorded_matches import record_of_track
@@ -68,6 +70,19 @@ def test_it_serves_the_match_until_ctrl_c(record: Path) -> None:
         (["replay", "match.wsr", "--html", "--seat", "1"], 2, "no other options"),
         (["replay", "match.wsr", "--html", "--port", "80"], 2, "no other options"),
         (["replay", ".", "--html"], 2, ". is a folder"),
+        (["replay", "match.wsr", "--scene", "pages", "--html"], 2, "--scene takes --season"),
+        (
+            ["replay", "none.wsr", "--scene", "pages"],
+            1,
+            "none.wsr: cannot be read: No such file or directory",
+        ),
+        (["replay", "match.wsr", "--scene", "match.wsr"], 1, "cannot make match.wsr: File exists"),
+        (["watch", "match.wsr", "--with", "empty"], 2, "empty is a folder: name one of its records"),
+        (
+            ["watch", "match.wsr", "--with", "none.wsr"],
+            1,
+            "none.wsr: cannot be read: No such file or directory",
+        ),
         (["watch", "https://example.org/matches/3", "--season", "https://example.org"], 2, "names one"),
         (["replay", "match.wsr", "-o", "page.html", "--view", "behind"], 2, "no other options"),
     ],
@@ -103,6 +118,58 @@ def test_the_page_of_a_match_names_its_season_and_its_number(
 
     assert records.resolve_record(Path(f"https://a.example:81/s/matches/12{more}"), None) == Path("it.wsr")
     assert asked == [(12, "https://a.example:81/s")]
+
+
+@pytest.mark.usefixtures("viewer")
+def test_latest_is_the_newest_record_or_the_evaluation_that_it_is_of(
+    run: Run, record: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    watched: list[list[Path]] = []
+    monkeypatch.setattr(
+        "wildscav_stage.watching.match_site.match_site", lambda _, records, __: watched.append(records)
+    )
+    monkeypatch.setattr("wildscav_stage.watching.match_site.serve", lambda _, listening: listening.close())
+    evaluation = record.parent / "out" / "evaluation" / "records"
+    evaluation.mkdir(parents=True)
+    for number, name in enumerate(["0.wsr", "1.wsr"]):
+        shutil.copy(record, evaluation / name)
+        os.utime(evaluation / name, (number, number))
+
+    for _ in range(2):
+        assert run("watch", "latest", "--no-browser").returncode == 0
+        os.utime(evaluation / "0.wsr", (2e9, 2e9))
+
+    assert watched == [
+        [Path("match.wsr")],
+        [Path("out/evaluation/records") / name for name in ("0.wsr", "1.wsr")],
+    ]
+
+
+def test_the_two_files_of_a_scene_are_written(run: Run, record: Path) -> None:
+    done = run("replay", record, "--scene", "of/it")
+
+    assert done.returncode == 0, done.stderr
+    scene = scene_of(record)
+    assert (record.parent / "of/it/map.gz").read_bytes() == scene.map
+    assert (record.parent / "of/it/match.json.gz").read_bytes() == scene.trails
+
+
+@pytest.mark.usefixtures("viewer")
+def test_two_records_are_compared_on_one_page(
+    run: Run, record: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    served: list[str] = []
+    monkeypatch.setattr(
+        "wildscav_stage.watching.match_site.serve",
+        lambda site, listening: (
+            served.append(TestClient(site, "http://127.0.0.1").get("/matches/0?with=1").text),
+            listening.close(),
+        ),
+    )
+    done = run("watch", record, "--with", shutil.copy(record, record.parent / "other.wsr"), "--no-browser")
+
+    assert done.stdout.splitlines()[0].endswith("/matches/0?with=1")
+    assert re.findall(r'data-map="([^"]+)"', served[0]) == ["/matches/0/map", "/matches/1/map"]
 
 
 @pytest.mark.usefixtures("viewer")

@@ -15,7 +15,7 @@ from wildscav.errors import UserError
 from wildscav_engine.record import write_record
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_stage.watching.match_page import Scene, list_page, match_page, scene_of, whole_page
+from wildscav_stage.watching.match_page import Scene, Shown, list_page, match_page, scene_of, whole_page
 
 HOSTILE = "</script><script>alert(1)</script>"
 Records = Callable[[str], Path]
@@ -77,13 +77,25 @@ def test_a_whole_page_holds_the_two_files_and_allows_no_other_code(tmp_path: Pat
 
 @pytest.mark.usefixtures("viewer")
 def test_pages_of_a_site_ask_it_for_everything() -> None:
-    page = Elements(match_page("A & B", "/matches/3"))
+    page = Elements(match_page(Shown("A & B", "/matches/3")))
 
     (stage,) = (attributes for attributes, _ in page.called("div"))
     assert (stage["data-map"], stage["data-trails"]) == ("/matches/3/map", "/matches/3/trails")
     (code,) = (attributes for attributes, _ in page.called("script"))
     assert re.fullmatch(r"/stage/viewer\.js\?v=[0-9a-f]{16}", str(code["src"]))
     assert page.called("h1")[0][1] == "A & B"
+
+
+@pytest.mark.usefixtures("viewer")
+def test_two_matches_are_on_one_page() -> None:
+    page = Elements(match_page(Shown("A & B", "/matches/3"), Shown(HOSTILE, "/matches/4")))
+
+    pair, one, other = (attributes for attributes, _ in page.called("div"))
+    assert pair == {"class": "player-pair"}
+    assert (one["data-map"], other["data-map"]) == ("/matches/3/map", "/matches/4/map")
+    assert (one["data-title"], other["data-title"]) == ("A & B", HOSTILE)
+    assert ("data-with" in one, "data-with" in other) == (False, True)
+    assert len(page.called("script")) == 1
 
 
 def test_a_list_has_names_as_text() -> None:
@@ -94,7 +106,7 @@ def test_a_list_has_names_as_text() -> None:
 
 def test_without_a_viewer_it_is_said_how_to_build_it(viewer: Path) -> None:
     (viewer / "viewer.css").unlink()
-    for make in (lambda: match_page("", ""), lambda: whole_page(Scene("", b"", b""))):
+    for make in (lambda: match_page(Shown("", "")), lambda: whole_page(Scene("", b"", b""))):
         with pytest.raises(UserError, match=r"viewer\.css is missing: run make viewer"):
             make()
 

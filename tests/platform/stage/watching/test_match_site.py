@@ -43,6 +43,14 @@ def test_the_first_page_of_one_record_is_its_match(record_of_track: Records) -> 
                 assert answer.headers["Content-Encoding"] == "gzip"
 
 
+@pytest.mark.parametrize(("asked", "status"), [("1", 200), ("2", 404), ("-1", 404), ("one", 404)])
+def test_two_of_its_matches_are_compared(record_of_track: Records, asked: str, status: int) -> None:
+    with client_of([record_of_track("battle"), record_of_track("navigation")]) as client:
+        answer = client.get(f"/matches/0?with={asked}")
+    assert answer.status_code == status
+    assert (answer.text.count("data-match ") == 2) is (status == 200)
+
+
 def test_of_several_records_each_has_its_match(record_of_track: Records, tmp_path: Path) -> None:
     broken = tmp_path / "broken.wsr"
     broken.write_bytes(b"nothing")

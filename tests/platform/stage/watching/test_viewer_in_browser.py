@@ -60,8 +60,10 @@ def opened(browser: Any, address: str, allowed: str | None = None, **options: An
         page.on("console", lambda message: faults.append(message.text) if message.type == "error" else None)
         page.on("pageerror", lambda error: faults.append(str(error)))
         page.goto(address)
-        page.locator(".player-canvas").wait_for(timeout=PATIENCE)
-        page.locator(".player-screen > .player-message:empty").wait_for(state="attached", timeout=PATIENCE)
+        page.locator(".player-canvas").first.wait_for(timeout=PATIENCE)
+        page.locator(".player-screen > .player-message:empty").first.wait_for(
+            state="attached", timeout=PATIENCE
+        )
         yield page
         assert [fault for fault in faults if allowed is None or allowed not in fault] == []
 
@@ -175,6 +177,33 @@ def test_each_track_plays_on_a_phone_without_sideways_scrolling(
 
         assert difference(picture_of(page), first) > CHANGED
         assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
+
+
+@pytest.mark.parametrize("size", [DESK, PHONE], ids=["desk", "phone"])
+def test_two_matches_have_one_time_and_one_view(
+    browser: Any, record_of_track: Records, size: dict[str, int]
+) -> None:
+    records = [record_of_track("royale"), record_of_track("battle")]  # of 15 s and of 30 s
+    with (
+        served(match_site("", records)) as address,
+        opened(browser, f"{address}/matches/0?with=1#t=5&view=behind&seat=1", viewport=size) as page,
+    ):
+        page.locator(".player-canvas[data-picture=whole]").nth(1).wait_for(timeout=PATIENCE)
+        canvases = page.locator(".player-canvas")
+        before = [bytes(canvases.nth(number).screenshot()) for number in (0, 1)]
+        page.get_by_role("button", name="On 5 seconds").click()
+        wait_for(page, "0:10 of 0:30")
+        after = [bytes(canvases.nth(number).screenshot()) for number in (0, 1)]
+        assert min(difference(*pair) for pair in zip(before, after, strict=True)) > CHANGED
+
+        page.get_by_role("button", name="Above", exact=True).click()
+        page.get_by_label(TIME).fill("29")
+        page.locator(".player-outcome:not(:empty)").wait_for(timeout=PATIENCE)  # of the shorter match alone
+        one, other = (canvases.nth(number).bounding_box() for number in (0, 1))
+        assert (one["y"] == other["y"]) is (size is DESK)
+        assert page.locator(".player-line").count() == 1
+        assert page.locator(".player-seats").count() == 2
+        assert page.evaluate("document.documentElement.scrollWidth") <= size["width"]
 
 
 def test_without_webgl_the_match_is_shown_from_above(browser: Any, site: str) -> None:

@@ -8,12 +8,13 @@ const ARRIVED = 0.01; // s
 
 export class Clock {
   seconds = 0;
-  end = 0; // s
+  end = 0; // s, of the match, or of the longest that is shown
   speed = 1;
   isPlaying = false;
   isFollowingLive = false;
   isOpen = false; // while the match is being played: its end will come later
   private readonly listeners = new Set<() => void>();
+  private readonly ends = new Map<object, number>(); // s, of each match
   private lastTick: number | null = null;
 
   // Tell a listener of everything but the passing of time; returns what ends that.
@@ -22,8 +23,9 @@ export class Clock {
     return () => this.listeners.delete(listener);
   }
 
-  setEnd(seconds: number): void {
-    this.end = seconds;
+  setEnd(seconds: number, match: object = this): void {
+    this.ends.set(match, seconds);
+    this.end = Math.max(...this.ends.values());
     this.tell();
   }
 

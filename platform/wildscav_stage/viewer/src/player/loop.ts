@@ -6,7 +6,6 @@ const CALM = 500; // ms between two live pictures for people who asked for less 
 
 // What a loop asks of its player.
 export interface Drawn {
-  readonly frame: number;
   readonly isCameraMoving: boolean; // by itself
   draw(now: number, isStale: boolean): void;
   dispose(): void;
@@ -18,7 +17,7 @@ export class Loop {
   private readonly wake = () => this.ask();
   private isOnPage = true; // as far as one has scrolled
   private request = 0;
-  private drawnFrame = -1;
+  private drawnTime = -1; // s of the match
   private drawnAt = 0; // ms
   private isStale = true; // what is shown differs from what is
   private isStirred = false; // a person moved the camera
@@ -77,7 +76,7 @@ export class Loop {
 
   private isDue(now: number): boolean {
     const isHeld = this.clock.isFollowingLive && this.isCalm && now - this.drawnAt < CALM;
-    const isLater = this.player.frame !== this.drawnFrame && !isHeld;
+    const isLater = this.clock.seconds !== this.drawnTime && !isHeld;
     return this.isStale || this.isStirred || isLater || this.player.isCameraMoving;
   }
 
@@ -85,7 +84,7 @@ export class Loop {
     const { isStale } = this;
     this.isStale = this.isStirred = false;
     this.drawnAt = now;
-    this.drawnFrame = this.player.frame;
+    this.drawnTime = this.clock.seconds;
     this.player.draw(now, isStale);
   }
 }

@@ -20,6 +20,7 @@ import { type Told, Views } from "./views";
 
 const SLOW = 200; // ms between two changes of the lists while time passes, at least
 const SHARE = 8; // times as long as a change takes lie between two, so that very many agents stop no picture
+const PAIR = "player-pair"; // the class of what holds two that are compared
 const SAID = 4000; // ms for which an answer to a person stays
 
 export class Player implements Actions, Drawn {
@@ -35,7 +36,8 @@ export class Player implements Actions, Drawn {
   private readonly keys = keysDialog();
   private readonly theater: HTMLElement;
   private readonly stops: (() => void)[];
-  private shownFrame = -1; // by all but the picture
+  private follower: Player | null = null;
+  private shownTime = -1; // s, by all but the picture
   private listsAt = 0; // ms, when the lists are due again
 
   constructor(
@@ -44,6 +46,7 @@ export class Player implements Actions, Drawn {
     readonly clock: Clock,
     makers: StageMaker[],
     isFirst: () => boolean,
+    private readonly lead: Player | null = null, // whose time line and buttons move this one too, where two are compared
   ) {
     this.loop = new Loop(root, clock, this);
     this.screen = new Screen(course, makers, () => this.loop.stir());
@@ -58,18 +61,23 @@ export class Player implements Actions, Drawn {
       () => this.relist(),
     );
     this.screen.element.append(this.feed.element, this.outcome);
+    const { title } = root.dataset;
+    const heading = title ? [make("h2", { className: "player-title", textContent: title })] : [];
     this.theater = make(
       "div",
       { className: "player-theater" },
+      ...heading,
       this.screen.element,
       this.screen.note,
-      this.timeline.element,
-      this.controls.element,
     );
     this.lay();
     this.stops = [clock.listen(() => this.loop.refresh()), listenToKeys(root, this, isFirst)];
     this.events.extend();
     this.setEnd();
+    if (lead) {
+      lead.follower = this;
+      this.look(lead.screen.view.kind);
+    }
     this.views.showStage();
   }
 
@@ -172,7 +180,7 @@ export class Player implements Actions, Drawn {
   }
 
   direct(): void {
-    this.views.direct();
+    for (const { views } of this.both) views.direct();
   }
 
   followLive(): void {
@@ -180,17 +188,17 @@ export class Player implements Actions, Drawn {
   }
 
   setTrail(seconds: number): void {
-    this.views.setTrail(seconds);
+    for (const { views } of this.both) views.setTrail(seconds);
   }
 
   toggleInset(): void {
-    this.views.toggleInset();
+    for (const { views } of this.both) views.toggleInset();
   }
 
   toggleFullscreen(): void {
     if (document.fullscreenElement) document.exitFullscreen();
     else
-      this.theater
+      this.stageOfAll
         .requestFullscreen?.()
         .catch(() => this.sayBriefly("The browser allows no fullscreen here"));
   }
@@ -216,7 +224,21 @@ export class Player implements Actions, Drawn {
 
   // The parts.
 
+  // This player, and the one that it is compared with.
+  private get both(): Player[] {
+    const other = this.lead ?? this.follower;
+    return other ? [this, other] : [this];
+  }
+
+  private get stageOfAll(): HTMLElement {
+    return this.root.closest<HTMLElement>(`.${PAIR}`) ?? this.theater;
+  }
+
   private lay(): void {
+    const moving = [this.timeline.element, this.controls.element];
+    const pair = this.root.closest(`.${PAIR}`);
+    if (!pair) this.theater.append(...moving);
+    else if (!this.lead) pair.append(make("div", { className: "player player-shared" }, ...moving));
     const side = make(
       "div",
       { className: "player-side" },
@@ -231,6 +253,8 @@ export class Player implements Actions, Drawn {
   private tellView(told: Told): void {
     this.controls.showView(told);
     this.standings.mark(followsSeat(told.view.kind) ? told.view.seat : null);
+    for (const { screen, views } of this.both)
+      if (screen.view.kind !== told.view.kind) views.look(told.view.kind);
   }
 
   private relist(): void {
@@ -239,7 +263,7 @@ export class Player implements Actions, Drawn {
   }
 
   private setEnd(): void {
-    this.clock.setEnd(this.course.seconds(this.course.lastFrame));
+    this.clock.setEnd(this.course.seconds(this.course.lastFrame), this);
   }
 
   private seekFrame(frame: number): void {
@@ -263,15 +287,14 @@ export class Player implements Actions, Drawn {
     const { frame, clock, course } = this;
     this.views.cut(frame);
     this.screen.draw(frame);
-    if (!isStale && frame === this.shownFrame) return;
-    this.shownFrame = frame;
-    const end = course.seconds(course.lastFrame);
-    const text = timeText(course.seconds(frame), end);
-    const isAtEnd = frame >= course.lastFrame && !clock.isOpen;
-    this.timeline.update(course.seconds(frame), end, text);
-    this.controls.update(clock, text, isAtEnd);
+    const { seconds, end, isOpen } = clock;
+    if (!isStale && seconds === this.shownTime) return;
+    this.shownTime = seconds;
+    const text = timeText(seconds, end);
+    this.timeline.update(seconds, end, text);
+    this.controls.update(clock, text, seconds >= end && !isOpen);
     this.feed.update(frame, clock.speed);
-    this.showOutcome(isAtEnd);
+    this.showOutcome(frame >= course.lastFrame && !isOpen);
     if (isStale || now > this.listsAt) this.drawLists(frame);
   }
 

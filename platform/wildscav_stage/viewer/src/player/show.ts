@@ -29,10 +29,11 @@ export async function show(root: HTMLElement, makers: StageMaker[]): Promise<voi
     const map = source.map((text) => players.find((each) => each.root === root)?.screen.say(text));
     map.catch(() => {}); // is handled below, but perhaps later than the browser complains
     const trails = await firstTrails(source, tell);
-    const player = enter(root, new Course(trails, namesOf(root)), makers);
+    const lead = await leadOf(root);
+    const player = enter(root, new Course(trails, namesOf(root)), makers, lead);
     const shown = showMap(player, source, map);
     await Promise.race([shown, pause(PATIENCE)]);
-    player.start(first() === player ? readMoment(location.hash) : null);
+    if (!lead) player.start(first() === player ? readMoment(location.hash) : null);
     if ("live" in root.dataset) await watch(player, source);
     await shown;
   } catch (error) {
@@ -59,11 +60,21 @@ async function firstTrails(source: Source, tell: (text: string) => void): Promis
   }
 }
 
-function enter(root: HTMLElement, course: Course, makers: StageMaker[]): Player {
+// Of an element with `data-with`: the player in the element before it, once it is there. They share time and views.
+async function leadOf(root: HTMLElement): Promise<Player | null> {
+  if (!("with" in root.dataset)) return null;
+  for (;;) {
+    const lead = players.find((player) => player.root === root.previousElementSibling);
+    if (lead) return lead;
+    await pause(POLL);
+  }
+}
+
+function enter(root: HTMLElement, course: Course, makers: StageMaker[], lead: Player | null): Player {
   forget(root);
-  const clock = new Clock();
-  clock.isOpen = "live" in root.dataset && !course.trails.over;
-  const player = new Player(root, course, clock, makers, () => first() === player);
+  const clock = lead?.clock ?? new Clock();
+  if (!lead) clock.isOpen = "live" in root.dataset && !course.trails.over;
+  const player = new Player(root, course, clock, makers, () => first() === player, lead);
   players.push(player);
   return player;
 }

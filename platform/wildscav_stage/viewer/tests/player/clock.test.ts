@@ -127,3 +127,18 @@ test("times are minutes and seconds", () => {
   expect(clockText(73.9)).toBe("1:13");
   expect(clockText(600)).toBe("10:00");
 });
+
+test("two matches that are compared have one time, which ends with the longer one", () => {
+  const clock = new Clock();
+  const [one, other] = [{}, {}];
+  clock.setEnd(10, one);
+  clock.setEnd(30, other);
+  clock.seek(20);
+  expect([clock.seconds, clock.end]).toEqual([20, 30]);
+  clock.setEnd(12, one);
+  expect(clock.end).toBe(30);
+  clock.play();
+  // Both draw in each frame; time passes once.
+  for (let now = 0; now <= 1000; now += 100) for (const _ of [one, other]) clock.advance(now);
+  expect(clock.seconds).toBeCloseTo(21);
+});

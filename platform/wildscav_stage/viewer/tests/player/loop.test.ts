@@ -21,9 +21,6 @@ function picturesOf(isCalm: boolean, isCameraMoving = false): number {
   let pictures = 0;
   const clock = new Clock();
   const player = {
-    get frame() {
-      return 50 * clock.seconds;
-    },
     isCameraMoving,
     draw: () => pictures++,
     dispose: () => {},
