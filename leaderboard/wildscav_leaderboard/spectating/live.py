@@ -30,7 +30,6 @@ from wildscav_stage.scene.document import (
 )
 from wildscav_stage.scene.trails import (
     SAMPLE_INTERVAL,
-    map_extent,
     seats_shown,
     zone_events,
     zone_phases,
@@ -157,7 +156,6 @@ def _header(spec: MatchSpec, names: Sequence[str], now: Snapshot) -> Trails:
         frame_limit=spec.frame_limit,
         ending="none",
         outcome="",
-        map=map_extent(spec),
         target=target,
         seats=seats_shown(spec, tuple(names), None),
         samples=Samples(frames=[], seats=[]),

@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict
 
 from wildscav_stage.scene.arrays import LEVEL
 
-TRAILS_VERSION: Final = 2  # of the document; it moves when a field changes its meaning or goes
+TRAILS_VERSION: Final = 3  # of the document; it moves when a field changes its meaning or goes
 
 EventKind = Literal["hit", "death", "out", "respawn", "pick_up", "target", "zone"]
 Differences = list[int]
@@ -42,15 +42,6 @@ class Part(BaseModel):
         return cls.model_validate({name: getattr(source, name) for name in names} | others)
 
 
-class MapExtent(Part):
-    """The part of the world that the map covers."""
-
-    west: int  # cm, x of its western edge
-    north: int  # cm, z of its northern edge
-    width: int  # cm, from west to east
-    height: int  # cm, from north to south
-
-
 class SeatResultShown(Part):
     """What a seat achieved by the end of the match."""
 
@@ -59,7 +50,6 @@ class SeatResultShown(Part):
     deaths: int
     shots: int
     hits: int
-    walked: int  # cm
     metrics: dict[str, float]  # by the names of the track's metrics
 
 
@@ -134,7 +124,6 @@ class ZonePhase(Part):
     end: int  # frame
     before: Circle
     after: Circle
-    damage: int  # hp per second outside
 
 
 class Box(Part):
@@ -164,7 +153,7 @@ class Trails(Part):
     asked for with ``cursor``. ``first`` says whether this is the beginning.
     """
 
-    version: Literal[2] = TRAILS_VERSION
+    version: Literal[3] = TRAILS_VERSION
     over: bool  # whether the match has ended; False while it is being played
     first: bool = True  # whether samples and events begin with the match
     cursor: str = ""  # of a match that is being played: where the next document goes on
@@ -176,7 +165,6 @@ class Trails(Part):
     ending: str  # "none", "time_up", "goal" or "last_standing"
     # One sentence without a full stop, with names of competitors; empty while it is being played.
     outcome: str
-    map: MapExtent
     target: Target | None
     seats: list[SeatShown]
     samples: Samples

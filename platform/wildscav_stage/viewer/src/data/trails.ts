@@ -1,6 +1,6 @@
 // The document of a match, as platform/wildscav_stage/scene/document.py describes it. Lengths are centimetres there.
 
-const TRAILS_VERSION = 2;
+const TRAILS_VERSION = 3;
 export const METRE = 100; // units of the document
 export const CLOTHES = 2; // the part of a body that is seen best: of its colours, the one of its team
 
@@ -20,7 +20,6 @@ export interface SeatResult {
   deaths: number;
   shots: number;
   hits: number;
-  walked: number; // cm
   metrics: Record<string, number>;
 }
 
@@ -50,7 +49,6 @@ export interface ZonePhase {
   end: number;
   before: Circle;
   after: Circle;
-  damage: number;
 }
 
 export interface Box {
@@ -75,7 +73,6 @@ export interface Trails {
   frame_limit: number;
   ending: string;
   outcome: string;
-  map: { west: number; north: number; width: number; height: number };
   target: { x: number; z: number; height: number } | null;
   seats: Seat[];
   samples: { frames: number[]; seats: SeatSamples[] };

@@ -64,7 +64,7 @@ test.each([
   ["a failure", told({ state: "failed", detail: "the record is broken" }, 202), "the record is broken"],
   ["a page of a proxy", new Response("<h1>Bad gateway</h1>", { status: 502 }), "the server answered 502"],
   ["no answer", undefined, "the server cannot be reached"],
-  ["another version", told({ version: 1 }), "this page reads matches of version 2, not 1"],
+  ["another version", told({ version: 1 }), "this page reads matches of version 3, not 1"],
 ])("%s is said", async (_, response, message) => {
   answer(response);
   await expect(source({ trails: "/trails" }).trails(say)).rejects.toThrow(message);
