@@ -32,6 +32,7 @@ from wildscav_stage.scene.document import (
 from wildscav_stage.scene.map_file import centimetres
 
 SAMPLE_INTERVAL = 5  # frames, at least, between two samples: ten a second
+MANY = 250  # seats; with so many times as many, two samples are so many times farther apart
 
 
 def trails_of(record: Record) -> Trails:
@@ -121,7 +122,8 @@ def zone_events(zone: list[ZonePhase], frames: int) -> list[Event]:
 def _samples(history: History) -> Samples:
     agents = history.agents
     # The first row of every interval, and the last row, which shows how the match ended.
-    first = np.flatnonzero(np.diff(history.frame // SAMPLE_INTERVAL, prepend=-1))
+    interval = SAMPLE_INTERVAL * max(1, len(history.teams) // MANY)
+    first = np.flatnonzero(np.diff(history.frame // interval, prepend=-1))
     rows = np.union1d(first, history.rows[-1:])
     places = centimetres(agents.position[rows])
     columns = {
