@@ -27,7 +27,7 @@ from wildscav_stage.scene.document import (
     ZonePhase,
     differences,
 )
-from wildscav_stage.scene.trails import map_extent, seats_shown, zone_events, zone_phases
+from wildscav_stage.scene.trails import seats_shown, zone_events, zone_phases
 
 SUFFIX = ".live"
 LOOK = 0.1  # s between two looks of the web server at a file
@@ -168,7 +168,6 @@ def _beginning(spec: MatchSpec, names: Sequence[str], now: Snapshot) -> Trails:
         frame_limit=spec.frame_limit,
         ending="none",
         outcome="",
-        map=map_extent(spec),
         target=target,
         seats=seats_shown(spec, tuple(names), None),
         samples=Samples(frames=[], seats=[SeatSamples(**nothing) for _ in names]),

@@ -46,15 +46,6 @@ class Part(BaseModel):
         return gzip.compress(self.model_dump_json().encode(), LEVEL, mtime=0)
 
 
-class MapExtent(Part):
-    """The part of the world that the map covers."""
-
-    west: int  # cm, x of its western edge
-    north: int  # cm, z of its northern edge
-    width: int  # cm, from west to east
-    height: int  # cm, from north to south
-
-
 class SeatResultShown(Part):
     """What a seat achieved by the end of the match."""
 
@@ -63,7 +54,6 @@ class SeatResultShown(Part):
     deaths: int
     shots: int
     hits: int
-    walked: int  # cm
     metrics: dict[str, float]  # by the names of the track's metrics
 
 
@@ -138,7 +128,6 @@ class ZonePhase(Part):
     end: int  # frame
     before: Circle
     after: Circle
-    damage: int  # hp per second outside
 
 
 class Box(Part):
@@ -189,7 +178,6 @@ class Trails(Part):
     ending: str  # "none", "time_up", "goal" or "last_standing"
     # One sentence without a full stop, with names of competitors; empty while it is being played.
     outcome: str
-    map: MapExtent
     target: Target | None
     seats: list[SeatShown]
     samples: Samples

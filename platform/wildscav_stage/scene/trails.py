@@ -19,7 +19,6 @@ from wildscav_stage.scene.document import (
     Box,
     Circle,
     Event,
-    MapExtent,
     Samples,
     SeatResultShown,
     SeatSamples,
@@ -33,6 +32,7 @@ from wildscav_stage.scene.document import (
 from wildscav_stage.scene.map_file import centimetres
 
 SAMPLE_INTERVAL = 5  # frames, at least, between two samples: ten a second
+MANY = 250  # seats; with so many times as many, two samples are so many times farther apart
 
 
 def trails_of(record: Record) -> Trails:
@@ -53,7 +53,6 @@ def trails_of(record: Record) -> Trails:
         frame_limit=record.spec.frame_limit,
         ending=record.result.ending,
         outcome=describe_outcome(record.result, record.names),
-        map=map_extent(record.spec),
         target=target_of(match.state),
         seats=seats_shown(record.spec, record.names, record.result.seats),
         samples=_samples(history),
@@ -69,12 +68,6 @@ def cm(metres: float) -> int:
     return int(centimetres(metres))
 
 
-def map_extent(spec: MatchSpec) -> MapExtent:
-    """Return the part of the world that the map of a spec covers: a square about the origin."""
-    side = cm(spec.map.config.size)
-    return MapExtent(west=-side // 2, north=side // 2, width=side, height=side)
-
-
 def seats_shown(
     spec: MatchSpec, names: tuple[str, ...], results: tuple[SeatResult, ...] | None
 ) -> list[SeatShown]:
@@ -88,9 +81,7 @@ def seats_shown(
             team=spec.team_of_seats[seat],
             colors=np.rint(bodies[spec.team_of_seats[seat]]).astype(int).tolist(),
             full_health=spec.equipment_of(seat).health,
-            result=None
-            if results is None
-            else SeatResultShown.about(results[seat], walked=cm(results[seat].walked)),
+            result=None if results is None else SeatResultShown.about(results[seat]),
         )
         for seat, name in enumerate(names)
     ]
@@ -112,7 +103,6 @@ def zone_phases(rows: NDArray[np.float64]) -> list[ZonePhase]:
             end=round(row[1]),
             before=_circle(row[2:5]),
             after=_circle(row[5:8]),
-            damage=int(row[8]),
         )
         for row in rows.tolist()
     ]
@@ -132,7 +122,8 @@ def zone_events(zone: list[ZonePhase], frames: int) -> list[Event]:
 def _samples(history: History) -> Samples:
     agents = history.agents
     # The first row of every interval, and the last row, which shows how the match ended.
-    first = np.flatnonzero(np.diff(history.frame // SAMPLE_INTERVAL, prepend=-1))
+    interval = SAMPLE_INTERVAL * max(1, len(history.teams) // MANY)
+    first = np.flatnonzero(np.diff(history.frame // interval, prepend=-1))
     rows = np.union1d(first, history.rows[-1:])
     places = centimetres(agents.position[rows])
     columns = {

@@ -234,6 +234,16 @@ def test_a_map_is_kept_by_browsers_for_ever_and_what_draws_it_as_well(site: Site
     assert "immutable" in site.get(script).headers["Cache-Control"]
 
 
+def test_two_matches_are_shown_side_by_side_if_both_may_be_seen(site: Site) -> None:
+    number = site.filled.matches["ladder"]
+    page = site.get(f"/matches/{number}?with={number}").text
+    assert re.findall(r'data-title="([^"]*)"', page) == 2 * [f"Match {number}"]
+    assert page.count("data-with>") == 1
+    assert page.count("data-live") == 0
+    assert site.get(f"/matches/{number}?with={site.filled.matches['own_suite']}").status_code == 403
+    assert site.get(f"/matches/{number}?with=99999").status_code == 404
+
+
 def test_without_a_viewer_a_match_page_says_so_without_paths(
     site: Site, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

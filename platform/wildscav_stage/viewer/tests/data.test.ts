@@ -149,7 +149,7 @@ describe("the course of a match", () => {
       { x: 0, z: 0, radius: 1000 },
       { x: 400, z: 0, radius: 200 },
     ];
-    const zoned = new Course(match({ zone: [{ start: 10, end: 20, before, after, damage: 1 }] }));
+    const zoned = new Course(match({ zone: [{ start: 10, end: 20, before, after }] }));
     expect([0, 15, 50].map((frame) => zoned.zoneAt(frame)?.now)).toEqual([
       { x: 0, z: 0, radius: 10 },
       { x: 2, z: 0, radius: 6 },

@@ -45,7 +45,6 @@ export function trails(
     frame_limit: 9000,
     ending: "time_up",
     outcome: "agent 0 wins",
-    map: { west: -3000, north: 3000, width: 6000, height: 6000 },
     target: null,
     seats: supplies.map((_, number) => seat(number)),
     samples: samples(supplies),

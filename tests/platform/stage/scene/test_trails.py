@@ -62,6 +62,15 @@ def test_every_sample_is_where_the_agents_stood(path: Path) -> None:
     assert compared == len(samples)
 
 
+def test_with_many_agents_samples_are_farther_apart(
+    record_of_track: Records, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    record = read_record(record_of_track("battle"))
+    frames = values_of(trails_of(record).samples.frames)
+    monkeypatch.setattr("wildscav_stage.scene.trails.MANY", 2)  # half of its seats
+    assert values_of(trails_of(record).samples.frames) == sorted({*frames[::2], frames[-1]})
+
+
 @pytest.mark.parametrize("values", [[], [7], [3, 3, -2, 1000]])
 def test_differences_add_up_to_the_values(values: list[int]) -> None:
     assert values_of(differences(values)) == values

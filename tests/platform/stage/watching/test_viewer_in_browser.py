@@ -183,21 +183,21 @@ def test_each_track_plays_on_a_phone_without_sideways_scrolling(
 def test_two_matches_have_one_time_and_one_view(
     browser: Any, record_of_track: Records, size: dict[str, int]
 ) -> None:
-    records = [record_of_track("battle"), record_of_track("royale")]  # of 30 s and of 60 s
+    records = [record_of_track("royale"), record_of_track("battle")]  # of 15 s and of 30 s
     with (
         served(match_site("", records)) as address,
-        opened(browser, f"{address}/matches/0?with=1#t=10&view=behind&seat=1", viewport=size) as page,
+        opened(browser, f"{address}/matches/0?with=1#t=5&view=behind&seat=1", viewport=size) as page,
     ):
         page.locator(".player-canvas[data-picture=whole]").nth(1).wait_for(timeout=PATIENCE)
         canvases = page.locator(".player-canvas")
         before = [bytes(canvases.nth(number).screenshot()) for number in (0, 1)]
         page.get_by_role("button", name="On 5 seconds").click()
-        wait_for(page, "0:15 of 1:00")
+        wait_for(page, "0:10 of 0:30")
         after = [bytes(canvases.nth(number).screenshot()) for number in (0, 1)]
         assert min(difference(*pair) for pair in zip(before, after, strict=True)) > CHANGED
 
         page.get_by_role("button", name="Above", exact=True).click()
-        page.get_by_label(TIME).fill("45")
+        page.get_by_label(TIME).fill("29")
         page.locator(".player-outcome:not(:empty)").wait_for(timeout=PATIENCE)  # of the shorter match alone
         one, other = (canvases.nth(number).bounding_box() for number in (0, 1))
         assert (one["y"] == other["y"]) is (size is DESK)

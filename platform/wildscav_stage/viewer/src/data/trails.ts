@@ -22,7 +22,6 @@ export interface SeatResult {
   deaths: number;
   shots: number;
   hits: number;
-  walked: number; // cm
   metrics: Record<string, number>;
 }
 
@@ -52,7 +51,6 @@ export interface ZonePhase {
   end: number;
   before: Circle;
   after: Circle;
-  damage: number;
 }
 
 export interface Box {
@@ -76,7 +74,6 @@ export interface Trails {
   frame_limit: number;
   ending: string;
   outcome: string;
-  map: { west: number; north: number; width: number; height: number };
   target: { x: number; z: number; height: number } | null;
   seats: Seat[];
   samples: { frames: number[]; seats: SeatSamples[] };

@@ -180,7 +180,7 @@ function unseen(): SeatState {
 
 function phaseOf([start, end, ...rest]: number[]): Trails["zone"][number] {
   const circle = (at: number) => ({ x: rest[at], z: rest[at + 1], radius: rest[at + 2] });
-  return { start, end, before: circle(0), after: circle(3), damage: rest[6] };
+  return { start, end, before: circle(0), after: circle(3) };
 }
 
 function emptyTrails(begin: Begin, track: string): Trails {
@@ -195,7 +195,6 @@ function emptyTrails(begin: Begin, track: string): Trails {
     frame_limit: begin.frame_limit,
     ending: "none",
     outcome: "",
-    map: { west: 0, north: 0, width: 0, height: 0 },
     target: null,
     seats: begin.seats,
     samples: { frames: [], seats: [] },

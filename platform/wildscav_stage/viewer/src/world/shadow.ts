@@ -23,6 +23,7 @@ import { material, type Shared } from "./shared";
 const FINEST = 0.1; // m that a number of the map covers, where there is room
 const MOST = 4096; // numbers along a side
 const MOST_BY_TOUCH = 2048; // the same on phones and tablets
+const LONGEST = 60; // pictures that it takes to draw them, at most
 const COARSER = 2; // how much wider the numbers of the map of roofs are
 
 const VERTEX = /* glsl */ `
@@ -55,6 +56,7 @@ export class Shadows {
   private readonly targets: WebGLRenderTarget[];
   private readonly materials: ShaderMaterial[];
   private readonly waiting: [Caster, number][]; // and to which target
+  private readonly least: number; // of those to be drawn at once
 
   constructor(
     private readonly renderer: WebGLRenderer,
@@ -74,6 +76,7 @@ export class Shadows {
     this.waiting = [casters, roofs].flatMap((each, target) =>
       each.map((caster): [Caster, number] => [caster, target]),
     );
+    this.least = Math.ceil(this.waiting.length / LONGEST);
     for (const target of this.targets) {
       renderer.setRenderTarget(target);
       renderer.clear();
@@ -85,11 +88,12 @@ export class Shadows {
     return !this.waiting.length;
   }
 
-  // Draw the shadows of so many more meshes.
+  // Draw the shadows of so many more meshes, or of more on a large map.
   go(most: number): void {
     const { renderer, shared } = this;
     renderer.autoClear = false;
-    for (const [caster, target] of this.waiting.splice(0, most)) this.draw(caster, target);
+    for (const [caster, target] of this.waiting.splice(0, Math.max(most, this.least)))
+      this.draw(caster, target);
     renderer.setRenderTarget(null);
     renderer.autoClear = true;
     if (!this.areWhole) return;

@@ -11,6 +11,7 @@ import { TEXTURES } from "./textures";
 
 const PIECE = 50; // m along a side of a piece
 const SOME_WAY = 2.5; // times as far as there are all triangles, up to where there are some
+const FARTHEST = 1e6; // m, in place of no limit
 const UPRIGHT = 1e-3; // the rise of a face's normal below which it stands upright
 
 const VERTEX = /* glsl */ `
@@ -34,6 +35,8 @@ flat in vec3 base;
 flat in vec2 along;
 flat in int kind;
 uniform vec3 focus; // m, the followed agent
+uniform float reach; // m, from where on plants and rocks have fewer triangles, which lie within what casts their shadows
+const float WITHIN = 1.5; // m, at most
 ${TEXTURES}
 // Whether a place hides the followed agent from a camera that is behind a wall.
 bool isCut() {
@@ -52,7 +55,9 @@ void main() {
   if (far == 0.0 ? normal.y < 0.0 : facing > 0.0) normal = -normal;
   float footprint = far == 0.0 ? pixel : pixel * way / max(0.2, abs(facing));
   vec3 color = textured(kind, base, normal, place, along, footprint);
-  color *= lightOn(normal, sunShare(place, normal), skyShare(place, normal));
+  bool isReduced = way > reach && (kind == CROWN || kind == BUSH || kind == ROCK);
+  float shine = sunShare(isReduced ? place + WITHIN * sun : place, normal);
+  color *= lightOn(normal, shine, skyShare(place, normal));
   shown = vec4(throughAir(color, place), 1.0);
 }`;
 
@@ -69,8 +74,12 @@ export interface Solids {
 
 export function createSolids(map: GameMap, shared: Shared, building: Building): Solids {
   const focus = { value: new Vector3() };
-  const own = material(shared, VERTEX, FRAGMENT);
-  const open = material(shared, VERTEX, FRAGMENT, { uniforms: { focus }, defines: { CUT: 1 } });
+  const within = { value: 0 };
+  const own = material(shared, VERTEX, FRAGMENT, { uniforms: { reach: within } });
+  const open = material(shared, VERTEX, FRAGMENT, {
+    uniforms: { focus, reach: within },
+    defines: { CUT: 1 },
+  });
   const pieces: Piece[] = [];
   const group = new Group();
   let known = 0; // solids
@@ -88,6 +97,7 @@ export function createSolids(map: GameMap, shared: Shared, building: Building): 
     known = map.solids.count;
   };
   const see = (from: Vector3, reach: number, withRoofs: boolean) => {
+    within.value = Math.min(reach, FARTHEST);
     for (const { mesh, ranges } of pieces) {
       const { center, radius } = mesh.geometry.boundingSphere as Sphere;
       const away = center.distanceTo(from) - radius;

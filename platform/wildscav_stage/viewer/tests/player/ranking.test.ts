@@ -50,7 +50,7 @@ test("in royale, whoever is left leads, then whoever stayed longest", () => {
 });
 
 test("at the end of royale, the places are the result's", () => {
-  const result = { supplies: 0, kills: 0, deaths: 0, shots: 0, hits: 0, walked: 0 };
+  const result = { supplies: 0, kills: 0, deaths: 0, shots: 0, hits: 0 };
   const seats = [2, 1].map((placement, at) => ({
     ...seat(at),
     result: { ...result, metrics: { placement } },
