@@ -19,8 +19,8 @@ from benchmarks.services.service import children_of, free_port, processor_time, 
 from sqlalchemy import delete
 
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.matches.run_job import HEARTBEAT_INTERVAL, SNAPSHOT_INTERVAL
-from wildscav_evaluator.matches.snapshots import WatchedMatch
+from wildscav_evaluator.matches.run_job import SNAPSHOT_INTERVAL
+from wildscav_evaluator.matches.snapshots import HEARTBEAT_INTERVAL, WatchedMatch
 from wildscav_leaderboard.matches.models import PLAYING, MatchResult
 from wildscav_leaderboard.matches.models import Match as StoredMatch
 from wildscav_leaderboard.seasons.folder import Season

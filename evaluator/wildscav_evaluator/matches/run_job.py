@@ -29,13 +29,12 @@ from wildscav_evaluator.matches.play import (
     prepare_logs,
     remove_empty_logs,
 )
-from wildscav_evaluator.matches.snapshots import Notes, Snapshot, WatchedMatch
+from wildscav_evaluator.matches.snapshots import HEARTBEAT_INTERVAL, Notes, Snapshot, WatchedMatch
 from wildscav_evaluator.output.results import FAILED, FINISHED, MatchRow, MatchTiming, SeatRow, SeatTiming
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_server.hosting.hosted_match import HostedMatch
 from wildscav_server.hosting.reports import SeatReport
 
-HEARTBEAT_INTERVAL = 0.5  # s between two heartbeats of a match
 SNAPSHOT_INTERVAL = 0.1  # s between two snapshots of a match that is watched, at least, and
 SNAPSHOT_FRAMES = 5  # so many frames
 

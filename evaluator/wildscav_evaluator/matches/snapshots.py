@@ -13,6 +13,7 @@ from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.state import NOBODY, NOT_ELIMINATED
 from wildscav_engine.specs.match_spec import MatchSpec
 
+HEARTBEAT_INTERVAL = 0.5  # s between two heartbeats of a match, which carry its snapshots
 CENTIMETRES = 100  # in a metre
 SHOWN = ("yaw", "pitch", "health", "supplies")  # of ``Agents``, beside the position
 

@@ -13,8 +13,7 @@ from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_engine.storage.files import write_whole
 from wildscav_engine.tracks import TRACKS
-from wildscav_evaluator.matches.run_job import HEARTBEAT_INTERVAL
-from wildscav_evaluator.matches.snapshots import BoxSnapshot, Snapshot
+from wildscav_evaluator.matches.snapshots import HEARTBEAT_INTERVAL, BoxSnapshot, Snapshot
 from wildscav_stage.scene.document import (
     Box,
     Event,

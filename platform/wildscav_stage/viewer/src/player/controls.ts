@@ -54,7 +54,7 @@ export class Controls {
   private readonly play: HTMLButtonElement;
   private readonly live: HTMLButtonElement;
   private readonly inset: HTMLButtonElement;
-  private readonly time = make("span", { className: "player-time" });
+  private readonly time = make("span");
   private readonly behind = make("span", { className: "player-behind" });
   private readonly speed: HTMLSelectElement;
   private readonly seat: HTMLSelectElement;
@@ -132,9 +132,8 @@ export class Controls {
       iconButton("stepOn", "One step on", () => actions.step(1)),
       iconButton("on", "On 5 seconds", () => actions.leap(5)),
       iconButton("eventOn", "Next event", () => actions.jump(1)),
-      this.time,
+      make("span", { className: "player-time" }, this.time, this.behind),
       this.live,
-      this.behind,
     );
   }
 
