@@ -46,7 +46,7 @@ class Keys:
         """Return the action for a body that turns so many counts at most in a step of so many frames."""
         right, down = (max(-most, min(most, round(counts))) for counts in (self.mouse_x, self.mouse_y))
         flags = {name: getattr(self, name) for name in FLAGS}
-        walk = self.forward - self.back, self.right - self.left
+        walk = int(self.forward) - int(self.back), int(self.right) - int(self.left)
         return held_action(walk, (right, down), flags, yaw, frames)
 
 

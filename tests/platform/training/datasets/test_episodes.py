@@ -9,12 +9,17 @@ import pytest
 from tests.engine.envs.common import digest, many_options, options
 from tests.platform.training.datasets.common import at, write_keys, write_match
 
+from wildscav.agent import ACTION_FIELDS
 from wildscav.errors import UserError
 from wildscav_engine.envs import SingleEnv
 from wildscav_engine.envs.batched import multi_agent_config
 from wildscav_engine.envs.parallel import parallel_env
 from wildscav_engine.envs.settings.config import read_config
-from wildscav_engine.record import read_record, save
+from wildscav_engine.envs.settings.episodes import Episodes, Plan
+from wildscav_engine.record import read_record, save, write_record
+from wildscav_engine.simulation.match import Match
+from wildscav_engine.specs.actions import no_actions
+from wildscav_stage.playing.inputs import Controls, Input
 from wildscav_training.datasets.episodes import Episode
 from wildscav_training.datasets.from_agent import PlayedEpisodes
 from wildscav_training.datasets.from_records import RecordedEpisodes
@@ -74,6 +79,26 @@ def test_a_record_of_keys_gives_the_keys_and_what_was_seen(tmp_path: Path, rules
     moved = np.rint([keys["mouse_x"] for keys in held]).clip(-most, most)
     np.testing.assert_array_equal(episode.actions["mouse_x"], moved)
     np.testing.assert_array_equal(episode.actions["shoot"], [keys["shoot"] for keys in held])
+
+
+def test_a_persons_record_gives_data_of_the_same_form(tmp_path: Path) -> None:
+    given = options("battle", frames_per_action=1, time_limit=1.0, rules="fair")
+    episode = Episodes(4).next(Plan(read_config("battle", given)))
+    match, controls = Match(episode.spec, episode.game_map), Controls()
+    while not match.over:
+        held = {"forward": -1.0, "right": 1.0, "turn": 9.331, "look": -0.4331, "shoot": True}
+        controls.receive(Input(kind="input", number=match.step_number + 1, **held))
+        action = controls.take(float(match.state.agents.yaw[0, 0]), 1, episode.spec.rules.turn_speed)
+        rows = no_actions(match.seats)
+        rows[0] = [getattr(action, name) for name in ACTION_FIELDS]
+        match.step(rows)
+    write_record(tmp_path / "a.wsr", match, ["person", *["robot"] * (match.seats - 1)])
+    form = {"action_mode": "keys", "sensors": {"screen": {"width": 16, "height": 9}}}
+    ((found,),) = RecordedEpisodes([tmp_path / "a.wsr"], form)
+    assert found.observations["screen"].shape == (51, 9, 16, 3)
+    assert (found.actions["back"] & found.actions["right"] & found.actions["shoot"]).all()
+    assert (found.actions["mouse_x"] == 360.0).all()  # 7.2° in a frame
+    assert found.actions["mouse_y"].sum() == -1083.0  # 21.655 counts a step, in whole ones
 
 
 def test_a_record_without_keys_gives_none(tmp_path: Path) -> None:
