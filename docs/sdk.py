@@ -162,11 +162,8 @@ def _alias(module: str, name: str) -> Iterator[str]:
 
 def _signature(function: object) -> str:
     signature = inspect.signature(function)  # type: ignore[arg-type]
-    parameters = [
-        one.name if one.annotation is one.empty else f"{one.name}: {_type(one.annotation)}"
-        for one in signature.parameters.values()
-    ]
-    return f"{function.__name__}({', '.join(parameters)}) -> {_type(signature.return_annotation)}"  # type: ignore[attr-defined]
+    parts = str(signature.replace(return_annotation=signature.empty))
+    return f"{function.__name__}{_type(parts)} -> {_type(signature.return_annotation)}"  # type: ignore[attr-defined]
 
 
 def _type(annotation: object) -> str:

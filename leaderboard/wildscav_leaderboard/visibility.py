@@ -243,7 +243,7 @@ def seen_notes(session: Session, season: Season, number: int, caller: Caller | N
     logs = {one["seat"]: one["log"] for one in session.get_one(MatchResult, number).row["seats"]}
     owners = select(MatchSeat.seat, Team.name).join(Submission, MatchSeat.submission_id == Submission.id)
     owners = owners.join(Team, Submission.team_id == Team.id).where(MatchSeat.match_id == number)
-    is_public = str(number) not in (read_state(session, state.NOTES_HIDDEN) or {})
+    is_public = not are_notes_hidden(session, number)
     notes: list[Note] = []
     for seat, team in session.execute(owners):
         log = season.match_folder(number) / (logs.get(seat) or "")
@@ -252,6 +252,11 @@ def seen_notes(session: Session, season: Season, number: int, caller: Caller | N
                 note for note in notes_in(log, seat) if (note.public and is_public) or visible.is_own(team)
             ]
     return notes
+
+
+def are_notes_hidden(session: Session, number: int) -> bool:
+    """Return whether an organizer has hidden from other teams what agents said in a match."""
+    return str(number) in (read_state(session, state.NOTES_HIDDEN) or {})
 
 
 def _of_game(match: Match, twin: Twin | None) -> str:

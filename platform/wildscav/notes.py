@@ -82,7 +82,7 @@ def mark(name: str, *places: Vector, public: bool = False) -> None:
     """
     try:
         points = [[round(float(number), 3) for number in place] for place in places]
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         points = [[]]
     if not _are_places([*points]):
         raise AgentError(f"mark {name!r}: places are at most {MOST_POINTS}, each x, y, z in m")
@@ -102,7 +102,7 @@ def plot(name: str, value: float, *, public: bool = False) -> None:
     """
     try:
         number = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         number = math.nan
     if not _is_near(number):
         raise AgentError(f"plot {name!r}: the value is {value!r}, must be within ±{FARTHEST:,.0f}")
@@ -152,7 +152,7 @@ def _read(line: str, seat: int) -> Note | None:
         return None
     public = content.get("public") is True
     match content:
-        case {"say": str(text)}:
+        case {"say": str(text)} if text.strip():
             return Note(seat, step, text=_visible(text)[:LONGEST_TEXT], public=public)
         case {"mark": str(name), "at": list(points)} if _fits(name) and _are_places(points):
             places = tuple((x, y, z) for x, y, z in points)

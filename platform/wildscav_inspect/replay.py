@@ -83,8 +83,8 @@ def replay(
     )
     if scene is not None:
         if has_others or html or out is not None:
-            raise UserError("--scene takes --season, and no other options", exit_code=2)
-        return write_scene(resolve_record(record, season), scene)
+            raise UserError("--scene takes --season and --logs, and no other options", exit_code=2)
+        return write_scene(resolve_record(record, season), scene, logs)
     if html or (out is not None and out.suffix.lower() == HTML):
         if has_others:
             raise UserError("--html takes --out, --season and --logs, and no other options", exit_code=2)
@@ -99,7 +99,7 @@ def replay(
         raise UserError("--host and --port are for --web: add --web", exit_code=2)
     record = resolve_record(record, season)
     if web and _is_replay(record):
-        _refuse_rendering_options(out, seat, images)
+        _refuse_rendering_options(out, seat, images, logs)
         return _serve(_read(record), record.name, host, port)
     content = _render(record, read_of_seat(record, "--seat", seat), out, seat, images, logs, web=web)
     path = out if web else out or record.with_suffix(SUFFIX)
@@ -118,9 +118,10 @@ def _is_replay(path: Path) -> bool:
         return False  # reading it as a record reports the error
 
 
-def _refuse_rendering_options(out: Path | None, seat: int | None, images: bool) -> None:
+def _refuse_rendering_options(out: Path | None, seat: int | None, images: bool, logs: Path | None) -> None:
     """Refuse options of rendering for a replay that is already rendered."""
-    options = {"--out": out is not None, "--seat": seat is not None, "--no-images": not images}
+    given = {"--out": out, "--seat": seat, "--logs": logs}
+    options = {name: value is not None for name, value in given.items()} | {"--no-images": not images}
     for option, is_given in options.items():
         if is_given:
             raise UserError(f"{option} needs a record: this is a replay already", exit_code=2)

@@ -14,7 +14,7 @@ HTML = ".html"
 RECORDS = "records"  # folder in the output of an evaluation
 LATEST = "latest"  # in place of a path
 DEPTH = 4  # folders below this one, down to which the latest record is looked for
-SCENE = ("map.gz", "match.json.gz")  # files from which a viewer draws a match
+SCENE = ("map.gz", "match.json.gz", "notes.json.gz")  # files from which a viewer draws a match
 
 
 def watch(
@@ -48,8 +48,8 @@ def watch(
 
     path = _latest() if str(record) == LATEST and not record.exists() else resolve_record(record, season)
     records = _records_in(path) if path.is_dir() else [path]
-    if logs is not None and len(records) > 1:
-        raise UserError("--logs is for one match: name its record", exit_code=2)
+    if logs is not None and (len(records) > 1 or other is not None):
+        raise UserError("--logs is for one match: name its record, and leave out --with", exit_code=2)
     if other is not None:
         records = [_one_record(records, path), _one_record([resolve_record(other, season)], other)]
     viewer_addresses()  # before the link is printed
@@ -108,8 +108,8 @@ def _records_in(folder: Path) -> list[Path]:
     return found
 
 
-def write_scene(record: Path, folder: Path) -> None:
-    """Write the two files from which a viewer draws a match.
+def write_scene(record: Path, folder: Path, logs: Path | None) -> None:
+    """Write the files from which a viewer draws a match.
 
     Raises:
         UserError: The record cannot be read, or the files not be written there.
@@ -119,12 +119,12 @@ def write_scene(record: Path, folder: Path) -> None:
     from wildscav_stage.watching.match_page import scene_of
 
     with error_console.status(f"playing {escape(record.name)}"):
-        scene = scene_of(record)
+        scene = scene_of(record, logs)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise UserError(f"cannot make {folder}: {error.strerror}") from None
-    for name, content in zip(SCENE, (scene.map, scene.trails), strict=True):
+    for name, content in zip(SCENE, scene[1:], strict=True):
         write_whole(folder / name, content)
         console.print(f"{folder / name}: {len(content) / 1e3:.0f} kB")
 

@@ -22,7 +22,17 @@ LINES = [line for kind, block in BLOCKS if kind == "console" for line in block.s
 INLINE = re.findall(r"`(wildscav season [^`]+)`", TEXT)
 ENDLESS = ("serve", "demo")
 # These need a submission, a team or an account.
-OF_SOMEBODY = ("rerun", "rejudge", "disqualify", "requalify", "reactivate", "disable", "enable")
+OF_SOMEBODY = (
+    "rerun",
+    "rejudge",
+    "disqualify",
+    "requalify",
+    "reactivate",
+    "disable",
+    "enable",
+    "hide",
+    "unhide",
+)
 AT_THE_END = {"finalize": ("--now", "--yes")}  # or it would wait for the date
 
 

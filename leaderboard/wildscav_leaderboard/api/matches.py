@@ -31,12 +31,19 @@ from wildscav_leaderboard.boards.ladders import places_of
 from wildscav_leaderboard.matches.models import LADDER, Match, MatchResult, MatchSeat
 from wildscav_leaderboard.matches.service import MAX_LISTED, find_match, list_matches, results_of
 from wildscav_leaderboard.seasons.refusals import ForbiddenError, NotFoundError
-from wildscav_leaderboard.spectating.render_cache import Rendering
+from wildscav_leaderboard.spectating.render_cache import QUIET, Rendering
 from wildscav_leaderboard.spectating.streams import Streams
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.teams.service import find_team
-from wildscav_leaderboard.visibility import Visible, record_path, seat_log, seen_by, seen_notes
+from wildscav_leaderboard.visibility import (
+    Visible,
+    are_notes_hidden,
+    record_path,
+    seat_log,
+    seen_by,
+    seen_notes,
+)
 from wildscav_stage.scene.map_file import map_key
 from wildscav_stage.scene.notes import Notes, shown_notes
 
@@ -285,7 +292,13 @@ class RenderRequest:
     def progress(self, product: str) -> Rendering:
         """Return how far a file is, made from the record if the caller may see it."""
         path = record_path(self.session, self.season, self.match, self.caller)
-        return self.renders.progress(product, str(self.match), path, self.now)
+        return self.renders.progress(product, render_key(self.session, self.match, product), path, self.now)
+
+
+def render_key(session: Session, match: int, product: str) -> str:
+    """Return the name of a match for what is rendered of it, which is another if it must not show notes."""
+    is_quiet = product in {"replay", "video"} and are_notes_hidden(session, match)
+    return f"{match}{QUIET if is_quiet else ''}"
 
 
 Asked = Annotated[RenderRequest, Depends()]

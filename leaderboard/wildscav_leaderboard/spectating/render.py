@@ -10,16 +10,18 @@ from collections.abc import Callable
 from pathlib import Path
 
 from wildscav.errors import UserError, describe
+from wildscav.notes import Note
 from wildscav.system.worker_processes import become_worker
 from wildscav_engine.maps import MapError, map_of
-from wildscav_engine.record import RecordError, read_record
+from wildscav_engine.record import Record, RecordError, read_record
 from wildscav_engine.specs.map_spec import MapSpec
 from wildscav_engine.storage.files import write_whole
-from wildscav_engine.view import ViewError, write_replay
+from wildscav_engine.view import ViewError, rendered
 from wildscav_engine.view.video.encode import Pace, check_encoder, write_poster, write_video
 from wildscav_engine.view.video.film import Film, Look, VideoError
-from wildscav_leaderboard.spectating.render_cache import PROGRESS, SPEC
+from wildscav_leaderboard.spectating.render_cache import PROGRESS, QUIET, SPEC
 from wildscav_stage.scene.map_file import map_file
+from wildscav_stage.scene.notes import notes_beside
 from wildscav_stage.scene.trails import trails_of
 
 VIDEO = Look("follow", width=640, height=360, detail=0.75)
@@ -54,7 +56,14 @@ def render_map(source: Path, target: Path) -> None:
 
 def render_replay(record: Path, target: Path) -> None:
     """Write the replay of a match for Rerun."""
-    write_replay(read_record(record), target)
+    played = read_record(record)
+    write_whole(target, rendered(played, notes=public_notes(record, played, target)))
+
+
+def public_notes(record: Path, played: Record, target: Path) -> list[Note]:
+    """Return the notes for whoever may watch a match; none if an organizer has hidden them."""
+    is_quiet = target.name.partition(".")[0].endswith(QUIET)
+    return [] if is_quiet else [note for note in notes_beside(record, played) if note.public]
 
 
 def render_poster(record: Path, target: Path) -> None:
@@ -73,7 +82,8 @@ def render_video(record: Path, target: Path) -> None:
             write_whole(target.with_name(PROGRESS), str(100 * done // count).encode())
 
     check_encoder(target)
-    film = Film(read_record(record), VIDEO)
+    played = read_record(record)
+    film = Film(played, VIDEO, notes=public_notes(record, played, target))
     # Half of the processors: the season's matches are played on them, too.
     threads = max(1, (os.cpu_count() or 1) // 2)
     write_video(film, target, pace_of(film.seconds), threads=threads, report=report)

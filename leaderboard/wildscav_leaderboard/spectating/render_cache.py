@@ -39,6 +39,7 @@ MAX_WAITING = 200  # matches
 RETRY_AFTER = timedelta(minutes=5)  # after a failure, a file is rendered again on request
 SLOTS = ".slots"
 SPEC = ".json"  # ending of a file with the MapSpec of what is rendered from a map alone
+QUIET = "-quiet"  # ends the name of a match whose notes an organizer has hidden
 PROGRESS = "progress"  # name of a file beside what is rendered, with the share that is done, in percent
 
 State = Literal["waiting", "rendering", "ready", "failed"]
@@ -57,9 +58,9 @@ PRODUCTS = {
     for product in (
         Product("trails", f"trails-{TRAILS_VERSION}.json.gz", "page"),
         Product("map", f"map-{MAP_VERSION}.gz", "page"),
-        Product("replay", f"replay-{version('rerun-sdk')}.rrd", "replay"),
+        Product("replay", f"replay-2-{version('rerun-sdk')}.rrd", "replay"),
         Product("poster", "poster-1.jpg", "poster"),
-        Product("video", "video-1.mp4", "video"),
+        Product("video", "video-2.mp4", "video"),
     )
 }
 

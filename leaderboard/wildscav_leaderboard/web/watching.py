@@ -12,7 +12,7 @@ from wildscav.errors import UserError
 from wildscav_evaluator.output.results import metric_infos
 from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Now, Number, Reading, Renders
 from wildscav_leaderboard.api.documents import MatchView, SeatView
-from wildscav_leaderboard.api.matches import map_spec_of, match_views
+from wildscav_leaderboard.api.matches import map_spec_of, match_views, render_key
 from wildscav_leaderboard.matches.models import FINISHED, PLAYING, VOID, WAITING, Match
 from wildscav_leaderboard.matches.service import find_match, list_matches
 from wildscav_leaderboard.playing.permission import open_tracks, refused_why
@@ -182,6 +182,7 @@ def made_of_record(
     if view.hidden is not None:
         raise ForbiddenError(view.hidden)
     product = "video" if request.url.path.endswith("/video") else "replay"
-    made = renders.progress(product, str(number), record_path(session, season, number, caller), now)
+    source, key = record_path(session, season, number, caller), render_key(session, number, product)
+    made = renders.progress(product, key, source, now)
     viewer = rerun_viewer.address_of(str(request.url_for("replay_file", match=number)))
     return page(request, "made.html", caller, match=view, product=product, made=made, viewer=viewer)

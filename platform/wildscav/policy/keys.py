@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from wildscav.agent import ACTION_FIELDS, Action, MatchInfo, Observation
+from wildscav.errors import AgentError
 from wildscav.policy.elementary_functions import arctangent
 
 COUNTS_PER_DEGREE = 50
@@ -38,12 +39,18 @@ class Keys:
     mouse_y: float = 0.0  # counts down
 
     def action(self, seen: Observation, match: MatchInfo) -> Action:
-        """Return the action that these keys stand for in a step of a match."""
+        """Return the action that these keys stand for in a step of a match; see ``action_with``."""
         most = most_counts(match.turn_speed, match.frames_per_action)
         return self.action_with(seen.yaw, most, match.frames_per_action)
 
     def action_with(self, yaw: float, most: int, frames: int) -> Action:
-        """Return the action for a body that turns so many counts at most in a step of so many frames."""
+        """Return the action for a body that turns so many counts at most in a step of so many frames.
+
+        Raises:
+            AgentError: The mouse moves by a number that is not finite.
+        """
+        if not math.isfinite(self.mouse_x + self.mouse_y):
+            raise AgentError(f"Keys: the mouse moves by {self.mouse_x}, {self.mouse_y}; both must be finite")
         right, down = (max(-most, min(most, round(counts))) for counts in (self.mouse_x, self.mouse_y))
         flags = {name: getattr(self, name) for name in FLAGS}
         walk = int(self.forward) - int(self.back), int(self.right) - int(self.left)

@@ -54,7 +54,7 @@ def shown_notes(notes: Iterable[Note], frames_per_action: int) -> Notes:
 
 
 def notes_beside(record: Path, played: Record, logs: Path | None = None) -> list[Note]:
-    """Return what the agents of a recorded match have said and drawn, by their logs.
+    """Return what the agents of a recorded match have said and drawn, by their logs, in the order of steps.
 
     Args:
         record: The file of the record.
@@ -63,17 +63,19 @@ def notes_beside(record: Path, played: Record, logs: Path | None = None) -> list
             ``wildscav mcp`` has put beside the record, if there are some.
 
     Raises:
-        UserError: There is no such file, or a log whose name does not say of which seat it is.
+        UserError: A log that was asked for cannot be read, or does not say by its name of which seat it is.
     """
     if logs is None:
-        folders, names = (record.parent.parent / LOGS, record.parent), (".log", ".seat-*.log")
-        found = sorted(log for place in folders for name in names for log in place.glob(record.stem + name))
-    elif logs.is_dir():
-        found = sorted(logs.glob("*.log"))
+        named = re.compile(rf"{re.escape(record.stem)}(\.seat-\d+)?\.log")
+        places = {record.parent.parent / LOGS, record.parent}
+        found = [log for place in places for log in place.glob("*.log") if named.fullmatch(log.name)]
+        seats = {log: seat for log in found if (seat := _seat_of(log, played)) is not None}
     else:
-        found = [logs]
-    steps = played.steps
-    return [note for log in found for note in notes_in(log, _seat_of(log, played)) if note.step < steps]
+        seats = {log: _known(log, played) for log in (logs.glob("*.log") if logs.is_dir() else [logs])}
+    notes = [note for log, seat in seats.items() for note in notes_in(log, seat)]
+    return sorted(
+        (note for note in notes if note.step < played.steps), key=lambda note: (note.step, note.seat)
+    )
 
 
 def notes_in(log: Path, seat: int) -> list[Note]:
@@ -90,14 +92,22 @@ def notes_in(log: Path, seat: int) -> list[Note]:
     return [*read_notes(content.decode("utf-8", "replace").split("\n"), seat)]
 
 
-def _seat_of(log: Path, played: Record) -> int:
-    """Return the seat of a log, by its name, or because no other seat has a log."""
-    named, seats = SEAT.fullmatch(log.name), played.spec.seats
-    own = [number for number, filled_by in enumerate(seats) if filled_by == SUBMISSION]
-    seat = int(named["last"] or named["first"]) if named else own[0] if len(own) == 1 else -1
-    if seat not in own:
+def _seat_of(log: Path, played: Record) -> int | None:
+    """Return the seat of a log, by its name, or because no other seat has a log; None if it is none's."""
+    named, own = SEAT.fullmatch(log.name), _seats_with_agents(played)
+    seat = int(named["last"] or named["first"]) if named else own[0] if len(own) == 1 else None
+    return seat if seat in own else None
+
+
+def _seats_with_agents(played: Record) -> list[int]:
+    return [number for number, filled_by in enumerate(played.spec.seats) if filled_by == SUBMISSION]
+
+
+def _known(log: Path, played: Record) -> int:
+    seat = _seat_of(log, played)
+    if seat is None:
+        own = ", ".join(map(str, _seats_with_agents(played))) or "none"
         raise UserError(
-            f"{log}: its name must say of which seat it is, such as 0-{log.stem}.log; "
-            f"those with an agent are {', '.join(map(str, own)) or 'none'}"
+            f"{log}: its name must say of which seat it is, such as 0-{log.stem}.log; those with an agent are {own}"
         )
     return seat

@@ -147,7 +147,7 @@ def test_pieces_of_maps_for_testing_are_unseen_in_training_if_wished(
         ({"rewards": {"luck": 1.0}}, "there is no reward term 'luck'"),
         (
             {"action_mode": "piano"},
-            "action_mode: Input should be 'dict', 'box', 'baseline', 'multidiscrete' or 'fine'",
+            "action_mode: Input should be 'dict', 'box', 'baseline', 'multidiscrete', 'fine' or 'keys'",
         ),
         ({"opponents": ("hunter",)}, "opponents.0: there is no robot 'hunter'"),
         (

@@ -44,7 +44,13 @@ def test_the_logs_of_an_evaluation_belong_to_their_seats(record: Path) -> None:
     log(logs / "battle-000.seat-1.log", "one", "two")
     log(logs / "battle-000.seat-2.log", "three")
     log(logs / "battle-001.seat-2.log", "of another match")
-    assert said(record) == [(1, 0, "one"), (1, 1, "two"), (2, 0, "three")]
+    assert said(record) == [(1, 0, "one"), (2, 0, "three"), (1, 1, "two")]
+
+
+def test_a_log_that_happens_to_lie_there_is_left_out(record: Path) -> None:
+    log(record.with_name("battle-000.seat-0.log"), "a robot says nothing")
+    log(record.with_name("battle-000.log"), "whose?")
+    assert said(record) == []
 
 
 def test_a_folder_of_logs_may_be_named_whose_names_begin_with_the_seat(record: Path, tmp_path: Path) -> None:

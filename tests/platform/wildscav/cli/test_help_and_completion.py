@@ -296,6 +296,8 @@ WRONG = [
     "season rejudge {empty}",
     "season unfreeze {empty}",
     "season requalify {empty} foxes --reason why",
+    "season hide {empty} 3 --reason why",
+    "season unhide {empty} 3",
     "season reactivate {empty} 3 --reason why",
     "season resume {empty}",
     "season rerun {empty} 1",

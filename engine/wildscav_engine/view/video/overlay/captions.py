@@ -9,7 +9,7 @@ from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_engine.view.recording.agent_notes import Note
 from wildscav_engine.view.video.overlay.drawing import Color, font, panel, put, text
 
-SHORTEST, LETTER = 3.0, 0.05  # s that a caption is shown at least, and for each letter
+SHORTEST, LETTER, LONGEST = 3.0, 0.05, 12.0  # s that a caption is shown at least, for each letter, at most
 MAX_LINES = 3
 WIDTH = 0.6  # share of the picture's
 
@@ -35,6 +35,8 @@ class Captions:
         """Return what is said in a frame: by a seat, or by whoever spoke last; None if nothing is."""
         for place in reversed(range(bisect_right(self._frames, frame))):
             note, age = self._said[place], (frame - self._frames[place]) / FRAMES_PER_SECOND
+            if age > LONGEST:
+                break
             if seat in {None, note.seat}:
                 return note if age < SHORTEST + LETTER * len(note.text) else None
         return None
