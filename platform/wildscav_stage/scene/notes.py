@@ -108,6 +108,7 @@ def _known(log: Path, played: Record) -> int:
     if seat is None:
         own = ", ".join(map(str, _seats_with_agents(played))) or "none"
         raise UserError(
-            f"{log}: its name must say of which seat it is, such as 0-{log.stem}.log; those with an agent are {own}"
+            f"{log}: its name must say of which seat it is, such as 0-{log.stem}.log; "
+            f"those with an agent are {own}"
         )
     return seat
