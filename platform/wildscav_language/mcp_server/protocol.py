@@ -163,6 +163,7 @@ async def serve_http(
         token: The secret that each request must carry; None if none is needed.
         hosts: By which names clients reach it, with any port; None for any.
     """
+    names = [name for host in hosts or () for name in (host, f"{host}:*")]
     app = make_server(desk).streamable_http_app(
         streamable_http_path=PATH,
         json_response=True,
@@ -170,13 +171,8 @@ async def serve_http(
         max_request_body_size=LARGEST_REQUEST,
         transport_security=TransportSecuritySettings(
             enable_dns_rebinding_protection=hosts is not None,
-            allowed_hosts=[name for host in hosts or () for name in (host, f"{host}:*")],
-            allowed_origins=[
-                f"{scheme}://{name}"
-                for scheme in ("http", "https")
-                for host in hosts or ()
-                for name in (host, f"{host}:*")
-            ],
+            allowed_hosts=names,
+            allowed_origins=[f"{scheme}://{name}" for scheme in ("http", "https") for name in names],
         ),
         custom_starlette_routes=[Route(REPLAYS, _replays(desk))],
     )

@@ -124,6 +124,21 @@ def test_an_interrupted_server_answers_open_calls_and_keeps_the_records(tmp_path
     assert len([*tmp_path.glob("battle-*/match.wsr")]) == 1
 
 
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (["--http", "unix:/tmp/arena"], "must be HOST:PORT"),
+        (["--http", "127.0.0.1:0", "--site", "arena.example"], "must be a URL"),
+        (["--site", "https://arena.example"], "standard input has one client"),
+    ],
+)
+def test_options_that_do_not_fit_are_refused(tmp_path: Path, options: list[str], says: str) -> None:
+    done = run_command("mcp", "--out", str(tmp_path), *options)
+
+    assert done.returncode == 2
+    assert says in done.stderr
+
+
 def test_a_token_opens_the_server_and_nothing_else_does(tmp_path: Path) -> None:
     (tmp_path / "token").write_text(WORD)
 
