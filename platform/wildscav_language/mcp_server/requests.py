@@ -102,7 +102,7 @@ class TakePicture(OfSeat):
 
 
 class ReadScore(OfSeat):
-    """Read the score of your match, so far or at its end."""
+    """Read the score of all seats when your match is over; before, what you and your team carry."""
 
 
 class GetRecord(OfSeat):
