@@ -71,7 +71,8 @@ def _equipment(body: Body) -> str:
     if body.is_armed:
         text += f"\nWeapon: {now.clip} rounds in the clip, {now.spare_ammo} spare"
         text += f", reloaded in {now.reload_in:.1f} s" if now.reloading else ""
-        text += ", you hold your fire." if body.holds_fire else ", you shoot at enemies in sight."
+        fire = ", you hold your fire" if body.holds_fire else ", you shoot at enemies in sight"
+        text += "." if body.match.senses == "pixels" else f"{fire}."
     if body.gathers:
         text += f"\nSupplies: you carry {now.supplies}, your team {now.team_supplies}."
         text += " A box is within reach." if now.can_pick_up else ""

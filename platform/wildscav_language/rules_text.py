@@ -50,7 +50,9 @@ def _of_supplies(match: MatchInfo) -> list[str]:
 def _of_weapons(match: MatchInfo) -> list[str]:
     lines = [
         f"You have {match.start_health} health. Your clip holds {match.clip_size} rounds.",
-        "You shoot at enemies in sight while you do other things, unless you hold your fire.",
+        "You do not shoot, since you cannot tell where others are."
+        if match.senses == "pixels"
+        else "You shoot at enemies in sight while you do other things, unless you hold your fire.",
     ]
     if match.bounty:
         lines.append(f"A kill brings {match.bounty} supplies.")

@@ -5,6 +5,7 @@ blocks until the caller's next call, so the match should be one that waits for i
 """
 
 import threading
+import time
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -59,8 +60,7 @@ class Seat:
     @property
     def match(self) -> MatchInfo:
         """What is known of the match; waits for it to begin."""
-        with self._changed:
-            return self._begun(START_TIME).match
+        return self.begun()
 
     @property
     def counts(self) -> Counts:
@@ -78,6 +78,18 @@ class Seat:
     def is_over(self) -> bool:
         """Whether the match is over, or the caller has left."""
         return self._is_over or self._has_left
+
+    def begun(self, timeout: float = START_TIME) -> MatchInfo:
+        """Return what is known of the match as soon as it has begun.
+
+        Args:
+            timeout: Seconds to wait for that.
+
+        Raises:
+            TimeoutError: It did not begin.
+        """
+        with self._changed:
+            return self._begun(timeout).match
 
     def observe(self, timeout: float = START_TIME) -> str:
         """Return the text of now, 8,000 bytes at most.
@@ -119,15 +131,17 @@ class Seat:
                 and ``wait`` returns its reply.
 
         Raises:
-            TimeoutError: The match did not begin.
+            TimeoutError: The match did not begin, or another call is still being played.
         """
         with self._changed:
-            player = self._begun(START_TIME)
-            self._changed.wait_for(lambda: self.is_over or player.wants_call)
+            player, left = self._begun_within(timeout)
+            began = time.monotonic()
+            if not self._changed.wait_for(lambda: self.is_over or player.wants_call, left):
+                raise TimeoutError("another call is still being played")
             if not self.is_over:
                 player.give(name, arguments)
                 self._changed.notify_all()
-            return self._reply(player, timeout)
+            return self._reply(player, None if left is None else left - (time.monotonic() - began))
 
     def wait(self, timeout: float | None = None) -> Reply:
         """Return the reply of the running tool, or that of the last one.
@@ -139,7 +153,7 @@ class Seat:
             TimeoutError: The match did not begin.
         """
         with self._changed:
-            return self._reply(self._begun(START_TIME), timeout)
+            return self._reply(*self._begun_within(timeout))
 
     def leave(self) -> None:
         """Let the body stand still from now on."""
@@ -191,6 +205,12 @@ class Seat:
         if self._player is None or (timeout and not self._has_begun()):
             raise TimeoutError("the match has not begun")
         return self._player
+
+    def _begun_within(self, timeout: float | None) -> tuple[Player, float | None]:
+        """Return the player, and how many seconds of a timeout are left when the match has begun."""
+        began = time.monotonic()
+        player = self._begun(START_TIME if timeout is None else timeout)
+        return player, None if timeout is None else timeout - (time.monotonic() - began)
 
     def _has_begun(self) -> bool:
         return self._player is not None and self._player.has_seen

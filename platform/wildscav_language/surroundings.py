@@ -22,9 +22,8 @@ KINDS = {
     9: "rocks",
     10: "furniture",
     11: "bushes",
-    12: "agents",
-    13: "supply boxes",
 }  # of the sensor segmentation that are told
+OTHERS = {12: "agents", 13: "supply boxes"}  # that are told unless only pictures show them
 
 
 def around(body: Body) -> str:
@@ -74,7 +73,7 @@ def in_view(body: Body) -> str:
         return ""
     offs = column_angles(kinds.shape[1])
     lines = []
-    for kind, name in KINDS.items():
+    for kind, name in (KINDS if body.match.senses == "pixels" else KINDS | OTHERS).items():
         rows, columns = np.nonzero(kinds == kind)
         if len(rows):
             far = depth[rows, columns] / np.cos(np.radians(offs[columns]))

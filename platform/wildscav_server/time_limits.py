@@ -6,14 +6,16 @@ played without it. What one seat spends never shortens another's bank. Seats may
 match lasts at most the time to join, the budgets of its steps and the banks of all seats. An organizer who
 wants shorter matches sets the longest time, and every bank is made smaller alike.
 
-A match whose spec has the clock ``paused`` stands still until all seats have answered. There is no bank; a
-seat that gives no answer for the idle limit is closed, so that it costs the others no more than that.
+A match whose spec has the clock ``paused`` stands still until all seats have answered. Its banks are larger.
+A seat that gives no answer for the idle limit, or whose bank is used up, is closed, so that it costs the
+others no more than that.
 
 Time in which the machine had no processor for an agent, because of others' work, is credited: the bank does
 not pay for it. No more than one budget is credited in a step, so that every match ends.
 """
 
 import asyncio
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -35,9 +37,11 @@ class Clock:
     join_timeout: float = 30.0  # for all seats to join
     longest: float | None = None  # for all steps together; None: as long as budgets and banks allow
     idle_limit: float = 600.0  # for an answer where the clock is paused, before the seat is closed
+    paused_bank: float = 3600.0  # the time bank where the clock is paused
+    answer_limit: float = math.inf  # for one answer, whatever is left in the bank
 
     def __post_init__(self) -> None:
-        for name in ("step_budget", "join_timeout", "idle_limit"):
+        for name in ("step_budget", "join_timeout", "idle_limit", "paused_bank"):
             if not getattr(self, name) > 0:
                 raise ValueError(f"clock: {name} is {getattr(self, name)}, must be above 0")
         if not self.time_bank >= 0:
@@ -46,13 +50,15 @@ class Clock:
     def fitted(self, spec: "MatchSpec") -> "Clock":
         """Return the clock of one match, whose banks are smaller if all would exceed the longest time.
 
-        In a match whose clock is paused, the idle limit is the budget of a step, and there is no bank.
+        In a match whose clock is paused, the idle limit is that of an answer; its banks are larger.
 
         Raises:
             ValueError: The budgets of its steps alone exceed the longest time.
         """
-        paused = spec.clock == "paused"
-        clock = replace(self, step_budget=self.idle_limit, time_bank=0.0) if paused else self
+        clock = self
+        if spec.clock == "paused":
+            budget, bank, limit = min(self.step_budget, self.idle_limit), self.paused_bank, self.idle_limit
+            clock = replace(self, step_budget=budget, time_bank=bank, answer_limit=limit)
         if clock.longest is None:
             return clock
         steps, budgets = spec.step_limit, spec.step_limit * clock.step_budget
@@ -101,10 +107,11 @@ class WaitMeter(Protocol):
 class TimeBank:
     """The time bank of one seat."""
 
-    __slots__ = ("_budget", "_used_up", "credited", "left")
+    __slots__ = ("_budget", "_most", "_used_up", "credited", "left")
 
     def __init__(self, clock: Clock) -> None:
         self._budget = clock.step_budget
+        self._most = clock.answer_limit - clock.step_budget  # s that it pays for one answer
         self.left = clock.time_bank  # s
         self.credited = 0.0  # s beyond budgets for which it did not pay
         self._used_up = False
@@ -115,7 +122,7 @@ class TimeBank:
         Args:
             waited: s of it in which the machine had no processor for the agent.
         """
-        return self._budget + self.left + min(waited, self._budget)
+        return self._budget + min(self.left, self._most) + min(waited, self._budget)
 
     @property
     def used_up(self) -> bool:
@@ -135,7 +142,7 @@ class TimeBank:
         credit = min(over, waited, self._budget)
         self.credited += credit
         over -= credit
-        if over > self.left:
+        if over > min(self.left, self._most):
             self.use_up()
             return False
         self.left -= over

@@ -2,8 +2,9 @@
 
 import asyncio
 import sys
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
@@ -19,13 +20,17 @@ from wildscav_language.rules_text import rules
 from wildscav_language.tools import TOOLS
 
 WAIT = 45.0  # s that a call waits for the end of its tool, because assistants give up after a minute
-RECORD_ADDRESS = "wildscav://matches/{match}/record"  # of the resource
+TURN = 5.0  # s that a call waits for the end of another of its seat
+RECORD_ADDRESS = "wildscav://records/{key}"  # of the resource
 REPLAY = "replay.html"
 MAKES_REPLAY = "from wildscav.cli.main import main; main()"
 SAID = 300  # characters of an error of the command that makes replays, and of arguments in a replay
 MOST_NAME = 40  # characters of a tool's name
-STILL = "Your call is still being played, since the match waits for other seats: observe to read its end."
+STILL = "Your call is still being played: observe to read its end."
+BUSY = "another call of your seat is being answered: ask again"
+MAKING = "the replay is being made: ask again in a minute"
 COMPILING = "the engine is being compiled, once: ask again in a minute"
+OVER = "The match is over."
 WAITING = "the match has not begun, since other seats are not ready: ask again"
 
 Value = TypeVar("Value")
@@ -52,6 +57,7 @@ class Desk:
         self, matches: Matches, ready: asyncio.Future[None], link: Callable[[ClientsMatch], str] | None
     ) -> None:
         self.matches = matches
+        self.is_local = link is None  # whether its client may know the server's files
         self._ready, self._link = ready, link
         self._waiting = ThreadPoolExecutor(256, "calls")  # in which calls wait; none is started in vain
 
@@ -81,7 +87,9 @@ class Desk:
             raise UserError(f"{name[:MOST_NAME]!r} needs the handle of your seat; the tools are {tools}")
         match, seat = self.matches.seat(handle)
         thought = str(given.pop("thought", ""))
-        async with seat.calling:
+        async with _turn_of(seat):
+            if match.is_over_for(seat):
+                return await self._end(match, seat)
             if seat.is_busy:
                 raise UserError(STILL)
             match.note(seat, f"{thought} → {name[:MOST_NAME]} {_shown(given)}".strip())
@@ -89,11 +97,11 @@ class Desk:
 
     async def _end_of(self, match: ClientsMatch, seat: ClientSeat, wait: Callable[[], Reply]) -> Answer:
         """Wait for the end of a seat's tool, and tell it."""
-        if seat.words.is_over:
+        if match.is_over_for(seat):
             return await self._end(match, seat)
         seat.is_busy = True  # also if the client gives up meanwhile
         try:
-            reply = await self._in_thread(wait)
+            reply = await self._in_thread(match, seat, wait)
         except UserError:
             seat.is_busy = False
             raise
@@ -110,14 +118,16 @@ class Desk:
         if match.hosted.match.over:  # then its record is about to be written
             await asyncio.wait({match.task}, timeout=WAIT)
         detail = match.hosted.seats[seat.number].conduct.detail
-        how = f"Your seat is closed: {detail}." if detail else match.failure or "The match is over."
+        how = f"Your seat is closed: {detail}." if detail else match.failure or OVER
         return Answer(f"{how}\n\n{reports.score(match, seat)}")
 
-    async def _in_thread(self, wait: Callable[[], Value]) -> Value:
+    async def _in_thread(self, match: ClientsMatch, seat: ClientSeat, wait: Callable[[], Value]) -> Value:
+        waiting = seat.waiting = asyncio.get_running_loop().run_in_executor(self._waiting, wait)
         try:
-            return await asyncio.get_running_loop().run_in_executor(self._waiting, wait)
+            return await asyncio.shield(waiting)  # it goes on if the client gives up
         except TimeoutError:
-            raise UserError(WAITING) from None
+            over = match.failure or (OVER if match.is_over_for(seat) else "")
+            raise UserError(over or WAITING) from None
 
     # Requests.
 
@@ -141,24 +151,25 @@ class Desk:
 
     async def rules(self, request: requests.OfSeat) -> str:
         """Return the rules of a match."""
-        _, seat = self.matches.seat(request.seat)
-        return rules(await self._in_thread(lambda: seat.words.match))
+        match, seat = self.matches.seat(request.seat)
+        async with _turn_of(seat):
+            return rules(await self._in_thread(match, seat, lambda: seat.words.begun(WAIT)))
 
     async def observe(self, request: requests.OfSeat) -> Answer:
         """Return what a seat senses, or the end of its call."""
         match, seat = self.matches.seat(request.seat)
-        async with seat.calling:
-            if seat.is_busy or seat.words.is_over:
+        async with _turn_of(seat):
+            if seat.is_busy or match.is_over_for(seat):
                 return await self._end_of(match, seat, lambda: seat.words.wait(WAIT))
-            return Answer(await self._in_thread(lambda: seat.words.observe(WAIT)))
+            return Answer(await self._in_thread(match, seat, lambda: seat.words.observe(WAIT)))
 
     async def picture(self, request: requests.TakePicture) -> Answer:
         """Return what a seat sees."""
         match, seat = self.matches.seat(request.seat)
-        async with seat.calling:
+        async with _turn_of(seat):
             if seat.is_busy:
                 raise UserError(STILL)
-            await self._in_thread(lambda: seat.words.match)  # which waits for the match to begin
+            await self._in_thread(match, seat, lambda: seat.words.begun(WAIT))
             picture = seat.words.picture(match.image_of(seat), marks=request.marks)
         return Answer(f"What seat {seat.number} sees now.", picture)
 
@@ -170,16 +181,21 @@ class Desk:
         """Return where the record of a match is."""
         match, _ = self.matches.seat(request.seat)
         path = _recorded(match)
-        address = RECORD_ADDRESS.format(match=match.id)
-        return f"{path}\nresource: {address}\nAnybody can verify it: wildscav verify {path}"
+        resource = f"resource: {RECORD_ADDRESS.format(key=match.key)}"
+        if not self.is_local:
+            return f"{resource}\nAnybody can verify it: wildscav verify FILE"
+        return f"{path}\n{resource}\nAnybody can verify it: wildscav verify {path}"
 
     async def replay(self, request: requests.OfSeat) -> str:
         """Return where a page is that plays a match."""
-        match, seat = self.matches.seat(request.seat)
-        page = match.folder / REPLAY
-        async with seat.calling:
-            if not page.exists():
-                await _make_replay(_recorded(match), page)
+        match, _ = self.matches.seat(request.seat)
+        record, page = _recorded(match), match.folder / REPLAY
+        if match.replaying is None:
+            match.replaying = asyncio.create_task(_make_replay(record, page))
+        done, _ = await asyncio.wait({match.replaying}, timeout=WAIT)
+        if not done:
+            raise UserError(MAKING)
+        match.replaying.result()
         return str(page) if self._link is None else self._link(match)
 
     async def leave(self, request: requests.OfSeat) -> str:
@@ -203,6 +219,26 @@ REQUESTS: dict[str, tuple[type[requests.Request], Callable[[Desk, Any], Awaitabl
     "replay": (requests.GetReplay, Desk.replay),
     "leave": (requests.Leave, Desk.leave),
 }
+
+
+@asynccontextmanager
+async def _turn_of(seat: ClientSeat) -> AsyncIterator[None]:
+    """Hold a seat while a call of it is answered, and as long as the call's thread waits.
+
+    Raises:
+        UserError: Another call of the seat is being answered.
+    """
+    try:
+        await asyncio.wait_for(seat.calling.acquire(), TURN)
+    except TimeoutError:
+        raise UserError(BUSY) from None
+    try:
+        yield
+    finally:
+        if seat.waiting is None or seat.waiting.done():
+            seat.calling.release()
+        else:
+            seat.waiting.add_done_callback(lambda _: seat.calling.release())
 
 
 def _shown(arguments: Mapping[str, Any]) -> str:

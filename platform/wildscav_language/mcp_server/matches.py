@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 
 JOIN_TIME = 60.0  # s for baselines to start
 KEPT = 20  # matches that are over, whose score and record can be asked for, and whose maps stay in memory
+MOST_NOTES = 1_000_000  # bytes of notes of a seat
+IDLE_LIMITS = 6  # that all actions of a seat may take together
 CLOSING_TIME = 1.5  # s that matches have to end when the server does; clients kill it after two
 
 
@@ -39,7 +41,7 @@ class Bounds(NamedTuple):
     """What a server allows."""
 
     matches: int = 8  # played at one time
-    idle_limit: float = 600.0  # s for a client's next call, after which its seat is closed
+    idle_limit: float = 600.0  # s for a client's next action, after which its seat is closed
 
 
 class ClientSeat:
@@ -56,6 +58,8 @@ class ClientSeat:
         self.is_taken = False
         self.words = Seat(names)
         self.calling = asyncio.Lock()  # held while a call is answered
+        self.waiting: asyncio.Future[Any] | None = None  # the last thread in which a call of it has waited
+        self.noted = 0  # bytes of its notes
         self.is_busy = False  # whether a tool goes on whose end its call did not wait for
 
     async def play(self, address: str, token: str) -> None:
@@ -92,6 +96,8 @@ class ClientsMatch:
     def __init__(self, number: int, hosted: HostedMatch, seats: Sequence[ClientSeat], folder: Path) -> None:
         self.id = f"{hosted.match.spec.track}-{number}"
         self.code = f"join-{secrets.token_hex(4)}"
+        self.key = secrets.token_urlsafe(16)  # whoever has it may read the record and the replay
+        self.replaying: asyncio.Task[None] | None = None  # which makes the replay
         self.hosted, self.seats, self.folder = hosted, tuple(seats), folder
         self.result: MatchResult | None = None  # once it is over
         self.failure = ""  # why it has no result
@@ -106,6 +112,12 @@ class ClientsMatch:
     def is_open(self) -> bool:
         """Whether it has neither a result nor failed."""
         return self.result is None and not self.failure
+
+    def is_over_for(self, seat: ClientSeat) -> bool:
+        """Return whether the match is over, or a seat has been left or closed."""
+        if self.hosted.seats[seat.number].gone:
+            seat.words.leave()  # since a seat that the server has closed waits for a call
+        return seat.words.is_over
 
     async def play(self, folders: Mapping[int, Path], address: str) -> None:
         """Play it to its end, and write its record.
@@ -162,13 +174,21 @@ class ClientsMatch:
 
     def note(self, seat: ClientSeat, text: str) -> None:
         """Add what a seat's client thinks, calls or is answered to what replays of the match show of it."""
-        with (self.folder / f"match.seat-{seat.number}.log").open("a", encoding="utf-8") as log:
-            log.write(note_line(seat.words.step, say=text[:LONGEST_TEXT]))
+        line = note_line(seat.words.step, say=text[:LONGEST_TEXT])
+        seat.noted += len(line.encode())
+        if seat.noted <= MOST_NOTES:
+            with (self.folder / f"match.seat-{seat.number}.log").open("a", encoding="utf-8") as log:
+                log.write(line)
 
     def leave(self, seat: ClientSeat) -> None:
         """Let a seat stand still from now on."""
         seat.words.leave()
         self.hosted.give_up(seat.number, "its client left the match")
+
+    def leave_all(self) -> None:
+        """Let all seats of clients stand still from now on."""
+        for seat in self.seats:
+            self.leave(seat)
 
 
 class Matches:
@@ -194,16 +214,25 @@ class Matches:
         if self._starting + sum(match.is_open for match in self) >= self._bounds.matches:
             raise UserError(f"{self._bounds.matches} matches are being played: finish or leave one first")
         self._starting += 1
+        starting = asyncio.ensure_future(self._started(request))
+        starting.add_done_callback(self._keep)
         try:
-            match = await self._started(request)
+            return await asyncio.shield(starting)
+        except asyncio.CancelledError:  # nobody will play it
+            starting.add_done_callback(_leave_all)
+            raise
         except (MatchSetupError, RecordError, ValueError) as error:
             raise UserError(f"such a match is not possible: {error}") from None
-        finally:
-            self._starting -= 1
+
+    def _keep(self, starting: asyncio.Future[ClientsMatch]) -> None:
+        """Add a match that has been set up, unless it could not be."""
+        self._starting -= 1
+        if starting.cancelled() or starting.exception():
+            return
+        match = starting.result()
         self._matches[match.id] = match
         for old in [one.id for one in self if not one.is_open][:-KEPT]:
             del self._matches[old]
-        return match
 
     async def _started(self, request: StartMatch) -> ClientsMatch:
         opponents = opponents_of(request)
@@ -211,6 +240,14 @@ class Matches:
         check_recordable(spec)
         names = numbered([*[request.name] * request.clients, *(other.name for other in opponents)])
         others = dict(enumerate(opponents, start=request.clients))
+        self._numbers += 1
+        number = self._numbers
+        folder = self._folder / f"{spec.track}-{self._run}-{number}"
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise UserError(f"the match has no folder for its record: {error.strerror}") from None
+        limit = self._bounds.idle_limit
         hosted = await self._server.host(
             spec,
             names=names,
@@ -218,13 +255,10 @@ class Matches:
                 **dict.fromkeys(range(request.clients), sensors()),
                 **{seat: other.sensors for seat, other in others.items() if other.sensors},
             },
-            clock=Clock(join_timeout=JOIN_TIME, idle_limit=self._bounds.idle_limit),
+            clock=Clock(join_timeout=JOIN_TIME, idle_limit=limit, paused_bank=IDLE_LIMITS * limit),
         )
-        self._numbers += 1
-        seats = [ClientSeat(number, names) for number in range(request.clients)]
-        folder = self._folder / f"{spec.track}-{self._run}-{self._numbers}"
-        folder.mkdir(parents=True, exist_ok=True)
-        match = ClientsMatch(self._numbers, hosted, seats, folder)
+        seats = [ClientSeat(seat, names) for seat in range(request.clients)]
+        match = ClientsMatch(number, hosted, seats, folder)
         folders = {seat: other.folder for seat, other in others.items() if other.folder is not None}
         match.task = asyncio.create_task(match.play(folders, self._address))
         return match
@@ -258,13 +292,18 @@ class Matches:
         """End all matches; those that can end at once are recorded."""
         for match in self:
             if match.is_open:
-                for seat in match.seats:
-                    match.leave(seat)
+                match.leave_all()
         tasks = [match.task for match in self]
         if tasks:
             await asyncio.wait(tasks, timeout=CLOSING_TIME)
         for match in self:
             match.hosted.cancel()
+
+
+def _leave_all(starting: asyncio.Future[ClientsMatch]) -> None:
+    """Leave a match that has been set up for nobody."""
+    if not starting.cancelled() and not starting.exception():
+        starting.result().leave_all()
 
 
 @asynccontextmanager

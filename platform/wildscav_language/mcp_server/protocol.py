@@ -4,7 +4,8 @@ import asyncio
 import base64
 import secrets
 import socket
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from types import FrameType
 from typing import Any
 
 import mcp_types as types
@@ -23,11 +24,13 @@ from wildscav.errors import UserError
 from wildscav.version import __version__
 from wildscav_language.calls import Tool
 from wildscav_language.mcp_server.desk import RECORD_ADDRESS, REPLAY, REQUESTS, Answer, Desk
+from wildscav_language.mcp_server.matches import Matches
 from wildscav_language.mcp_server.requests import Observe
 from wildscav_language.tools import TOOLS
 
 PATH = "/mcp"
-REPLAYS = "/replays/{match}"
+REPLAYS = "/replays/{key}"
+CLOSING_TIME = 2  # s that open calls have to be answered when the matches have been ended
 LONGEST_ANSWER = 64_000  # bytes of text
 LARGEST_PICTURE = 1 << 20  # bytes
 LARGEST_RECORD = 1 << 20  # bytes that a resource may have
@@ -65,8 +68,9 @@ def make_server(desk: Desk) -> "Server[Any]":
         return types.ListResourceTemplatesResult(resource_templates=[record])
 
     async def list_resources(_context: Any, _params: Any) -> types.ListResourcesResult:
-        over = [match.id for match in desk.matches if match.result is not None]
-        addresses = {name: RECORD_ADDRESS.format(match=name) for name in over}
+        # Whoever knows an address may read the record, so they are not listed where several clients ask.
+        over = [match for match in desk.matches if desk.is_local and match.result is not None]
+        addresses = {match.id: RECORD_ADDRESS.format(key=match.key) for match in over}
         resources = [types.Resource(name=name, uri=uri, mime_type=BINARY) for name, uri in addresses.items()]
         return types.ListResourcesResult(resources=resources)
 
@@ -134,9 +138,9 @@ def _record_at(desk: Desk, address: str) -> bytes:
         ValueError: There is none, or it is too large.
     """
     for match in desk.matches:
-        if match.result is not None and address == RECORD_ADDRESS.format(match=match.id):
+        if match.result is not None and address == RECORD_ADDRESS.format(key=match.key):
             if match.record.stat().st_size > LARGEST_RECORD:
-                raise ValueError(f"the record is larger than {LARGEST_RECORD:,} bytes: read {match.record}")
+                raise ValueError(f"the record is larger than {LARGEST_RECORD:,} bytes")
             return match.record.read_bytes()
     raise ValueError(f"there is no {address[:100]}")
 
@@ -148,23 +152,28 @@ async def serve_stdio(desk: Desk) -> None:
         await server.run(reading, writing, server.create_initialization_options())
 
 
-async def serve_http(desk: Desk, sockets: list[socket.socket], token: str | None, *, is_public: bool) -> None:
-    """Serve any number of clients over HTTP until the server is interrupted.
+async def serve_http(
+    desk: Desk, sockets: list[socket.socket], token: str | None, hosts: Sequence[str] | None
+) -> None:
+    """Serve any number of clients over HTTP until the server is interrupted; then end all matches first.
 
     Args:
         desk: Answers them.
         sockets: That are bound.
         token: The secret that each request must carry; None if none is needed.
-        is_public: Whether other machines reach it; if not, only names of this machine are answered.
+        hosts: By which names clients reach it, with any port; None for any.
     """
+    names = [name for host in hosts or () for name in (host, f"{host}:*")]
     app = make_server(desk).streamable_http_app(
         streamable_http_path=PATH,
         json_response=True,
         stateless_http=True,
         max_request_body_size=LARGEST_REQUEST,
-        transport_security=TransportSecuritySettings(enable_dns_rebinding_protection=False)
-        if is_public
-        else None,
+        transport_security=TransportSecuritySettings(
+            enable_dns_rebinding_protection=hosts is not None,
+            allowed_hosts=names,
+            allowed_origins=[f"{scheme}://{name}" for scheme in ("http", "https") for name in names],
+        ),
         custom_starlette_routes=[Route(REPLAYS, _replays(desk))],
     )
     config = uvicorn.Config(
@@ -172,14 +181,38 @@ async def serve_http(desk: Desk, sockets: list[socket.socket], token: str | None
         log_level="warning",
         access_log=False,
         server_header=False,
+        timeout_graceful_shutdown=CLOSING_TIME,
     )
-    await uvicorn.Server(config).serve(sockets=sockets)
+    await _Server(config, desk.matches).serve(sockets=sockets)
+
+
+class _Server(uvicorn.Server):
+    """Ends the matches when it is interrupted, so that open calls are answered, and then itself."""
+
+    def __init__(self, config: uvicorn.Config, matches: Matches) -> None:
+        super().__init__(config)
+        self._matches, self._loop = matches, asyncio.get_running_loop()
+        self._ending: asyncio.Task[None] | None = None
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        """Take a signal; a second one ends the server at once."""
+        if self._ending is not None:
+            super().handle_exit(sig, frame)
+        self._loop.call_soon_threadsafe(self._end)
+
+    def _end(self) -> None:
+        self._ending = self._ending or asyncio.create_task(self._close())
+
+    async def _close(self) -> None:
+        await self._matches.close()
+        self.should_exit = True
 
 
 def _replays(desk: Desk) -> Any:
     async def replay(request: Request) -> Response:
         for match in desk.matches:
-            if match.id == request.path_params["match"] and (match.folder / REPLAY).exists():
+            is_asked = secrets.compare_digest(match.key.encode(), request.path_params["key"].encode())
+            if is_asked and (match.folder / REPLAY).exists():
                 return FileResponse(match.folder / REPLAY, media_type="text/html")
         raise HTTPException(404)
 
@@ -187,14 +220,14 @@ def _replays(desk: Desk) -> Any:
 
 
 class _WithToken:
-    """Refuses requests that do not carry a token."""
+    """Refuses requests that do not carry a token; browsers carry none, and links of replays have a secret."""
 
     def __init__(self, app: Starlette, token: str) -> None:
         self._app: ASGIApp = app
         self._wanted = f"Bearer {token}".encode()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        if scope["type"] == "http":
+        if scope["type"] == "http" and not scope["path"].startswith(REPLAYS.format(key="")):
             given = dict(scope["headers"]).get(b"authorization", b"")
             if not secrets.compare_digest(given, self._wanted):
                 answer = PlainTextResponse("a token is needed: Authorization: Bearer TOKEN\n", 401)

@@ -16,6 +16,7 @@ from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.specs.rules import RULES, Rules, Senses
 from wildscav_engine.specs.validation import one_line
 from wildscav_engine.tracks import TRACKS
+from wildscav_language.body import UNARMED
 from wildscav_server.hosting.opponents import Opponent, submission_opponent
 
 MAX_CLIENTS = 8  # in one match
@@ -101,7 +102,7 @@ class TakePicture(OfSeat):
 
 
 class ReadScore(OfSeat):
-    """Read the score of your match, so far or at its end."""
+    """Read the score of all seats when your match is over; before, what you and your team carry."""
 
 
 class GetRecord(OfSeat):
@@ -149,6 +150,10 @@ def spec_of(request: StartMatch, opponents: Sequence[Opponent]) -> MatchSpec:
         UserError: There is no such match.
     """
     filled = (SUBMISSION if other.folder else other.name for other in opponents)
+    rules = _rules_of(request)
+    if rules.senses == Senses.PIXELS and request.track not in UNARMED:
+        tracks = " or ".join(track for track in UNARMED if track in TRACKS)
+        raise UserError(f"senses is 'pixels', with which no seat of words can aim: play {tracks}")
     random_map = MapSpec(config=LEVELS[request.level], seed=request.seed)
     try:
         return MatchSpec(
@@ -157,7 +162,7 @@ def spec_of(request: StartMatch, opponents: Sequence[Opponent]) -> MatchSpec:
             seed=request.seed,
             seats=(*(SUBMISSION,) * request.clients, *filled),
             time_limit=request.time_limit or TRACKS[request.track].time_limit,
-            rules=_rules_of(request),
+            rules=rules,
             clock="paused",
         )
     except ValidationError as error:

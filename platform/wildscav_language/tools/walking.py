@@ -1,4 +1,4 @@
-"""Tools that walk: to a bearing, a box, an agent or a place; to where nobody looked yet."""
+"""Tools that walk: to a bearing, a box or a place; to where nobody looked yet."""
 
 from typing import Annotated, Self
 
@@ -21,7 +21,7 @@ Stops = Annotated[
 
 
 class Go(Order):
-    """Walk; give one of bearing, box, agent and place."""
+    """Walk; give one of bearing, box and place."""
 
     bearing: Bearing | None = None
     box: Annotated[int | None, Field(description="the number of a known box")] = None

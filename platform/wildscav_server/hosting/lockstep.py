@@ -2,9 +2,8 @@
 
 A step opens with an observation to every seat that owes no answer. It closes as soon as every seat in the
 match has answered, or when the time of all seats that have not is up; where the clock is paused, those seats
-are closed. A seat that has not answered gets no
-further observation until it does; then it gets that of the step that is open. So no messages pile up for a
-slow agent, and a stalled one blocks no buffer.
+are closed. A seat that has not answered gets no further observation until it does; then it gets that of the
+step that is open. So no messages pile up for a slow agent, and a stalled one blocks no buffer.
 
 The stream that receives the last answer closes the step: where the answer is read, the step is played, the
 next one is opened, and the stream sends its observation, because another turn of the event loop would cost as
@@ -124,7 +123,7 @@ class Lockstep:
         if self._charge(seat, now):
             self._accept(seat, message)
         else:
-            self._count_late(seat)
+            self._miss(seat, now)
             seat.conduct.dropped_actions += 1
         self._settle()
 
@@ -138,11 +137,18 @@ class Lockstep:
             seat.begin_waiting()  # no wait counts twice, even if the seat owes this answer in further steps
         return in_time
 
-    def _count_late(self, seat: Seat) -> None:
-        """Count that the open step is played without a seat's answer."""
+    def _miss(self, seat: Seat, now: float) -> None:
+        """Count that the open step is played without a seat's answer; where the clock is paused, close it."""
         seat.conduct.late_steps += 1
         if seat.first_late is None:
             seat.first_late = self._step
+        if self._match.spec.clock == "paused":
+            limit, bank = self._clock.answer_limit, self._clock.time_bank
+            is_idle = now - self._asked_at(seat) >= limit - LAG
+            reason = (
+                f"gave no answer for {limit:g} s" if is_idle else f"its time bank of {bank:g} s was used up"
+            )
+            seat.close(SeatStatus.TIMED_OUT, reason)
 
     def _asked_at(self, seat: Seat) -> float:
         """Return when a seat's time for the open step began; the seat may still owe an older answer."""
@@ -204,9 +210,7 @@ class Lockstep:
         for seat in self._pending:
             self._charge(seat, now)
             seat.bank.use_up()
-            self._count_late(seat)
-            if self._match.spec.clock == "paused":
-                seat.close(SeatStatus.TIMED_OUT, f"gave no answer for {self._clock.step_budget:g} s")
+            self._miss(seat, now)
         self._close()
 
     def _close(self) -> None:

@@ -185,6 +185,24 @@ def test_a_wall_ahead_is_an_obstacle_and_a_gentle_slope_is_none() -> None:
     assert np.isinf(found[8:]).all()
 
 
+@pytest.mark.parametrize(
+    ("senses", "told"), [("sighted", ["- rocks", "- agents", "- supply boxes"]), ("pixels", ["- rocks"])]
+)
+def test_where_only_pictures_show_others_the_view_does_not_tell_of_them(senses: str, told: list[str]) -> None:
+    player = Player(match_info(senses=senses))
+    tensors = {
+        "lidar": OPEN,
+        "segmentation": np.array([[9, 12, 13]], np.uint8),
+        "depth": np.full((1, 3), 5.0, np.float32),
+    }
+    player.see(seen(tensors=tensors))
+
+    text = player.text()
+
+    assert [line.partition(":")[0] for line in text.splitlines() if ": nearest " in line] == told
+    assert ("you shoot at enemies in sight" in text) == (senses != "pixels")
+
+
 def test_rules_say_what_the_match_is_about() -> None:
     text = rules(match_info(bounty=20, senses="sighted", supply_goal=50, supply_waves=WAVES))
 
@@ -196,5 +214,6 @@ def test_rules_say_what_the_match_is_about() -> None:
         "0.5 s",
     ):
         assert sentence in text
+    assert "You do not shoot" in rules(match_info(senses="pixels"))
     assert "weapon" not in rules(match_info(track="navigation"))
     assert "clip" not in rules(match_info(track="navigation"))

@@ -1,16 +1,23 @@
 """A script that reads the texts and nothing else plays real matches."""
 
+import tomllib
+
 import pytest
 from tests.end_to_end.pages import ROOT
 
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.specs.rules import Rules, Senses
+from wildscav_language.senses import sensors
 from wildscav_training.opponents import named_agent
 from wildscav_training.trials import play
 
 READER = ROOT / "benchmarks" / "strength" / "reader"
 SMALL = MapSpec(config=MapConfig(size=50, houses=1, vegetation=0.2), seed=3)
+
+
+def test_it_has_the_sensors_of_seats_of_words() -> None:
+    assert tomllib.loads((READER / "submission.toml").read_text("utf-8"))["sensors"] == sensors()
 
 
 def test_it_reaches_the_target() -> None:

@@ -83,7 +83,8 @@ def test_who_leaves_stands_still() -> None:
 
     seat.leave()
 
-    thread.join(5.0)
+    thread.join(60.0)
+    assert not thread.is_alive()
     assert seat.call("look_around", {}).over
 
 
@@ -92,6 +93,7 @@ def test_a_caller_need_not_wait_for_the_end_of_a_tool() -> None:
     seat.agent.reset(match_info())
     first = threading.Thread(target=seat.agent.act, args=(seen(tensors={"lidar": OPEN}),))
     first.start()
+    seat.observe()  # which waits for it
 
     assert seat.call("wait_until", {"seconds": 1.0}, timeout=0.1).ended == Reason.PLAYING
     assert seat.wait(timeout=0.0).ended == Reason.PLAYING
@@ -101,3 +103,8 @@ def test_a_caller_need_not_wait_for_the_end_of_a_tool() -> None:
 def test_a_match_that_does_not_begin() -> None:
     with pytest.raises(TimeoutError, match="has not begun"):
         Seat().observe(timeout=0.01)
+
+
+def test_one_timeout_is_for_the_whole_call() -> None:
+    with pytest.raises(TimeoutError, match="has not begun"):
+        Seat().call("look_around", {}, timeout=0.01)

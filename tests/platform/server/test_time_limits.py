@@ -84,13 +84,16 @@ def test_a_longest_time_below_the_budgets_is_refused() -> None:
         Clock(longest=19.0).fitted(small_spec(seconds=20.0))
 
 
-def test_a_paused_clock_has_the_idle_limit_for_every_answer_and_no_bank() -> None:
+def test_a_paused_clock_has_the_idle_limit_for_every_answer_and_a_bank_for_all() -> None:
     spec = small_spec(seconds=20.0, clock="paused")
 
-    clock = Clock(idle_limit=50.0).fitted(spec)
+    clock = Clock(idle_limit=50.0, paused_bank=70.0).fitted(spec)
+    bank = clock.bank()
 
-    assert (clock.step_budget, clock.time_bank) == (50.0, 0.0)
     assert clock.fitted(spec) == clock
-    assert Clock(idle_limit=50.0).bound(spec) == 30.0 + 200 * 50.0
-    with pytest.raises(ValueError, match=r"its 200 steps alone are 10,000 s$"):
-        Clock(idle_limit=50.0, longest=9999.0).fitted(spec)
+    assert clock.bound(spec) == 30.0 + 200 * 0.1 + 70.0
+    assert bank.allowed() == 50.0
+    assert bank.charge(50.0)
+    assert bank.allowed() == pytest.approx(0.1 + 70.0 - 49.9)
+    assert not bank.charge(20.3)
+    assert not clock.bank().charge(50.1)

@@ -14,8 +14,12 @@ from mcp_types import ImageContent
 from PIL import Image
 from tests.platform.language.mcp_server.clients import SMALL, Player, text_of, with_clients
 
+from wildscav.errors import UserError
 from wildscav_engine.record import read_record, verify_record
-from wildscav_language.mcp_server.matches import Bounds
+from wildscav_language.mcp_server import desk, matches
+from wildscav_language.mcp_server.desk import Desk
+from wildscav_language.mcp_server.matches import Bounds, serving
+from wildscav_language.mcp_server.requests import StartMatch
 from wildscav_stage.scene.notes import notes_beside
 
 
@@ -112,10 +116,10 @@ def test_a_client_that_vanishes_costs_its_own_seat_alone(tmp_path: Path) -> None
         gone = await second.read("observe") and await second.read("look_around")
         return ended, gone, await first.read("wait_until", seconds=5.0)
 
-    ended, gone, last = with_clients(tmp_path, 2, play, Bounds(idle_limit=0.3))
+    ended, gone, last = with_clients(tmp_path, 2, play, Bounds(idle_limit=2.0))
 
     assert ended.startswith("wait_until ended after 1.0 s: done")
-    assert gone.startswith("Your seat is closed: gave no answer for 0.3 s.")
+    assert gone.startswith("Your seat is closed: gave no answer for 2 s.")
     assert "The match is over." in last
 
 
@@ -148,6 +152,7 @@ def test_whoever_leaves_stands_still_and_the_match_is_recorded(tmp_path: Path) -
     [
         ("start_match", {"track": "racing"}, "track is 'racing'; the tracks are navigation, gathering"),
         ("start_match", {"level": "silly"}, "level: Input should be 'easy', 'normal'"),
+        ("start_match", {"track": "battle", "senses": "pixels"}, "no seat of words can aim: play navigation"),
         ("start_match", {"speed": 3}, "start_match takes track, level, map, seed"),
         ("start_match", {"others": ["wizard"]}, "others has 'wizard'; the robots are walker-easy"),
         ("start_match", {"others": ["/etc"]}, "others has '/etc'"),
@@ -183,6 +188,92 @@ def test_a_bad_call_of_a_tool_costs_game_time_and_is_counted(tmp_path: Path) -> 
 
     assert refused.startswith("go ended after 0.5 s: refused. There is no such place")
     assert "Your calls: 1, refused: 1, steps played: 5." in score
+    assert "You carry 0 supplies, your team 0." in score
+
+
+def test_while_a_match_is_played_its_score_tells_nothing_of_others(tmp_path: Path) -> None:
+    async def play(player: Player) -> str:
+        await player.start("battle", others=["fighter-easy"])
+        await player.read("wait_until", seconds=0.5)
+        return await player.read("score")
+
+    score = with_clients(tmp_path, 1, play)
+
+    assert "fighter-easy" not in score
+    assert "kills" not in score
+
+
+def test_calls_after_the_end_write_no_notes_and_notes_are_bounded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(matches, "MOST_NOTES", 200)
+
+    async def play(player: Player) -> int:
+        await player.start("navigation", time_limit=5.0)
+        for _ in range(3):
+            await player.read("wait_until", seconds=0.1, thought="I wait and see what comes of it.")
+        size = logged()
+        await player.read("leave")
+        await player.read("wait_until", seconds=0.1)
+        assert logged() == size
+        return size
+
+    def logged() -> int:
+        (log,) = tmp_path.glob("*/match.seat-0.log")
+        return log.stat().st_size
+
+    assert 100 < with_clients(tmp_path, 1, play) <= 200
+
+
+def test_a_match_that_is_being_made_takes_a_place_and_is_left_if_its_client_gives_up(tmp_path: Path) -> None:
+    request = StartMatch.model_validate(SMALL)
+
+    async def play() -> str:
+        async with serving(tmp_path, Bounds(matches=1)) as matches:
+            starting = asyncio.create_task(matches.start(request))
+            await asyncio.sleep(0)
+            starting.cancel()
+            await asyncio.wait({starting})
+            with pytest.raises(UserError, match="1 matches are being played"):
+                await matches.start(request)
+            while not [*matches]:  # noqa: ASYNC110 - nothing tells it
+                await asyncio.sleep(0.01)
+            (match,) = matches
+            await match.task
+            return match.hosted.seats[0].conduct.detail
+
+    assert asyncio.run(play()) == "its client left the match"
+
+
+@pytest.mark.parametrize("name", ["rules", "picture", "observe"])
+def test_a_match_that_has_failed_before_it_began_says_so(tmp_path: Path, name: str) -> None:
+    async def play() -> str:
+        async with serving(tmp_path, Bounds()) as matches:
+            match = await matches.start(StartMatch.model_validate(SMALL))
+            match.hosted.cancel()
+            await match.task
+            ready = asyncio.get_running_loop().create_future()
+            try:
+                return (await Desk(matches, ready, None).answer(name, {"seat": match.seats[0].handle})).text
+            except UserError as error:
+                return str(error)
+
+    assert asyncio.run(play()).startswith("the match was cancelled")
+
+
+def test_one_call_of_a_seat_waits_at_a_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(desk, "TURN", 0.01)
+
+    async def play(first: Player, second: Player) -> str:
+        await second.join(await first.start("battle", clients=2, others=[], time_limit=1.0))
+        waiting = asyncio.create_task(first.read("wait_until", seconds=1.0))
+        await asyncio.sleep(0.1)
+        refused = text_of(await first.ask("rules"))
+        await second.read("leave")
+        await waiting
+        return refused
+
+    assert with_clients(tmp_path, 2, play) == desk.BUSY
 
 
 def test_only_so_many_matches_are_played_at_one_time(tmp_path: Path) -> None:

@@ -32,18 +32,26 @@ async def by_stdio(folder: Path) -> AsyncIterator[Player]:
 
 
 @asynccontextmanager
-async def served(folder: Path, *options: str) -> AsyncIterator[str]:
-    """A server over HTTP, by its URL."""
+async def running(folder: Path, *options: str) -> AsyncIterator[tuple[str, asyncio.subprocess.Process]]:
+    """A server over HTTP: its URL and its process."""
     arguments = ("mcp", "--http", "127.0.0.1:0", "--out", str(folder), *options)
     process = await asyncio.create_subprocess_exec(WILDSCAV, *arguments, stderr=asyncio.subprocess.PIPE)
     assert process.stderr is not None
     try:
         line = (await process.stderr.readline()).decode()
         assert line.startswith("serving MCP at http://127.0.0.1:"), line
-        yield line.split()[-1]
+        yield line.split()[-1], process
     finally:
-        process.terminate()
+        if process.returncode is None:
+            process.terminate()
         await process.wait()
+
+
+@asynccontextmanager
+async def served(folder: Path, *options: str) -> AsyncIterator[str]:
+    """A server over HTTP, by its URL."""
+    async with running(folder, *options) as (url, _):
+        yield url
 
 
 @asynccontextmanager
@@ -76,7 +84,7 @@ def test_a_navigation_over_standard_input_and_output(tmp_path: Path) -> None:
 def test_a_client_that_is_gone_leaves_a_record(tmp_path: Path) -> None:
     async def play() -> None:
         async with by_stdio(tmp_path) as player:
-            await player.start("battle", others=["fighter-easy"], time_limit=5.0)
+            await player.start("battle", others=["fighter-easy"], time_limit=1.5)
             await player.read("wait_until", seconds=1.0)
 
     asyncio.run(play())
@@ -101,14 +109,49 @@ def test_two_clients_over_http_play_one_battle(tmp_path: Path) -> None:
         assert f'seat {number} "client {number + 1}" (you)' in score
 
 
+def test_an_interrupted_server_answers_open_calls_and_keeps_the_records(tmp_path: Path) -> None:
+    async def play() -> str:
+        async with running(tmp_path) as (url, process), by_http(url) as player:
+            await player.start("battle", clients=2, others=[], time_limit=1.0)
+            waiting = asyncio.create_task(player.read("wait_until", seconds=1.0))  # for the other client
+            await asyncio.sleep(0.5)
+            process.terminate()
+            ended = await waiting
+            assert await asyncio.wait_for(process.wait(), 30.0) == 0
+            return ended
+
+    assert "Your seat is closed: its client left the match." in asyncio.run(play())
+    assert len([*tmp_path.glob("battle-*/match.wsr")]) == 1
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (["--http", "unix:/tmp/arena"], "must be HOST:PORT"),
+        (["--http", "127.0.0.1:0", "--site", "arena.example"], "must be a URL"),
+        (["--site", "https://arena.example"], "standard input has one client"),
+    ],
+)
+def test_options_that_do_not_fit_are_refused(tmp_path: Path, options: list[str], says: str) -> None:
+    done = run_command("mcp", "--out", str(tmp_path), *options)
+
+    assert done.returncode == 2
+    assert says in done.stderr
+
+
 def test_a_token_opens_the_server_and_nothing_else_does(tmp_path: Path) -> None:
     (tmp_path / "token").write_text(WORD)
 
-    async def play() -> tuple[str, int]:
+    async def play() -> tuple[str, int, int]:
         async with served(tmp_path / "out", "--token-file", str(tmp_path / "token")) as url:
             async with by_http(url, WORD) as player:
                 listed = text_of(await player.ask("list_matches"))
+                await player.start("navigation", time_limit=1.0)
+                await player.read("leave")
+                assert str(tmp_path) not in await player.read("record")
+                page = await player.read("replay")
             async with httpx2.AsyncClient(timeout=60.0) as stranger:
-                return listed, (await stranger.post(url, json={})).status_code
+                refused = (await stranger.post(url, json={})).status_code
+                return listed, refused, (await stranger.get(page)).status_code  # whoever has its link
 
-    assert asyncio.run(play()) == ("There is no match: start one with start_match.", 401)
+    assert asyncio.run(play()) == ("There is no match: start one with start_match.", 401, 200)

@@ -133,7 +133,7 @@ def test_a_paused_match_waits_for_every_answer(tmp_path: Path) -> None:
         hosted = await host(server, small_spec(seats=2, clock="paused"), clock=HASTY)
         async with connected(address) as slow, connected(address) as quick:
             info = (await slow.join(hosted.tokens[0])).match_info
-            assert (info.clock, info.step_budget, info.time_bank) == ("paused", 600.0, 0.0)
+            assert (info.clock, info.step_budget, info.time_bank) == ("paused", BUDGET, 3600.0)
             await quick.join(hosted.tokens[1])
             for step in range(20):
                 await answer(quick, hosted, 1, step)
@@ -146,9 +146,19 @@ def test_a_paused_match_waits_for_every_answer(tmp_path: Path) -> None:
     serving_by_hand(tmp_path, play)
 
 
-def test_a_seat_that_gives_no_answer_in_a_paused_match_is_closed_alone(tmp_path: Path) -> None:
-    limits = Clock(idle_limit=BUDGET)
-
+@pytest.mark.parametrize(
+    ("limits", "detail"),
+    [
+        (Clock(idle_limit=BUDGET), f"gave no answer for {BUDGET:g} s"),
+        (
+            Clock(step_budget=BUDGET / 2, paused_bank=BUDGET / 2),
+            f"its time bank of {BUDGET / 2:g} s was used up",
+        ),
+    ],
+)
+def test_a_seat_that_gives_no_answer_in_a_paused_match_is_closed_alone(
+    tmp_path: Path, limits: Clock, detail: str
+) -> None:
     async def play(server: MatchServer, address: str, clock: HandSetLoop) -> None:
         hosted = await host(server, small_spec(seats=2, clock="paused"), clock=limits)
         async with connected(address) as silent, connected(address) as lively:
@@ -161,11 +171,38 @@ def test_a_seat_that_gives_no_answer_in_a_paused_match_is_closed_alone(tmp_path:
             await clock.pass_time(TURN)
             for step in range(2, 20):  # nobody waits for it any longer
                 await answer(lively, hosted, 1, step)
-            with pytest.raises(grpc.aio.AioRpcError, match=f"gave no answer for {BUDGET:g} s"):
+            with pytest.raises(grpc.aio.AioRpcError, match=detail):
                 await silent.read()
         closed, other = (await hosted.finished()).seats.values()
         assert (closed.status, closed.steps_played, closed.late_steps) == (SeatStatus.TIMED_OUT, 1, 1)
-        assert closed.detail == f"gave no answer for {BUDGET:g} s"
+        assert closed.detail == detail
+        assert (other.status, other.steps_played) == (SeatStatus.FINISHED, 20)
+
+    serving_by_hand(tmp_path, play)
+
+
+def test_a_seat_whose_answer_is_late_in_a_paused_match_is_closed(tmp_path: Path) -> None:
+    limits = Clock(step_budget=BUDGET, paused_bank=2 * TURN)
+
+    async def play(server: MatchServer, address: str, clock: HandSetLoop) -> None:
+        hosted = await host(server, small_spec(seats=2, clock="paused"), clock=limits)
+        async with connected(address) as slow, connected(address) as lively:
+            await slow.join(hosted.tokens[0])
+            await lively.join(hosted.tokens[1])
+            await answer(lively, hosted, 1, 0)
+            await clock.pass_time(2 * TURN)
+            await answer(slow, hosted, 0, 0)
+            await slow.read()
+            await lively.read()
+            await clock.pass_time(2 * TURN + HOP)  # the other's bank would pay for it
+            await slow.act(1, walk_speed=1.0)
+            with pytest.raises(grpc.aio.AioRpcError, match="was used up"):
+                await slow.read()
+            await lively.act(1, walk_speed=1.0)
+            for step in range(2, 20):
+                await answer(lively, hosted, 1, step)
+        closed, other = (await hosted.finished()).seats.values()
+        assert (closed.status, closed.steps_played, closed.late_steps) == (SeatStatus.TIMED_OUT, 1, 1)
         assert (other.status, other.steps_played) == (SeatStatus.FINISHED, 20)
 
     serving_by_hand(tmp_path, play)
