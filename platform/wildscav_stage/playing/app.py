@@ -44,7 +44,7 @@ from wildscav_stage.playing.page import (
 from wildscav_stage.playing.replays import Replays
 from wildscav_stage.playing.sight import Known
 from wildscav_stage.playing.table import MAX_SPECTATORS, Table
-from wildscav_stage.viewer_files import PATH, digest, versioned, viewer_routes
+from wildscav_stage.viewer_files import PATH, versioned, viewer_routes
 
 MAX_COMMANDS = 10  # a second: whatever is told to everybody
 STATIC = Path(__file__).parents[1] / "static"
@@ -239,7 +239,7 @@ class Site:
         valid = self._links.opens_match(secret) if watches else self._links.seat_of(secret) is not None
         if not valid or self._table.map_file is None:
             return _explain("wrong" if not valid else "nothing", request)
-        key = f'"{digest(self._table.map_file)}"'
+        key = f'"{self._table.map_key}"'
         headers = {"ETag": key, "Cache-Control": "no-cache"}
         if key in request.headers.get("if-none-match", ""):
             return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=headers)

@@ -23,6 +23,7 @@ from wildscav_stage.playing.plan import Plan
 from wildscav_stage.playing.rounds import MatchHosting, hosted_match, play_out
 from wildscav_stage.scene.map_file import map_file
 from wildscav_stage.scene.trails import seats_shown
+from wildscav_stage.viewer_files import digest
 
 if TYPE_CHECKING:
     from wildscav_engine.specs.map_spec import MapSpec
@@ -73,6 +74,7 @@ class Table:
         self.lobby = Lobby(plan, links)
         self.audience = Audience(plan.delay if delay is None else delay)
         self.map_file: bytes | None = None  # of the present match, or of the last one
+        self.map_key = ""  # the digest of ``map_file``
         # The pages of spectators in the order in which they came, and the seats of those who wait for one.
         self._spectators: dict[Page, int | None] = {}
         self._hosting, self._links, self._base, self._say = hosting, links, base, say
@@ -226,7 +228,7 @@ class Table:
         async with hosted_match(self._hosting, plan, spec, names) as hosted:
             if self._drawn != spec.map:
                 self.map_file = await asyncio.to_thread(map_file, hosted.match.game_map)
-                self._drawn = spec.map
+                self.map_key, self._drawn = digest(self.map_file), spec.map
             self._playing = frozenset(people)
             if len(people) > 1:
                 await self._count_down()
@@ -254,6 +256,7 @@ class Table:
             {
                 "kind": "begin",
                 "paused": False,
+                "map": self.map_key,
                 "weapon": Field.SHOOT in fields,
                 "supplies": Field.PICK_UP in fields,
                 "metrics": metric_titles(hosted.match),

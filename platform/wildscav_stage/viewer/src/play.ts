@@ -171,6 +171,7 @@ function beginMatch(begin: Begin, first: Now): void {
   const own: [Now, number][] = [[first, performance.now()]];
   waiting = own;
   withMap(
+    begin.map,
     (map) => {
       if (waiting !== own) return;
       const lose = () => cannotShow("The browser stopped drawing in 3D.");

@@ -96,6 +96,7 @@ const handlers: Handlers = {
 
 function show(begin: Begin, own: WatchedCourse): void {
   withMap(
+    begin.map,
     (map) => {
       if (begun !== begin || course !== own) return;
       const lose = () => {

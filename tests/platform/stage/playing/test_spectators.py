@@ -169,10 +169,11 @@ def test_the_map_is_sent_to_whoever_has_a_link_and_does_not_have_it_yet(tmp_path
         async with tables_links(small_plan(), tmp_path) as links, page(links.host) as host:
             assert await asyncio.to_thread(status, links.host) == 404  # there is none yet
             await host.send(kind="start")
-            await host.until("begin")
+            named = (await host.until("begin"))["map"]
             for link, expected in ((links.host, 200), (links.watch, 200), (f"{links.host}x", 404)):
                 assert await asyncio.to_thread(status, link) == expected
             kept = {"If-None-Match": await asyncio.to_thread(key, links.host)}
+            assert kept["If-None-Match"] == f'"{named}"'  # so pages notice another map
             assert await asyncio.to_thread(status, links.watch, **kept) == 304
 
     asyncio.run(play())

@@ -100,6 +100,7 @@ export interface Rules {
 export interface Begin {
   kind: "begin";
   paused: boolean;
+  map: string; // its key, another one for another map
   weapon: boolean;
   supplies: boolean;
   metrics: Metric[];
