@@ -12,11 +12,11 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from wildscav_engine.record import read_record, verify_record
 from wildscav_server.match_server import MatchServer
-from wildscav_stage.playing.app import MAX_COMMANDS
 from wildscav_stage.playing.links import Base, Links
 from wildscav_stage.playing.lobby import HOST
 from wildscav_stage.playing.page import RENEWED
 from wildscav_stage.playing.rounds import MatchHosting
+from wildscav_stage.playing.site.app import MAX_COMMANDS
 from wildscav_stage.playing.table import Table
 
 

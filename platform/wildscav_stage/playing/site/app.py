@@ -16,7 +16,6 @@ from starlette.websockets import WebSocket
 
 from wildscav.errors import UserError
 from wildscav_stage.headers import SecurityHeaders
-from wildscav_stage.playing.entrance import Entrance
 from wildscav_stage.playing.inputs import (
     Arrange,
     Command,
@@ -43,13 +42,14 @@ from wildscav_stage.playing.page import (
     OpenPage,
     PageClosedError,
 )
-from wildscav_stage.playing.replays import UNSHOWN, Replays
 from wildscav_stage.playing.sight import Known
+from wildscav_stage.playing.site.entrance import Entrance
+from wildscav_stage.playing.site.replays import UNSHOWN, Replays
 from wildscav_stage.playing.table import MAX_SPECTATORS, Table
 from wildscav_stage.viewer_files import PATH, versioned, viewer_routes
 
 MAX_COMMANDS = 10  # a second: whatever is told to everybody
-STATIC = Path(__file__).parents[1] / "static"
+STATIC = Path(__file__).parents[2] / "static"
 NO_ACCESS = 4004  # close code for a link that is not valid
 PROBLEMS = {  # with links: a title and what to do, in HTML
     "wrong": (
