@@ -25,7 +25,7 @@ from benchmarks.report import Figure, JsonFile, publish
 from websockets.asyncio.client import ClientConnection, connect
 
 from wildscav_stage.playing.plan import make_plan
-from wildscav_stage.playing.serve import prepare, served
+from wildscav_stage.playing.site.serve import prepare, served
 
 INPUTS = 60.0  # a second, as from a display
 WARM_UP = 2.0  # s

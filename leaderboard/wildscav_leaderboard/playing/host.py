@@ -36,7 +36,7 @@ from wildscav_server.hosting.opponents import Opponent
 from wildscav_server.monitoring.logs import open_log
 from wildscav_stage.playing.links import Base, Links
 from wildscav_stage.playing.plan import DEFAULT_MAP, FRAMES_PER_ACTION, Plan
-from wildscav_stage.playing.serve import Served, prepare, served_on
+from wildscav_stage.playing.site.serve import Served, prepare, served_on
 from wildscav_stage.viewer_files import viewer_file
 
 LOOKS = 0.5  # s between two looks at whether the person is here

@@ -79,7 +79,7 @@ def human(
     from wildscav_engine.compilation.engine_progress import preparing
     from wildscav_stage.playing.links import checked_public_url
     from wildscav_stage.playing.plan import make_plan, make_range
-    from wildscav_stage.playing.serve import prepare
+    from wildscav_stage.playing.site.serve import prepare
     from wildscav_stage.viewer_files import viewer_file
 
     viewer_file("play.js")
@@ -109,7 +109,7 @@ async def _serve(
     browser: bool,
 ) -> None:
     from wildscav.terminal.console import console
-    from wildscav_stage.playing.serve import served
+    from wildscav_stage.playing.site.serve import served
 
     def say(line: str) -> None:
         console.print(line)

@@ -147,10 +147,9 @@ class Controls:
         """Let go of everything, and forget the numbers of inputs: another page counts anew."""
         self.taken = 0  # number of the last input that the present frame tells of
         self._taking = 0  # and of the last one that a step has taken
-        self.ahead = self._left = (
-            0.0,
-            0.0,
-        )  # degrees, right and down, of these that the body has yet to turn
+        # Degrees, right and down, of both that the body has yet to turn.
+        self.ahead = 0.0, 0.0
+        self._left = 0.0, 0.0
         self._held = Input(kind="input", number=0)
         self._turn, self._look = Mouse(), Mouse()
         self._flags = dict.fromkeys(FLAGS, False)

@@ -1,6 +1,7 @@
 """Who sits where at a table: people with their names and pages, and robots for those who are not here."""
 
 import asyncio
+import math
 import time
 import unicodedata
 from collections.abc import Callable, Sequence
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 MAX_BEHIND = 0.1  # s that the match may be behind real time before it stops catching up
 LONGEST_NAME = 20  # characters
 ON_THE_WAY = 30.0  # s in which somebody who was let in opens the page of their seat
+HOST_RETURNS = 5.0  # s in which a host who loads the page again is back
 HOST = 0  # the seat of whoever started the table
 
 
@@ -120,6 +122,7 @@ class PlayerSeat:
         self.seat = seat
         self.person = Person()
         self.page: Page | None = None  # the one that the person has open
+        self.left = -math.inf  # s, when they had one last
         self.free(name)
 
     def free(self, name: str) -> None:
@@ -242,7 +245,9 @@ class Lobby:
 
     @property
     def all_ready(self) -> bool:
-        """Whether the host is away, and everybody who is here wants to play."""
+        """Whether the host has been away for some time, and everybody who is here wants to play."""
+        if time.monotonic() - self.seats[HOST].left < HOST_RETURNS:
+            return False
         here = [player for player in self.seats if player.page is not None]
         return bool(here) and all(player.is_ready and player.seat != HOST for player in here)
 

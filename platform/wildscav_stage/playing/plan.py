@@ -99,7 +99,8 @@ class Plan:
             new_map: Whether it is another map.
 
         Raises:
-            UserError: There is no such robot, such a match cannot be recorded, or this is a shooting range.
+            UserError: There is no such robot, such a match is not possible or cannot be recorded, or this is
+                a shooting range.
         """
         if self.targets:
             raise UserError("the shooting range has targets and a lawn of its own")
@@ -110,9 +111,11 @@ class Plan:
         changed: dict[str, Any] = {"seats": (*spec.seats[: self.people + len(others)], *robots)}
         if new_map:
             changed["map"] = spec.map.model_copy(update={"seed": (spec.map.seed + 1) % 2**64})
-        arranged = spec.model_copy(update=changed)
         try:
+            arranged = MatchSpec.model_validate(spec.model_dump() | changed)
             check_recordable(arranged)
+        except ValidationError as error:
+            raise UserError(f"such a match is not possible: {one_line(error)}") from None
         except RecordError as error:
             raise UserError(str(error)) from None
         return replace(self, spec=arranged, opponents=(*others, *map(Opponent, robots)))

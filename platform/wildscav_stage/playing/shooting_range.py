@@ -11,7 +11,7 @@ from enum import StrEnum
 from typing import TYPE_CHECKING, NamedTuple
 
 from wildscav.agent import Action, Observation
-from wildscav.errors import UserError, WildscavError
+from wildscav.errors import UserError, describe
 from wildscav.sdk.connection import Connection
 from wildscav.version import __version__
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
@@ -124,8 +124,9 @@ async def _play(hosted: "HostedMatch", address: str, seat: int, target: Target) 
                 heading = next_heading(target, observation, heading)
                 action = Action(walk_direction=heading, walk_speed=SPEEDS[target.movement])
                 observation = await connection.answer(observation.step, action)
-    except WildscavError as error:
-        hosted.give_up(seat, str(error))  # so that nobody waits for it
+    except Exception as error:
+        hosted.give_up(seat, describe(error))  # so that nobody waits for it
+        raise
 
 
 def next_heading(target: Target, now: Observation, heading: float) -> float:

@@ -2,8 +2,8 @@
 
 import asyncio
 import contextlib
-from collections.abc import AsyncIterator, Callable, Coroutine
-from contextlib import asynccontextmanager
+import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,16 +13,18 @@ from wildscav_engine.simulation.match import MatchSetupError
 from wildscav_engine.simulation.robots.decide import ROBOTS
 from wildscav_engine.specs.actions import Field
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
+from wildscav_stage.playing import lobby
 from wildscav_stage.playing.audience import Audience
 from wildscav_stage.playing.display import metric_titles, scores_of
 from wildscav_stage.playing.fights import Fights
-from wildscav_stage.playing.links import Base, Links
+from wildscav_stage.playing.links import Base, Links, new_secret
 from wildscav_stage.playing.lobby import HOST, Lobby, Page, PlayerSeat, only_host
-from wildscav_stage.playing.page import REPLACED, SEATED
+from wildscav_stage.playing.page import RENEWED, REPLACED, SEATED
 from wildscav_stage.playing.plan import Plan
-from wildscav_stage.playing.rounds import MatchHosting, hosted_match, play_out
+from wildscav_stage.playing.rounds import MatchHosting, beside, hosted_match, play_out
 from wildscav_stage.scene.map_file import map_file
 from wildscav_stage.scene.trails import seats_shown
+from wildscav_stage.viewer_files import digest
 
 if TYPE_CHECKING:
     from wildscav_engine.specs.map_spec import MapSpec
@@ -31,6 +33,7 @@ if TYPE_CHECKING:
 SCORES_EVERY = 0.5  # s
 MAX_SPECTATORS = 20
 COUNTDOWN = 3  # s before a match of several people, so that all are ready
+ENDED = ("over", "failed")  # situations in which the next match may start
 # What a page needs to show what it expects until the server tells what happened.
 TOLD_RULES = (
     "water_speed_factor",
@@ -73,15 +76,17 @@ class Table:
         self.lobby = Lobby(plan, links)
         self.audience = Audience(plan.delay if delay is None else delay)
         self.map_file: bytes | None = None  # of the present match, or of the last one
+        self.map_key = ""  # the digest of ``map_file``
         # The pages of spectators in the order in which they came, and the seats of those who wait for one.
         self._spectators: dict[Page, int | None] = {}
         self._hosting, self._links, self._base, self._say = hosting, links, base, say
         self._countdown, self.at_home = countdown, at_home
-        self.records: list[Path] = []  # of the matches that were played
+        self.records: dict[str, Path] = {}  # of the matches that were played, each with a secret of its own
         self._situation: dict[str, Any] = {"kind": "lobby"}
         self._shown = self._situation  # to spectators, who are told later
         self._playing: frozenset[int] = frozenset()  # the people's seats in the present match
         self._match: asyncio.Task[None] | None = None
+        self._is_wanted = False  # whether another match starts when the present one has left
         self._played = 0
         self._drawn: MapSpec | None = None  # the map in ``map_file``
 
@@ -111,10 +116,11 @@ class Table:
         """Tell a page nothing anymore; its seat stands idle, and the match is paused if it may be."""
         player = self.lobby.seats[seat]
         if player.page is page:
-            player.page, player.is_ready = None, False
+            player.page, player.is_ready, player.left = None, False, time.monotonic()
             player.person.controls.release()
             self.pause(True)
             self.tell_people()
+            asyncio.get_running_loop().call_later(lobby.HOST_RETURNS + 0.1, self._start_if_all_want)
             self._start_if_all_want()
 
     def start(self, seat: int) -> None:
@@ -137,11 +143,17 @@ class Table:
 
     @property
     def _is_playing(self) -> bool:
+        return self._is_running and self._situation["kind"] not in ENDED
+
+    @property
+    def _is_running(self) -> bool:
         return self._match is not None and not self._match.done()
 
     def _start(self) -> None:
-        if not self._is_playing:
+        if not self._is_running:
             self._match = asyncio.create_task(self._run())
+        elif not self._is_playing:
+            self._is_wanted = True
 
     def pause(self, paused: bool) -> None:
         """Pause the match, or go on; does nothing if others than robots would have to wait."""
@@ -184,6 +196,13 @@ class Table:
         page.tell(self._shown)
         return True
 
+    def free(self, asked_by: int, seat: int) -> None:
+        """Free a seat, and put out whoever has it or watches by its link; see ``Lobby.free``."""
+        self.lobby.free(asked_by, seat)
+        for page, own in self._spectators.items():
+            if own == seat:
+                page.dismiss(RENEWED, "the host has freed this seat")
+
     def dismiss(self, page: Page) -> None:
         """Tell a spectator's page nothing anymore."""
         del self._spectators[page]
@@ -199,6 +218,13 @@ class Table:
     # One match.
 
     async def _run(self) -> None:
+        """Play a match, and others as long as they are wanted while the one before leaves."""
+        self._is_wanted = True
+        while self._is_wanted:
+            self._is_wanted = False
+            await self._run_one()
+
+    async def _run_one(self) -> None:
         self._change({"kind": "preparing"})
         try:
             await self._play()
@@ -226,7 +252,7 @@ class Table:
         async with hosted_match(self._hosting, plan, spec, names) as hosted:
             if self._drawn != spec.map:
                 self.map_file = await asyncio.to_thread(map_file, hosted.match.game_map)
-                self._drawn = spec.map
+                self.map_key, self._drawn = digest(self.map_file), spec.map
             self._playing = frozenset(people)
             if len(people) > 1:
                 await self._count_down()
@@ -254,6 +280,7 @@ class Table:
             {
                 "kind": "begin",
                 "paused": False,
+                "map": self.map_key,
                 "weapon": Field.SHOOT in fields,
                 "supplies": Field.PICK_UP in fields,
                 "metrics": metric_titles(hosted.match),
@@ -280,7 +307,8 @@ class Table:
         for row in rows:
             row["values"] += [fights.figure(row["seat"], column["title"]) for column in columns]
         self._say(f"record: {path}")
-        self.records.append(path)
+        secret = new_secret()
+        self.records[secret] = path
         self._change(
             {
                 "kind": "over",
@@ -289,7 +317,7 @@ class Table:
                 "metrics": metrics + columns,
                 "rows": rows,
                 "played": sorted(self._playing),
-                "match": {"number": len(self.records) - 1, "record": path.name if self.at_home else None},
+                "match": {"secret": secret, "record": path.name if self.at_home else None},
                 "record": str(path.absolute()),
                 "commands": [command("wildscav", verb, path) for verb in ("replay", "verify")],
             }
@@ -383,19 +411,6 @@ class Table:
     def _people(self) -> list[tuple[Page, PlayerSeat]]:
         """Return the pages of people with their seats."""
         return [(player.page, player) for player in self.lobby.seats if player.page is not None]
-
-
-@asynccontextmanager
-async def beside(work: Coroutine[Any, Any, None]) -> AsyncIterator[None]:
-    """Do a work that has no end for as long as the block lasts."""
-    task = asyncio.create_task(work)
-    try:
-        yield
-    finally:
-        task.cancel()
-        (ended,) = await asyncio.gather(task, return_exceptions=True)
-    if isinstance(ended, Exception):
-        raise ended
 
 
 def _is_host(player: PlayerSeat | None) -> bool:

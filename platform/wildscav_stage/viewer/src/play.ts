@@ -1,7 +1,7 @@
 // The page of a person who plays: it shows what the server tells, and sends what the person does.
 
 import { type Act, Bindings } from "./play/bindings";
-import { Connection } from "./play/connection";
+import { Connection, RENEWED, WHY_RENEWED } from "./play/connection";
 import { Controls, type Input } from "./play/controls";
 import { find } from "./play/dom";
 import { fillTable, Hud, titlesOf } from "./play/hud";
@@ -18,7 +18,6 @@ import { Teacher } from "./play/teacher";
 import { asKnownTo } from "./play/teams";
 
 const REPLACED = 4001; // close code: the link was opened elsewhere
-const RENEWED = 4002; // close code: it has ended
 const HOST = 0; // the seat that starts matches
 const NO_3D = "This browser cannot draw the match: it has no WebGL 2.";
 const GOALS: Record<string, string> = {
@@ -30,8 +29,9 @@ const GOALS: Record<string, string> = {
 };
 const RANGE =
   "Shoot at targets that stand, walk and strafe, 10 to 60 m away. They never shoot back, and you never run out of rounds.";
-// States in which it is shown who is here.
-const WAITING = ["lobby", "preparing", "elsewhere", "over", "failed"];
+// States in which guests say that they are ready, and those in which it is shown who is here.
+const VOTING = ["lobby", "over", "failed"];
+const WAITING = [...VOTING, "preparing", "elsewhere"];
 
 const game = find("game");
 const settings = settingsIn(find("settings") as HTMLFormElement);
@@ -67,10 +67,7 @@ const connection = new Connection({
       const words = "You play on in the page that opened your link last.";
       return showPanel("closed", "Opened elsewhere", words, "Play here");
     }
-    if (code === RENEWED) {
-      const words = "The host has made a new link for this seat. Ask the host for it.";
-      return showPanel("closed", "This link was replaced", words);
-    }
+    if (code === RENEWED) return showPanel("closed", "This link was replaced", WHY_RENEWED);
     const why = reason
       ? `The server closed the connection: ${reason}.`
       : "The game does not answer. It may have ended; if it was started anew, its links have changed.";
@@ -94,7 +91,7 @@ const handlers: Handlers = {
   people: (message) => {
     lobby.update(message, table);
     isReady = message.people[table.seat as number].ready;
-    if (!isHost() && ["lobby", "over"].includes(game.dataset.state as string)) showStart(startButton(""));
+    if (canDraw && isVoting()) showStart(startButton(""));
     find("lobby").hidden = !showsPeople();
   },
   refused: ({ message }) => lobby.say(`${message[0].toUpperCase()}${message.slice(1)}.`),
@@ -162,6 +159,8 @@ const goal = () => GOALS[table.track] ?? "";
 const isHost = () => table.seat === HOST;
 const startButton = (text: string) =>
   isHost() ? text : isReady ? "Ready: wait for the others" : "I am ready";
+// A match that cannot be shown is still being played.
+const isVoting = () => !isHost() && !begun && VOTING.includes(game.dataset.state as string);
 const isPlaying = () => game.dataset.state === "playing";
 const showsPeople = () =>
   Boolean(table) && (table.people > 1 || isHost()) && WAITING.includes(game.dataset.state as string);
@@ -171,6 +170,7 @@ function beginMatch(begin: Begin, first: Now): void {
   const own: [Now, number][] = [[first, performance.now()]];
   waiting = own;
   withMap(
+    begin.map,
     (map) => {
       if (waiting !== own) return;
       const lose = () => cannotShow("The browser stopped drawing in 3D.");
@@ -300,8 +300,7 @@ find("go").addEventListener("click", () => {
   const { state } = game.dataset;
   sounds.unlock();
   if (state === "elsewhere") return location.assign(`../watch/${location.pathname.split("/").pop()}`);
-  if (["lobby", "over"].includes(state as string) && !isHost())
-    return connection.send({ kind: "ready", ready: !isReady });
+  if (isVoting()) return connection.send({ kind: "ready", ready: !isReady });
   controls.lock();
   if (game.dataset.state === "closed") {
     showPanel("connecting", "Wildscav", "Connecting …");
@@ -323,7 +322,7 @@ document.addEventListener("visibilitychange", () => {
   askToPause();
 });
 addEventListener("keydown", (event) => {
-  if (event.target instanceof HTMLInputElement) return;
+  if ((event.target as Element).closest("input, select, textarea")) return;
   if (!controls.enabled && !event.repeat && bindings.actOf(event.code) === "sound") command("sound");
   if (event.code === "Escape") askToPause();
 });

@@ -2,7 +2,7 @@
 
 import { createFlatStage } from "./flat";
 import { Clock } from "./play/clock";
-import { Connection } from "./play/connection";
+import { Connection, RENEWED, WHY_RENEWED } from "./play/connection";
 import { find } from "./play/dom";
 import { fillTable, Hud, titlesOf } from "./play/hud";
 import { WatchedCourse } from "./play/live_course";
@@ -35,6 +35,7 @@ new Connection({
   lose: () => showPanel("lost", "Connection lost", "Trying to connect again …"),
   close: (code, reason) => {
     if (code === SEATED) return location.replace(`../play/${location.pathname.split("/").pop()}`);
+    if (code === RENEWED) return showPanel("closed", "This link was replaced", WHY_RENEWED);
     const why = reason
       ? `The server closed the connection: ${reason}.`
       : "The game does not answer. It may have ended; if it was started anew, its links have changed.";
@@ -96,6 +97,7 @@ const handlers: Handlers = {
 
 function show(begin: Begin, own: WatchedCourse): void {
   withMap(
+    begin.map,
     (map) => {
       if (begun !== begin || course !== own) return;
       const lose = () => {

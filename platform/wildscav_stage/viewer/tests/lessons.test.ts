@@ -26,6 +26,7 @@ test.each<[Partial<Needs>, string[]]>([
   [{ supplies: false }, ["shoot", "reload"]],
   [{ track: "gathering", weapon: false }, ["pick_up"]],
   [{ track: "navigation", weapon: false, supplies: false }, ["target"]],
+  [{ track: "capture", weapon: false, supplies: false }, []],
   [{ track: "royale" }, ["pick_up", "shoot", "reload", "zone"]],
 ])("the steps of %o besides looking, walking and jumping are %o", (needs, names) => {
   const lessons = new Lessons({ ...BATTLE, ...needs }, new Set());

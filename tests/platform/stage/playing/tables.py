@@ -11,7 +11,7 @@ from typing import Any
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_stage.playing.links import Addresses
 from wildscav_stage.playing.plan import Plan, make_plan
-from wildscav_stage.playing.serve import prepare, served
+from wildscav_stage.playing.site.serve import prepare, served
 
 MEADOW = MapConfig(size=60, houses=1, relief=0.0, ruggedness=0.0, water=0.0, vegetation=0.0)
 

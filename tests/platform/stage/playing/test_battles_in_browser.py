@@ -118,7 +118,7 @@ def test_a_guest_joins_by_the_code_and_one_who_comes_late_watches_first(tmp_path
             assert page.inner_text("#replay a >> nth=0") == "Watch it in 3D"
             assert page.is_hidden("#record")
         assert late.inner_text("#title") == "The match is over"
-        late.goto(f"{late.url}/matches/0")
+        late.goto(late.locator("#replay a").first.evaluate("link => link.href"))
         late.wait_for_selector(".player-icon", state="attached", timeout=PATIENCE * 1000)
 
 

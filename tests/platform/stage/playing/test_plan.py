@@ -53,6 +53,11 @@ def test_submissions_come_before_robots_which_the_host_may_change() -> None:
     assert plan.arranged(["seeker"], new_map=False) == plan
 
 
+def test_an_arrangement_that_is_no_match_is_refused() -> None:
+    with pytest.raises(UserError, match="such a match is not possible: seats"):
+        make_plan("battle", None, 3, (), None).arranged(["fighter"] * 10_000, new_map=False)
+
+
 def test_people_have_the_first_seats_and_robots_the_rest() -> None:
     plan = make_plan("battle", None, 0, None, None, people=3)
     assert plan.spec.seats == ("submission", "submission", "submission", "fighter-easy")

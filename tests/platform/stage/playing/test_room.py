@@ -12,6 +12,8 @@ from tests.platform.stage.playing.pages import page
 from tests.platform.stage.playing.tables import small_plan, tables_links
 from websockets.exceptions import ConnectionClosed
 
+from wildscav_engine.simulation.match import Match
+from wildscav_stage.playing.audience import Audience
 from wildscav_stage.playing.links import Addresses
 from wildscav_stage.playing.page import SEATED
 from wildscav_stage.playing.room import LASTING, LETTERS, MAX_TRIES, EntryError, Room
@@ -165,9 +167,15 @@ def test_a_form_of_any_size_is_answered_and_a_table_for_one_has_no_room(tmp_path
     asyncio.run(play())
 
 
-def test_whoever_comes_late_watches_and_is_sent_to_their_seat_when_the_match_is_over(tmp_path: Path) -> None:
+def test_whoever_comes_late_watches_and_is_sent_to_their_seat_when_the_match_is_over(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    matches: list[Match] = []
+    begin = Audience.begin
+    monkeypatch.setattr(Audience, "begin", lambda self, match: (matches.append(match), begin(self, match)))
+
     async def play() -> None:
-        plan = small_plan("navigation", 1.5, people=2)
+        plan = small_plan("navigation", 60.0, people=2)
         async with tables_links(plan, tmp_path) as links, page(links.host) as host:
             await host.send(kind="start")
             await host.until("moment")
@@ -177,6 +185,7 @@ def test_whoever_comes_late_watches_and_is_sent_to_their_seat_when_the_match_is_
                 await late.until("elsewhere")
             async with page(own.replace("/play/", "/watch/")) as watching:
                 assert (await watching.until("moment"))["kind"] == "all"
+                matches[0].state.matches.frame_limit[0] = 0  # it ends now
                 with pytest.raises(ConnectionClosed) as closed:
                     await watching.until("never")
                 assert closed.value.rcvd is not None

@@ -11,8 +11,13 @@ from tests.platform.stage.playing.tables import small_plan, tables_links
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from wildscav_engine.record import read_record, verify_record
-from wildscav_stage.playing.app import MAX_COMMANDS
+from wildscav_server.match_server import MatchServer
+from wildscav_stage.playing.links import Base, Links
+from wildscav_stage.playing.lobby import HOST
 from wildscav_stage.playing.page import RENEWED
+from wildscav_stage.playing.rounds import MatchHosting
+from wildscav_stage.playing.site.app import MAX_COMMANDS
+from wildscav_stage.playing.table import Table
 
 
 async def opened(stack: AsyncExitStack, *links: str) -> list[PageClient]:
@@ -230,7 +235,11 @@ def test_a_match_of_several_people_is_counted_down(tmp_path: Path) -> None:
     asyncio.run(play())
 
 
-def test_everybody_who_is_ready_plays_on_without_the_host(tmp_path: Path) -> None:
+def test_everybody_who_is_ready_plays_on_without_the_host(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("wildscav_stage.playing.lobby.HOST_RETURNS", 0.2)
+
     async def play() -> None:
         plan = small_plan("navigation", 0.6, people=3)
         async with tables_links(plan, tmp_path) as links, AsyncExitStack() as stack:
@@ -249,6 +258,66 @@ def test_everybody_who_is_ready_plays_on_without_the_host(tmp_path: Path) -> Non
             assert (await first.until("people"))["people"][1]["ready"]
             await second.send(kind="ready", ready=True)
             assert (await second.until("begin"))["seats"][0]["name"] == "seeker-easy"  # in the host's seat
+
+    asyncio.run(play())
+
+
+def test_guests_who_are_ready_wait_for_a_host_who_loads_the_page_again(tmp_path: Path) -> None:
+    async def play() -> None:
+        async with tables_links(small_plan(people=2), tmp_path) as links, page(links.guests[0]) as guest:
+            async with page(links.host):
+                await guest.send(kind="ready", ready=True)
+                await everybody(guest, "here", "here")
+            await everybody(guest, "away", "here")
+            async with page(links.host) as host:
+                await everybody(guest, "here", "here")
+                await host.send(kind="start")
+                seats = (await guest.until("begin"))["seats"]
+                assert [seat["name"] for seat in seats] == ["person 1", "person 2"]
+
+    asyncio.run(play())
+
+
+def test_who_wants_the_next_match_while_the_last_one_leaves_has_it(tmp_path: Path) -> None:
+    class Leaving(Table):
+        """Each match ends at once, but takes until ``left`` to leave."""
+
+        async def _play(self) -> None:
+            begun.append(self.lobby.begin())
+            self._change({"kind": "over"})
+            await left.wait()
+
+    begun, left = [], asyncio.Event()
+
+    async def play() -> None:
+        plan = small_plan(people=2)
+        links, hosting = Links(2), MatchHosting(MatchServer(), "", {}, tmp_path)
+        table = Leaving(plan, hosting, links, Base("http://a/", "http://a/"), print)
+        table.start(HOST)
+        table.start(HOST)  # a second click is no second match
+        await asyncio.sleep(0)
+        assert len(begun) == 1
+        table.start(HOST)
+        left.set()
+        await asyncio.sleep(0.01)
+        assert len(begun) == 2
+        await table.close()
+
+    asyncio.run(play())
+
+
+def test_whoever_watches_by_a_seat_that_is_freed_has_to_go(tmp_path: Path) -> None:
+    async def play() -> None:
+        async with tables_links(small_plan(people=2), tmp_path) as links, page(links.host) as host:
+            await host.send(kind="start")
+            await host.until("moment")
+            async with page(links.guests[0].replace("/play/", "/watch/")) as late:
+                await late.until("begin")
+                await host.send(kind="free", seat=1)
+                with pytest.raises(ConnectionClosed) as closed:
+                    await late.until("over")
+                assert closed.value.rcvd is not None
+                assert closed.value.rcvd.code == RENEWED
 
     asyncio.run(play())
 

@@ -2,9 +2,9 @@
 
 import asyncio
 import json
-import time
 from contextlib import AsyncExitStack
 from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
@@ -13,7 +13,7 @@ from tests.platform.stage.playing.tables import small_plan, tables_links
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from wildscav_engine.simulation.match import Match
-from wildscav_stage.playing.audience import AUDIENCE_FRAMES, Audience
+from wildscav_stage.playing.audience import AUDIENCE_FRAMES, Audience, Moment
 from wildscav_stage.playing.page import TOO_MANY, UNSUPPORTED
 from wildscav_stage.playing.table import MAX_SPECTATORS
 
@@ -96,6 +96,9 @@ def spectate(match: Match, audience: Audience, frames: int, *, asked: int) -> li
             audience.note()
             if frame % asked == 0:
                 told.append(await audience.next(told[-1][0]))
+        newest, _ = await audience.next(0)
+        while told[-1][0] < newest:
+            told.append(await audience.next(told[-1][0]))
         return told
 
     return asyncio.run(watch())
@@ -115,9 +118,8 @@ def test_changes_add_up_to_what_is_there(seen: int) -> None:
         client._take_rows(json.loads(f"{{{text}"))
     everything = json.loads(f"{{{asyncio.run(audience.next(0))[1]}")
 
-    if seen == 1:
-        assert sum('"all"' in text for _, text in told) == 1
-        assert client.rows == {seat: row for seat, *row in everything["agents"]}
+    assert (sum('"all"' in text for _, text in told) == 1) == (seen == 1)
+    assert client.rows == {seat: row for seat, *row in everything["agents"]}
 
 
 def test_a_spectator_who_missed_moments_is_told_everything_and_no_old_shots() -> None:
@@ -136,26 +138,43 @@ def test_changes_are_small() -> None:
     assert rate * sum(len(text) for _, text in told[1:]) / len(told[1:]) < 5000  # bytes a second
 
 
-def test_what_spectators_see_is_so_many_seconds_old(tmp_path: Path) -> None:
-    """Of all that tells where somebody is, and of the end."""
+def test_what_spectators_see_is_so_many_seconds_old(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of all that tells where somebody is, and of the end: here, these seconds pass after the match."""
+    later: list[tuple[Any, Any]] = []
 
     async def play() -> None:
+        loop = asyncio.get_running_loop()
+        call_later = loop.call_later
+
+        def hold(delay: float, callback: Any, *values: Any, **options: Any) -> Any:
+            if delay == 1000.0:
+                return later.append((callback, values))
+            return call_later(delay, callback, *values, **options)
+
+        monkeypatch.setattr(loop, "call_later", hold)
         plan = small_plan("battle", 2.0, people=2)
         assert plan.delay > 0.0
-        async with tables_links(plan, tmp_path, delay=1.0) as links, AsyncExitStack() as stack:
+        async with tables_links(plan, tmp_path, delay=1000.0) as links, AsyncExitStack() as stack:
             spectator, host = [
                 await stack.enter_async_context(page(link)) for link in (links.watch, links.host)
             ]
-            assert (await spectator.until("table"))["delay"] == 1.0
+            assert (await spectator.until("table"))["delay"] == 1000.0
             await host.send(kind="start")
-            for kind in ("begin", "over"):
-                await host.until(kind)
-                there = time.monotonic()
-                await spectator.until(kind)
-                assert time.monotonic() - there > 0.5
-            assert spectator.shown["frame"] >= 96  # nothing of the match is left out
+            await host.until("over")
+            async with page(links.watch) as late:
+                await late.until("lobby")  # to spectators, none has begun
+            for callback, values in later:
+                callback(*values)
+            await spectator.until("begin")
+            await spectator.until("over")
 
     asyncio.run(play())
+    told = [values[0] for _, values in later]
+    order = ["moment" if isinstance(each, Moment) else each and each["kind"] for each in told]
+    assert order.index("begin") < order.index("moment")
+    last = max(place for place, kind in enumerate(order) if kind == "moment")
+    assert last < order.index("over")
+    assert json.loads(f"{{{told[last].everything}")["frame"] >= 96  # nothing of the match is left out
 
 
 def test_the_map_is_sent_to_whoever_has_a_link_and_does_not_have_it_yet(tmp_path: Path) -> None:
@@ -169,10 +188,11 @@ def test_the_map_is_sent_to_whoever_has_a_link_and_does_not_have_it_yet(tmp_path
         async with tables_links(small_plan(), tmp_path) as links, page(links.host) as host:
             assert await asyncio.to_thread(status, links.host) == 404  # there is none yet
             await host.send(kind="start")
-            await host.until("begin")
+            named = (await host.until("begin"))["map"]
             for link, expected in ((links.host, 200), (links.watch, 200), (f"{links.host}x", 404)):
                 assert await asyncio.to_thread(status, link) == expected
             kept = {"If-None-Match": await asyncio.to_thread(key, links.host)}
+            assert kept["If-None-Match"] == f'"{named}"'  # so pages notice another map
             assert await asyncio.to_thread(status, links.watch, **kept) == 304
 
     asyncio.run(play())

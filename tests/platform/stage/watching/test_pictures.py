@@ -23,6 +23,7 @@ from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_stage.scene.document import Samples, SeatSamples, differences
 from wildscav_stage.scene.map_file import map_file
+from wildscav_stage.scene.notes import shown_notes
 from wildscav_stage.scene.trails import trails_of
 from wildscav_stage.watching.match_page import Scene, whole_page
 
@@ -96,7 +97,7 @@ def page_of(game_map: GameMap, poses: list[Pose]) -> str:
             "target": None,
         }
     )
-    return whole_page(Scene("poses", map_file(game_map), shown.compressed()))
+    return whole_page(Scene("poses", map_file(game_map), shown.compressed(), shown_notes([], 1).compressed()))
 
 
 def seen_by_viewer(browser: Any, address: str) -> Image.Image:

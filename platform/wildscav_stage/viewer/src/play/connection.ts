@@ -2,6 +2,8 @@
 
 import type { Message } from "./messages";
 
+export const RENEWED = 4002; // close code: the link has ended
+export const WHY_RENEWED = "The host has made a new link for this seat. Ask the host for it.";
 const ENDED = 4000; // close codes from here on are the server's decisions, after which nothing is tried again
 const REFUSED = [1003, 1008, 1009]; // likewise: the page sent what it must not
 const FIRST_WAIT = 500; // ms before the first new try; each further one waits longer

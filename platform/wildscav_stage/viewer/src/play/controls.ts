@@ -26,7 +26,8 @@ export const FLAGS: Flag[] = ["jump", "shoot", "reload", "pick_up"];
 
 export type Input = Held & Record<Flag, boolean>;
 
-// Limits how fast the view turns, as the engine does: what is too fast is lost.
+// Limits how fast the view turns to what the body can. What is too fast is lost here, although the server would let
+// the body follow by 0.1 s of turning: so the view never runs ahead of it.
 export class TurnLimit {
   private left = 0; // degrees that may be turned at once: at most those of a frame
 

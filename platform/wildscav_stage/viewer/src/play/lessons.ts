@@ -32,7 +32,6 @@ interface Lesson {
 }
 
 const ENOUGH = { turn: 90, walk: 5, nearer: 10, zone: 6 }; // degrees, m, m, s
-const HAS_TARGET = ["navigation", "capture"];
 const LESSONS: Lesson[] = [
   {
     name: "look",
@@ -60,7 +59,7 @@ const LESSONS: Lesson[] = [
     acts: [],
     words: () => "Go where ◆ is on the compass",
     touch: "Go where ◆ is on the compass",
-    isFor: ({ track }) => HAS_TARGET.includes(track),
+    isFor: ({ track }) => track === "navigation", // that of capture is hidden
     share: ({ target }, before) =>
       target === null || before.target === null ? 0 : Math.max(0, before.target - target) / ENOUGH.nearer,
   },

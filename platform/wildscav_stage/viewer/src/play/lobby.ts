@@ -18,6 +18,7 @@ export class Lobby {
   private readonly newMap: HTMLInputElement;
   private wanted = remembered(NAME);
   private told = ""; // what is shown of the next match
+  private last: [People, string[]] | null = null; // from which that is made
   private codeEnds = 0; // id of the timer that forgets the code
 
   // section holds a list, a form with a name, and notes; send sends a message to the server.
@@ -58,13 +59,18 @@ export class Lobby {
       ? `A robot (${standIn}) plays for whoever is not here when the match starts.`
       : "";
     this.showRoom(message.room);
-    this.showNext(message, people[seat].host ? kinds : []);
+    this.last = [message, people[seat].host ? kinds : []];
+    this.showNext(...this.last);
     this.showWatching(message);
     this.say("");
   }
 
+  // Say why something was refused, and show what holds again.
   say(text: string): void {
     this.part("#refusal").textContent = text;
+    if (!text || !this.last) return;
+    this.told = "";
+    this.showNext(...this.last);
   }
 
   private part(path: string): HTMLElement {
@@ -115,8 +121,9 @@ export class Lobby {
     const mixed = new Set(robots).size > 1;
     const values = mixed ? [robots.join(), ...kinds] : kinds;
     const titles = mixed ? ["mixed", ...kinds] : kinds;
+    const kind = this.kind.value; // of no robots
     this.kind.replaceChildren(...values.map((value, index) => make("option", { value }, titles[index])));
-    this.kind.value = mixed ? values[0] : (robots[0] ?? this.kind.value);
+    this.kind.value = mixed ? values[0] : (robots[0] ?? (kinds.includes(kind) ? kind : kinds[0]));
     this.robots.value = String(robots.length);
     this.newMap.checked = newMap;
     const others = opponents.slice(0, opponents.length - robots.length);

@@ -100,6 +100,7 @@ export interface Rules {
 export interface Begin {
   kind: "begin";
   paused: boolean;
+  map: string; // its key, another one for another map
   weapon: boolean;
   supplies: boolean;
   metrics: Metric[];
@@ -115,7 +116,7 @@ export interface Over {
   metrics: Metric[];
   rows: ScoreRow[];
   played: number[]; // the seats of people who took part
-  match: { number: number; record: string | null }; // the name of its record, if it can be downloaded
+  match: { secret: string; record: string | null }; // the name of its record, if it can be downloaded
   record?: string;
   commands?: string[];
 }

@@ -9,20 +9,21 @@ import { find } from "./dom";
 const BACK = 4000; // ms in which 3D must be back
 const LONGEST = 1000; // ms between two pictures; after more, the page was not shown
 
-let map: Promise<GameMap> | null = null; // all matches of a table are played on one
+let kept: { key: string; map: Promise<GameMap> } | null = null; // the map of the last match
 
-// Use the map once it is there, or tell why the match cannot be shown.
-export function withMap(use: (map: GameMap) => void, fail: (why: string) => void): void {
-  map ??= fetchMap();
-  map.then(use).catch((error: Error) => {
-    map = null; // to be tried again
+// Use the map of a key once it is there, or tell why the match cannot be shown.
+export function withMap(key: string, use: (map: GameMap) => void, fail: (why: string) => void): void {
+  if (kept?.key !== key) kept = { key, map: fetchMap(key) };
+  const own = kept;
+  own.map.then(use).catch((error: Error) => {
+    if (kept === own) kept = null; // to be tried again
     console.error(error);
     fail(`${error.message}.`);
   });
 }
 
-async function fetchMap(): Promise<GameMap> {
-  const answer = await fetch(`${location.pathname}/map`);
+async function fetchMap(key: string): Promise<GameMap> {
+  const answer = await fetch(`${location.pathname}/map?key=${key}`);
   if (!answer.ok || !answer.body) throw new Error(`the map could not be loaded (${answer.status})`);
   const map = await readMap(await unzipped(answer.body));
   await map.whole; // bodies must not walk through what is not there yet

@@ -40,7 +40,7 @@ export class Player implements Actions, Drawn {
   private readonly keys = keysDialog();
   private readonly theater: HTMLElement;
   private readonly stops: (() => void)[];
-  private readonly lag: Lag;
+  private lag: Lag;
   private state = ""; // of the connection, as it was said last
   private follower: Player | null = null;
   private shownTime = -1; // s, by all but the picture
@@ -119,6 +119,7 @@ export class Player implements Actions, Drawn {
   // Begin anew: the match is played again, or is over and recorded.
   begin(trails: Trails, news: News[]): void {
     this.course.begin(trails);
+    this.lag = new Lag(trails.delay, trails.frames_per_second);
     this.extend(news);
     if (trails.over) this.clock.close();
   }

@@ -15,6 +15,7 @@ const SOON = 100; // ms between two looks for the match beside which this one is
 const PATIENCE = 10_000; // ms for which a match waits for its map
 
 const players: Player[] = [];
+const failed = new WeakSet<Element>(); // the elements of matches that cannot be shown
 
 // The player to which the address of the page and keys pressed nowhere belong.
 const first = () => players.find(({ root }) => root.isConnected);
@@ -27,6 +28,7 @@ export async function show(root: HTMLElement, makers: StageMaker[]): Promise<voi
   root.classList.add("player");
   root.replaceChildren(message);
   const source = sourceOf(root);
+  failed.delete(root);
   try {
     const map = source.map((text) => players.find((each) => each.root === root)?.screen.say(text));
     map.catch(() => {}); // is handled below, but perhaps later than the browser complains
@@ -49,6 +51,7 @@ export async function show(root: HTMLElement, makers: StageMaker[]): Promise<voi
   } catch (error) {
     console.warn(error);
     forget(root);
+    failed.add(root);
     tell(`The match cannot be shown: ${(error as Error).message}. `);
     message.append(again(() => show(root, makers)));
     root.replaceChildren(message);
@@ -68,11 +71,14 @@ async function recorded(source: Source, tell: (text: string) => void): Promise<T
 // Of an element with `data-with`: the player in the element before it, once it is there. They share time and views.
 async function leadOf(root: HTMLElement): Promise<Player | null> {
   if (!("with" in root.dataset)) return null;
-  for (;;) {
-    const lead = players.find((player) => player.root === root.previousElementSibling);
+  while (root.isConnected) {
+    const other = root.previousElementSibling as Element;
+    const lead = players.find((player) => player.root === other);
     if (lead) return lead;
+    if (failed.has(other)) throw new Error("the other one cannot be shown");
     await pause(SOON);
   }
+  throw new Error("it has left the page");
 }
 
 function enter(root: HTMLElement, course: Course, makers: StageMaker[], lead: Player | null): Player {

@@ -15,7 +15,7 @@ from wildscav_stage.playing.room import EntryError
 from wildscav_stage.playing.table import Table
 
 LONGEST_FORM = 200  # bytes
-PAGE = Path(__file__).parents[1] / "static" / "join.html"
+PAGE = Path(__file__).parents[2] / "static" / "join.html"
 # The form is sent to this site, which may ask from where it comes.
 HEADERS_OF_FORM = {
     "Content-Security-Policy": HEADERS["Content-Security-Policy"].replace(

@@ -18,11 +18,11 @@ from wildscav_server.hosting.precompile import precompile, small_map
 from wildscav_server.leftovers import temporary_folder
 from wildscav_server.match_server import MatchServer
 from wildscav_stage.listening import GRACE, listen
-from wildscav_stage.playing.app import Site
 from wildscav_stage.playing.links import Addresses, Base, Links, base_of
 from wildscav_stage.playing.plan import Plan
 from wildscav_stage.playing.rounds import Agents, MatchHosting
 from wildscav_stage.playing.sight import Known, Sight
+from wildscav_stage.playing.site.app import Site
 from wildscav_stage.playing.table import COUNTDOWN, Table
 from wildscav_stage.scene.map_file import map_file
 

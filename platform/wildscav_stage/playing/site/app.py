@@ -6,6 +6,7 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 from starlette.applications import Starlette
+from starlette.exceptions import HTTPException
 from starlette.middleware import Middleware
 from starlette.requests import Request
 from starlette.responses import HTMLResponse, Response
@@ -13,8 +14,8 @@ from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket
 
+from wildscav.errors import UserError
 from wildscav_stage.headers import SecurityHeaders
-from wildscav_stage.playing.entrance import Entrance
 from wildscav_stage.playing.inputs import (
     Arrange,
     Command,
@@ -41,13 +42,14 @@ from wildscav_stage.playing.page import (
     OpenPage,
     PageClosedError,
 )
-from wildscav_stage.playing.replays import Replays
 from wildscav_stage.playing.sight import Known
+from wildscav_stage.playing.site.entrance import Entrance
+from wildscav_stage.playing.site.replays import UNSHOWN, Replays
 from wildscav_stage.playing.table import MAX_SPECTATORS, Table
-from wildscav_stage.viewer_files import PATH, digest, versioned, viewer_routes
+from wildscav_stage.viewer_files import PATH, versioned, viewer_routes
 
 MAX_COMMANDS = 10  # a second: whatever is told to everybody
-STATIC = Path(__file__).parents[1] / "static"
+STATIC = Path(__file__).parents[2] / "static"
 NO_ACCESS = 4004  # close code for a link that is not valid
 PROBLEMS = {  # with links: a title and what to do, in HTML
     "wrong": (
@@ -63,6 +65,7 @@ PROBLEMS = {  # with links: a title and what to do, in HTML
         "There is nothing here",
         "To play or to watch, open the whole link that you were sent.",
     ),
+    "unshown": ("This match cannot be shown", UNSHOWN),
 }
 
 
@@ -163,7 +166,7 @@ class PlayerPage(OpenPage):
                 case Rename():
                     table.lobby.rename(seat, message.name)
                 case Free():
-                    table.lobby.free(seat, message.seat)
+                    table.free(seat, message.seat)
                 case OpenRoom():
                     table.lobby.open_room(seat, is_open=message.open)
                 case Arrange():
@@ -193,13 +196,14 @@ class Site:
                 Route("/watch/{secret}/map", self._send_map),
                 WebSocketRoute("/watch/{secret}/socket", self._connect_spectator),
                 *(Entrance(table).routes if len(table.lobby.seats) > 1 else ()),
-                *Replays(table, links).routes,
+                *Replays(table).routes,
                 Mount("/static/viewer", viewer_routes()),  # compressed
                 Mount(PATH, viewer_routes()),  # the same, for the pages of matches
                 Mount("/static", StaticFiles(directory=STATIC)),
                 Route("/{path:path}", _show_nothing),
             ],
             middleware=[Middleware(SecurityHeaders)],
+            exception_handlers={HTTPException: _show_nothing, UserError: _show_no_match},
         )
 
     async def _show(self, request: Request) -> Response:
@@ -239,7 +243,7 @@ class Site:
         valid = self._links.opens_match(secret) if watches else self._links.seat_of(secret) is not None
         if not valid or self._table.map_file is None:
             return _explain("wrong" if not valid else "nothing", request)
-        key = f'"{digest(self._table.map_file)}"'
+        key = f'"{self._table.map_key}"'
         headers = {"ETag": key, "Cache-Control": "no-cache"}
         if key in request.headers.get("if-none-match", ""):
             return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=headers)
@@ -257,13 +261,17 @@ def _page(name: str, script: str) -> Response:
     return HTMLResponse((STATIC / name).read_text("utf-8").replace("{script}", versioned(script)))
 
 
-async def _show_nothing(request: Request) -> Response:
-    return _explain("nothing", request)
+async def _show_nothing(request: Request, error: Exception | None = None) -> Response:
+    return _explain("nothing", request, error.status_code if isinstance(error, HTTPException) else 404)
 
 
-def _explain(problem: str, request: Request) -> Response:
+async def _show_no_match(request: Request, _error: Exception) -> Response:
+    return _explain("unshown", request, 500)
+
+
+def _explain(problem: str, request: Request, status: int = 404) -> Response:
     """Return the page that says what is wrong with a link."""
     title, words = PROBLEMS[problem]
     root = "../" * (request.url.path.count("/") - 1)  # relative, as a proxy may serve the site below a path
     page = (STATIC / "problem.html").read_text("utf-8").replace("{root}", root)
-    return HTMLResponse(page.replace("{title}", title).replace("{words}", words), 404)
+    return HTMLResponse(page.replace("{title}", title).replace("{words}", words), status)
