@@ -29,6 +29,7 @@ from wildscav_leaderboard.seasons import state
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import ForbiddenError, NotFoundError, UnknownCallerError
 from wildscav_leaderboard.seasons.state import OPENED, is_finalized, read_state
+from wildscav_leaderboard.spectating.live import NOT_PLAYED
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.states import CANCELLED, FAILED
 from wildscav_leaderboard.teams.models import Team
@@ -96,7 +97,7 @@ def seen_by(
 
     def visible(match: Match) -> Visible:
         not_over = "" if match.state == FINISHED else "the match is not over"
-        not_played = "" if match.state == PLAYING else "the match is not being played"
+        not_played = "" if match.state == PLAYING else NOT_PLAYED
         if everything:
             return Visible(not_over, not_played, "", "", name, everything)
         suite = "" if match.kind == LADDER or opened else OF_SUITE
@@ -109,10 +110,9 @@ def seen_by(
 
 
 def why_live_is_hidden(database: Database, number: int) -> str:
-    """Return why strangers may not watch a match now; an empty text if they may, or it is not played."""
+    """Return why strangers may not watch a match now; an empty text if they may."""
     with database.reading() as session:
-        match = find_match(session, number)
-        return seen_by(session, [match], None)[number].live if match.state == PLAYING else ""
+        return seen_by(session, [find_match(session, number)], None)[number].live
 
 
 def perhaps_shown(session: Session) -> list[Match]:
