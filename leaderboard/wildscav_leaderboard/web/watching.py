@@ -2,10 +2,11 @@
 
 import json
 from functools import partial
+from http import HTTPStatus
 from typing import Annotated, Literal, NamedTuple
 
 from fastapi import APIRouter, Query, Request
-from fastapi.responses import HTMLResponse
+from fastapi.responses import HTMLResponse, PlainTextResponse
 from sqlalchemy.orm import Session
 
 from wildscav.errors import UserError
@@ -166,6 +167,12 @@ def _unseen(view: MatchView) -> str:
     return "all" if all(unknown) else "some"
 
 
+@router.get("/robots.txt")
+def robots() -> PlainTextResponse:
+    """Keep search engines from what is made for whoever asks for it."""
+    return PlainTextResponse("User-agent: *\nDisallow: /matches/*/video\nDisallow: /matches/*/watch\n")
+
+
 @router.get("/matches/{number}/video", response_class=HTMLResponse)
 @router.get("/matches/{number}/watch", response_class=HTMLResponse)
 def made_of_record(
@@ -184,4 +191,5 @@ def made_of_record(
     product = "video" if request.url.path.endswith("/video") else "replay"
     made = renders.progress(product, str(number), record_path(session, season, number, caller), now)
     viewer = rerun_viewer.address_of(str(request.url_for("replay_file", match=number)))
-    return page(request, "made.html", caller, match=view, product=product, made=made, viewer=viewer)
+    status = HTTPStatus.SERVICE_UNAVAILABLE if made.state == "failed" else HTTPStatus.OK
+    return page(request, "made.html", caller, status, match=view, product=product, made=made, viewer=viewer)
