@@ -19,6 +19,7 @@ from wildscav_leaderboard.matches.service import find_match, list_matches
 from wildscav_leaderboard.playing.permission import open_tracks, refused_why
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import ForbiddenError
+from wildscav_leaderboard.seasons.state import NOTES_HIDDEN, read_state
 from wildscav_leaderboard.spectating import rerun_viewer
 from wildscav_leaderboard.submissions.service import find_submission
 from wildscav_leaderboard.teams.service import find_team, titles
@@ -91,6 +92,7 @@ def match(
         visible=view.hidden is None,
         live=found.state == PLAYING and not unwatched,
         unwatched=unwatched,
+        unheard=(read_state(session, NOTES_HIDDEN) or {}).get(str(number)),
         stage=_stage(found, view),
         playable=_playable(session, season, view),
         has_poster=view.hidden is None and renders.is_kept("poster", str(number)),

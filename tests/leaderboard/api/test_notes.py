@@ -46,6 +46,7 @@ def test_others_read_what_is_public_until_an_organizer_hides_it(of_ladder: Ask) 
     assert 'data-notes="/api/v1/matches/' in of_ladder("visitor", "GET", "/matches/{number}").text
 
     of_ladder("organizer", "POST", f"{acts}/hide", body={"reason": "an insult"}).raise_for_status()
+    assert "an insult" in of_ladder("visitor", "GET", "/matches/{number}").text
     assert said(of_ladder("visitor", "GET", notes)) == set()
     assert said(of_ladder("organizer", "GET", notes)) == {"Good luck!", "He is slow."}
     of_ladder("organizer", "POST", f"{acts}/unhide").raise_for_status()
