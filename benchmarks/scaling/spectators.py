@@ -44,7 +44,7 @@ def play(live: Path, spec: MatchSpec, pipe: Connection) -> None:
         time.sleep(max(0.0, due - time.perf_counter()))
         match.step()
         times[match.frame] = (time.perf_counter(), due)
-        snapshots.append(match.notes.take())
+        snapshots.append(match.happenings.take())
         if time.perf_counter() > told + HEARTBEAT_INTERVAL:
             writer.add(key_of(SIZE.matches), spec, SEATS, snapshots)
             told, snapshots = time.perf_counter(), []

@@ -20,7 +20,6 @@ from typing import NamedTuple
 from sqlalchemy import ColumnElement, and_, func, or_, select, true
 from sqlalchemy.orm import Session, defer
 
-from wildscav.notes import Note
 from wildscav_leaderboard.accounts.service import Caller
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import FINISHED, LADDER, PLAYING, VOID, Match, MatchResult, MatchSeat
@@ -29,11 +28,12 @@ from wildscav_leaderboard.seasons import state
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import ForbiddenError, NotFoundError, UnknownCallerError
 from wildscav_leaderboard.seasons.state import OPENED, is_finalized, read_state
+from wildscav_leaderboard.spectating.kept_notes import SeenLog
+from wildscav_leaderboard.spectating.live import NOT_PLAYED
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.states import CANCELLED, FAILED
 from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.teams.service import team_of
-from wildscav_stage.scene.notes import notes_in
 
 OF_SUITE = (
     "everyone plays this match of the suite, its own team again too, so it is hidden until the season's "
@@ -96,7 +96,7 @@ def seen_by(
 
     def visible(match: Match) -> Visible:
         not_over = "" if match.state == FINISHED else "the match is not over"
-        not_played = "" if match.state == PLAYING else "the match is not being played"
+        not_played = "" if match.state == PLAYING else NOT_PLAYED
         if everything:
             return Visible(not_over, not_played, "", "", name, everything)
         suite = "" if match.kind == LADDER or opened else OF_SUITE
@@ -109,10 +109,9 @@ def seen_by(
 
 
 def why_live_is_hidden(database: Database, number: int) -> str:
-    """Return why strangers may not watch a match now; an empty text if they may, or it is not played."""
+    """Return why strangers may not watch a match now; an empty text if they may."""
     with database.reading() as session:
-        match = find_match(session, number)
-        return seen_by(session, [match], None)[number].live if match.state == PLAYING else ""
+        return seen_by(session, [find_match(session, number)], None)[number].live
 
 
 def perhaps_shown(session: Session) -> list[Match]:
@@ -229,8 +228,10 @@ def seat_log(session: Session, season: Season, number: int, seat: int, caller: C
     return None if log is None else season.match_folder(number) / log
 
 
-def seen_notes(session: Session, season: Season, number: int, caller: Caller | None) -> list[Note]:
-    """Return what agents said and drew: all of the caller's own team, and of others what they made public.
+def logs_of_notes(
+    session: Session, season: Season, number: int, caller: Caller | None
+) -> tuple[SeenLog, ...]:
+    """Return in which logs a caller may see what agents said and drew.
 
     Raises:
         NotFoundError: There is no such match.
@@ -244,14 +245,11 @@ def seen_notes(session: Session, season: Season, number: int, caller: Caller | N
     owners = select(MatchSeat.seat, Team.name).join(Submission, MatchSeat.submission_id == Submission.id)
     owners = owners.join(Team, Submission.team_id == Team.id).where(MatchSeat.match_id == number)
     is_public = not are_notes_hidden(session, number)
-    notes: list[Note] = []
-    for seat, team in session.execute(owners):
-        log = season.match_folder(number) / (logs.get(seat) or "")
-        if log.is_file():
-            notes += [
-                note for note in notes_in(log, seat) if (note.public and is_public) or visible.is_own(team)
-            ]
-    return notes
+    return tuple(
+        SeenLog(season.match_folder(number) / log, seat, visible.is_own(team))
+        for seat, team in session.execute(owners)
+        if (log := logs.get(seat)) and (is_public or visible.is_own(team))
+    )
 
 
 def are_notes_hidden(session: Session, number: int) -> bool:

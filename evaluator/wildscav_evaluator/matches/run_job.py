@@ -29,7 +29,7 @@ from wildscav_evaluator.matches.play import (
     prepare_logs,
     remove_empty_logs,
 )
-from wildscav_evaluator.matches.snapshots import HEARTBEAT_INTERVAL, Notes, Snapshot, WatchedMatch
+from wildscav_evaluator.matches.snapshots import HEARTBEAT_INTERVAL, Snapshot, WatchedMatch
 from wildscav_evaluator.output.results import FAILED, FINISHED, MatchRow, MatchTiming, SeatRow, SeatTiming
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_server.hosting.hosted_match import HostedMatch
@@ -95,48 +95,65 @@ async def _play_with_heartbeats(
     seating: MatchAssignment, job: Job, on_event: Callable[[JobEvent], None]
 ) -> PlayedMatch:
     """Play a match and report its progress, from the start again if the match is played again."""
-    heartbeats: list[asyncio.Task[None]] = []
-
-    async def beat(hosted: HostedMatch) -> None:
-        snapshots: tuple[Snapshot, ...] = ()
-        shown = -SNAPSHOT_FRAMES  # the frame of the last snapshot
-        while True:
-            on_event(Heartbeat(hosted.match.frame, hosted.match.step_number, snapshots))
-            if isinstance(hosted.match, WatchedMatch):
-                snapshots = await _observe(hosted.match, hosted.match.notes, shown)
-                shown = snapshots[-1].frame if snapshots else shown
-            else:
-                await asyncio.sleep(HEARTBEAT_INTERVAL)
-
-    def begin(hosted: HostedMatch) -> None:
-        for task in heartbeats:
-            task.cancel()
-        heartbeats.append(asyncio.create_task(beat(hosted)))
-
+    beats = _Heartbeats(on_event)
     try:
         with _cancelled_by_signal():
-            return await play_match(
+            played = await play_match(
                 seating,
                 sandbox=SANDBOXES[job.sandbox],
-                on_start=begin,
+                on_start=beats.begin,
                 make=WatchedMatch if job.watched else None,
                 faults=job.faults,
                 on_failure=lambda reason: on_event(AttemptFailed(reason)),
             )
+        beats.tell_end(played.match)
+        return played
     finally:
-        for task in heartbeats:
-            task.cancel()
+        beats.stop()
 
 
-async def _observe(match: Match, notes: Notes, shown: int) -> tuple[Snapshot, ...]:
-    """Wait until the next heartbeat, and return snapshots of the moments after a frame."""
-    snapshots = []
-    for _ in range(round(HEARTBEAT_INTERVAL / SNAPSHOT_INTERVAL)):
-        await asyncio.sleep(SNAPSHOT_INTERVAL)
-        if match.frame >= shown + SNAPSHOT_FRAMES:
-            shown = match.frame
-            snapshots.append(notes.take())
-    return tuple(snapshots)
+class _Heartbeats:
+    """The heartbeats of a match, with snapshots if it is watched."""
+
+    def __init__(self, on_event: Callable[[JobEvent], None]) -> None:
+        self._on_event = on_event
+        self._task: asyncio.Task[None] | None = None
+        self._snapshots: list[Snapshot] = []  # since the last heartbeat
+        self._shown = -SNAPSHOT_FRAMES  # the frame of the last snapshot
+
+    def begin(self, hosted: HostedMatch) -> None:
+        """Follow a match from its start."""
+        self.stop()
+        self._snapshots, self._shown = [], -SNAPSHOT_FRAMES
+        self._task = asyncio.create_task(self._beat(hosted.match))
+
+    def stop(self) -> None:
+        """Follow it no longer."""
+        if self._task is not None:
+            self._task.cancel()
+
+    def tell_end(self, match: Match) -> None:
+        """Tell what happened since the last heartbeat of a watched match that is over."""
+        self._observe(match, 1)
+        if self._snapshots:
+            self._tell(match)
+
+    async def _beat(self, match: Match) -> None:
+        while True:
+            self._tell(match)
+            for _ in range(round(HEARTBEAT_INTERVAL / SNAPSHOT_INTERVAL)):
+                await asyncio.sleep(SNAPSHOT_INTERVAL)
+                self._observe(match, SNAPSHOT_FRAMES)
+
+    def _tell(self, match: Match) -> None:
+        self._on_event(Heartbeat(match.frame, match.step_number, tuple(self._snapshots)))
+        self._snapshots.clear()
+
+    def _observe(self, match: Match, frames: int) -> None:
+        """Take a snapshot, unless fewer new frames than some number have been played."""
+        if isinstance(match, WatchedMatch) and match.frame >= self._shown + frames:
+            self._shown = match.frame
+            self._snapshots.append(match.happenings.take())
 
 
 @contextmanager

@@ -75,7 +75,7 @@ class Snapshot(NamedTuple):
     taken: tuple[tuple[int, int], ...]  # serials of boxes that are gone, each with the frame
 
 
-class Notes:
+class Happenings:
     """What happens in a match, step by step.
 
     Args:
@@ -172,13 +172,13 @@ class WatchedMatch(Match):
 
     def __init__(self, spec: MatchSpec, game_map: GameMap | None = None) -> None:
         super().__init__(spec, game_map)
-        self.notes = Notes(self)
+        self.happenings = Happenings(self)
 
     def step(self, actions: ArrayLike | None = None) -> None:
         """Play one step, and note what happened."""
         if not self.over:
             super().step(actions)
-            self.notes.note()
+            self.happenings.note()
 
 
 def _centimetres(place: ArrayLike) -> tuple[int, int, int]:

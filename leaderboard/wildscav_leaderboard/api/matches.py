@@ -31,6 +31,7 @@ from wildscav_leaderboard.boards.ladders import places_of
 from wildscav_leaderboard.matches.models import LADDER, Match, MatchResult, MatchSeat
 from wildscav_leaderboard.matches.service import MAX_LISTED, find_match, list_matches, results_of
 from wildscav_leaderboard.seasons.refusals import ForbiddenError, NotFoundError
+from wildscav_leaderboard.spectating.kept_notes import sent_notes
 from wildscav_leaderboard.spectating.render_cache import QUIET, Rendering
 from wildscav_leaderboard.spectating.streams import Streams
 from wildscav_leaderboard.submissions.models import Submission
@@ -39,13 +40,13 @@ from wildscav_leaderboard.teams.service import find_team
 from wildscav_leaderboard.visibility import (
     Visible,
     are_notes_hidden,
+    logs_of_notes,
     record_path,
     seat_log,
     seen_by,
-    seen_notes,
 )
 from wildscav_stage.scene.map_file import map_key
-from wildscav_stage.scene.notes import Notes, shown_notes
+from wildscav_stage.scene.notes import Notes
 
 STATUS = {"waiting": 202, "rendering": 202, "failed": 503}
 POLL_AFTER = "1"  # s
@@ -352,12 +353,14 @@ def map_of_match(asked: Asked, v: Annotated[str, Query(max_length=40)] = "") -> 
     return answer
 
 
-@router.get("/matches/{match}/notes", responses=REFUSALS)
-def notes(asked: Asked) -> Notes:
+@router.get("/matches/{match}/notes", responses=REFUSALS, response_model=Notes)
+def notes(asked: Asked) -> Response:
     """Return what agents said and drew: all of your team, and of others what they made public."""
-    found = seen_notes(asked.session, asked.season, asked.match, asked.caller)
+    logs = logs_of_notes(asked.session, asked.season, asked.match, asked.caller)
     spec = MatchSpec.model_validate(find_match(asked.session, asked.match).spec)
-    return shown_notes(found, spec.frames_per_action)
+    # They are read when the answer is sent, since the turn of the database is over by then.
+    content = sent_notes(logs, spec.frames_per_action)
+    return StreamingResponse(content, media_type="application/json", headers={"Content-Encoding": "gzip"})
 
 
 @router.get("/matches/{match}/replay", responses=RENDERED)

@@ -1,7 +1,10 @@
 """The web server of a season: uvicorn, with TLS from files or behind a proxy."""
 
 import asyncio
+import fcntl
 import gc
+import sys
+import termios
 from ipaddress import ip_address, ip_network
 from typing import Any
 
@@ -18,7 +21,7 @@ from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.spectating.streams import ENDLESS
 from wildscav_server.monitoring.logs import Log
 
-INTERVAL = 30.0  # s in which a client reads some of an answer; in which a request ends, or sends so much:
+INTERVAL = 30.0  # s in which a client reads so much of an answer; in which a request ends, or sends so much:
 LEAST = 30 << 10  # bytes
 IN_ALL = 800  # connections, less than the files that a process may usually open
 OF_ONE = 200  # connections of one address that is no proxy of ours
@@ -66,13 +69,27 @@ class GuardedConnection(H11Protocol):
     def pause_writing(self) -> None:
         """Wait for a client that does not read what it asked for, but not for ever."""
         super().pause_writing()
-        self._reading = self.loop.call_later(INTERVAL, self.transport.abort)
+        self._reading = self.loop.call_later(INTERVAL, self._look_at_reader, self._unread())
 
     def resume_writing(self) -> None:
         """Go on writing."""
         super().resume_writing()
         if self._reading is not None:
             self._reading.cancel()
+
+    def _look_at_reader(self, before: int) -> None:
+        """End the connection if the client has read too little of what had not arrived before."""
+        unread = self._unread()
+        if unread <= before - LEAST:
+            self._reading = self.loop.call_later(INTERVAL, self._look_at_reader, unread)
+        else:
+            self.transport.abort()
+
+    def _unread(self) -> int:
+        """Return how many bytes were written that have not arrived: those here, and those of the system."""
+        socket = self.transport.get_extra_info("socket")
+        queued = fcntl.ioctl(socket.fileno(), termios.TIOCOUTQ, bytes(4))
+        return int(self.transport.get_write_buffer_size()) + int.from_bytes(queued, sys.byteorder)
 
     def _watch(self) -> None:
         self._received = 0

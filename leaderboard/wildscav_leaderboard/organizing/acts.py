@@ -299,7 +299,7 @@ def rejudge(
     path="/matches/{number}/hide",
     says="what agents said in match {number} is hidden",
 )
-def hide_notes(doing: Doing, number: MatchNumber, *, reason: ReasonForOwner) -> None:
+def hide_notes(doing: Doing, number: MatchNumber, *, reason: Reason) -> None:
     """Let other teams see nothing of what agents said and drew in a match, public or not."""
     matches.find_match(doing.session, number)
     hidden = season_state.read_state(doing.session, season_state.NOTES_HIDDEN) or {}

@@ -29,6 +29,7 @@ from wildscav_stage.scene.document import (
 from wildscav_stage.scene.trails import seats_shown, zone_events, zone_phases
 
 SUFFIX = ".live"
+NOT_PLAYED = "the match is not being played"
 LOOK = 0.1  # s between two looks of the web server at a file
 DELAY = HEARTBEAT_INTERVAL + LOOK  # s
 COLUMNS = ("x", "z", "height", "yaw", "pitch", "health", "supplies")  # of a seat

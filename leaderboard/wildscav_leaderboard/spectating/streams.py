@@ -28,7 +28,7 @@ from starlette.responses import Response, StreamingResponse
 from starlette.types import Receive, Scope, Send
 
 from wildscav.errors import UserError
-from wildscav_leaderboard.spectating.live import LOOK, LiveMatches, key_of
+from wildscav_leaderboard.spectating.live import LOOK, NOT_PLAYED, LiveMatches, key_of
 
 OF_ONE, IN_ALL = 50, 600  # streams of an address, and of all
 TOGETHER = 20  # pieces that are compressed together
@@ -102,7 +102,8 @@ class Channel:
 
     Args:
         path: Its file.
-        why_hidden: Returns why not everybody may watch it; empty if they may, None if that is unknown.
+        why_hidden: Returns why not everybody may watch it: ``NOT_PLAYED`` if nobody can; empty if everybody
+            may; None if that is unknown.
     """
 
     def __init__(self, path: Path, why_hidden: Callable[[], Awaitable[str | None]]) -> None:
@@ -117,26 +118,30 @@ class Channel:
 
     async def _run(self) -> None:
         """Read the file until the match has ended, or nobody watches it."""
-        checked = time.monotonic()
+        checking, is_played = asyncio.create_task(self._check()), True
         try:
-            while not self._is_over and (self.spectators or time.monotonic() - self._left < LINGER):
+            while is_played and (self.spectators or time.monotonic() - self._left < LINGER):
+                is_played = not checking.done()  # if it is not, what was written before is read
                 if await asyncio.to_thread(self._read):
                     self._tell()
-                if time.monotonic() - checked > CHECK:
-                    await self._check()
-                    checked = time.monotonic()
+                is_played &= not self._is_over
                 await asyncio.sleep(LOOK)
         finally:
+            checking.cancel()
             self._is_over = True
             self._tell()
             if self._file is not None:
                 self._file.close()
 
     async def _check(self) -> None:
-        why = await self._why_hidden()
-        if why is not None and why != self._hidden:
-            self._hidden = why
-            self._tell()
+        """Ask again and again whether the match may be watched, until it is not being played."""
+        why: str | None = ""
+        while why != NOT_PLAYED:
+            if why is not None and why != self._hidden:
+                self._hidden = why
+                self._tell()
+            await asyncio.sleep(CHECK)
+            why = await self._why_hidden()
 
     def _tell(self) -> None:
         self._changed.set()
@@ -144,15 +149,18 @@ class Channel:
 
     def _read(self) -> bool:
         """Read new lines; return whether there is anything new."""
+        is_over = False
         try:
             file = self._opened()
         except FileNotFoundError:
-            self._is_over = self._file is not None  # or else it has not begun
-            return self._is_over
+            if self._file is None:  # it has not begun
+                return False
+            file, is_over = self._file, True  # the last news may be unread
         *lines, self._rest = (self._rest + file.read()).split(b"\n")
         for line in lines:
             self._playing.add(line.decode())
-        return bool(lines)
+        self._is_over = is_over
+        return is_over or bool(lines)
 
     def _opened(self) -> BinaryIO:
         """Return the file, which is another one when the match is played again."""
@@ -178,7 +186,7 @@ class Channel:
         """
         playing, place = self._playing, self._playing.after(last)
         while True:
-            changed = self._changed
+            changed, is_over = self._changed, self._is_over
             if self._hidden and not everything:
                 yield compressed(piece("hidden", json.dumps(self._hidden)))
                 return
@@ -187,7 +195,7 @@ class Channel:
             for part, following in playing.since(place):
                 yield part
                 place = following
-            if self._is_over:
+            if is_over:
                 yield OVER
                 return
             try:

@@ -2,10 +2,11 @@
 
 import json
 from functools import partial
+from http import HTTPStatus
 from typing import Annotated, Literal, NamedTuple
 
 from fastapi import APIRouter, Query, Request
-from fastapi.responses import HTMLResponse
+from fastapi.responses import HTMLResponse, PlainTextResponse
 from sqlalchemy.orm import Session
 
 from wildscav.errors import UserError
@@ -18,6 +19,7 @@ from wildscav_leaderboard.matches.service import find_match, list_matches
 from wildscav_leaderboard.playing.permission import open_tracks, refused_why
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import ForbiddenError
+from wildscav_leaderboard.seasons.state import NOTES_HIDDEN, read_state
 from wildscav_leaderboard.spectating import rerun_viewer
 from wildscav_leaderboard.submissions.service import find_submission
 from wildscav_leaderboard.teams.service import find_team, titles
@@ -90,6 +92,7 @@ def match(
         visible=view.hidden is None,
         live=found.state == PLAYING and not unwatched,
         unwatched=unwatched,
+        unheard=(read_state(session, NOTES_HIDDEN) or {}).get(str(number)),
         stage=_stage(found, view),
         playable=_playable(session, season, view),
         has_poster=view.hidden is None and renders.is_kept("poster", str(number)),
@@ -166,6 +169,12 @@ def _unseen(view: MatchView) -> str:
     return "all" if all(unknown) else "some"
 
 
+@router.get("/robots.txt")
+def robots() -> PlainTextResponse:
+    """Keep search engines from what is made for whoever asks for it."""
+    return PlainTextResponse("User-agent: *\nDisallow: /matches/*/video\nDisallow: /matches/*/watch\n")
+
+
 @router.get("/matches/{number}/video", response_class=HTMLResponse)
 @router.get("/matches/{number}/watch", response_class=HTMLResponse)
 def made_of_record(
@@ -185,4 +194,5 @@ def made_of_record(
     source, key = record_path(session, season, number, caller), render_key(session, number, product)
     made = renders.progress(product, key, source, now)
     viewer = rerun_viewer.address_of(str(request.url_for("replay_file", match=number)))
-    return page(request, "made.html", caller, match=view, product=product, made=made, viewer=viewer)
+    status = HTTPStatus.SERVICE_UNAVAILABLE if made.state == "failed" else HTTPStatus.OK
+    return page(request, "made.html", caller, status, match=view, product=product, made=made, viewer=viewer)

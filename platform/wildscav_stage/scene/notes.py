@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterable
+from itertools import islice
 from pathlib import Path
 from typing import Final, Literal
 
@@ -78,8 +79,8 @@ def notes_beside(record: Path, played: Record, logs: Path | None = None) -> list
     )
 
 
-def notes_in(log: Path, seat: int) -> list[Note]:
-    """Return the notes in the log of a seat.
+def notes_in(log: Path, seat: int, most: int | None = None) -> list[Note]:
+    """Return the notes in the log of a seat, the first ones if there are more than ``most``.
 
     Raises:
         UserError: It cannot be read.
@@ -89,7 +90,7 @@ def notes_in(log: Path, seat: int) -> list[Note]:
             content = file.read(LARGEST)
     except OSError as error:
         raise UserError(f"cannot read {log}: {error.strerror}") from None
-    return [*read_notes(content.decode("utf-8", "replace").split("\n"), seat)]
+    return [*islice(read_notes(content.decode("utf-8", "replace").split("\n"), seat), most)]
 
 
 def _seat_of(log: Path, played: Record) -> int | None:

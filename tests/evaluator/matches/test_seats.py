@@ -13,7 +13,7 @@ from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.jobs import Heartbeat, Job, JobEvent, JobResult
 from wildscav_evaluator.matches.run_job import run_job
-from wildscav_evaluator.matches.snapshots import Notes, WatchedMatch
+from wildscav_evaluator.matches.snapshots import Happenings, WatchedMatch
 from wildscav_evaluator.matches.watchdog import ProgressTimeouts, Watchdog
 from wildscav_evaluator.output.folder import keep_only
 from wildscav_evaluator.output.layout import LOGS, RECORDS
@@ -150,10 +150,11 @@ def test_snapshots_are_the_moments_of_the_record(submit: Submit, tmp_path: Path)
     record = read_record(job.out / job.record)
 
     frames = [snapshot.frame for snapshot in snapshots]
-    moments = {match.frame: Notes(match).take().seats for match in resimulate(record)}
+    moments = {match.frame: Happenings(match).take().seats for match in resimulate(record)}
 
     assert len(snapshots) > 3
     assert frames == sorted(set(frames))
+    assert frames[-1] == max(moments)
     assert all(snapshot.seats == moments[snapshot.frame] for snapshot in snapshots)
     assert [snapshot.first for snapshot in snapshots] == [True] + [False] * (len(snapshots) - 1)
 
@@ -168,7 +169,7 @@ def test_a_match_that_nobody_watches_sends_none(submit: Submit, tmp_path: Path) 
 def test_snapshots_are_in_centimetres() -> None:
     match = Match(MatchSpec(track="navigation", map=SMALL, seats=("walker",), time_limit=2.0))
     match.play_out()
-    snapshot, agents = Notes(match).take(), match.state.agents
+    snapshot, agents = Happenings(match).take(), match.state.agents
     seat = snapshot.seats[0]
 
     there = np.array([seat.x, seat.height, seat.z]) / 100
@@ -181,25 +182,25 @@ def test_snapshots_are_in_centimetres() -> None:
 
 def test_what_happens_between_two_snapshots_is_in_the_later_one() -> None:
     match = WatchedMatch(SPEC)
-    match.notes.take()
+    match.happenings.take()
     agents = match.state.agents
     match.step()
     agents.fired[0, 1], agents.hit_seat[0, 1], agents.shot_end[0, 1] = True, 0, (1.0, 2.5, -3.0)
     agents.health[0, 0] = 80
-    match.notes.note()
+    match.happenings.note()
     match.step()
 
-    snapshot = match.notes.take()
+    snapshot = match.happenings.take()
 
     assert snapshot.happened[0] == (5, "hit", 1, 0, 80)
     assert snapshot.shots == ((5, 1, 100, 250, -300),)
-    assert match.notes.take().shots == ()
+    assert match.happenings.take().shots == ()
 
 
 def test_a_watched_match_that_stands_still_is_noticed(submit: Submit, tmp_path: Path) -> None:
     job = Job.of_one(submit("slow", SLOW), "battle", 0, SPEC, tmp_path, False, watched=True)
     watchdog = Watchdog(job, ProgressTimeouts(step=1.0))
-    moment = Notes(Match(SPEC)).take()
+    moment = Happenings(Match(SPEC)).take()
     watchdog.hear(Heartbeat(5, 1, (moment,)))
     for _ in range(100):
         watchdog.hear(Heartbeat(5, 1))  # it lives, and nothing goes on

@@ -4,6 +4,7 @@ import itertools
 import json
 import multiprocessing
 import tempfile
+import threading
 import time
 from collections.abc import Iterator
 from dataclasses import replace
@@ -17,11 +18,13 @@ from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.jobs import Job, JobEvent, JobResult, RenderingReplay
 from wildscav_evaluator.matches.play import MatchAssignment
+from wildscav_evaluator.matches.snapshots import HEARTBEAT_INTERVAL
 from wildscav_evaluator.matches.watchdog import ProgressTimeouts
 from wildscav_evaluator.matches.workers import Workers
 from wildscav_evaluator.monitoring.dashboard import match_counts
 from wildscav_evaluator.monitoring.monitor import EvaluationMetrics, Monitor, MonitorOptions
 from wildscav_evaluator.output.layout import LOGS, RECORDS, REPLAYS
+from wildscav_evaluator.sandbox import Limits
 from wildscav_evaluator.submissions.submission import Submission
 
 KILLS_EVERY_WORKER = """
@@ -45,6 +48,13 @@ STOPS_EVERY_WORKER = """
             open("was_here", "w").close()
             time.sleep(1.0)  # in which the worker says how far it is
             os.kill(os.getppid(), signal.SIGSTOP)
+        return Action(walk_speed=5.0)
+"""
+# Says at every step that it plays, and plays for so long that its worker tells of it.
+SLOW_TALKER = """
+    def act(self, observation):
+        print("step", observation.step, flush=True)
+        time.sleep(0.2)
         return Action(walk_speed=5.0)
 """
 STEPS = 20
@@ -195,28 +205,37 @@ def test_leaving_the_workers_in_mid_match_ends_them_and_their_agents(
 
 
 class Spins(Job):
-    """A job that gets lost, holding Python's lock, as soon as it has begun for the first time."""
+    """A job that gets lost, holding Python's lock, in a step of its first attempt."""
 
     @property
     def seating(self) -> MatchAssignment:
         if not self.faults:
-            sum(itertools.repeat(0))
+            threading.Thread(target=self._spin, daemon=True).start()
         return super().seating
+
+    def _spin(self) -> None:
+        """Spin once the agent has said that it plays, and the worker how far it is."""
+        log = self.out / self.log(0)
+        while not (log.exists() and log.read_text()):
+            time.sleep(0.05)
+        time.sleep(2.0 * HEARTBEAT_INTERVAL)
+        sum(itertools.repeat(0))
 
 
 @pytest.mark.slow
 def test_a_worker_that_spins_in_compiled_code_is_killed_and_its_match_played_again(
     submit: Submit, out: Path, sockets: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    spins = Spins(**vars(job(submit("walker", WALKER), 0, out)))
+    limits = Limits(wall_clock=STEPS / 10 + 7.0)  # which leaves 7 s to the bank
+    spins = Spins(**vars(replace(job(submit("slow", SLOW_TALKER), 0, out), limits=limits)))
 
-    results = run([spins], 1, timeouts=ProgressTimeouts(set_up=8.0, seat=0.0))
+    results = run([spins], 1, timeouts=ProgressTimeouts(step=7.8))
 
     (result,) = results.values()
     assert result.row.status == "finished"
     assert result.timing is not None
-    fault = "the worker process hung: no progress in 8 s before the first step"
-    assert result.timing.platform_faults == (fault,)
+    (fault,) = result.timing.platform_faults
+    assert fault.startswith("the worker process hung: no progress in 15 s after step ")
     assert fault in capsys.readouterr().err
     assert list(sockets.iterdir()) == []
 

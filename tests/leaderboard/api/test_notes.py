@@ -1,6 +1,9 @@
 """Who may read what agents said in a match: their team, and others as far as it is public and not hidden."""
 
+import gzip
+import json
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import httpx
 import pytest
@@ -10,6 +13,8 @@ from tests.leaderboard.spectating.served import served
 
 from wildscav.notes import note_line
 from wildscav_leaderboard.hosting.app import create_app
+from wildscav_leaderboard.spectating import kept_notes
+from wildscav_leaderboard.spectating.kept_notes import SeenLog, sent_notes
 
 Ask = Callable[..., httpx.Response]
 
@@ -24,7 +29,7 @@ def of_ladder(new_filled_season: Callable[..., FilledSeason]) -> Iterator[Ask]:
     app = create_app(filled.season, filled.database)
     with served(app) as address, httpx.Client(base_url=address, timeout=60.0) as client:
         yield lambda who, method, path, **more: ask(
-            client, filled, who, method, path.format(number=number), **more
+            client, filled, who, method, path.format(number=number, **filled.matches), **more
         )
     app.state.renders.close()
     filled.database.close()
@@ -41,8 +46,43 @@ def test_others_read_what_is_public_until_an_organizer_hides_it(of_ladder: Ask) 
     assert 'data-notes="/api/v1/matches/' in of_ladder("visitor", "GET", "/matches/{number}").text
 
     of_ladder("organizer", "POST", f"{acts}/hide", body={"reason": "an insult"}).raise_for_status()
+    assert "an insult" in of_ladder("visitor", "GET", "/matches/{number}").text
     assert said(of_ladder("visitor", "GET", notes)) == set()
     assert said(of_ladder("organizer", "GET", notes)) == {"Good luck!", "He is slow."}
     of_ladder("organizer", "POST", f"{acts}/unhide").raise_for_status()
     assert said(of_ladder("visitor", "GET", notes)) == {"Good luck!"}
     assert of_ladder("organizer", "POST", f"{acts}/unhide").status_code == 409
+
+
+def test_a_team_reads_all_of_its_own_and_of_others_what_is_public(of_ladder: Ask) -> None:
+    seats = of_ladder("visitor", "GET", "/api/v1/matches/{number}").json()["seats"]
+    private = {}
+    for who, team in {"owner": "owls", "opponent": "foxes", "other": "none"}.items():
+        notes = of_ladder(who, "GET", "/api/v1/matches/{number}/notes").json()["notes"]
+        assert {note["seat"] for note in notes if note["text"] == "Good luck!"} == {0, 1}
+        private[who] = {note["seat"] for note in notes if note["text"] == "He is slow."}
+        assert private[who] == {seat["seat"] for seat in seats if seat["team"] == team}
+    assert private["owner"] | private["opponent"]
+
+
+@pytest.mark.parametrize("who", ["visitor", "other", "owner"])
+def test_nobody_reads_those_of_a_match_whose_record_is_hidden(of_ladder: Ask, who: str) -> None:
+    assert of_ladder(who, "GET", "/api/v1/matches/{own_suite}/notes").status_code == 403
+
+
+def test_a_log_is_read_again_only_when_it_has_changed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    log, most = SeenLog(tmp_path / "seat.log", 0, everything=True), 3
+    monkeypatch.setattr(kept_notes, "MOST", most)
+
+    def sent() -> tuple[bytes, int]:
+        (content,) = sent_notes([log], 5)
+        return content, len(json.loads(gzip.decompress(content))["notes"])
+
+    assert sent()[1] == 0
+    log.path.write_text(note_line(3, say="One"))
+    first, count = sent()
+    assert (sent()[0] is first, count) == (True, 1)
+    log.path.write_text("".join(note_line(step, say="Many") for step in range(5)))
+    assert sent()[1] == most

@@ -18,6 +18,7 @@ from wildscav_leaderboard.hosting import web_server
 from wildscav_leaderboard.hosting.web_server import configured
 from wildscav_leaderboard.spectating.streams import ENDLESS
 
+LARGE = 8 << 20  # bytes
 WHOLE = b"GET / HTTP/1.1\r\nHost: a\r\n\r\n"
 
 
@@ -92,6 +93,26 @@ def test_who_does_not_read_an_answer_is_ended(tmp_path: Path, monkeypatch: pytes
     with listening(tmp_path / "season", app=app) as there, socket.create_connection(there) as connection:
         connection.sendall(WHOLE)
         assert app.ended.wait(30.0)
+
+
+def test_who_reads_an_answer_slowly_gets_all_of_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(web_server, "INTERVAL", 0.5)
+    monkeypatch.setattr(web_server, "LEAST", 1000)
+
+    async def app(scope: Scope, receive: Receive, send: Send) -> None:
+        await PlainTextResponse(bytes(LARGE))(scope, receive, send)
+
+    with listening(tmp_path / "season", app=app) as there, socket.socket() as connection:
+        connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 16)
+        connection.connect(there)
+        connection.sendall(WHOLE)
+        began, count = time.monotonic(), 0
+        while count < LARGE:
+            read = len(connection.recv(1 << 15))
+            assert read, f"it was ended after {count} bytes"
+            count += read
+            time.sleep(0.01)
+        assert time.monotonic() - began > 3 * web_server.INTERVAL
 
 
 def test_a_stream_ends_when_the_server_stops(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

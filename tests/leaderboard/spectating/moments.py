@@ -3,15 +3,15 @@
 from collections.abc import Iterator
 
 from wildscav_engine.record import Record, resimulate
-from wildscav_evaluator.matches.snapshots import Notes, Snapshot
+from wildscav_evaluator.matches.snapshots import Happenings, Snapshot
 
 
 def moments_of(record: Record) -> Iterator[Snapshot]:
     """Yield a snapshot after every step, and one of the start."""
-    notes = None
+    happenings = None
     for match in resimulate(record):
-        if notes is None:
-            notes = Notes(match)
+        if happenings is None:
+            happenings = Happenings(match)
         else:
-            notes.note()
-        yield notes.take()
+            happenings.note()
+        yield happenings.take()

@@ -17,7 +17,7 @@ from fastapi.responses import JSONResponse
 from tests.leaderboard.spectating.served import served
 
 from wildscav_leaderboard.spectating import streams
-from wildscav_leaderboard.spectating.live import LiveMatches
+from wildscav_leaderboard.spectating.live import NOT_PLAYED, LiveMatches
 from wildscav_leaderboard.spectating.streams import (
     GZIP,
     OF_ONE,
@@ -157,6 +157,47 @@ def test_half_a_line_waits_for_its_other_half(file: Path) -> None:
         assert await stream == ["begin", "long"]
 
     watch(file, story)
+
+
+def test_the_last_news_are_told_although_the_file_is_gone(file: Path) -> None:
+    async def story(channel: Channel) -> None:
+        write(file, "begin")
+        stream = asyncio.create_task(read(channel.parts("", everything=False)))
+        await read(channel.parts("", everything=False), "begin")
+        write(file, "1", "2")
+        end(file)
+        assert await stream == ["begin", "1", "2", "over"]
+
+    watch(file, story)
+
+
+@pytest.mark.parametrize("lines", [[], ["begin", "1"]])
+def test_the_stream_of_a_match_that_is_not_played_ends(file: Path, lines: list[str]) -> None:
+    async def answer() -> str:
+        return NOT_PLAYED
+
+    async def story(channel: Channel) -> None:
+        assert await read(channel.parts("", everything=True)) == [*lines, "over"]
+
+    if lines:
+        write(file, *lines)
+    watch(file, story, answer)
+
+
+def test_news_do_not_wait_for_the_answer_whether_all_may_watch(file: Path) -> None:
+    async def story(channel: Channel) -> None:
+        write(file, "begin")
+        await asyncio.wait_for(asked.wait(), PATIENCE)
+        write(file, "1")
+        await read(channel.parts("", everything=False), "begin", "1")
+
+    async def never() -> str:
+        asked.set()
+        await asyncio.sleep(2 * PATIENCE)
+        return ""
+
+    asked = asyncio.Event()
+    watch(file, story, never)
 
 
 def test_a_stream_ends_when_not_everybody_may_watch_anymore_but_not_that_of_an_organizer(file: Path) -> None:
