@@ -68,8 +68,8 @@ else
 	$(BIN)/python $(PYTEST) -n 2 --dist worksteal --durations=40
 endif
 
-test-slow: .venv/.training $(BUILT) ## Run the slow tests, four at a time: they wait more than they compute.
-	$(BIN)/python $(PYTEST) -n 4 --dist worksteal -m slow --durations=40
+test-slow: .venv/.training $(BUILT) ## Run the slow tests, three at a time: they wait more than they compute.
+	$(BIN)/python $(PYTEST) -n 3 --dist worksteal -m slow --durations=40
 
 test-with: .venv/.dev ## Run PART of the tests with another Python or other releases: PYTHON=python3.14, RELEASES='numba==0.68.0'.
 	rm -rf $(OTHER)

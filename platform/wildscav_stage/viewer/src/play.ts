@@ -322,7 +322,8 @@ document.addEventListener("visibilitychange", () => {
   askToPause();
 });
 addEventListener("keydown", (event) => {
-  if ((event.target as Element).closest("input, select, textarea")) return;
+  const { target } = event; // the whole document, too, where a program presses keys
+  if (target instanceof Element && target.closest("input, select, textarea")) return;
   if (!controls.enabled && !event.repeat && bindings.actOf(event.code) === "sound") command("sound");
   if (event.code === "Escape") askToPause();
 });

@@ -184,14 +184,14 @@ def test_a_phone_moves_looks_and_shoots_by_touch(tmp_path: Path, browser: Any) -
         start(page, links.host)
         assert page.is_visible("#stick")
         fingers = Fingers(page)
+        fingers.touch("touchStart", fingers.at("#picture"))
+        fingers.touch("touchMove", fingers.at("#picture", right=0.5))
+        fingers.touch("touchEnd")
         stick, shoot = fingers.at("#stick"), fingers.at("#buttons [data-flag=shoot]")
         fingers.touch("touchStart", stick)
         fingers.touch("touchMove", fingers.at("#stick", down=-0.8))
         fingers.touch("touchStart", fingers.at("#stick", down=-0.8), shoot)  # both at once
         time.sleep(1.0)
-        fingers.touch("touchEnd")
-        fingers.touch("touchStart", fingers.at("#picture"))
-        fingers.touch("touchMove", fingers.at("#picture", right=0.5))
         fingers.touch("touchEnd")
         record = recorded(page)
     own = record.result.seats[0]
