@@ -28,6 +28,7 @@ from wildscav_stage.watching.match_site import match_site
 
 SEATS = (*("fighter",) * 4, *("fighter-hard",) * 3, *("gatherer",) * 3)
 LINE = {"offline": False, "latency": 20, "downloadThroughput": 1_250_000, "uploadThroughput": 1_250_000}
+WHOLE = ".player-canvas[data-picture=whole]"
 SHOWN = ".player-canvas[data-picture]"  # once there is a picture
 # The time when all that was drawn so far is there, ms.
 SEEN = """() => {
@@ -88,7 +89,10 @@ def first_visit(browser: Any, address: str) -> tuple[float, dict[str, float]]:
         )
         page.goto(address, wait_until="commit")
         page.locator(SHOWN).wait_for(state="attached", timeout=60_000)
-        return page.evaluate(SEEN) / 1000, sizes
+        seconds = page.evaluate(SEEN) / 1000
+        page.locator(WHOLE).wait_for(state="attached", timeout=60_000)
+        page.wait_for_timeout(1000)  # until the browser has told of all files
+        return seconds, sizes
 
 
 def pictures(browser: Any, address: str, size: tuple[int, int], view: str) -> float:

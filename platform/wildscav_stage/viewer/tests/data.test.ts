@@ -77,6 +77,23 @@ describe("packed arrays", () => {
   });
 });
 
+test("a file is read to its end, since a browser keeps no other", async () => {
+  let [isSent, isAtEnd] = [false, false];
+  const source = {
+    pull(to: ReadableStreamDefaultController<Uint8Array>) {
+      if (isSent) {
+        isAtEnd = true;
+        to.close();
+      } else to.enqueue(new Uint8Array(packed({ arrays: [] }, new Uint8Array(4))));
+      isSent = true;
+    },
+  };
+  const file = await openPacked(new ReadableStream(source, { highWaterMark: 0 }));
+  expect(isAtEnd).toBe(false);
+  await file.end();
+  expect(isAtEnd).toBe(true);
+});
+
 describe("files of other versions are refused", () => {
   test("maps", async () => {
     const file = packed({ format: "wildscav-map", version: 99, arrays: [] }, new Uint8Array());

@@ -33,6 +33,11 @@ export class PackedFile {
     await this.content.until(endOf(this.described(name)));
   }
 
+  // Wait for the end of the file: a browser keeps only what was read to its end.
+  async end(): Promise<void> {
+    await this.content.end();
+  }
+
   // The planes of an array: one for each place along its last axis.
   planes(name: string): Planes {
     const { type, shape, at } = this.described(name);
@@ -84,6 +89,10 @@ export class Arriving {
       this.bytes.set(value, this.count);
       this.count += value.length;
     }
+  }
+
+  async end(): Promise<void> {
+    while (!(await this.reader.read()).done);
   }
 
   slice(begin: number, end: number): ArrayBuffer {

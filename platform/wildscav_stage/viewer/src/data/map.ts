@@ -138,6 +138,7 @@ async function readSolids(file: PackedFile, { chunks, topologies }: Header, soli
     await file.has(`corners ${chunk}`);
     addSolids(file, chunk, sizes, solids);
   }
+  await file.end();
 }
 
 function addSolids(file: PackedFile, chunk: number, sizes: number[], solids: Solids): void {
