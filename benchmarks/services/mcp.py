@@ -72,7 +72,7 @@ async def calls_here(folder: Path) -> list[Figure]:
         _, seat = matches.seat(handle)
         given: dict[str, Any] = {"seat": handle, **STEP}
         sockets = bind("127.0.0.1:0")
-        web = asyncio.create_task(serve_http(desk, sockets, None, is_public=False))
+        web = asyncio.create_task(serve_http(desk, sockets, None, ["127.0.0.1"]))
         url = f"http://127.0.0.1:{sockets[0].getsockname()[1]}{PATH}"
         async with Client(make_server(desk)) as near, Client(streamable_http_client(url)) as far:
             calls: dict[str, Call] = {
