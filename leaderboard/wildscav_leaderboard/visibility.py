@@ -30,6 +30,7 @@ from wildscav_leaderboard.seasons.refusals import ForbiddenError, NotFoundError,
 from wildscav_leaderboard.seasons.state import OPENED, is_finalized, read_state
 from wildscav_leaderboard.spectating.kept_notes import SeenLog
 from wildscav_leaderboard.spectating.live import NOT_PLAYED
+from wildscav_leaderboard.spectating.render_cache import QUIET
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.states import CANCELLED, FAILED
 from wildscav_leaderboard.teams.models import Team
@@ -255,6 +256,12 @@ def logs_of_notes(
 def are_notes_hidden(session: Session, number: int) -> bool:
     """Return whether an organizer has hidden from other teams what agents said in a match."""
     return str(number) in (read_state(session, state.NOTES_HIDDEN) or {})
+
+
+def render_key(session: Session, match: int, product: str) -> str:
+    """Return the name of a match for what is rendered of it, which is another if it must not show notes."""
+    is_quiet = product in {"replay", "video"} and are_notes_hidden(session, match)
+    return f"{match}{QUIET if is_quiet else ''}"
 
 
 def _of_game(match: Match, twin: Twin | None) -> str:

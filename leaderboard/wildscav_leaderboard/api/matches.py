@@ -32,16 +32,16 @@ from wildscav_leaderboard.matches.models import LADDER, Match, MatchResult, Matc
 from wildscav_leaderboard.matches.service import MAX_LISTED, find_match, list_matches, results_of
 from wildscav_leaderboard.seasons.refusals import ForbiddenError, NotFoundError
 from wildscav_leaderboard.spectating.kept_notes import sent_notes
-from wildscav_leaderboard.spectating.render_cache import QUIET, Rendering
+from wildscav_leaderboard.spectating.render_cache import Rendering
 from wildscav_leaderboard.spectating.streams import Streams
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.teams.service import find_team
 from wildscav_leaderboard.visibility import (
     Visible,
-    are_notes_hidden,
     logs_of_notes,
     record_path,
+    render_key,
     seat_log,
     seen_by,
 )
@@ -294,12 +294,6 @@ class RenderRequest:
         """Return how far a file is, made from the record if the caller may see it."""
         path = record_path(self.session, self.season, self.match, self.caller)
         return self.renders.progress(product, render_key(self.session, self.match, product), path, self.now)
-
-
-def render_key(session: Session, match: int, product: str) -> str:
-    """Return the name of a match for what is rendered of it, which is another if it must not show notes."""
-    is_quiet = product in {"replay", "video"} and are_notes_hidden(session, match)
-    return f"{match}{QUIET if is_quiet else ''}"
 
 
 Asked = Annotated[RenderRequest, Depends()]

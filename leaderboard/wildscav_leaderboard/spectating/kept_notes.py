@@ -1,6 +1,5 @@
 """What agents said and drew in a match, as it is sent: its logs are read once, and not for each who asks."""
 
-import gzip
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from pathlib import Path
@@ -10,7 +9,6 @@ from wildscav_stage.scene.notes import notes_in, shown_notes
 
 KEPT = 64  # answers
 MOST = 10_000  # notes of a seat; the longest matches of our tracks have 3,000 steps
-LEVEL = 6  # of gzip
 
 
 class SeenLog(NamedTuple):
@@ -37,4 +35,4 @@ def _packed(logs: tuple[tuple[SeenLog, int, int], ...], frames_per_action: int) 
         for note in notes_in(log.path, log.seat, MOST)
         if note.public or log.everything
     ]
-    return gzip.compress(shown_notes(notes, frames_per_action).model_dump_json().encode(), LEVEL, mtime=0)
+    return shown_notes(notes, frames_per_action).compressed()

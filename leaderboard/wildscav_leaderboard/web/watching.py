@@ -13,7 +13,7 @@ from wildscav.errors import UserError
 from wildscav_evaluator.output.results import metric_infos
 from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Now, Number, Reading, Renders
 from wildscav_leaderboard.api.documents import MatchView, SeatView
-from wildscav_leaderboard.api.matches import map_spec_of, match_views, render_key
+from wildscav_leaderboard.api.matches import map_spec_of, match_views
 from wildscav_leaderboard.matches.models import FINISHED, PLAYING, VOID, WAITING, Match
 from wildscav_leaderboard.matches.service import find_match, list_matches
 from wildscav_leaderboard.playing.permission import open_tracks, refused_why
@@ -23,7 +23,7 @@ from wildscav_leaderboard.seasons.state import NOTES_HIDDEN, read_state
 from wildscav_leaderboard.spectating import rerun_viewer
 from wildscav_leaderboard.submissions.service import find_submission
 from wildscav_leaderboard.teams.service import find_team, titles
-from wildscav_leaderboard.visibility import record_path, seen_by
+from wildscav_leaderboard.visibility import record_path, render_key, seen_by
 from wildscav_leaderboard.web.rendering import page
 from wildscav_stage.scene.document import TRAILS_VERSION
 from wildscav_stage.scene.map_file import map_key

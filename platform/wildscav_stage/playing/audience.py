@@ -10,7 +10,8 @@ have, and by how much each; ``left``, the seats that are no longer in the match;
 import asyncio
 import json
 from collections import deque
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from wildscav_stage.scene.map_file import centimetres
 if TYPE_CHECKING:
     from wildscav_engine.simulation.match import Match
 
+Told = TypeVar("Told")
 AUDIENCE_FRAMES = 4  # from one message to the next
 KEPT = 6  # moments, so that whoever is a little late misses none
 ROW = (0, 1, 2, 3, 4, *range(9, 16))  # columns of ``rows_of``: all but velocities and flags
@@ -106,7 +108,7 @@ class Audience:
     def end(self) -> None:
         """Show nothing."""
         self._match = None
-        self._later(None)
+        self.later(self._show, None)
 
     def note(self) -> None:
         """Note what happened in a frame that was played; it may be called several times."""
@@ -128,13 +130,14 @@ class Audience:
         happened = {"shots": self._shots, "deaths": self._deaths}
         self._shots, self._deaths = [], []
         self._last = Moment(self._match, happened, self._last)
-        self._later(self._last)
+        self.later(self._show, self._last)
 
-    def _later(self, moment: Moment | None) -> None:
+    def later(self, show: Callable[[Told], None], told: Told) -> None:
+        """Show something when spectators may see it: what is given first is shown first."""
         if self.delay:
-            asyncio.get_running_loop().call_later(self.delay, self._show, moment)
+            asyncio.get_running_loop().call_later(self.delay, show, told)
         else:
-            self._show(moment)
+            show(told)
 
     def _show(self, moment: Moment | None) -> None:
         """Tell a moment to everybody; None for nothing anymore."""

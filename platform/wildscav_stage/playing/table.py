@@ -386,21 +386,15 @@ class Table:
         self._situation = situation
         for page, player in self._people():
             page.tell(self._present_to(player))
-        self._tell_spectators(self._present_to(None))
+        self.audience.later(self._show, dict(self._present_to(None)))
 
     def _announce(self, message: dict[str, Any]) -> None:
         for page, _ in self._people():
             page.tell(message)
-        self._tell_spectators(message)
-
-    def _tell_spectators(self, message: dict[str, Any]) -> None:
-        """Tell spectators what happens to a match when they see it."""
-        if self.audience.delay:
-            asyncio.get_running_loop().call_later(self.audience.delay, self._show, dict(message))
-        else:
-            self._show(message)
+        self.audience.later(self._show, dict(message))
 
     def _show(self, message: dict[str, Any]) -> None:
+        """Tell spectators what happens to a match."""
         if message["kind"] == "paused":
             self._shown |= {"paused": message["paused"]}
         elif message["kind"] != "scores":

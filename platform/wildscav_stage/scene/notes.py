@@ -11,6 +11,7 @@ from wildscav.notes import Note, read_notes
 from wildscav_engine.record import Record
 from wildscav_engine.specs.match_spec import SUBMISSION
 from wildscav_stage.scene.document import Part
+from wildscav_stage.scene.map_file import centimetres
 
 NOTES_VERSION: Final = 1
 LOGS = "logs"  # folder beside that of the records, in the output of an evaluation
@@ -46,7 +47,7 @@ def shown_notes(notes: Iterable[Note], frames_per_action: int) -> Notes:
                 seat=note.seat,
                 text=note.text,
                 name=note.name,
-                points=tuple((round(100 * x), round(100 * y), round(100 * z)) for x, y, z in note.points),
+                points=centimetres(note.points).tolist(),
                 value=note.value,
             )
             for note in sorted(notes, key=lambda note: note.step)
