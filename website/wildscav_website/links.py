@@ -8,13 +8,16 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 DOCS = "docs/"
 SOURCES = "source/"  # the website's folder for other files of the repository that pages link to
+PROTOCOL = "platform/wildscav/proto/match.proto"
 # Files outside docs/ that are pages of the website.
 MOVED = {
     "README.md": "index.md",
     "CONTRIBUTING.md": "contributing.md",
     "CHANGELOG.md": "changelog.md",
     "LICENSE": "license.md",
-    "platform/wildscav/proto/match.proto": "reference/protocol.md",
+    "benchmarks/results/baselines.md": "figures/baselines.md",
+    "benchmarks/results/learning.md": "figures/learning.md",
+    PROTOCOL: "reference/protocol.md",
 }
 LINK = re.compile(r"(?<=\]\()(?![a-z]+:|#|/)([^)#\s]+)")
 

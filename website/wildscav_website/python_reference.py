@@ -66,7 +66,7 @@ PAGES = {
     "records": Reference(
         "Records and replays",
         "The public names of `wildscav_engine.record` and `wildscav_engine.view`. "
-        "See also [replays](../replays.md).",
+        "See also [watching](../watching.md).",
         {"wildscav_engine.record": "", "wildscav_engine.view": ""},
     ),
 }
