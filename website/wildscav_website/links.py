@@ -8,7 +8,11 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 DOCS = "docs/"
 SOURCES = "source/"  # the website's folder for other files of the repository that pages link to
-PROTOCOL = "platform/wildscav/proto/match.proto"
+# Files of code from which pages of the website are made.
+GENERATED = {
+    "platform/wildscav/proto/match.proto": "reference/protocol.md",
+    "platform/wildscav/agent.py": "reference/sdk.md",
+}
 # Files outside docs/ that are pages of the website.
 MOVED = {
     "README.md": "index.md",
@@ -17,7 +21,7 @@ MOVED = {
     "LICENSE": "license.md",
     "benchmarks/results/baselines.md": "figures/baselines.md",
     "benchmarks/results/learning.md": "figures/learning.md",
-    PROTOCOL: "reference/protocol.md",
+    **GENERATED,
 }
 LINK = re.compile(r"(?<=\]\()(?![a-z]+:|#|/)([^)#\s]+)")
 

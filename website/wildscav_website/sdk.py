@@ -1,7 +1,4 @@
-# ruff: noqa: INP001 - a script, not part of a package
-"""Make docs/sdk.md, the reference of what an agent imports, from the code.
-
-    python docs/sdk.py
+"""The reference of what an agent imports.
 
 Fields are described by the comments beside them, everything else by docstrings.
 """
@@ -18,12 +15,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-PAGE = Path(__file__).with_suffix(".md")
 HEAD = """# The SDK
 
-Everything that an agent imports, with every field and its unit. This page is made from the code by
-`python docs/sdk.py`. [Submitting](submitting.md) tells how an agent is packaged and judged,
-[sensors](sensors.md) what each sensor reads, with shapes and dtypes.
+Everything that an agent imports, with every field and its unit. [Submitting](../submitting.md) tells how an
+agent is packaged and judged, [sensors](../sensors.md) what each sensor reads, with shapes and dtypes.
 
 Units are metres, seconds and degrees. y is up, x east, z north; the middle of the map is (0, 0). Yaw 0 looks
 along +z and grows clockwise seen from above; positive pitch looks down.
@@ -90,7 +85,7 @@ class Field(NamedTuple):
     meaning: str
 
 
-def reference() -> str:
+def page() -> str:
     """Return the page."""
     lines = [HEAD]
     for module, names in MODULES.items():
@@ -209,7 +204,3 @@ def _text(docstring: str) -> str:
         else:
             lines.append(line)
     return "\n".join(lines) + "\n"
-
-
-if __name__ == "__main__":
-    PAGE.write_text(reference(), "utf-8")
