@@ -20,7 +20,7 @@ from tests.ports import free_ports
 from wildscav.proto.match_pb2 import GetMatchRequest, GetMatchResponse, HostMatchRequest
 from wildscav.proto.match_pb2_grpc import ArenaStub
 from wildscav.wire.matches import decode_seat_address
-from wildscav_engine.compilation.cache_root import cache_root
+from wildscav_engine.compilation.caching.cache_root import cache_root
 from wildscav_engine.record import verify_record
 from wildscav_engine.record.format import decode
 from wildscav_evaluator.sandbox.containers.container_engine import OWNER, ContainerEngine, call, find_engine

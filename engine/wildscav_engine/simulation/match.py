@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wildscav_engine.compilation.array_tables import Addresses
+from wildscav_engine.compilation.tables.array_tables import Addresses
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.simulation.batch import Batch, check_actions
 from wildscav_engine.simulation.setup.match_setup import MatchSetupError, WaveInfo, seed_of_seat

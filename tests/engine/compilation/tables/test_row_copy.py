@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.row_copy import fills_of
+from wildscav_engine.compilation.tables.row_copy import fills_of
 
 
 class Things(NamedTuple):

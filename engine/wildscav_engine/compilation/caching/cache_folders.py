@@ -8,9 +8,9 @@ import functools
 import shutil
 from pathlib import Path
 
-from wildscav_engine.compilation.cache_root import cache_root, temporary_folder
-from wildscav_engine.compilation.levels import levels
-from wildscav_engine.compilation.sources import PACKAGE, sources_digest
+from wildscav_engine.compilation.caching.cache_root import cache_root, temporary_folder
+from wildscav_engine.compilation.caching.levels import levels
+from wildscav_engine.compilation.caching.sources import PACKAGE, sources_digest
 
 # Enough for several versions of the engine, so that switching between them stays fast.
 KEPT_FOLDERS = 1000

@@ -3,7 +3,7 @@
 import threading
 from pathlib import Path
 
-from wildscav_engine.compilation.locks import Lock, locked
+from wildscav_engine.compilation.caching.locks import Lock, locked
 
 
 def test_one_waits_while_another_has_the_lock(tmp_path: Path) -> None:

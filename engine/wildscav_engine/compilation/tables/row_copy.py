@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.array_tables import Addresses, bytes_at
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.compilation.passed_tables import ADDRESS, ITEM, LENGTH
+from wildscav_engine.compilation.tables.array_tables import Addresses, bytes_at
 
 
 def fills_of(like: Any) -> NDArray[np.uint8]:

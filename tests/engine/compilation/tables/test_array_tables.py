@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.array_tables import (
+from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.compilation.passed_tables import pass_as_table
+from wildscav_engine.compilation.tables.array_tables import (
     Addresses,
     ArrayTable,
     addresses_of,
@@ -16,8 +18,6 @@ from wildscav_engine.compilation.array_tables import (
     row_reader,
     values_reader,
 )
-from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.compilation.passed_tables import pass_as_table
 
 
 class Things(NamedTuple):

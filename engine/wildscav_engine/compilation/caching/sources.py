@@ -21,10 +21,10 @@ from hashlib import blake2b
 from importlib.metadata import version
 from pathlib import Path
 
-from wildscav_engine.compilation.cache_root import cache_root
+from wildscav_engine.compilation.caching.cache_root import cache_root
 from wildscav_engine.extensions import sources_of
 
-PACKAGE = Path(__file__).parent.parent
+PACKAGE = Path(__file__).parents[2]
 OURS = "wildscav"  # how the names of all our packages begin; those of the platform lie in one folder
 BLOCKS = ("body", "orelse", "handlers", "finalbody", "cases")  # fields of a statement that contain statements
 KERNELS_OF = "KERNELS_OF"  # the name of the constant

@@ -85,7 +85,7 @@ class Generated:
     @functools.cached_property
     def _numba_type_(self) -> Any:
         """What this is for kernels that call it."""
-        from wildscav_engine.compilation import array_readers
+        from wildscav_engine.compilation.tables import array_readers
 
         return array_readers.type_of(self, getattr(array_readers, self._reader)(*self._arguments))
 

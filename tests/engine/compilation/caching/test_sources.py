@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from wildscav_engine.compilation import sources
+from wildscav_engine.compilation.caching import sources
 
 ENGINE = sources.PACKAGE
 # How a kernel's file, ``game/systems/motion.py``, can come by what is in another.

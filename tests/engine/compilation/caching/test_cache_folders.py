@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from wildscav_engine.compilation import cache_folders as folders
-from wildscav_engine.compilation.cache_root import cache_root
-from wildscav_engine.compilation.sources import PACKAGE, sources_digest
+from wildscav_engine.compilation.caching import cache_folders as folders
+from wildscav_engine.compilation.caching.cache_root import cache_root
+from wildscav_engine.compilation.caching.sources import PACKAGE, sources_digest
 
 
 def test_a_folder_is_named_after_the_digest_of_the_sources(
@@ -45,8 +45,8 @@ def test_a_user_without_a_home_needs_none(
 
 def test_the_temporary_one_is_gone_with_its_process(tmp_path: Path) -> None:
     code = (
-        "from wildscav_engine.compilation.cache_folders import cache_folder\n"
-        "from wildscav_engine.compilation.sources import PACKAGE\n"
+        "from wildscav_engine.compilation.caching.cache_folders import cache_folder\n"
+        "from wildscav_engine.compilation.caching.sources import PACKAGE\n"
         "print(cache_folder(PACKAGE / 'simulation/digest.py').is_dir())"
     )
     environment = {**os.environ, "WILDSCAV_CACHE_DIR": "/dev/null/nowhere", "TMPDIR": str(tmp_path)}
