@@ -5,7 +5,7 @@ from datetime import UTC, datetime
 import pytest
 
 from wildscav_leaderboard.api.documents import SeatView
-from wildscav_leaderboard.api.matches import judged
+from wildscav_leaderboard.api.match_views import judged
 from wildscav_leaderboard.matches.models import LADDER, SUITE, Match
 
 NOW = datetime(2030, 1, 1, tzinfo=UTC)
