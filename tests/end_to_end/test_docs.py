@@ -99,6 +99,12 @@ def test_files_functions_and_tests_that_pages_name_exist(page: Path) -> None:
         assert re.search(rf"(def|class) {name}\b", CODE), name
 
 
+def test_every_message_of_the_page_of_troubles_is_one() -> None:
+    page = (ROOT / "docs" / "troubleshooting.md").read_text("utf-8")
+    for message in re.findall(r"^\| (?:outcome )?`([^`]+)`", page, re.MULTILINE):
+        assert message in CODE, message
+
+
 def test_the_architecture_says_where_every_system_is() -> None:
     text = (ROOT / "docs" / "architecture.md").read_text("utf-8")
     systems = ROOT / HOMES[0] / "simulation" / "systems"
