@@ -105,6 +105,21 @@ def test_every_message_of_the_page_of_troubles_is_one() -> None:
         assert message in CODE, message
 
 
+INVERTED = re.compile(
+    r"(?:^|[.;:] )(?:Who|Whoever|Whom|Whose|What) (?!.*\?)\w+ \w+|\bwhoever\b", re.MULTILINE
+)
+
+
+@pytest.mark.parametrize(
+    "page",
+    [page for page in PAGES if page.name not in ("CHANGELOG.md", "CONTRIBUTING.md")],
+    ids=lambda page: page.name,
+)
+def test_no_sentence_of_a_page_begins_with_its_object(page: Path) -> None:
+    text = re.sub(r"^(```.*?^```|#.*?$)", "", page.read_text("utf-8"), flags=re.MULTILINE | re.DOTALL)
+    assert INVERTED.findall(text) == [], "CONTRIBUTING.md has the rules of English"
+
+
 def test_the_architecture_says_where_every_system_is() -> None:
     text = (ROOT / "docs" / "architecture.md").read_text("utf-8")
     systems = ROOT / HOMES[0] / "simulation" / "systems"
