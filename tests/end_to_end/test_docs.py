@@ -1,6 +1,7 @@
 """What the README and the pages say is true: their code runs, and the files they name are there."""
 
 import ast
+import json
 import re
 import shlex
 import subprocess
@@ -125,6 +126,19 @@ def test_the_architecture_says_where_every_system_is() -> None:
     systems = ROOT / HOMES[0] / "simulation" / "systems"
     for file in systems.glob("[a-z]*.py"):
         assert f"`simulation/systems/{file.name}`" in text
+
+
+def test_the_notebook_that_plots_a_match_runs_as_it_stands(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    notebook = json.loads((ROOT / "docs" / "examples" / "plot_a_match.ipynb").read_text("utf-8"))
+    code = "".join(
+        "".join(cell["source"]) + "\n" for cell in notebook["cells"] if cell["cell_type"] == "code"
+    )
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    small = code.replace("size=120", "size=60").replace("time_limit=60", "time_limit=4")
+    assert run_code(small, tmp_path) == "5 agents, 41 moments, 4 s\n"
+    assert (tmp_path / "match.png").stat().st_size > 0
 
 
 def test_the_page_of_maps_tells_every_field_with_its_default() -> None:
