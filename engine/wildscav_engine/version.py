@@ -1,8 +1,30 @@
 """The versions of the engine and of what it simulates."""
 
+import re
 from importlib.metadata import version
+from pathlib import Path
 
 ENGINE_VERSION = version("wildscav")
 
 # Rises whenever the same spec and actions give another match: a record can be played again by its own only.
 SIMULATION_VERSION = 5
+
+CHECKOUT = Path(__file__).parents[2]
+# Files name the version that made them, and what is printed here is copied into shells.
+RELEASE = re.compile(r"\d+(\.\d+){0,3}((a|b|rc)\d+)?", re.ASCII)
+
+
+def advice(made_by: str) -> str:
+    """Return what to do with a record that this engine cannot play, for the end of a message.
+
+    Args:
+        made_by: The version of the engine that made it.
+    """
+    if not RELEASE.fullmatch(made_by):
+        return f"play it with the engine that made it ({made_by})"
+    if made_by == ENGINE_VERSION:
+        return f"play it with the engine that made it ({made_by}, at another commit)"
+    is_checkout = (CHECKOUT / ".git").exists()
+    where = f" @ git+{CHECKOUT.as_uri()}@{made_by}" if is_checkout else f"=={made_by}"
+    line = f"pip install 'wildscav[evaluator]{where}'"
+    return f"play it with release {made_by}, which made it, in an environment of its own: {line}"
