@@ -1,6 +1,7 @@
 """The versions of the engine and of what it simulates."""
 
 import re
+import shlex
 from importlib.metadata import version
 from pathlib import Path
 
@@ -24,7 +25,9 @@ def advice(made_by: str) -> str:
         return f"play it with the engine that made it ({made_by})"
     if made_by == ENGINE_VERSION:
         return f"play it with the engine that made it ({made_by}, at another commit)"
-    is_checkout = (CHECKOUT / ".git").exists()
-    where = f" @ git+{CHECKOUT.as_uri()}@{made_by}" if is_checkout else f"=={made_by}"
-    line = f"pip install 'wildscav[evaluator]{where}'"
+    line = f"pip install 'wildscav[evaluator]=={made_by}'"
+    if (CHECKOUT / ".git").exists():
+        folder = CHECKOUT.parent / f"wildscav-{made_by}"
+        fetch = shlex.join(["git", "-C", str(CHECKOUT), "worktree", "add", str(folder), made_by])
+        line = f"{fetch} && pip install {shlex.quote(f'{folder}[evaluator]')}"
     return f"play it with release {made_by}, which made it, in an environment of its own: {line}"

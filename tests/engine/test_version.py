@@ -7,22 +7,24 @@ import pytest
 from wildscav_engine import version
 from wildscav_engine.version import ENGINE_VERSION, advice
 
-RELEASE = "play it with release 0.0.9, which made it, in an environment of its own: pip install "
+RELEASE = "play it with release 0.0.9, which made it, in an environment of its own: "
 
 
-@pytest.mark.parametrize(
-    ("inside", "line"),
-    [
-        (".git", "'wildscav[evaluator] @ git+file://{folder}@0.0.9'"),  # a checkout has the release as a tag
-        ("wildscav", "'wildscav[evaluator]==0.0.9'"),  # a wheel came from where other releases are
-    ],
-)
-def test_a_release_is_installed_from_where_this_one_came_from(
-    inside: str, line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_a_checkout_has_the_release_as_a_tag(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    checkout = tmp_path / "a clone"
+    (checkout / ".git").mkdir(parents=True)
+    monkeypatch.setattr(version, "CHECKOUT", checkout)
+    assert advice("0.0.9") == (
+        f"{RELEASE}git -C '{checkout}' worktree add {tmp_path}/wildscav-0.0.9 0.0.9 && "
+        f"pip install '{tmp_path}/wildscav-0.0.9[evaluator]'"
+    )
+
+
+def test_a_wheel_came_from_where_the_wheels_of_releases_are(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    (tmp_path / inside).mkdir()
     monkeypatch.setattr(version, "CHECKOUT", tmp_path)
-    assert advice("0.0.9") == RELEASE + line.format(folder=tmp_path)
+    assert advice("0.0.9") == f"{RELEASE}pip install 'wildscav[evaluator]==0.0.9'"
 
 
 def test_no_release_made_what_another_commit_of_this_version_made() -> None:
