@@ -18,7 +18,7 @@ BENCHMARKS := speed.compile speed.environments speed.legacy speed.maps speed.pro
 # Without its cache of bytecode, each process of ours would compile the sources again, for up to three seconds.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help demo test test-slow test-with test-oldest test-newest check format bench docs docs-serve viewer wheel proto clean
+.PHONY: help demo test test-slow test-with test-oldest test-newest check format bench docs docs-serve viewer wheel release proto clean
 
 help: ## Show this list.
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1|\2/' | column -t -s '|'
@@ -40,6 +40,10 @@ help: ## Show this list.
 # The packages for the tests of training. They are large, so only the slow tests install them.
 .venv/.training: pyproject.toml | .venv/bin/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev,training]'
+	@touch $@ .venv/.dev .venv/.run
+
+.venv/.release: pyproject.toml | .venv/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[release]'
 	@touch $@ .venv/.dev .venv/.run
 
 # What npm installs. Where it installs Node.js as well, that has an environment of its own.
@@ -115,6 +119,9 @@ docs-serve: .venv/.dev $(BUILT) ## Serve the site at http://127.0.0.1:8000/, and
 
 wheel: .venv/.dev $(BUILT) ## Build the wheel in out/wheel with machine code for this Python and these releases.
 	$(BIN)/python .ci/wheel out/wheel
+
+release: .venv/.release $(BUILT) ## Make a release in dist: its files, built twice and tried, a list of what they need, and checksums.
+	$(BIN)/python .ci/release dist
 
 proto: .venv/.dev ## Generate the Python code of the protocol, and copy it to the agent in JavaScript.
 	cp platform/wildscav/proto/match.proto submissions/homing-js/

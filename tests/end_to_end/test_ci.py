@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-SCRIPT = Path(__file__).parents[2] / ".ci" / "tests"
+ROOT = Path(__file__).parents[2]
+SCRIPT = ROOT / ".ci" / "tests"
 TESTS = """
 import os
 from pathlib import Path
@@ -80,3 +81,39 @@ def test_what_passes_alone_is_flaky_and_what_fails_twice_fails(
     assert (named.read_text().splitlines() if named.exists() else []) == [
         f"test_all.py::{name}" for name in expected
     ]
+
+
+def test_the_shares_of_the_tests_are_all_of_them(tmp_path: Path) -> None:
+    (tmp_path / "pytest.ini").write_text(
+        "[pytest]\naddopts = -q -p xdist --collect-only --import-mode=importlib"
+    )
+    names = [f"tests/{folder}/test_{number}.py" for folder in "ab" for number in range(3)]
+    for name in names:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text("def test_it():\n    pass\n")
+
+    found = [
+        {line.partition("::")[0] for line in collected(tmp_path, share).splitlines() if "::" in line}
+        for share in ("1/4", "2/4", "3/4", "4/4")
+    ]
+
+    assert [len(share) for share in found] == [2, 2, 1, 1]
+    assert set.union(*found) == set(names)
+
+
+def collected(folder: Path, share: str) -> str:
+    done = subprocess.run(
+        [sys.executable, SCRIPT, "tests"],
+        capture_output=True,
+        check=True,
+        cwd=folder,
+        env=os.environ | {"SHARE": share, "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"},
+        text=True,
+    )
+    return done.stdout
+
+
+def test_a_part_that_there_is_not_is_refused() -> None:
+    done = subprocess.run([ROOT / ".ci" / "run", "everything"], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "There is no part everything" in done.stderr
