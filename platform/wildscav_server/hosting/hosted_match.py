@@ -17,6 +17,7 @@ from wildscav_server.hosting.lockstep import LAG, Lockstep
 from wildscav_server.hosting.observations import match_info
 from wildscav_server.hosting.reports import MatchOutcome, SeatStatus
 from wildscav_server.hosting.seat import Seat
+from wildscav_server.thinking import Spending
 from wildscav_server.time_limits import Clock, SeatClock, WaitMeter
 
 if TYPE_CHECKING:
@@ -76,6 +77,10 @@ class HostedMatch:
     def measure(self, seat: int, meter: WaitMeter) -> None:
         """Credit a seat's bank from now on with its agent's waits for a processor."""
         self.seats[seat].meter = meter
+
+    def charge_by(self, seat: int, spending: Spending) -> None:
+        """Count from now on what a seat spends, and charge it where the clock is ``tokens``."""
+        self.seats[seat].spending = spending
 
     def launched(self, seat: int) -> None:
         """Note that a seat's agent has been started. Its start-up time begins now."""

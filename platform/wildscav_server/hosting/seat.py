@@ -14,6 +14,7 @@ from wildscav.proto.match_pb2 import SeatConduct
 from wildscav.wire.errors import RefusalError
 from wildscav.wire.matches import encode_conduct
 from wildscav_server.hosting.reports import Conduct, SeatReport, SeatStatus, ThinkTime
+from wildscav_server.thinking import Spending
 from wildscav_server.time_limits import TimeBank, WaitMeter
 
 if TYPE_CHECKING:
@@ -49,6 +50,7 @@ class Seat:
         self.conduct = Conduct()
         self.first_late: int | None = None  # the first step that was played without its answer
         self.meter: WaitMeter | None = None  # of its agent's waits for a processor, if its host has one
+        self.spending: Spending | None = None  # what counts tokens and processor time, if its host does
         self.times = array("d")  # s, for each step
         self.notified = False  # whether its stream is about to fetch an observation
         self.wakes: Callable[[], None] | None = None  # called when it is notified; None: it owes an answer
