@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from wildscav_engine.maps import GENERATOR_VERSION, MapError, map_of
 from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.record.charges import charge_fault
 from wildscav_engine.record.format import Record, RecordError
 from wildscav_engine.simulation.match import Match, MatchSetupError
 from wildscav_engine.version import ENGINE_VERSION, SIMULATION_VERSION, advice
@@ -74,6 +75,8 @@ def verify_record(record: Record, game_map: GameMap | None = None) -> Verificati
                 return Verification(False, step, f"step {step}: the state differs")
     except RecordError as error:
         return Verification(False, None, str(error))
+    if fault := charge_fault(record):
+        return Verification(False, *fault)
     if match.result() != record.result:
         return Verification(False, None, "the result differs from that of the match")
     if not match.over:

@@ -12,6 +12,7 @@ from pydantic import Field
 
 from wildscav.errors import UserError
 from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_engine.specs.thinking import ClockChoice
 from wildscav_evaluator.bounds import MAX_ROUNDS
 from wildscav_evaluator.output.json_files import FileModel, FileModelError, WithOptionalFields
 from wildscav_evaluator.output.layout import IDENTITY_FILE
@@ -30,7 +31,7 @@ class Entrant(FileModel):
 class Identity(WithOptionalFields):
     """Everything that the results of an evaluation depend on, and so not how many matches run at once."""
 
-    omitted = ("tournament",)
+    omitted = ("tournament", "clock")
 
     format: Literal[2] = 2
     versions: Versions
@@ -45,6 +46,7 @@ class Identity(WithOptionalFields):
     limits: dict[str, KeptLimits]  # of each agent in it, by track
     key: str | None = None  # public key of the organizer who signs the ledger, 64 hexadecimal digits
     tournament: TournamentSettings | None = None  # omitted if submissions are evaluated one by one
+    clock: ClockChoice | None = None  # of all matches; omitted if they have the suite's own
 
 
 def digest_of(specs: Iterable[MatchSpec]) -> str:

@@ -14,6 +14,7 @@ from wildscav.errors import UserError
 from wildscav_engine import ENGINE_VERSION, SIMULATION_VERSION
 from wildscav_engine.maps import GENERATOR_VERSION
 from wildscav_engine.record import RECORD_VERSION
+from wildscav_engine.specs.thinking import ClockChoice
 from wildscav_evaluator.bounds import MAX_EVALUATIONS, MAX_ROUNDS
 from wildscav_evaluator.output.json_files import FileModel, FileModelError, WithOptionalFields
 from wildscav_evaluator.output.layout import RESULTS_FILE
@@ -197,6 +198,10 @@ class SeatTiming(FileModel):
     late_for_platform: tuple[int, ...] = Field(default=(), exclude=True)
     credited: float | None = None  # s of waiting for a processor that its bank did not pay; None if unknown
     dropped_actions: int = 0  # answers that arrived after their step was over
+    held_steps: int = 0  # steps that were played with its last action, because it thought
+    charged_steps: int = 0  # of those, the steps that its thoughts cost
+    tokens: int = 0  # of its model
+    processor: float = 0.0  # s that its threads ran, as far as its sandbox counts them
     time_used: float  # s, of all steps
     latency_p50: float  # s from an observation sent to its answer received
     latency_p99: float  # s
@@ -241,7 +246,7 @@ class KeptLimits(FileModel):
 class Results(WithOptionalFields):
     """An evaluation of some submissions on some tracks, or a tournament among them on one track."""
 
-    omitted = ("tournament",)
+    omitted = ("tournament", "clock")
 
     format: Literal[2] = 2
     versions: Versions  # by which it was played
@@ -253,6 +258,7 @@ class Results(WithOptionalFields):
     limits: dict[str, KeptLimits] = Field(default_factory=dict)  # of each agent in it, by track
     key: str | None = None  # public key of the ledger's signatures, 64 hexadecimal digits
     tournament: TournamentSettings | None = None  # omitted if submissions were evaluated one by one
+    clock: ClockChoice | None = None  # of all matches; omitted if they had the suite's own
     evaluations: Annotated[tuple[Evaluation, ...], Field(max_length=MAX_EVALUATIONS)]
     timings: Timings
 

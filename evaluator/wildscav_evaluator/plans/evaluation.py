@@ -24,7 +24,7 @@ class EvaluationPlan(Plan):
     @property
     def title(self) -> str:
         """A short description of what is evaluated."""
-        return f"suite {self.suite.label} · seed {self.seed.label} · sandbox {self.sandbox}"
+        return f"{self.matches_of} · seed {self.seed.label} · sandbox {self.sandbox}"
 
     def entries(self) -> Iterator[tuple[str, Submission]]:
         """Yield every track with every submission that plays it."""

@@ -34,7 +34,7 @@ class TournamentPlan(Plan):
     def title(self) -> str:
         """A short description of what is played."""
         return (
-            f"tournament of {len(self.entrants)} on {self.track} · suite {self.suite.label} · "
+            f"tournament of {len(self.entrants)} on {self.track} · {self.matches_of} · "
             f"seed {self.seed.label} · sandbox {self.sandbox}"
         )
 

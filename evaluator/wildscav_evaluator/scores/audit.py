@@ -36,7 +36,7 @@ from wildscav_evaluator.tournaments.tournament_file import check_tournament
 
 MAX_NAMED = 20  # missing matches that are named individually
 # In both files.
-SAME = ("versions", "suite", "commitment", "rounds", "sandbox", "limits", "key", "tournament")
+SAME = ("versions", "suite", "commitment", "rounds", "sandbox", "limits", "key", "tournament", "clock")
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,8 @@ from typing import Literal
 import numpy as np
 
 from wildscav.errors import UserError
-from wildscav_evaluator.output.json_files import FileModel, FileModelError
+from wildscav_engine.specs.thinking import ClockChoice
+from wildscav_evaluator.output.json_files import FileModel, FileModelError, WithOptionalFields
 from wildscav_evaluator.output.layout import COMPARISON_FILE, RESULTS_FILE
 from wildscav_evaluator.output.numbered_folders import NUMBERED, identity_in, numbered
 from wildscav_evaluator.output.results import (
@@ -57,8 +58,10 @@ class Comparison(FileModel):
         return self.differences[0].verdict if self.differences else "too few"
 
 
-class Comparisons(FileModel):
+class Comparisons(WithOptionalFields):
     """The file of a comparison."""
+
+    omitted = ("clock",)
 
     format: Literal[2] = 2
     versions: Versions  # with which they were played
@@ -67,6 +70,7 @@ class Comparisons(FileModel):
     rounds: int
     sandbox: str  # in which agents ran
     limits: dict[str, KeptLimits]  # of each agent in it, by track
+    clock: ClockChoice | None = None  # of all matches; omitted if they had the suite's own
     comparisons: tuple[Comparison, ...]
 
 
@@ -219,7 +223,7 @@ def _earlier(results: Results, out: Path) -> Iterator[tuple[Path, Results]]:
 
 def _same(earlier: Results, now: Results, on: Evaluation) -> bool:
     """Return whether two evaluations played the same matches of a track, under the same conditions."""
-    return (
-        (earlier.versions, earlier.suite, earlier.seed, earlier.commitment, earlier.rounds, earlier.sandbox)
-        == (now.versions, now.suite, now.seed, now.commitment, now.rounds, now.sandbox)
-    ) and earlier.limits.get(on.track) == now.limits.get(on.track)
+    same = ("versions", "suite", "seed", "commitment", "rounds", "sandbox", "clock")
+    if any(getattr(earlier, name) != getattr(now, name) for name in same):
+        return False
+    return earlier.limits.get(on.track) == now.limits.get(on.track)

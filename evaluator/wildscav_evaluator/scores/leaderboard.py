@@ -25,6 +25,7 @@ class Conditions(NamedTuple):
     versions: Versions
     sandbox: str
     limits: KeptLimits  # that the sandbox enforced
+    clock: str | None = None  # with the price of thinking; None: the suite's own
 
 
 class Row(NamedTuple):
@@ -124,9 +125,9 @@ def standings(
 def latest_tournaments(
     results: Found, track: str | None = None, suite: str | None = None
 ) -> "list[Tournament]":
-    """Return the latest tournament on each suite of each track, as far as requested."""
+    """Return the latest tournament on each suite of each track by each clock, as far as requested."""
     latest = {
-        (one.track, one.suite): one
+        (one.track, one.suite, str(one.clock)): one
         for _, one in sorted(results.tournaments, key=lambda pair: pair[0])
         if is_meant(track, one.track) and is_meant(suite, one.suite)
     }
@@ -142,6 +143,7 @@ def _conditions(results: Results, track: str) -> Conditions:
         versions=results.versions,
         sandbox=results.sandbox,
         limits=results.limits.get(track, KeptLimits()),
+        clock=None if results.clock is None else str(results.clock),
     )
 
 
@@ -156,6 +158,7 @@ def _sort_key(pair: tuple[Conditions, Row]) -> tuple[object, ...]:
         *(versions.engine, versions.simulation, versions.generator, versions.record),
         conditions.sandbox,
         limits.model_dump_json(exclude_none=True),
+        conditions.clock or "",
     )
 
 

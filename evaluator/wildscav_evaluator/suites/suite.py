@@ -20,6 +20,7 @@ from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream
 from wildscav_engine.extensions import Registry
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_engine.specs.thinking import ClockChoice
 from wildscav_evaluator.bounds import MAX_MATCHES
 from wildscav_evaluator.sandbox.limits import Limits
 
@@ -53,6 +54,7 @@ class Suite:
     version: str = ""  # of the package that it comes from, if that is not Wildscav
     # By track, a digest of what an organizer's own suite says of it: whatever else is in the file may change.
     fingerprints: Mapping[str, str] = field(default_factory=dict)
+    clock: ClockChoice | None = None  # of all matches, instead of their own
 
     @property
     def label(self) -> str:
@@ -71,6 +73,7 @@ class Suite:
             UserError: The matches do not all ask for the same metrics, so that they have no mean.
         """
         settings = self.tracks[track]
+        clock = {} if self.clock is None else dict(self.clock)
         dice, map_config = _dice(track, self.name, seed), settings.map_config or self.map_config
         specs = []
         for number in range(settings.maps):
@@ -80,7 +83,7 @@ class Suite:
                 game_map = MapSpec(config=map_config(dice), seed=EVALUATION_MAPS | dice.word())
             for _ in range(settings.episodes):
                 match = settings.draw(dice)
-                specs.append(match.model_copy(update={"map": game_map, "seed": dice.word()}))
+                specs.append(match.model_copy(update={"map": game_map, "seed": dice.word()} | clock))
         if len({spec.metrics for spec in specs}) > 1:
             raise UserError(f"suite {self.name}: the matches of {track} ask for different metrics")
         return tuple(specs)

@@ -27,7 +27,7 @@ GROUP = "wildscav.commands"
 # The panels of the help, each in the order of its commands: first what a newcomer needs.
 PANELS = {
     "Agents": ("init", "play", "human", "mcp", "check", "build", "train", "dataset"),
-    "Evaluations": ("evaluate", "baselines", "compare", "tournament", "leaderboard", "verify"),
+    "Evaluations": ("evaluate", "baselines", "compare", "price", "tournament", "leaderboard", "verify"),
     "Matches": ("watch", "replay"),
     "Seasons": ("login", "submit", "team", "season"),
     "Machines and maps": ("serve", "doctor", "map"),

@@ -2,9 +2,13 @@
 
 from pathlib import Path
 
+from pydantic import ValidationError
+
 from wildscav.baselines import NAMES, baseline_folder, is_baseline
 from wildscav.errors import UserError
 from wildscav.terminal.suggestions import did_you_mean
+from wildscav_engine.specs.thinking import ClockChoice
+from wildscav_engine.specs.validation import one_line
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.submissions.images import IMAGE, load_image
 from wildscav_evaluator.submissions.submission import Submission, load_submission
@@ -90,6 +94,23 @@ def suite_tracks(submissions: tuple[Submission, ...], asked: list[str], suite: S
                 exit_code=2,
             )
     return played
+
+
+def clock_choice(text: str) -> ClockChoice:
+    """Return the clock that an option describes, such as ``running,pace=2``.
+
+    Raises:
+        UserError: There is no such clock, or it has no such price.
+    """
+    clock, *price = text.split(",")
+    try:
+        return ClockChoice.model_validate(
+            {"clock": clock, "thinking": dict(part.split("=", 1) for part in price)}
+        )
+    except ValidationError as error:
+        raise UserError(f"--clock {text}: {one_line(error)}", exit_code=2) from error
+    except ValueError:
+        raise UserError(f"--clock {text}: after the clock, every part must be NAME=NUMBER", 2) from None
 
 
 def suite_seed(seed: int | None, secret: Path | None) -> SuiteSeed:

@@ -73,7 +73,10 @@ def evaluations_table(one: Standings) -> Table:
     """Return the table of comparable evaluations on one track: the submissions from best to worst."""
     shared = one.conditions
     rounds = "" if shared.rounds == 1 else f" · {shared.rounds} rounds"
-    table = result_tables.ranking_table(f"{shared.track} · suite {shared.suite} · seed {shared.seed}{rounds}")
+    clock = "" if shared.clock is None else f" · clock {shared.clock}"
+    table = result_tables.ranking_table(
+        f"{shared.track} · suite {shared.suite} · seed {shared.seed}{rounds}{clock}"
+    )
     result_tables.add_metrics(table, one.rows[0].evaluation.metrics)
     result_tables.add_columns(table, "matches\nfailed", "date")
     for row in one.rows:

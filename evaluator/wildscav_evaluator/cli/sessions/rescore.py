@@ -141,6 +141,7 @@ def recomputed(
         tournament=None if identity is None else identity.tournament,
         sandbox="unknown" if identity is None else identity.sandbox,
         limits={} if identity is None else identity.limits,
+        clock=None if identity is None else identity.clock,
         evaluations=evaluations,
         timings=nothing,
     )
