@@ -73,7 +73,7 @@ endif
 
 # Each file is one process's, which makes what its tests share once; those that last longest come first.
 test-slow: .venv/.training $(BUILT) ## Run the slow tests, four at a time: they wait more than they compute.
-	$(BIN)/python $(PYTEST) -n 4 --dist loadfile --no-loadscope-reorder -m slow --durations=60
+	$(BIN)/python $(PYTEST) -n 4 --dist loadfile --no-loadscope-reorder -m slow --durations=40
 
 test-with: .venv/.dev ## Run PART of the tests with another Python or other releases: PYTHON=python3.14, RELEASES='numba==0.68.0'.
 	rm -rf $(OTHER)
