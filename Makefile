@@ -1,6 +1,8 @@
 # Everything except test-with runs in .venv, which these targets create and keep up to date.
 PYTHON ?= python3
 BIN := .venv/bin
+# What is imported is compiled then, and kept; to compile all 20,000 files would take a minute more.
+QUICKLY := --quiet --disable-pip-version-check --no-compile
 # The environment of make test-with, created anew each time.
 OTHER ?= .venv-other
 RELEASES ?=
@@ -29,17 +31,17 @@ help: ## Show this list.
 
 .venv/.run: pyproject.toml | .venv/bin/python
 	@echo 'Installing Wildscav and its dependencies into .venv: 1.3 GB, which takes a minute or two without output.'
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[all]'
+	$(BIN)/python -m pip install $(QUICKLY) -e '.[all]'
 	@touch $@
 
 .venv/.dev: pyproject.toml | .venv/bin/python
 	@echo 'Installing Wildscav and its development tools into .venv, which takes a few minutes without output.'
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev]'
+	$(BIN)/python -m pip install $(QUICKLY) -e '.[dev]'
 	@touch $@ .venv/.run
 
 # The packages for the tests of training. They are large, so only the slow tests install them.
 .venv/.training: pyproject.toml | .venv/bin/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev,training]'
+	$(BIN)/python -m pip install $(QUICKLY) -e '.[dev,training]'
 	@touch $@ .venv/.dev .venv/.run
 
 .venv/.release: pyproject.toml | .venv/bin/python
@@ -62,23 +64,25 @@ demo: .venv/.run $(BUILT) ## Evaluate the three baselines on three of the five t
 	$(BIN)/wildscav evaluate random homing hunter --suite quick --replays first \
 		--track navigation --track gathering --track battle
 
+# Three at a time on two cores: tests of servers and pages wait more than they compute.
 test: .venv/.dev $(BUILT) ## Run the tests (about 5 minutes on two cores); with COVERAGE=1, print which lines and branches they reach.
 	.ci/npm test --silent
 ifdef COVERAGE
 	rm -rf out/coverage && mkdir -p out/coverage
-	$(BIN)/python -m coverage run $(PYTEST) -n 2 --dist worksteal --durations=40
+	$(BIN)/python -m coverage run $(PYTEST) -n 3 --dist worksteal --durations=40
 	$(BIN)/python .ci/coverage
 else
-	$(BIN)/python $(PYTEST) -n 2 --dist worksteal --durations=40
+	$(BIN)/python $(PYTEST) -n 3 --dist worksteal --durations=40
 endif
 
-test-slow: .venv/.training $(BUILT) ## Run the slow tests, three at a time: they wait more than they compute.
-	$(BIN)/python $(PYTEST) -n 3 --dist worksteal -m slow --durations=40
+# Each file is one process's, which makes what its tests share once; those that last longest come first.
+test-slow: .venv/.training $(BUILT) ## Run the slow tests, four at a time: they wait more than they compute.
+	$(BIN)/python $(PYTEST) -n 4 --dist loadfile --no-loadscope-reorder -m slow --durations=40
 
 test-with: .venv/.dev ## Run PART of the tests with another Python or other releases: PYTHON=python3.14, RELEASES='numba==0.68.0'.
 	rm -rf $(OTHER)
 	$(PYTHON) -m venv --without-pip $(OTHER)
-	$(BIN)/python -m pip --python $(OTHER)/bin/python install --quiet --disable-pip-version-check -e '.[tests]' $(RELEASES)
+	$(BIN)/python -m pip --python $(OTHER)/bin/python install $(QUICKLY) -e '.[tests]' $(RELEASES)
 	@$(OTHER)/bin/python -c 'import llvmlite, numba, numpy, sys; print("Python", sys.version.split()[0], *(f"{m.__name__} {m.__version__}" for m in (numpy, numba, llvmlite)))'
 	$(OTHER)/bin/python $(PYTEST) -n 2 --dist worksteal $(PART)
 

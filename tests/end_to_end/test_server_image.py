@@ -27,7 +27,7 @@ from wildscav_evaluator.sandbox.containers.container_engine import OWNER, Contai
 from wildscav_server import leftovers
 from wildscav_server.hosting.precompile import precompile
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 ROOT = Path(__file__).parents[2]
 # Not in localhost/wildscav/, which the tests of submissions' images sweep.
 IMAGE = f"localhost/wildscav-test-server:{os.getpid()}"

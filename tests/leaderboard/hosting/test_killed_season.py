@@ -7,7 +7,7 @@ import pytest
 from tests.leaderboard.hosting.killed_season import KilledSeason
 from tests.leaderboard.postgresql import PostgreSQL, missing, postgresql_server
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 SUBMISSIONS = 2
 
 

@@ -19,7 +19,7 @@ from wildscav_leaderboard.api.matches import file_response
 from wildscav_leaderboard.spectating.render_cache import RenderCache
 from wildscav_leaderboard.spectating.rerun_viewer import address_of, router
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 PATIENCE = 300.0  # s, on a busy machine without a graphics card
 FEWEST_COLORS = 500  # in the picture of a match; the page alone has some ten
 FRAME = (
