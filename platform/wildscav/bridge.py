@@ -13,7 +13,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from wildscav.agent import MatchInfo
-from wildscav.errors import AgentError, ServerUnreachableError
+from wildscav.errors import AgentError, RefusedError, ServerUnreachableError
 from wildscav.notes import begin_step
 
 LONGEST_REQUEST = 65_536  # bytes, with the end of the line
@@ -34,7 +34,8 @@ class BridgedSeat:
         is_over: Whether the match is over.
 
     Raises:
-        ServerUnreachableError: No bridge answers, or it has closed the connection.
+        ServerUnreachableError: No bridge answers, or the connection was lost.
+        RefusedError: The bridge has closed the connection; the message says why.
         AgentError: The bridge refuses a request; the message says what is allowed.
     """
 
@@ -68,6 +69,8 @@ class BridgedSeat:
             answer = b""
         if not answer:
             raise ServerUnreachableError(f"{self._address} closed the connection before the match was over")
+        if "closed" in told:
+            raise RefusedError("", told["closed"])
         if "error" in told:
             raise AgentError(told["error"])
         self.is_over = told.get("over", False)

@@ -1,7 +1,7 @@
 """A seat that is played by pixels and keys: it sees its screen and nothing else, and holds keys.
 
     from wildscav.keyboard import Frame, KeysPlayer
-    from wildscav.policy.keys import Keys
+    from wildscav.policy.keys import MOUSE, Keys
 
     class MyAgent(KeysPlayer):
         def act(self, frame: Frame) -> Keys:
@@ -10,6 +10,7 @@
 Its ``submission.toml`` says ``interface = "keys"``.
 """
 
+import math
 from dataclasses import asdict
 from typing import Any, NamedTuple
 
@@ -17,15 +18,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav.agent import MatchInfo
-from wildscav.errors import AgentError
-from wildscav.policy.keys import Keys
 from wildscav.bridge import BridgedSeat
+from wildscav.errors import AgentError
+from wildscav.policy.keys import MOUSE, Keys
 
 
 class Frame(NamedTuple):
     """What the screen of a seat shows before a step."""
 
-    step: int
+    step: int  # number of the step that keys are wanted for
     pixels: NDArray[np.uint8]  # (height, width, 3), row 0 at the top; read-only
 
 
@@ -40,11 +41,12 @@ class KeysSeat(BridgedSeat):
         """Hold keys for a step, and return what the screen shows after it; None if the match is over.
 
         Raises:
-            AgentError: A key is no flag, or the mouse moves by no finite number.
+            AgentError: These are no keys, or the mouse moves by a number that is not finite.
         """
-        if not isinstance(keys, Keys):
-            raise AgentError(f"keys are {keys!r}, must be Keys, such as Keys(forward=True)")
-        return _frame(*self.ask("press", **asdict(keys)))
+        if not isinstance(keys, Keys) or not math.isfinite(keys.mouse_x + keys.mouse_y):
+            raise AgentError(f"keys are {keys!r}, must be Keys, such as Keys(forward=True, mouse_x=50.0)")
+        held = {name: float(value) if name in MOUSE else bool(value) for name, value in asdict(keys).items()}
+        return _frame(*self.ask("press", **held))
 
 
 def _frame(told: dict[str, Any], content: bytes) -> Frame | None:

@@ -16,8 +16,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from wildscav.notes import say
 from wildscav.bridge import BridgedSeat
+from wildscav.notes import say
 
 SHOWN = 300  # characters of a call's arguments that its note has
 
@@ -26,8 +26,8 @@ SHOWN = 300  # characters of a call's arguments that its note has
 class Tool:
     """Something that a seat may do, for many steps."""
 
-    name: str
-    description: str
+    name: str  # by which it is called
+    description: str  # what it does, in a few sentences
     schema: dict[str, Any]  # the JSON schema of its arguments
 
 

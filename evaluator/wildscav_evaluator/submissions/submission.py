@@ -5,6 +5,7 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
+from typing import Any
 
 from wildscav.sdk.submission_folder import MANIFEST
 from wildscav_evaluator.submission_files import (
@@ -31,6 +32,17 @@ class Submission:
     def name(self) -> str:
         """Its name, as the manifest gives it unless it is entered under another one."""
         return self.entered_as or self.manifest.name
+
+    @property
+    def sensors(self) -> dict[str, dict[str, Any]]:
+        """The sensors of its seat, with their options."""
+        if self.manifest.interface == "keys":
+            return self.manifest.sensors or {"screen": {}}
+        if self.manifest.interface == "numbers":
+            return self.manifest.sensors
+        from wildscav_language.senses import sensors  # loads NumPy, which most commands can do without
+
+        return sensors(pictures=self.manifest.pictures)
 
 
 def load_submission(folder: Path) -> Submission:
@@ -107,7 +119,10 @@ def _digest_of(files: Mapping[bytes, str]) -> str:
 
 def _content(files: Mapping[bytes, str], manifest: Manifest) -> dict[bytes, str]:
     """Return the digests of a submission's files; of its manifest, only fields that change how it plays."""
-    plays = manifest.model_dump_json(include={"entry_point", "command", "sensors"})
+    fields = {"entry_point", "command", "sensors"}
+    if manifest.interface != "numbers":
+        fields |= {"interface", "pictures"}
+    plays = manifest.model_dump_json(include=fields)
     return {**files, MANIFEST.encode(): plays}
 
 
