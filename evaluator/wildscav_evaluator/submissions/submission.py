@@ -5,7 +5,7 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
-from typing import Any
+from typing import Any, Literal
 
 from wildscav.sdk.submission_folder import MANIFEST
 from wildscav_evaluator.submission_files import (
@@ -34,12 +34,17 @@ class Submission:
         return self.entered_as or self.manifest.name
 
     @property
+    def interface(self) -> Literal["words", "keys"] | None:
+        """The interface by which it plays; None for numbers."""
+        return None if self.manifest.interface == "numbers" else self.manifest.interface
+
+    @property
     def sensors(self) -> dict[str, dict[str, Any]]:
         """The sensors of its seat, with their options."""
-        if self.manifest.interface == "keys":
-            return self.manifest.sensors or {"screen": {}}
-        if self.manifest.interface == "numbers":
+        if self.interface is None:
             return self.manifest.sensors
+        if self.interface == "keys":
+            return self.manifest.sensors or {"screen": {}}
         from wildscav_language.senses import sensors  # loads NumPy, which most commands can do without
 
         return sensors(pictures=self.manifest.pictures)
@@ -120,7 +125,7 @@ def _digest_of(files: Mapping[bytes, str]) -> str:
 def _content(files: Mapping[bytes, str], manifest: Manifest) -> dict[bytes, str]:
     """Return the digests of a submission's files; of its manifest, only fields that change how it plays."""
     fields = {"entry_point", "command", "sensors"}
-    if manifest.interface != "numbers":
+    if manifest.interface != "numbers":  # so that digests of others stay as they were
         fields |= {"interface", "pictures"}
     plays = manifest.model_dump_json(include=fields)
     return {**files, MANIFEST.encode(): plays}

@@ -5,11 +5,12 @@ from pathlib import Path
 from typing import Literal
 
 from wildscav.terminal.console import counted
-from wildscav_evaluator.output.json_files import FileModel, FileModelError
+from wildscav_evaluator.output.json_files import FileModel, FileModelError, WithOptionalFields
 from wildscav_evaluator.output.layout import RESULTS_FILE, TOURNAMENT_FILE
 from wildscav_evaluator.output.results import (
     KeptLimits,
     MetricInfo,
+    OtherInterface,
     Results,
     Summary,
     TournamentSettings,
@@ -19,12 +20,15 @@ from wildscav_evaluator.ratings.standings import Standings, rate
 from wildscav_evaluator.tournaments.rated_matches import placing_metric, rated_matches
 
 
-class Entry(FileModel):
+class Entry(WithOptionalFields):
     """An entrant of a tournament."""
+
+    omitted = ("interface",)
 
     name: str
     version: str
     digest: str  # of its files; empty for a robot
+    interface: OtherInterface | None = None  # by which it plays; omitted for numbers
     faults: int  # matches in which something went wrong
     score: Summary | None  # over its matches; None if none was played
 
