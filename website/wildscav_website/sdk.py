@@ -30,6 +30,8 @@ MODULES = {
         *("run", "say", "mark", "plot", "WildscavError"),
     ),
     "wildscav.errors": ("AgentError", "RefusedError", "ServerUnreachableError", "UserError"),
+    "wildscav.words": ("WordsPlayer", "WordsSeat", "Tool", "Reply"),
+    "wildscav.keyboard": ("KeysPlayer", "KeysSeat", "Frame"),
     "wildscav.policy": (
         "PolicyAgent",
         "Policy",

@@ -3,8 +3,7 @@
 import re
 from typing import Any, NamedTuple
 
-from wildscav import Action, Agent, MatchInfo, Observation
-from wildscav_language.player import Player
+from wildscav.words import WordsPlayer, WordsSeat
 
 BOX = re.compile(
     r"^- box (\d+): (?:here|.*?, ([\d.]+) m)(?:, ([\d.]+) m (?:higher|lower))?, (\d+) supplies$", re.M
@@ -18,25 +17,21 @@ STOREY = 4.0  # m on foot for each metre up or down
 START_UP = 3.0  # m, that every box costs besides
 
 
-class Reader(Agent):
+class Reader(WordsPlayer):
     """Walks to the target, or to the box that is worth most for its way; explores if there is none."""
 
-    def reset(self, match: MatchInfo) -> None:
-        """Get ready for a match."""
-        self.player = Player(match)
+    def __init__(self) -> None:
         self.failed: dict[int, int] = {}  # tries of boxes that were not reached
         self.stuck = 0  # times in a row
         self.visited = 0  # the number of the last wave that it has been to
         self.goal = 0  # the number of the wave that it walks to
 
-    def act(self, observation: Observation) -> Action:
+    def play(self, seat: WordsSeat) -> None:
         """Play on, and decide whenever a tool has ended."""
-        self.player.see(observation)
-        while (action := self.player.action()) is None:
-            reply = self.player.reply
-            name, arguments = self.decide(reply.text or self.player.text(), reply.ended.value)
-            self.player.give(name, arguments)
-        return action
+        text, ended = seat.observe(), ""
+        while not seat.is_over:
+            reply = seat.call(*self.decide(text, ended))
+            text, ended = reply.text, reply.ended
 
     def decide(self, text: str, ended: str) -> tuple[str, dict[str, Any]]:
         """Return the next call, from a text and the reason of the last end."""

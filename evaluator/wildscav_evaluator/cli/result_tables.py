@@ -23,6 +23,7 @@ from wildscav_evaluator.output.results import (
     Results,
     SeatTiming,
     Summary,
+    with_interface,
 )
 from wildscav_evaluator.scores.leaderboard import ranked
 from wildscav_evaluator.scores.number_format import NOTHING, number
@@ -62,7 +63,7 @@ def track_table(results: Results, track: str) -> Table:
 def evaluation_cells(rank: int | None, one: Evaluation) -> Iterator[Text | str]:
     """Yield the cells of an evaluation in a table of standings."""
     yield NOTHING if rank is None else str(rank)
-    yield f"{one.submission} {one.version}"
+    yield one.title
     yield from metric_cells(one.metrics, one.summary)
     yield fault_cell(one.faults, len(one.matches))
 
@@ -138,7 +139,7 @@ def standings_table(tournament: "Tournament") -> Table:
         table.add_row(
             one.ranks,
             "".join(map(letters, one.bands)),
-            one.entrant,
+            with_interface(one.entrant, entry.interface),
             Text.assemble((f"{one.rating:.0f}", "bold"), _interval(one)),
             f"{one.matches:,}",
             one.first_places,

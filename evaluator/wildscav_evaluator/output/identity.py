@@ -14,18 +14,21 @@ from wildscav.errors import UserError
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.specs.thinking import ClockChoice
 from wildscav_evaluator.bounds import MAX_ROUNDS
-from wildscav_evaluator.output.json_files import FileModel, FileModelError, WithOptionalFields
+from wildscav_evaluator.output.json_files import FileModelError, WithOptionalFields
 from wildscav_evaluator.output.layout import IDENTITY_FILE
-from wildscav_evaluator.output.results import KeptLimits, TournamentSettings, Versions
+from wildscav_evaluator.output.results import KeptLimits, OtherInterface, TournamentSettings, Versions
 
 
-class Entrant(FileModel):
+class Entrant(WithOptionalFields):
     """A submission that is evaluated."""
+
+    omitted = ("interface",)
 
     name: str
     version: str
     digest: str  # of the submission's folder
     tracks: tuple[str, ...]  # the evaluation's tracks that it plays
+    interface: OtherInterface | None = None  # by which it plays; omitted for numbers
 
 
 class Identity(WithOptionalFields):

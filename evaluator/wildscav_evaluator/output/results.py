@@ -27,6 +27,7 @@ FORMAT = 2
 FINISHED, FAILED = "finished", "failed"  # status of a seat, and of a match that could not be played
 
 Fault = Literal["agent", "platform"]
+OtherInterface = Literal["words", "keys"]  # than numbers
 
 
 class TournamentSettings(FileModel):
@@ -165,16 +166,24 @@ def mean_metrics(seats: Sequence[dict[str, float]]) -> dict[str, float]:
     return {name: math.fsum(seat[name] for seat in seats) / len(seats) for name in seats[0]}
 
 
-class Evaluation(FileModel):
+class Evaluation(WithOptionalFields):
     """One entrant on one track: a submission, or a robot in a tournament."""
+
+    omitted = ("interface",)
 
     submission: str
     version: str
     digest: str  # of the submission's folder
+    interface: OtherInterface | None = None  # by which it plays; omitted for numbers
     track: str
     metrics: tuple[MetricInfo, ...]  # the first is the score
     matches: tuple[MatchRow, ...]
     summary: dict[str, Summary]  # by metric; empty if no match was played
+
+    @property
+    def title(self) -> str:
+        """Its name and version, and its interface unless it plays by numbers."""
+        return with_interface(f"{self.submission} {self.version}", self.interface)
 
     @property
     def score(self) -> Summary | None:
@@ -185,6 +194,11 @@ class Evaluation(FileModel):
     def faults(self) -> int:
         """Matches in which something went wrong."""
         return sum(row.fault is not None for row in self.matches)
+
+
+def with_interface(name: str, interface: OtherInterface | None) -> str:
+    """Return an entrant's name in a table, with its interface unless it plays by numbers."""
+    return name if interface is None else f"{name} ({interface})"
 
 
 class SeatTiming(FileModel):

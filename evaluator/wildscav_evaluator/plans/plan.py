@@ -134,6 +134,7 @@ def evaluation_of(
         submission=one.name,
         version=version,
         digest=one.digest,
+        interface=one.interface,
         track=track,
         metrics=metrics,
         matches=matches,

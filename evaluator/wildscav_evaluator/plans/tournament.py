@@ -42,8 +42,7 @@ class TournamentPlan(Plan):
     def entrants(self) -> tuple[Entrant, ...]:
         """The entrants, sorted by name."""
         submissions = [
-            Entrant(name=one.name, version=one.manifest.version, digest=one.digest, tracks=(self.track,))
-            for one in self.submissions
+            Entrant.about(one, version=one.manifest.version, tracks=(self.track,)) for one in self.submissions
         ]
         robots = [
             Entrant(name=robot_entrant(robot), version=ENGINE_VERSION, digest="", tracks=(self.track,))

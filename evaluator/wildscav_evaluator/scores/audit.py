@@ -125,9 +125,13 @@ def _of_identity(folder: AuditedFolder) -> Iterator[str]:
     if reported.seed_label != identity.seed:
         yield f"{RESULTS_FILE} says seed {reported.seed_label}, {IDENTITY_FILE} {identity.seed}"
     entered = {
-        (track, one.name): (one.version, one.digest) for one in identity.submissions for track in one.tracks
+        (track, one.name): (one.version, one.digest, one.interface)
+        for one in identity.submissions
+        for track in one.tracks
     }
-    listed = {(one.track, one.submission): (one.version, one.digest) for one in reported.evaluations}
+    listed = {
+        (one.track, one.submission): (one.version, one.digest, one.interface) for one in reported.evaluations
+    }
     for track, name in sorted(entered.keys() | listed.keys()):
         who = f"{name} on {track}"
         if (track, name) not in listed:
@@ -135,7 +139,7 @@ def _of_identity(folder: AuditedFolder) -> Iterator[str]:
         elif (track, name) not in entered:
             yield f"{who}: there are results, but {IDENTITY_FILE} does not name it as an entrant"
         elif listed[track, name] != entered[track, name]:
-            yield f"{who}: {RESULTS_FILE} and {IDENTITY_FILE} name different versions or files of it"
+            yield f"{who}: {RESULTS_FILE} and {IDENTITY_FILE} name another version, files or interface"
 
 
 def _shown(part: Results | Identity, name: str) -> str:

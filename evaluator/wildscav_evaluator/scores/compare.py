@@ -16,6 +16,7 @@ from wildscav_evaluator.output.results import (
     Evaluation,
     KeptLimits,
     MetricInfo,
+    OtherInterface,
     Results,
     Versions,
     read_results,
@@ -42,12 +43,16 @@ class Difference(FileModel):
     verdict: Verdict  # which submission is better
 
 
-class Comparison(FileModel):
+class Comparison(WithOptionalFields):
     """Two submissions on one track."""
+
+    omitted = ("interfaces",)
 
     track: str
     first: str
     second: str
+    # By which they play; omitted if it is the same.
+    interfaces: tuple[OtherInterface | None, OtherInterface | None] | None = None
     pairs: int  # matches for which both have a result
     dropped: int  # matches for which one of them has none, by the platform's fault
     differences: tuple[Difference, ...]  # by metric; the first is the score
@@ -99,6 +104,7 @@ def compare_evaluations(first: Evaluation, second: Evaluation) -> Comparison:
         track=first.track,
         first=first.submission,
         second=second.submission,
+        interfaces=None if first.interface == second.interface else (first.interface, second.interface),
         pairs=len(pairs),
         dropped=max(len(first.matches), len(second.matches)) - len(pairs),
         differences=tuple(_differences(first.metrics, pairs)) if pairs else (),
@@ -193,6 +199,7 @@ def changes_since_last(results: Results, out: Path) -> tuple[Change, ...]:
                 now is None
                 or key in changes
                 or then.digest == now.digest
+                or then.interface != now.interface
                 or not _same(earlier, results, then)
             ):
                 continue

@@ -203,6 +203,7 @@ def _document_of_row(row: Row) -> dict[str, Any]:
         "submission": one.submission,
         "version": one.version,
         "digest": one.digest,
+        "interface": one.interface or "numbers",
         "started": row.started,
         "key": row.key,
         "matches": len(one.matches),

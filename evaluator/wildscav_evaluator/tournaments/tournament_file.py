@@ -11,6 +11,7 @@ from wildscav_evaluator.output.layout import RESULTS_FILE, TOURNAMENT_FILE
 from wildscav_evaluator.output.results import (
     KeptLimits,
     MetricInfo,
+    OtherInterface,
     Results,
     Summary,
     TournamentSettings,
@@ -20,12 +21,15 @@ from wildscav_evaluator.ratings.standings import Standings, rate
 from wildscav_evaluator.tournaments.rated_matches import placing_metric, rated_matches
 
 
-class Entry(FileModel):
+class Entry(WithOptionalFields):
     """An entrant of a tournament."""
+
+    omitted = ("interface",)
 
     name: str
     version: str
     digest: str  # of its files; empty for a robot
+    interface: OtherInterface | None = None  # by which it plays; omitted for numbers
     faults: int  # matches in which something went wrong
     score: Summary | None  # over its matches; None if none was played
 

@@ -124,6 +124,13 @@ class PlayOptions:
         ),
     ] = False
     sandbox: InSandbox = None
+    interface: Annotated[
+        Literal["numbers", "words", "keys"] | None,
+        typer.Option(
+            help="Take only submissions that play by this interface. Default: any; results say by which.",
+            show_default=False,
+        ),
+    ] = None
     executor: ExecutorOption = "local"
     address: AddressOption = None
     sign: SignOption = None
@@ -174,8 +181,9 @@ class PlayOptions:
             parent: The folder of numbered output folders, for when no output folder is named.
             more: The fields of the plan that do not follow from these options.
         """
-        from wildscav_evaluator.cli.options.selection import suite_seed
+        from wildscav_evaluator.cli.options.selection import check_interface, suite_seed
 
+        check_interface(submissions, self.interface)
         seed, out = suite_seed(self.seed, self.secret), self.out or parent
         key = signing_key(self.sign, out, submissions)
         with executor_of(self.executor, self.address, self.workers) as machines:

@@ -126,6 +126,21 @@ def suite_seed(seed: int | None, secret: Path | None) -> SuiteSeed:
     return read_secret(secret)
 
 
+def check_interface(submissions: tuple[Submission, ...], asked: str | None) -> None:
+    """Refuse submissions that play by another interface than is asked for.
+
+    Raises:
+        UserError: One does.
+    """
+    for one in submissions:
+        if asked not in (None, one.manifest.interface):
+            raise UserError(
+                f"submission {one.name!r} plays by {one.manifest.interface}, as its submission.toml says, "
+                f"and --interface is {asked}",
+                exit_code=2,
+            )
+
+
 def check_plays(submission: Submission, track: str) -> None:
     """Refuse a submission that does not play a track.
 

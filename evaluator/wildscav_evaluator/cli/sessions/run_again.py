@@ -167,7 +167,7 @@ def _warn(text: str) -> None:
 def _play(seating: MatchAssignment, record: Record, compared: tuple[int, ...], sandbox: str) -> PlayedMatch:
     try:
         with preparing(console):
-            precompile_for([submission.manifest.sensors for submission in seating.submissions])
+            precompile_for([submission.sensors for submission in seating.submissions])
         with console.status(f"running the agent again, {counted(record.steps, 'step')}"):
             return asyncio.run(
                 play_match(
