@@ -2,6 +2,7 @@
 
 import asyncio
 
+from wildscav_evaluator.model_gateway.gateway import ModelGateway
 from wildscav_evaluator.sandbox import Ending, Launch, RunningAgent, Sandbox
 from wildscav_evaluator.sandbox.processor_waits import INTERVAL
 from wildscav_server.hosting.hosted_match import HostedMatch
@@ -13,11 +14,17 @@ METER_TRIES = 40  # to find the processes of a container, which start a moment l
 class MatchAgents:
     """The processes of a match's agents, by their seats."""
 
-    def __init__(self, hosted: HostedMatch, sandbox: Sandbox) -> None:
-        self._hosted, self._sandbox = hosted, sandbox
+    def __init__(self, hosted: HostedMatch, sandbox: Sandbox, model: ModelGateway | None = None) -> None:
+        self._hosted, self._sandbox, self.model = hosted, sandbox, model
         self._running: dict[int, RunningAgent] = {}
         self._watchers: dict[int, asyncio.Task[Ending]] = {}
         self._metering: list[asyncio.Task[None]] = []
+        if model is not None:
+            self._metering.append(asyncio.create_task(model.watch(self._spent, hosted.cancel)))
+
+    def _spent(self, seat: int, reason: str) -> None:
+        """End a seat's part in the match, because its model's budget is spent."""
+        self._hosted.give_up(seat, reason, SeatStatus.OVER_BUDGET)
 
     async def start(self, seat: int, launch: Launch) -> None:
         """Start the agent of a seat, and watch its process.
@@ -45,6 +52,8 @@ class MatchAgents:
         ending = await agent.ended()
         if ending.platform_fault and not self._hosted.match.over:
             self._hosted.cancel()  # it will be played again
+        elif self.model is not None and self.model.is_over(seat):
+            self._spent(seat, f"its model's budget was spent, and {ending}")
         else:
             self._hosted.give_up(seat, str(ending), status_of(ending))
         return ending

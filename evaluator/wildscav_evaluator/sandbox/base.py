@@ -30,6 +30,7 @@ class Launch:
     command: tuple[str, ...] = ()  # to run instead of Python
     start_limit: float | None = None  # s that the agent has to start up
     lasts: float = MARGIN  # s from its start after which the sandbox ends it, because its match hangs
+    model: str | None = None  # the address of this seat's gateway to a model: "unix:/path"
 
 
 class MemoryKill(Enum):

@@ -222,4 +222,4 @@ def _same(earlier: Results, now: Results, on: Evaluation) -> bool:
     return (
         (earlier.versions, earlier.suite, earlier.seed, earlier.commitment, earlier.rounds, earlier.sandbox)
         == (now.versions, now.suite, now.seed, now.commitment, now.rounds, now.sandbox)
-    ) and earlier.limits.get(on.track) == now.limits.get(on.track)
+    ) and (earlier.limits.get(on.track), earlier.model) == (now.limits.get(on.track), now.model)

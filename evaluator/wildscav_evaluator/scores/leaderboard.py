@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from wildscav.errors import UserError
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.output.layout import COMPARISON_FILE, RESULTS_FILE, TOURNAMENT_FILE
-from wildscav_evaluator.output.results import Evaluation, KeptLimits, Results, Versions, read_results
+from wildscav_evaluator.output.results import (
+    Evaluation,
+    KeptLimits,
+    ModelTerms,
+    Results,
+    Versions,
+    read_results,
+)
 
 if TYPE_CHECKING:  # loads SciPy, which most commands can do without
     from wildscav_evaluator.tournaments.tournament_file import Tournament
@@ -25,6 +32,7 @@ class Conditions(NamedTuple):
     versions: Versions
     sandbox: str
     limits: KeptLimits  # that the sandbox enforced
+    model: ModelTerms | None = None  # that agents could ask
 
 
 class Row(NamedTuple):
@@ -142,6 +150,7 @@ def _conditions(results: Results, track: str) -> Conditions:
         versions=results.versions,
         sandbox=results.sandbox,
         limits=results.limits.get(track, KeptLimits()),
+        model=results.model,
     )
 
 
@@ -156,6 +165,7 @@ def _sort_key(pair: tuple[Conditions, Row]) -> tuple[object, ...]:
         *(versions.engine, versions.simulation, versions.generator, versions.record),
         conditions.sandbox,
         limits.model_dump_json(exclude_none=True),
+        "" if conditions.model is None else conditions.model.model_dump_json(),
     )
 
 
@@ -184,7 +194,8 @@ def document(one: Standings) -> dict[str, Any]:
     shared = one.conditions._asdict()
     versions: Versions = shared.pop("versions")
     named = {f"{part}_version": number for part, number in versions}
-    limits = one.conditions.limits.model_dump(exclude_none=True)
+    limits, model = one.conditions.limits.model_dump(exclude_none=True), shared.pop("model")
+    shared |= {} if model is None else {"model": model.model_dump()}
     return shared | named | {"limits": limits, "rows": [_document_of_row(row) for row in one.rows]}
 
 

@@ -42,12 +42,15 @@ def agent_variables(launch: Launch, address: str) -> dict[str, str]:
     Args:
         address: The address of the match server, as the agent sees it.
     """
+    # A sandbox that hides the machine's paths has another address of the match, too.
+    model = launch.model if address == launch.address else host_python.MODEL
     return {
         **ONE_THREAD,
         "PYTHONUNBUFFERED": "1",  # so that the log has the last output of an agent that is killed
         "PYTHONDONTWRITEBYTECODE": "1",  # so that a submission's folder stays as it is
         "WILDSCAV_ADDRESS": address,
         "WILDSCAV_TOKEN": launch.token,
+        **({} if launch.model is None or model is None else {"WILDSCAV_MODEL": model}),
         **({} if launch.start_limit is None else {"WILDSCAV_START_LIMIT": f"{launch.start_limit:g}"}),
     }
 
