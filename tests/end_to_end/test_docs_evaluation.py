@@ -1,6 +1,7 @@
 """What the page of evaluations says is true: its suites, files and metrics exist, and its commands run."""
 
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -9,11 +10,13 @@ from tests.end_to_end.pages import blocks, run_line
 
 from wildscav_evaluator.executors import Node
 from wildscav_evaluator.matches.play import MAX_ATTEMPTS
+from wildscav_evaluator.model_gateway.settings import ModelSettings
 from wildscav_evaluator.monitoring.monitor import EvaluationMetrics
 from wildscav_evaluator.monitoring.tally import Tally
 from wildscav_evaluator.output import results
 from wildscav_evaluator.output.json_files import FileModel
 from wildscav_evaluator.output.layout import (
+    EXCHANGES,
     IDENTITY_FILE,
     LEDGER_FILE,
     LOGS,
@@ -52,12 +55,22 @@ def test_the_suites_have_the_maps_matches_and_limits_told() -> None:
 
 
 def test_the_own_suite_of_the_page_is_one(tmp_path: Path) -> None:
-    (toml,) = blocks(PAGE, "toml")
+    toml, _ = blocks(PAGE, "toml")
     (tmp_path / "spring.toml").write_text(toml)
     suite = read_suite(tmp_path / "spring.toml")
 
     assert len(suite.matches("navigation", 0)) == 6
     assert len(suite.matches("gathering", 0)) == 2
+
+
+def test_the_model_of_the_page_is_one_and_its_defaults_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    _, toml = blocks(PAGE, "toml")
+    settings = ModelSettings.model_validate(tomllib.loads(toml))
+    monkeypatch.setenv("MODEL_KEY", "secret")
+
+    assert (settings.host, settings.key()) == ("localhost:8000", "secret")
+    told = {name for row in rows("| setting | default |") for name in re.findall(r"`(\w+)\b", " ".join(row))}
+    assert ModelSettings.model_fields.keys() <= told
 
 
 def test_every_metric_is_told() -> None:
@@ -75,7 +88,7 @@ def test_every_file_of_the_output_folder_is_told() -> None:
     cells = [row[0] for row in rows("| in the output folder |")]
     told = {name.rstrip("/") for cell in cells for name in re.findall(r"`([\w./]+)`", cell)}
 
-    folders = {RECORDS, REPLAYS, LOGS}
+    folders = {RECORDS, REPLAYS, LOGS, EXCHANGES}
     assert told == folders | {RESULTS_FILE, IDENTITY_FILE, LEDGER_FILE, SUITE_FILE, OPENED_FILE}
 
 
@@ -103,7 +116,7 @@ ELSEWHERE = ("pip install", "ray start", "wildscav doctor --executor ray")
 @pytest.mark.slow
 def test_the_commands_of_the_page_run_in_their_order(tmp_path: Path) -> None:
     """With matches of two seconds on two maps, of which only the first command makes replays."""
-    (toml,) = blocks(PAGE, "toml")
+    toml, _ = blocks(PAGE, "toml")
     toml = re.sub(r"time_limit = \d+", "time_limit = 2", toml)
     (tmp_path / "spring.toml").write_text(
         toml.replace("maps = 3", "maps = 1").replace("maps = [103, 104]", "maps = [103]")

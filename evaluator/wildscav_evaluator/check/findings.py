@@ -193,6 +193,7 @@ def advice_on(status: str, clock: Clock, limits: Limits) -> str:
             "answer every Observation with one Action that has its step number, and send nothing else; "
             "the SDK does exactly that"
         ),
+        "over_budget": "its model's budget for a match is spent: ask less often, and for shorter answers",
         "disqualified": "it exceeded a limit of its sandbox: use less of what the line above names",
         "never_joined": (
             f"within {clock.join_timeout:g} s it must connect to WILDSCAV_ADDRESS, send a Join with "

@@ -195,6 +195,7 @@ def saved(job: Job, played: Played) -> JobResult:
         if job.kept is None and played.row.record is not None:
             for path in played.files:
                 if path != job.replay_path:
+                    (job.out / path).parent.mkdir(exist_ok=True)
                     write_whole(job.out / path, played.files[path])
     except OSError as error:
         return failed(job, describe(error))

@@ -14,7 +14,7 @@ from pydantic import Field
 
 from wildscav.terminal.console import ascii_json
 from wildscav_evaluator.output.identity import Identity
-from wildscav_evaluator.output.json_files import FileModel
+from wildscav_evaluator.output.json_files import FileModel, WithOptionalFields
 from wildscav_evaluator.output.results import MatchRow, MatchTiming, Summary
 
 CONTEXT = b"wildscav ledger entry 1\n"  # prefix of signed bytes; no other message has it
@@ -48,12 +48,15 @@ class AttemptFailed(FileModel):
     reason: str  # in one line
 
 
-class MatchEnded(FileModel):
+class MatchEnded(WithOptionalFields):
     """A match ended, or the platform gave it up."""
+
+    omitted = ("exchanges",)
 
     kind: Literal["ended"] = "ended"
     match: str
     record: str | None  # SHA-256 of the record's file; None if the match was given up
+    exchanges: str | None = None  # SHA-256 of the file of what agents asked a model; omitted without one
     row: MatchRow  # without its replay, which may be rendered later
     timing: MatchTiming | None
 

@@ -112,7 +112,9 @@ class LedgerWriter:
         if job.stem in self.played:
             return
         record = None if row.record is None else sha256_of(job.out / row.record)
-        ended = MatchEnded(match=job.stem, record=record, row=row, timing=result.timing)
+        asked = job.out / job.exchanges
+        exchanges = sha256_of(asked) if job.model is not None and asked.exists() else None
+        ended = MatchEnded(match=job.stem, record=record, exchanges=exchanges, row=row, timing=result.timing)
         self._append(ended)
         if record is not None:
             self.played[job.stem] = ended

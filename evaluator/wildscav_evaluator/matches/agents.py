@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 from functools import partial
 
+from wildscav_evaluator.model_gateway.gateway import ModelGateway
 from wildscav_evaluator.sandbox import Ending, Launch, RunningAgent, Sandbox
 from wildscav_evaluator.sandbox.agents.agent_process import AgentProcess
 from wildscav_evaluator.sandbox.processor_waits import INTERVAL
@@ -50,20 +51,19 @@ def process_time(process: int) -> float:
 
 
 class MatchAgents:
-    """The processes of a match's agents, by their seats.
+    """The processes of a match's agents, by their seats."""
 
-    Args:
-        tokens: Returns how many tokens the model of a seat's agent has read and written so far; None if no
-            seat has a model.
-    """
-
-    def __init__(
-        self, hosted: HostedMatch, sandbox: Sandbox, tokens: Callable[[int], int] | None = None
-    ) -> None:
-        self._hosted, self._sandbox, self._tokens = hosted, sandbox, tokens
+    def __init__(self, hosted: HostedMatch, sandbox: Sandbox, model: ModelGateway | None = None) -> None:
+        self._hosted, self._sandbox, self.model = hosted, sandbox, model
         self._running: dict[int, RunningAgent] = {}
         self._watchers: dict[int, asyncio.Task[Ending]] = {}
         self._metering: list[asyncio.Task[None]] = []
+        if model is not None:
+            self._metering.append(asyncio.create_task(model.watch(self._spent, hosted.cancel)))
+
+    def _spent(self, seat: int, reason: str) -> None:
+        """End a seat's part in the match, because its model's budget is spent."""
+        self._hosted.give_up(seat, reason, SeatStatus.OVER_BUDGET)
 
     async def start(self, seat: int, launch: Launch) -> None:
         """Start the agent of a seat, and watch its process.
@@ -74,7 +74,7 @@ class MatchAgents:
         agent = await self._sandbox.start(launch)
         self._running[seat] = agent
         self._watchers[seat] = asyncio.create_task(self._watch(seat, agent))
-        spending = AgentSpending() if self._tokens is None else AgentSpending(partial(self._tokens, seat))
+        spending = AgentSpending() if self.model is None else AgentSpending(partial(self.model.tokens, seat))
         self._hosted.charge_by(seat, spending)
         if isinstance(agent, AgentProcess) and not self._sandbox.isolated:
             spending.measure(partial(process_time, agent.pid))
@@ -96,6 +96,8 @@ class MatchAgents:
         ending = await agent.ended()
         if ending.platform_fault and not self._hosted.match.over:
             self._hosted.cancel()  # it will be played again
+        elif self.model is not None and self.model.is_over(seat):
+            self._spent(seat, f"its model's budget was spent, and {ending}")
         else:
             self._hosted.give_up(seat, str(ending), status_of(ending))
         return ending

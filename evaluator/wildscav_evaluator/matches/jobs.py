@@ -10,7 +10,8 @@ from wildscav_engine.record import SUFFIX
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.play import MatchAssignment
 from wildscav_evaluator.matches.snapshots import Snapshot
-from wildscav_evaluator.output.layout import LOGS, RECORDS, REPLAYS, stem_of
+from wildscav_evaluator.model_gateway.settings import ModelSettings
+from wildscav_evaluator.output.layout import EXCHANGES, LOGS, RECORDS, REPLAYS, stem_of
 from wildscav_evaluator.output.results import MatchRow, MatchTiming
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, Limits
 from wildscav_evaluator.seats import entrants_of_seats, submission_seats
@@ -41,6 +42,7 @@ class Job:
     evaluated: str | None = None  # the submission whose evaluation it belongs to; None in a tournament
     robots: tuple[int, ...] = ()  # the seats of robots that are entrants
     seeds: tuple[int, ...] = ()  # the private seed of each submission; if empty, those of the spec
+    model: ModelSettings | None = None  # that its submissions may ask
     watched: bool = False  # whether its heartbeats carry snapshots, for spectators
     kept: "KeptMatch | None" = None  # how it went, if it was played before and lacks only its replay
 
@@ -70,6 +72,11 @@ class Job:
         return f"{RECORDS}/{self.stem}{SUFFIX}"
 
     @property
+    def exchanges(self) -> str:
+        """Path, in the output folder, of what its agents asked a model."""
+        return f"{EXCHANGES}/{self.stem}.jsonl.gz"
+
+    @property
     def replay_path(self) -> str:
         """Path of the replay in the output folder."""
         return f"{REPLAYS}/{self.stem}.rrd"
@@ -94,7 +101,9 @@ class Job:
     def seating(self) -> MatchAssignment:
         """The match, with the submissions in their seats."""
         logs = tuple(self.out / self.log(seat) for seat in self.seats)
-        return MatchAssignment(self.spec, self.submissions, logs, self.limits, self.robots, self.seeds)
+        exchanges = None if self.model is None else self.out / self.exchanges
+        seats = self.limits, self.robots, self.seeds
+        return MatchAssignment(self.spec, self.submissions, logs, *seats, self.model, exchanges)
 
 
 def sensors_read(jobs: Sequence[Job]) -> list[Wanted]:

@@ -17,6 +17,8 @@ from wildscav_engine.simulation.match import Match, MatchSetupError
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.bridge.process import bridged
 from wildscav_evaluator.matches.agents import MatchAgents, status_of
+from wildscav_evaluator.model_gateway.gateway import ModelGateway, open_gateway
+from wildscav_evaluator.model_gateway.settings import ModelSettings
 from wildscav_evaluator.sandbox import (
     DEFAULT_LIMITS,
     SANDBOXES,
@@ -65,6 +67,8 @@ class MatchAssignment:
     limits: Limits = DEFAULT_LIMITS  # of every agent
     robots: tuple[int, ...] = ()  # the seats of robots that are entrants
     seeds: tuple[int, ...] = ()  # the private seed of each submission; if empty, those of the spec
+    model: ModelSettings | None = None  # that the submissions may ask
+    exchanges: Path | None = None  # the file for what they ask it, and what it answers
 
     @property
     def seats(self) -> tuple[int, ...]:
@@ -181,7 +185,7 @@ async def agents_at_play(
     make: Callable[[MatchSpec], Match] | None = None,
 ) -> AsyncIterator[tuple[HostedMatch, MatchAgents]]:
     """Host a match and start its agents; cancel and stop them in the end. See ``play_once``."""
-    with socket_folders(len(seating.seats)) as folders:
+    async with _sockets(seating) as (folders, model):
         server = MatchServer(endpoint_settings=SEAT_ENDPOINT)
         # Each seat has its own socket: its sandbox passes on no other, and no other token works there.
         addresses = await server.start([f"unix:{folder / SOCKET}" for folder in folders])
@@ -201,11 +205,14 @@ async def agents_at_play(
             )
             if on_start is not None:
                 on_start(hosted)
-            agents = MatchAgents(hosted, sandbox)
+            agents = MatchAgents(hosted, sandbox, model)
             try:
                 entries = zip(seating.seats, seating.submissions, seating.logs, addresses, strict=True)
                 launches = {
-                    seat: launch_for(submission, address, hosted.tokens[seat], log, seating.limits, hosted)
+                    seat: replace(
+                        launch_for(submission, address, hosted.tokens[seat], log, seating.limits, hosted),
+                        model=None if model is None else model.address(seat),
+                    )
                     for seat, submission, log, address in entries
                 }
                 async with bridged(launches, hosted) as behind:
@@ -217,6 +224,15 @@ async def agents_at_play(
                 await agents.stop()
         finally:
             await server.stop()
+
+
+@asynccontextmanager
+async def _sockets(seating: MatchAssignment) -> AsyncIterator[tuple[list[Path], ModelGateway | None]]:
+    """Yield a private folder for the sockets of each seat, and the gateway to the model, if there is one."""
+    with socket_folders(len(seating.seats)) as folders:
+        by_seat = dict(zip(seating.seats, folders, strict=True))
+        async with open_gateway(seating.model, by_seat, seating.exchanges) as model:
+            yield folders, model
 
 
 async def _watch_for_stall() -> float:
@@ -254,10 +270,12 @@ def launch_for(
 
 
 async def _outcome(hosted: HostedMatch, agents: MatchAgents) -> MatchOutcome:
-    """Wait for the end of a match. If it was cancelled, report the sandbox that failed."""
+    """Wait for the end of a match. If it was cancelled, report the model or the sandbox that failed."""
     try:
         return await hosted.finished()
     except MatchCancelledError:
+        if agents.model is not None and agents.model.fault:
+            raise PlatformFaultError(agents.model.fault) from None
         for ending in agents.endings.values():
             if ending.platform_fault:
                 raise PlatformFaultError(ending.platform_fault) from None
@@ -268,8 +286,10 @@ def _explained(outcome: MatchOutcome, agents: MatchAgents) -> dict[int, SeatRepo
     """Return the reports on all seats, with the causes that the agents' processes show.
 
     Raises:
-        PlatformFaultError: A seat was empty because its sandbox failed.
+        PlatformFaultError: A seat was empty because its sandbox failed, or had no answer of its model.
     """
+    if agents.model is not None and agents.model.fault:
+        raise PlatformFaultError(agents.model.fault)
     endings = agents.endings
     for seat, ending in endings.items():
         if ending.platform_fault and outcome.seats[seat].status in EARLY_ENDS:

@@ -9,13 +9,24 @@ from wildscav.sdk.submission_folder import MANIFEST
 from wildscav.system.output_folders import check_folder
 from wildscav_engine.record import SUFFIX
 from wildscav_evaluator.output.identity import Identity, difference, read_identity, write_identity
-from wildscav_evaluator.output.layout import JOURNAL, LEDGER_FILE, LOGS, RECORDS, REPLAYS, RESULTS_FILE
+from wildscav_evaluator.output.layout import (
+    EXCHANGES,
+    JOURNAL,
+    LEDGER_FILE,
+    LOGS,
+    RECORDS,
+    REPLAYS,
+    RESULTS_FILE,
+)
 from wildscav_evaluator.output.lock import Lock, locked
 from wildscav_evaluator.submissions.submission import Submission
 
 FOLDERS = (RECORDS, REPLAYS, LOGS)
 # The files that an evaluation writes for each match. The next one may remove these and no others.
-OWN_FILES = (f"{RECORDS}/*{SUFFIX}", f"{REPLAYS}/*.rrd", f"{LOGS}/*.log", f"{JOURNAL}/*.json")
+OWN_FILES = (
+    *(f"{RECORDS}/*{SUFFIX}", f"{REPLAYS}/*.rrd", f"{LOGS}/*.log", f"{JOURNAL}/*.json"),
+    f"{EXCHANGES}/*.jsonl.gz",
+)
 # Partial files, which remain if their writer was killed.
 PARTS = (".*.part", *(f"{folder}/.*.part" for folder in (*FOLDERS, JOURNAL)))
 

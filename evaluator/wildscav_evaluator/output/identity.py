@@ -16,7 +16,13 @@ from wildscav_engine.specs.thinking import ClockChoice
 from wildscav_evaluator.bounds import MAX_ROUNDS
 from wildscav_evaluator.output.json_files import FileModelError, WithOptionalFields
 from wildscav_evaluator.output.layout import IDENTITY_FILE
-from wildscav_evaluator.output.results import KeptLimits, OtherInterface, TournamentSettings, Versions
+from wildscav_evaluator.output.results import (
+    KeptLimits,
+    ModelTerms,
+    OtherInterface,
+    TournamentSettings,
+    Versions,
+)
 
 
 class Entrant(WithOptionalFields):
@@ -34,7 +40,7 @@ class Entrant(WithOptionalFields):
 class Identity(WithOptionalFields):
     """Everything that the results of an evaluation depend on, and so not how many matches run at once."""
 
-    omitted = ("tournament", "clock")
+    omitted = ("tournament", "clock", "model")
 
     format: Literal[2] = 2
     versions: Versions
@@ -48,6 +54,7 @@ class Identity(WithOptionalFields):
     sandbox: str  # the name of the sandbox in which agents run
     limits: dict[str, KeptLimits]  # of each agent in it, by track
     key: str | None = None  # public key of the organizer who signs the ledger, 64 hexadecimal digits
+    model: ModelTerms | None = None  # that seats may ask; omitted if there is none
     tournament: TournamentSettings | None = None  # omitted if submissions are evaluated one by one
     clock: ClockChoice | None = None  # of all matches; omitted if they have the suite's own
 
@@ -103,6 +110,8 @@ def difference(old: Identity, new: Identity) -> str:
             return f"it was begun by {was}, and this is {wanted}"
         if field == "tournament":
             return _difference_of_tournaments(was, wanted)
+        if field == "model":
+            return _difference_of_models(was, wanted)
         if field == "key":
             return f"it is {_signed(was)}, not {_signed(wanted)}"
         verb = "are" if field in ("tracks", "rounds") else "is"
@@ -132,6 +141,13 @@ def _difference_of_tournaments(old: TournamentSettings | None, new: TournamentSe
                 f"its {name.replace('_', ' ')} is {_listed(was) or 'none'}, not {_listed(wanted) or 'none'}"
             )
     return ""
+
+
+def _difference_of_models(old: ModelTerms | None, new: ModelTerms | None) -> str:
+    if old is None or new is None:
+        return "its agents may ask no model" if old is None else "its agents may ask a model"
+    name, was, wanted = next((name, was, one) for name, one in new if (was := getattr(old, name)) != one)
+    return f"its model's {name.replace('_', ' ')} is {was}, not {wanted}"
 
 
 def _signed(key: str | None) -> str:

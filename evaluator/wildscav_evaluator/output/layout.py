@@ -10,6 +10,7 @@ SUITE_FILE = "suite.toml"  # a copy of an organizer's own suite
 OPENED_FILE = "secret.txt"  # the opened secret
 SEASON_FILE = "season.json"  # of a season that is published
 RECORDS, REPLAYS, LOGS = "records", "replays", "logs"
+EXCHANGES = "exchanges"  # what agents asked a model, and its answers: for organizers alone
 JOURNAL = "matches"  # of earlier versions, which wrote each match there before the ledger
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, JsonValue
 
 from wildscav.errors import UserError
 from wildscav_engine import ENGINE_VERSION, SIMULATION_VERSION
@@ -105,8 +105,8 @@ class SeatRow(WithOptionalFields):
     # In a tournament: the entrant whose seat it is, and the seat's team. Omitted in an evaluation.
     submission: str | None = None
     team: int | None = None
-    # The outcome: "finished", "timed_out", "crashed", "out_of_memory", "protocol_error", "disqualified" or
-    # "never_joined".
+    # The outcome: "finished", "timed_out", "crashed", "out_of_memory", "protocol_error", "over_budget",
+    # "disqualified" or "never_joined".
     status: str
     fault: Fault | None = None  # whose fault it is, if something went wrong
     detail: str = ""  # what went wrong, in one line
@@ -257,10 +257,31 @@ class KeptLimits(FileModel):
     wall_clock: float | None = None  # s, of all steps of a match
 
 
+class ModelTerms(FileModel):
+    """A language model that every seat may ask, and on what terms. See ``model_gateway/settings.py``."""
+
+    host: str  # of its server
+    name: str
+    max_tokens: int  # of an answer
+    extra: dict[str, JsonValue] = Field(default_factory=dict)  # more fields of every request
+    at_once: int  # requests of a seat
+    timeout: float  # s for an answer
+    requests: int  # of a seat in a match
+    tokens: int  # likewise, of prompts and answers
+    seconds: float  # likewise
+    money: float | None = None  # likewise
+    prompt_price: float = 0.0  # of a million tokens
+    answer_price: float = 0.0  # likewise
+
+    def __str__(self) -> str:
+        """Return which model it is, in a few words."""
+        return f"{self.name} at {self.host} ({self.requests:,} requests and {self.tokens:,} tokens a seat)"
+
+
 class Results(WithOptionalFields):
     """An evaluation of some submissions on some tracks, or a tournament among them on one track."""
 
-    omitted = ("tournament", "clock")
+    omitted = ("tournament", "clock", "model")
 
     format: Literal[2] = 2
     versions: Versions  # by which it was played
@@ -271,6 +292,7 @@ class Results(WithOptionalFields):
     sandbox: str  # in which agents ran
     limits: dict[str, KeptLimits] = Field(default_factory=dict)  # of each agent in it, by track
     key: str | None = None  # public key of the ledger's signatures, 64 hexadecimal digits
+    model: ModelTerms | None = None  # that seats could ask; omitted if there was none
     tournament: TournamentSettings | None = None  # omitted if submissions were evaluated one by one
     clock: ClockChoice | None = None  # of all matches; omitted if they had the suite's own
     evaluations: Annotated[tuple[Evaluation, ...], Field(max_length=MAX_EVALUATIONS)]

@@ -61,6 +61,7 @@ class EvaluationPlan(Plan):
             replay=self.is_rendered(index),
             sandbox=self.sandbox,
             limits=self.limits(track),
+            model=self.model,
             seeds=self.seed.private(spec, [submission.digest] * spec.seats.count(SUBMISSION)),
         )
 

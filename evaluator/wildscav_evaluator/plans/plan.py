@@ -10,6 +10,7 @@ from typing import Any, Self
 
 from wildscav_evaluator.ledger.keys import SigningKey
 from wildscav_evaluator.matches.jobs import Job, JobResult
+from wildscav_evaluator.model_gateway.settings import ModelSettings
 from wildscav_evaluator.output.identity import Entrant, Identity
 from wildscav_evaluator.output.numbered_folders import own_folder
 from wildscav_evaluator.output.results import (
@@ -19,6 +20,7 @@ from wildscav_evaluator.output.results import (
     MatchRow,
     MatchTiming,
     MetricInfo,
+    ModelTerms,
     Results,
     Timings,
 )
@@ -46,6 +48,7 @@ class Plan(ABC):
     rounds: int = 1
     sandbox: str = "process"  # the name of the sandbox in which agents run
     key: SigningKey | None = None  # the key that signs the ledger
+    model: ModelSettings | None = None  # that agents may ask
 
     @property
     @abstractmethod
@@ -90,6 +93,7 @@ class Plan(ABC):
             "limits": self.kept_limits(tracks),
             "key": self.public_key,
             "clock": self.suite.clock,
+            "model": None if self.model is None else ModelTerms.about(self.model),
         }
 
     def in_own_folder(self) -> Self:

@@ -82,6 +82,7 @@ class TournamentPlan(Plan):
             replay=self.is_rendered(index),
             sandbox=self.sandbox,
             limits=self.limits(self.track),
+            model=self.model,
             robots=match.robots,
             seeds=self.seed.private(match.spec, [one.digest for one in submissions]),
         )

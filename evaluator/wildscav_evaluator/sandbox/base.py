@@ -31,6 +31,7 @@ class Launch:
     start_limit: float | None = None  # s that the agent has to start up
     interface: str = "numbers"  # by which it plays: "numbers", "words" or "keys"
     lasts: float = MARGIN  # s from its start after which the sandbox ends it, because its match hangs
+    model: str | None = None  # the address of this seat's gateway to a model: "unix:/path"
 
 
 class MemoryKill(Enum):

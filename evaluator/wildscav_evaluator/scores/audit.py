@@ -19,7 +19,7 @@ from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.ledger.entries import MatchEnded
 from wildscav_evaluator.ledger.ledger import Ledger, LedgerError, check_key, read_ledger, sha256_of
 from wildscav_evaluator.output.identity import Identity, digest_of, read_identity
-from wildscav_evaluator.output.layout import IDENTITY_FILE, LEDGER_FILE, RESULTS_FILE, stem_of
+from wildscav_evaluator.output.layout import EXCHANGES, IDENTITY_FILE, LEDGER_FILE, RESULTS_FILE, stem_of
 from wildscav_evaluator.output.results import FAILED, Evaluation, MatchRow, Results, TournamentSettings
 from wildscav_evaluator.scores.compare import check_comparison
 from wildscav_evaluator.scores.expected_matches import (
@@ -36,7 +36,18 @@ from wildscav_evaluator.tournaments.tournament_file import check_tournament
 
 MAX_NAMED = 20  # missing matches that are named individually
 # In both files.
-SAME = ("versions", "suite", "commitment", "rounds", "sandbox", "limits", "key", "tournament", "clock")
+SAME = (
+    "versions",
+    "suite",
+    "commitment",
+    "rounds",
+    "sandbox",
+    "limits",
+    "key",
+    "tournament",
+    "clock",
+    "model",
+)
 
 
 @dataclass(frozen=True)
@@ -304,6 +315,9 @@ def _of_ended(out: Path, match: str, times: Sequence[MatchEnded]) -> Iterator[st
     path = out / last.row.record
     if path.is_file() and sha256_of(path) != last.record:
         yield f"{match}: its record is not the one that {LEDGER_FILE} names"
+    asked = out / EXCHANGES / f"{match}.jsonl.gz"
+    if asked.is_file() and sha256_of(asked) != last.exchanges:
+        yield f"{match}: what its agents asked a model is not what {LEDGER_FILE} names"
 
 
 def deviations(

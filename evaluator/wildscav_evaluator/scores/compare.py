@@ -230,7 +230,7 @@ def _earlier(results: Results, out: Path) -> Iterator[tuple[Path, Results]]:
 
 def _same(earlier: Results, now: Results, on: Evaluation) -> bool:
     """Return whether two evaluations played the same matches of a track, under the same conditions."""
-    same = ("versions", "suite", "seed", "commitment", "rounds", "sandbox", "clock")
+    same = ("versions", "suite", "seed", "commitment", "rounds", "sandbox", "clock", "model")
     if any(getattr(earlier, name) != getattr(now, name) for name in same):
         return False
     return earlier.limits.get(on.track) == now.limits.get(on.track)

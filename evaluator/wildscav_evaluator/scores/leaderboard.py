@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from wildscav.errors import UserError
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.output.layout import COMPARISON_FILE, RESULTS_FILE, TOURNAMENT_FILE
-from wildscav_evaluator.output.results import Evaluation, KeptLimits, Results, Versions, read_results
+from wildscav_evaluator.output.results import (
+    Evaluation,
+    KeptLimits,
+    ModelTerms,
+    Results,
+    Versions,
+    read_results,
+)
 
 if TYPE_CHECKING:  # loads SciPy, which most commands can do without
     from wildscav_evaluator.tournaments.tournament_file import Tournament
@@ -26,6 +33,7 @@ class Conditions(NamedTuple):
     sandbox: str
     limits: KeptLimits  # that the sandbox enforced
     clock: str | None = None  # with the price of thinking; None: the suite's own
+    model: ModelTerms | None = None  # that agents could ask
 
 
 class Row(NamedTuple):
@@ -144,6 +152,7 @@ def _conditions(results: Results, track: str) -> Conditions:
         sandbox=results.sandbox,
         limits=results.limits.get(track, KeptLimits()),
         clock=None if results.clock is None else str(results.clock),
+        model=results.model,
     )
 
 
@@ -159,6 +168,7 @@ def _sort_key(pair: tuple[Conditions, Row]) -> tuple[object, ...]:
         conditions.sandbox,
         limits.model_dump_json(exclude_none=True),
         conditions.clock or "",
+        "" if conditions.model is None else conditions.model.model_dump_json(),
     )
 
 
@@ -187,7 +197,8 @@ def document(one: Standings) -> dict[str, Any]:
     shared = one.conditions._asdict()
     versions: Versions = shared.pop("versions")
     named = {f"{part}_version": number for part, number in versions}
-    limits = one.conditions.limits.model_dump(exclude_none=True)
+    limits, model = one.conditions.limits.model_dump(exclude_none=True), shared.pop("model")
+    shared |= {} if model is None else {"model": model.model_dump()}
     return shared | named | {"limits": limits, "rows": [_document_of_row(row) for row in one.rows]}
 
 

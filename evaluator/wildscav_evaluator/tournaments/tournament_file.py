@@ -6,7 +6,7 @@ from typing import Literal
 
 from wildscav.terminal.console import counted
 from wildscav_engine.specs.thinking import ClockChoice
-from wildscav_evaluator.output.json_files import FileModel, FileModelError, WithOptionalFields
+from wildscav_evaluator.output.json_files import FileModelError, WithOptionalFields
 from wildscav_evaluator.output.layout import RESULTS_FILE, TOURNAMENT_FILE
 from wildscav_evaluator.output.results import (
     KeptLimits,

@@ -26,6 +26,7 @@ class SeatStatus(StrEnum):
     CRASHED = "crashed"  # its process or its stream ended before the match did
     OUT_OF_MEMORY = "out_of_memory"  # its host ended it because it used too much memory
     PROTOCOL_ERROR = "protocol_error"  # it violated the protocol
+    OVER_BUDGET = "over_budget"  # it asked its model for more than its budget allowed
     DISQUALIFIED = "disqualified"  # its host ended it because it exceeded another limit
     NEVER_JOINED = "never_joined"  # it was not ready before the end of its start-up time
 

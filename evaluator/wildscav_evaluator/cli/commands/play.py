@@ -9,7 +9,7 @@ from wildscav.cli.shared_options import AsJson, RulesOption
 from wildscav.errors import UserError, describe
 from wildscav.system.output_folders import check_folder
 from wildscav_evaluator.cli.options.evaluation import Submissions
-from wildscav_evaluator.cli.options.running import InSandbox, chosen_sandbox
+from wildscav_evaluator.cli.options.running import InSandbox, ModelOption, chosen_model, chosen_sandbox
 
 
 def play(
@@ -44,6 +44,7 @@ def play(
     ] = None,
     logs: Annotated[Path, typer.Option(help="Folder for the agents' output.")] = Path("out/play"),
     sandbox: InSandbox = None,
+    model: ModelOption = None,
     as_json: AsJson = False,
 ) -> None:
     """Play one match, each agent in its own sandbox."""
@@ -65,8 +66,10 @@ def play(
         time_limit=time_limit,
         rules=rules,
     )
+    asked = chosen_model(model)
     runs_in, loaded = chosen_sandbox(sandbox, loaded)
+    files = (record, replay, logs)
     try:
-        run_match(spec, loaded, record=record, replay=replay, logs=logs, sandbox=runs_in, as_json=as_json)
+        run_match(spec, loaded, *files, sandbox=runs_in, model=asked, as_json=as_json)
     except OSError as error:
         raise UserError(describe(error)) from error

@@ -17,6 +17,8 @@ from wildscav_evaluator.cli.options.running import (
     AddressOption,
     ExecutorOption,
     InSandbox,
+    ModelOption,
+    chosen_model,
     chosen_sandbox,
     executor_of,
 )
@@ -141,6 +143,7 @@ class PlayOptions:
             show_default=False,
         ),
     ] = None
+    model: ModelOption = None
     metrics_port: Annotated[
         int | None,
         typer.Option(
@@ -185,7 +188,7 @@ class PlayOptions:
 
         check_interface(submissions, self.interface)
         seed, out = suite_seed(self.seed, self.secret), self.out or parent
-        key = signing_key(self.sign, out, submissions)
+        key, model = signing_key(self.sign, out, submissions), chosen_model(self.model)
         with executor_of(self.executor, self.address, self.workers) as machines:
             sandbox, submissions = chosen_sandbox(self.sandbox, submissions, machines)
             if key is not None:
@@ -198,6 +201,7 @@ class PlayOptions:
                 fresh=self.fresh,
                 sandbox=sandbox,
                 key=key,
+                model=model,
                 **more,
             )
             yield plan if self.out else plan.in_own_folder(), machines

@@ -4,6 +4,7 @@ The command line imports this module to show its help, so it imports nothing hea
 """
 
 from collections.abc import Collection, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -12,6 +13,7 @@ from wildscav.cli.shared_options import named_in
 
 if TYPE_CHECKING:
     from wildscav_evaluator.executors import Executor
+    from wildscav_evaluator.model_gateway.settings import ModelSettings
     from wildscav_evaluator.submissions.submission import Submission
 
 
@@ -71,6 +73,31 @@ InSandbox = Annotated[
         show_default=False,
     ),
 ]
+
+
+ModelOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--model",
+        metavar="FILE",
+        help="File (.toml) that names the server of a language model. Each agent may ask it, by a gateway "
+        "that counts its tokens. Default: none.",
+        show_default=False,
+    ),
+]
+
+
+def chosen_model(file: Path | None) -> "ModelSettings | None":
+    """Return the settings of the model that agents may ask.
+
+    Raises:
+        UserError: They are not valid, or the key of its server is missing.
+    """
+    if file is None:
+        return None
+    from wildscav_evaluator.model_gateway.settings import read_model
+
+    return read_model(file)
 
 
 def chosen_sandbox(

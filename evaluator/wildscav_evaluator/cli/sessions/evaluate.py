@@ -73,6 +73,8 @@ def show_notes(results: Results) -> None:
     console.print()
     for position, line in enumerate(sandbox_and_limits(results.sandbox, results.limits)):
         say("" if position else "sandbox", line)
+    if results.model is not None:
+        say("model", str(results.model))
 
 
 def document(results: Results, out: Path, since: Sequence[Change]) -> dict[str, object]:

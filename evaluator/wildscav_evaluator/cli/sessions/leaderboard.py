@@ -55,6 +55,8 @@ def _show(one: Standings) -> None:
     kept = {} if conditions.limits == KeptLimits() else {conditions.track: conditions.limits}
     console.print(evaluations_table(one))
     console.print(f"played in {''.join(sandbox_and_limits(conditions.sandbox, kept))}")
+    if conditions.model is not None:
+        console.print(f"model: {conditions.model}")
     console.print(f"played by {conditions.versions}")
     console.print(f"signed: {_signed(one) or 'none'}\n")
 

@@ -39,6 +39,7 @@ from wildscav_evaluator.matches.play import (
     prepare_logs,
     remove_empty_logs,
 )
+from wildscav_evaluator.model_gateway.settings import ModelSettings
 from wildscav_evaluator.output.results import FINISHED, metric_infos
 from wildscav_evaluator.sandbox import SANDBOXES, Sandbox
 from wildscav_evaluator.sandbox.agents.capped_log import is_cut
@@ -55,6 +56,7 @@ import tempfile
 
 from wildscav_inspect.replay import check_name
 
+EXCHANGES_FILE = "model.jsonl.gz"  # beside the logs: what agents asked a model
 BATTLE_SEATS = 6  # by default
 HOUSE_AREA = 2500.0  # m² of map for each house
 
@@ -97,11 +99,12 @@ def make_spec(
 def run_match(
     spec: MatchSpec,
     submissions: Sequence[Submission],
-    *,
     record: Path | None,
     replay: Path | None,
     logs: Path,
+    *,
     sandbox: str,
+    model: ModelSettings | None = None,
     as_json: bool = False,
 ) -> None:
     """Play a match, show how it went, and write the requested files.
@@ -115,7 +118,8 @@ def run_match(
     if record is not None or replay is not None:
         _check_recordable(spec)
     paths = tuple(logs / f"{seat}-{submission.name}.log" for seat, submission in enumerate(submissions))
-    seating = MatchAssignment(spec, tuple(submissions), paths)
+    exchanges = None if model is None else logs / EXCHANGES_FILE
+    seating = MatchAssignment(spec, tuple(submissions), paths, model=model, exchanges=exchanges)
     with _logging(logs, paths):
         played = _play(seating, SANDBOXES[sandbox])
     console.print(_table(seating, played))
@@ -125,6 +129,8 @@ def run_match(
         print_json(_document(seating, played))
     if any(path.exists() for path in paths):
         console.print(f"the agents' output is in {logs}")
+    if exchanges is not None:
+        console.print(f"what they asked the model is in {exchanges}")
     for path in filter(is_cut, paths):
         kept = f"{int(seating.limits.output):,}"
         console.print(f"  {path} was cut: {kept} bytes of an agent's output are kept")

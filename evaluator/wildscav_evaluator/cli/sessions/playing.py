@@ -25,7 +25,15 @@ from wildscav_evaluator.matches.jobs import (
 from wildscav_evaluator.monitoring.dashboard import duration
 from wildscav_evaluator.monitoring.monitor import Monitor, MonitorOptions
 from wildscav_evaluator.output.folder import check_out, keep_only, output_folder
-from wildscav_evaluator.output.layout import LEDGER_FILE, LOGS, RECORDS, REPLAYS, RESULTS_FILE, SUITE_FILE
+from wildscav_evaluator.output.layout import (
+    EXCHANGES,
+    LEDGER_FILE,
+    LOGS,
+    RECORDS,
+    REPLAYS,
+    RESULTS_FILE,
+    SUITE_FILE,
+)
 from wildscav_evaluator.output.lock import Lock
 from wildscav_evaluator.output.numbered_folders import OUT
 from wildscav_evaluator.output.results import Results, write_results
@@ -172,6 +180,11 @@ def say_files(plan: Plan, ledger: LedgerWriter, results: Results, replay: str | 
     say("", f"watch them in 3D: {command('wildscav', 'watch', plan.out)}")
     if any(row.logs for row in rows):
         say("logs", f"{plan.out / LOGS} (what the agents printed)")
+    if plan.model is not None:
+        say(
+            "model",
+            f"{plan.out / EXCHANGES} (what agents asked it: secret as long as the records are)",
+        )
     replays = sorted({row.replay for row in rows if row.replay is not None})
     if replays:
         say("replays", f"{plan.out / REPLAYS} ({counted(len(replays), 'match')}), to watch in Rerun")

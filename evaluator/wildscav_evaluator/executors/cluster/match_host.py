@@ -24,13 +24,13 @@ from wildscav_evaluator.matches.workers import (
     Worker,
     WorkerDiedError,
 )
-from wildscav_evaluator.output.layout import LOGS, RECORDS, REPLAYS
+from wildscav_evaluator.output.layout import EXCHANGES, LOGS, RECORDS, REPLAYS
 from wildscav_evaluator.submissions.images import with_images
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_server import leftovers
 
 REPORT_INTERVAL = 2.0  # s, at most, between two reports on a match
-RETURNED = (RECORDS, REPLAYS, LOGS)  # the folders whose files come back
+RETURNED = (RECORDS, REPLAYS, LOGS, EXCHANGES)  # the folders whose files come back
 # Variables that Ray sets for its own processes; agents without a sandbox would see their effects.
 RAYS_OWN = ("OMP_NUM_THREADS", "CUDA_VISIBLE_DEVICES")
 

@@ -43,6 +43,8 @@ def agent_variables(launch: Launch, address: str) -> dict[str, str]:
     Args:
         address: The address of the match server, as the agent sees it.
     """
+    # A sandbox that hides the machine's paths has another address of the match, too.
+    model = launch.model if address == launch.address else host_python.MODEL
     return {
         **ONE_THREAD,
         "PYTHONUNBUFFERED": "1",  # so that the log has the last output of an agent that is killed
@@ -50,6 +52,7 @@ def agent_variables(launch: Launch, address: str) -> dict[str, str]:
         "WILDSCAV_ADDRESS": address,
         "WILDSCAV_TOKEN": launch.token,
         **({} if launch.interface == "numbers" else {INTERFACE_VARIABLE: launch.interface}),
+        **({} if launch.model is None or model is None else {"WILDSCAV_MODEL": model}),
         **({} if launch.start_limit is None else {"WILDSCAV_START_LIMIT": f"{launch.start_limit:g}"}),
     }
 

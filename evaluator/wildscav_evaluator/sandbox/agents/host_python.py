@@ -10,10 +10,11 @@ from wildscav_server import leftovers
 SDK = Path("/wildscav-sdk")  # the SDK's package for agents; no machine has its Python there
 CODE = Path("/submission")
 SOCKET = Path("/run/wildscav/match.sock")
+MODEL_SOCKET = SOCKET.with_name("model.sock")
 LINKED = ("/bin", "/sbin", "/lib", "/lib32", "/lib64", "/libx32")  # symbolic links into /usr on most systems
 LOADER = ("/etc/ld.so.cache", "/etc/alternatives")  # the shared libraries, and alternative programs
 NOBODY = 65534  # the user who owns nothing
-ADDRESS = f"unix:{SOCKET}"
+ADDRESS, MODEL = f"unix:{SOCKET}", f"unix:{MODEL_SOCKET}"
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,16 @@ def host_runtime() -> Runtime:
         folders |= dict.fromkeys(package.parent.glob("wildscav_*/"), nothing)
     folders[SDK / "wildscav"] = package
     return Runtime(folders, links)
+
+
+def sockets(address: str, model: str | None) -> dict[Path, Path]:
+    """Return the sockets that an agent gets, by their path in the sandbox: the match's, and the model's.
+
+    Raises:
+        ValueError: One is another kind of address.
+    """
+    addresses = {SOCKET: address} | ({} if model is None else {MODEL_SOCKET: model})
+    return {there: socket_path(one) for there, one in addresses.items()}
 
 
 def socket_path(address: str) -> Path:

@@ -296,10 +296,10 @@ def _host_runtime(engine: ContainerEngine) -> host_python.Runtime:
 
 
 def _mounts(launch: Launch, handle: ContainerHandle) -> list[str]:
-    """Return the options for mounts: the socket, and code and Python if the agent has no image."""
-    socket = host_python.socket_path(launch.address)
-    socket.chmod(0o666)  # its private folder protects it from others
-    mounts = {host_python.SOCKET: socket}
+    """Return the options for mounts: the sockets, and code and Python if the agent has no image."""
+    mounts = host_python.sockets(launch.address, launch.model)
+    for socket in mounts.values():
+        socket.chmod(0o666)  # its private folder protects it from others
     if handle.engine.name == "docker":
         mounts |= guard_files() if launch.image is None else _copied_guard(handle.folder)
     if launch.image is None:

@@ -155,9 +155,10 @@ def _mounts(launch: Launch, folder: Path, tmp_size: int) -> list[str]:
         mounts += ["--ro-bind", str(here), str(there)]
     for there, target in host.links.items():
         mounts += ["--symlink", target, str(there)]
-    socket = host_python.socket_path(launch.address)
+    sockets = host_python.sockets(launch.address, launch.model)
     if os.getuid() == 0:
-        socket.chmod(0o666)  # its private folder protects it from others
+        for socket in sockets.values():
+            socket.chmod(0o666)  # its private folder protects it from others
     return [
         *("--proc", "/proc", "--dev", "/dev"),
         # Before the rest, because the host's Python may be in a folder below /tmp.
@@ -165,7 +166,7 @@ def _mounts(launch: Launch, folder: Path, tmp_size: int) -> list[str]:
         *mounts,
         *("--perms", "1777", "--size", str(tmp_size), "--tmpfs", "/dev/shm"),  # noqa: S108
         *("--ro-bind", str(folder), str(host_python.CODE)),
-        *("--ro-bind", str(socket), str(host_python.SOCKET)),
+        *(word for there, here in sockets.items() for word in ("--ro-bind", str(here), str(there))),
         *("--remount-ro", "/dev", "--remount-ro", "/"),
     ]
 

@@ -1,0 +1,71 @@
+"""The file of what seats asked and what the model answered: compressed lines of JSON, beside the record.
+
+Each message and each list of tools stands in the file once, under its digest; requests name the digests,
+because every request repeats the conversation before it.
+"""
+
+import gzip
+import json
+from contextlib import ExitStack
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+MOST = 64 << 20  # bytes of a seat's lines, before they are compressed
+SHORT = 16  # hexadecimal digits of a digest
+
+
+class Exchanges:
+    """Writes the file, as a context manager. Once a seat has filled its share, its requests are only counted.
+
+    Args:
+        path: The file; None to write none.
+    """
+
+    def __init__(self, path: Path | None) -> None:
+        self._stack = ExitStack()
+        self._file: gzip.GzipFile | None = None
+        if path is not None:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            plain = self._stack.enter_context(path.open("wb"))
+            self._file = gzip.GzipFile(filename="", fileobj=plain, mode="wb", mtime=0)
+            self._stack.enter_context(self._file)
+        self._known: dict[int, set[str]] = {}
+        self._left: dict[int, int] = {}
+
+    def __enter__(self) -> "Exchanges":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stack.close()
+
+    def write(self, seat: int, number: int, request: dict[str, Any], result: dict[str, Any]) -> None:
+        """Write one request of a seat and what became of it.
+
+        Args:
+            number: Which of the seat's requests it is, from 1.
+        """
+        if self._file is None:
+            return
+        short = dict(request)
+        if "messages" in short:
+            short["messages"] = [self._refer(seat, message) for message in short["messages"]]
+        if "tools" in short:
+            short["tools"] = self._refer(seat, short["tools"])
+        self._line(seat, {"seat": seat, "number": number, "request": short, **result})
+
+    def _refer(self, seat: int, value: Any) -> str:
+        """Return the digest of a value, which stands in the file from now on."""
+        name = sha256(json.dumps(value, sort_keys=True).encode()).hexdigest()[:SHORT]
+        known = self._known.setdefault(seat, set())
+        if name not in known:
+            known.add(name)
+            self._line(seat, {"seat": seat, "digest": name, "is": value})
+        return name
+
+    def _line(self, seat: int, document: dict[str, Any]) -> None:
+        line = json.dumps(document).encode("ascii") + b"\n"
+        left = self._left.get(seat, MOST)
+        if self._file is not None and left > 0:
+            self._left[seat] = left - len(line)
+            self._file.write(line if len(line) <= left else b'{"seat": %d, "cut": true}\n' % seat)

@@ -1,0 +1,162 @@
+"""Asking the organizer's model, and finding out who is to blame if it does not answer.
+
+A request that fails is tried again. If it fails to the end, the gateway asks a short question of its own: if
+the server answers that, the request was at fault, and so was its seat; if not, the platform is.
+"""
+
+import asyncio
+import json
+import time
+from typing import Any, NamedTuple
+
+import httpx
+
+from wildscav_evaluator.model_gateway.chat import ChatAnswer, ChatError, read_answer
+from wildscav_evaluator.model_gateway.settings import ModelSettings
+
+LARGEST_ANSWER = 8 << 20  # bytes
+CONNECT_TIME = 10.0  # s
+FIRST_PAUSE, LONGEST_PAUSE = 0.5, 30.0  # s before a request is tried again
+BUSY = (408, 409, 425, 429)  # answers, besides those from 500 on, after which a request is tried again
+REFUSED = (400, 413, 422)  # answers that a request may have earned
+LONGEST_REASON = 300  # characters of the server's own words
+QUESTION = {"messages": [{"role": "user", "content": "Answer with the word yes."}]}
+SHORT = 16  # tokens of the answer to it
+
+
+class Answered(NamedTuple):
+    """The model's answer."""
+
+    answer: ChatAnswer
+    size: int  # bytes of the request
+    seconds: float  # s that the server took for it, with all tries
+
+
+class RequestAtFaultError(Exception):
+    """The server works, but not for this request. The message is one line, which the seat may read."""
+
+    def __init__(self, status: int, message: str, code: str | None = None) -> None:
+        super().__init__(message)
+        self.status, self.code = status, code
+
+
+class ServerAtFaultError(Exception):
+    """The server does not work. The message is one line."""
+
+
+class _FailedError(Exception):
+    """One try failed."""
+
+    def __init__(self, message: str, status: int = 0, code: str | None = None, pause: float = 0.0) -> None:
+        super().__init__(message)
+        self.status, self.code, self.pause = status, code, pause
+
+
+class ModelServer:
+    """The organizer's model, as an asynchronous context manager. It keeps nothing of one seat for another."""
+
+    def __init__(self, settings: ModelSettings, key: str) -> None:
+        self._settings, self._key = settings, key
+        self._url = f"{settings.url.rstrip('/')}/chat/completions"
+        self._works = False  # whether it has answered a request
+        headers = {"authorization": f"Bearer {key}"} if key else {}
+        self._client = httpx.AsyncClient(
+            headers={"content-type": "application/json", "user-agent": "wildscav", **headers},
+            timeout=httpx.Timeout(settings.timeout, connect=min(CONNECT_TIME, settings.timeout)),
+            trust_env=False,
+            follow_redirects=False,
+        )
+
+    async def __aenter__(self) -> "ModelServer":
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await self._client.aclose()
+
+    async def ask(self, fields: dict[str, Any], most: int, salt: str = "") -> Answered:
+        """Ask the model.
+
+        Args:
+            fields: Of the request, without those that the gateway sets.
+            most: The tokens that the answer may have.
+            salt: Of the seat's own cache of prompts; empty for the server's.
+
+        Raises:
+            RequestAtFaultError: The server answers other requests, but not this one.
+            ServerAtFaultError: The server does not work, or not with the organizer's settings.
+        """
+        body, started, pause = self._body(fields, most, salt), time.monotonic(), FIRST_PAUSE
+        for tries_left in range(self._settings.retries, -1, -1):
+            try:
+                answer = await self._post(body)
+            except _FailedError as error:
+                failed = error
+                if 0 < failed.status < 500 and failed.status not in BUSY:
+                    break
+            else:
+                self._works = True
+                return Answered(answer, len(body), time.monotonic() - started)
+            if tries_left:
+                await asyncio.sleep(min(LONGEST_PAUSE, max(pause, failed.pause)))
+                pause *= 2.0
+        raise await self._blame(failed)
+
+    async def _blame(self, failed: _FailedError) -> Exception:
+        """Return whose fault it is that a request failed."""
+        if not (failed.status in REFUSED and self._works):
+            try:
+                await self._post(self._body(QUESTION, SHORT, ""))
+            except _FailedError as error:
+                return ServerAtFaultError(f"the model's server at {self._settings.host} fails: {error}")
+            self._works = True
+        status = failed.status if failed.status in REFUSED else 502
+        return RequestAtFaultError(status, f"the model's server failed this request: {failed}", failed.code)
+
+    def _body(self, fields: dict[str, Any], most: int, salt: str) -> bytes:
+        """Return a request with the fields that only the gateway sets."""
+        own = {"model": self._settings.name, self._settings.max_tokens_field: most}
+        salted = {"cache_salt": salt} if salt else {}
+        return json.dumps({**fields, **self._settings.extra, **salted, **own}).encode()
+
+    async def _post(self, body: bytes) -> ChatAnswer:
+        """Try a request once.
+
+        Raises:
+            _FailedError: There is no answer of the model.
+        """
+        try:
+            async with asyncio.timeout(self._settings.timeout):
+                status, content, pause = await self._send(body)
+        except (TimeoutError, httpx.TimeoutException):
+            raise _FailedError(f"it does not answer within {self._settings.timeout:g} s") from None
+        except (httpx.HTTPError, httpx.InvalidURL, OSError) as error:
+            raise _FailedError(type(error).__name__) from None
+        if status == 200:
+            try:
+                return read_answer(content)
+            except ChatError as error:
+                raise _FailedError(str(error)) from None
+        reason, code = self._reason(content)
+        raise _FailedError(f"status {status}{reason}", status, code, pause)
+
+    async def _send(self, body: bytes) -> tuple[int, bytes, float]:
+        """Return the status and the content of an answer, and for how long to wait before another try, s."""
+        content = bytearray()
+        async with self._client.stream("POST", self._url, content=body) as response:
+            async for chunk in response.aiter_bytes():
+                content += chunk
+                if len(content) > LARGEST_ANSWER:
+                    raise _FailedError(f"its answer has more than {LARGEST_ANSWER:,} bytes")
+            after = response.headers.get("retry-after", "")
+            return response.status_code, bytes(content), float(after) if after.isdecimal() else 0.0
+
+    def _reason(self, content: bytes) -> tuple[str, str | None]:
+        """Return what the server says of a refusal, without the key, and its code."""
+        try:
+            error = json.loads(content)["error"]
+            message, code = str(error["message"]), error.get("code")
+        except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+            return "", None
+        if self._key:
+            message = message.replace(self._key, "…")
+        return f": {' '.join(message.split())[:LONGEST_REASON]}", code if isinstance(code, str) else None

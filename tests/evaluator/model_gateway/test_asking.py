@@ -1,0 +1,238 @@
+"""What a seat gets of its model: answers, counted tokens, a budget, and whose fault a failure is."""
+
+import asyncio
+import gzip
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from tests.evaluator.model_gateway.served import KEY, served
+from tests.scripted_model import (
+    NO_CHOICES,
+    Answer,
+    Endless,
+    Failed,
+    Late,
+    Messages,
+    Raw,
+    Reset,
+    Said,
+    ScriptedModel,
+    called,
+    disturbed,
+    in_turn,
+    said,
+    too_many,
+)
+
+TOOL = {"type": "function", "function": {"name": "go", "parameters": {"type": "object"}}}
+
+
+def test_a_seat_gets_the_answer_and_nothing_else_of_the_server(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def ask() -> dict[str, Any]:
+        async with served(model, tmp_path, monkeypatch, max_tokens=50, extra={"top_k": 5}) as gateway:
+            answer = await gateway.ask(
+                "Where?", tools=[TOOL], temperature=0.5, user="spy", n=9, max_tokens=900
+            )
+            assert gateway.accounts.tokens(0) == answer.json()["usage"]["total_tokens"] > 0
+            assert gateway.accounts.tokens(1) == 0
+            document: dict[str, Any] = answer.json()
+            return document
+
+    with ScriptedModel(in_turn(called("go", place="target")), key=KEY) as model:
+        document = asyncio.run(ask())
+
+    (choice,) = document["choices"]
+    assert choice["message"]["tool_calls"][0]["function"]["arguments"] == '{"place": "target"}'
+    assert (choice["finish_reason"], document["model"]) == ("tool_calls", "tiny")
+    (asked,) = model.requests
+    assert asked.body == {
+        "messages": [{"role": "user", "content": "Where?"}],
+        "tools": [TOOL],
+        "temperature": 0.5,
+        "top_k": 5,
+        "model": "tiny",
+        "max_tokens": 50,
+    }
+
+
+@pytest.mark.parametrize("usage", [None, "many", {"prompt_tokens": 10**9, "completion_tokens": -1}, [7]])
+def test_a_server_that_counts_nothing_or_nonsense_is_estimated(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, usage: object
+) -> None:
+    async def ask() -> dict[str, int]:
+        async with served(model, tmp_path, monkeypatch) as gateway:
+            usage: dict[str, int] = (await gateway.ask("x" * 400)).json()["usage"]
+            return usage
+
+    with ScriptedModel(in_turn(Said("y" * 40, usage=usage))) as model:
+        counted = asyncio.run(ask())
+
+    assert counted["prompt_tokens"] == 100 + 1  # 400 bytes, and the role
+    assert counted["completion_tokens"] == 10
+
+
+@pytest.mark.parametrize(
+    ("budget", "reason"),
+    [
+        ({"requests": 2}, "its 2 requests to the model are used up"),
+        ({"tokens": 60}, "of 60 tokens are used up"),
+        ({"seconds": 1e-9}, "of the model's time are used up"),
+        ({"money": 1e-6, "answer_price": 1.0}, "of money for the model are used up"),
+    ],
+)
+def test_a_budget_that_is_spent_ends_a_seat_and_no_other(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, budget: dict[str, Any], reason: str
+) -> None:
+    async def ask() -> None:
+        async with served(model, tmp_path, monkeypatch, **budget) as gateway:
+            answers = [await gateway.ask("Where should I go now, please?") for _ in range(4)]
+            refused = next(one for one in answers if one.status_code != 200)
+            assert refused.status_code == 429
+            assert refused.json()["error"]["code"] == "insufficient_quota"
+            assert reason in refused.json()["error"]["message"]
+            assert [one for one in gateway.reports if "over" in one] == [
+                {"over": 0, "reason": refused.json()["error"]["message"]}
+            ]
+            assert gateway.accounts.is_over(0)
+            assert (await gateway.ask("And I?", seat=1)).status_code == 200
+
+    with ScriptedModel(in_turn(said("To the target, and then on to the next one."))) as model:
+        asyncio.run(ask())
+
+
+def test_an_answer_may_not_be_longer_than_what_is_left_of_the_budget(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def ask() -> None:
+        async with served(model, tmp_path, monkeypatch, tokens=100, max_tokens=1000) as gateway:
+            await gateway.ask("x" * 40)
+
+    with ScriptedModel(in_turn(said("yes"))) as model:
+        asyncio.run(ask())
+
+    assert model.requests[0].body["max_tokens"] == 100 - 11
+
+
+BROKEN = [
+    Failed(500),
+    Failed(401, "Incorrect API key provided"),
+    too_many(),
+    Reset(),
+    Raw(b"<html>"),
+    NO_CHOICES,
+    Endless(),
+    Late(30.0),
+    Failed(400, "unknown field top_k"),  # of which the seat knows nothing
+]
+
+
+@pytest.mark.parametrize("broken", BROKEN, ids=str)
+def test_a_server_that_fails_for_everybody_is_the_platforms_fault(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, broken: Answer
+) -> None:
+    async def ask() -> None:
+        async with served(model, tmp_path, monkeypatch, timeout=0.3, retries=1) as gateway:
+            assert (await gateway.ask("Where?")).status_code == 503
+            assert ["fault" in one for one in gateway.reports] == [False, True]
+            assert KEY not in str(gateway.reports)
+
+    with ScriptedModel(in_turn(broken)) as model:
+        asyncio.run(ask())
+
+
+def test_a_server_that_is_not_there_is_the_platforms_fault(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def ask() -> None:
+        async with served("http://127.0.0.1:9/v1", tmp_path, monkeypatch, retries=0) as gateway:
+            assert (await gateway.ask("Where?")).status_code == 503
+            assert gateway.reports[-1] == {"fault": "the model's server at 127.0.0.1:9 fails: ConnectError"}
+
+    asyncio.run(ask())
+
+
+def for_evil(broken: Answer) -> Any:
+    """Return a script that fails for some words alone."""
+
+    def script(messages: Messages, _: object) -> Answer:
+        return broken if messages[-1]["content"] == "evil" else said("yes")
+
+    return script
+
+
+@pytest.mark.parametrize(
+    "broken", [one for one in BROKEN if one != Failed(401, "Incorrect API key provided")]
+)
+def test_a_request_that_breaks_a_server_which_works_is_its_seats_fault(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, broken: Answer
+) -> None:
+    async def ask() -> None:
+        async with served(model, tmp_path, monkeypatch, timeout=0.3, retries=0) as gateway:
+            refused = await gateway.ask("evil")
+            assert refused.status_code in (400, 502)
+            assert "the model's server failed this request" in refused.json()["error"]["message"]
+            assert gateway.reports == [{"ready": True}]
+            assert gateway.accounts.tokens(0) > 0
+
+    with ScriptedModel(for_evil(broken)) as model:
+        asyncio.run(ask())
+
+
+def test_a_short_failure_of_the_server_is_nobodys_fault(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def ask() -> None:
+        async with served(model, tmp_path, monkeypatch) as gateway:
+            assert (await gateway.ask("Where?")).status_code == 200
+            assert gateway.reports == [{"ready": True}]
+
+    with ScriptedModel(disturbed(in_turn(said("yes")), {0: Failed(503), 1: Reset()})) as model:
+        asyncio.run(ask())
+
+
+def test_the_file_has_what_was_asked_and_answered_and_each_message_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def ask() -> None:
+        async with served(model, tmp_path, monkeypatch) as gateway:
+            await gateway.ask("first", tools=[TOOL])
+            await gateway.ask("first", "second", tools=[TOOL])
+            await gateway.ask("first", seat=1)
+
+    with ScriptedModel(in_turn(said("yes"))) as model:
+        asyncio.run(ask())
+
+    text = gzip.decompress((tmp_path / "exchanges.jsonl.gz").read_bytes()).decode()
+    assert KEY not in text
+    lines = [json.loads(line) for line in text.splitlines()]
+    known = {(one["seat"], one["digest"]): one["is"] for one in lines if "digest" in one}
+    requests = [one for one in lines if "request" in one]
+    assert len(known) == 4  # the tools, and one, two and one messages
+    said_by_each = [
+        [known[one["seat"], name]["content"] for name in one["request"]["messages"]] for one in requests
+    ]
+    assert said_by_each == [["first"], ["first", "second"], ["first"]]
+    assert [one["answer"]["message"]["content"] for one in requests] == ["yes"] * 3
+    assert [(one["seat"], one["number"]) for one in requests] == [(0, 1), (0, 2), (1, 1)]
+
+
+def test_nothing_of_one_seat_reaches_the_requests_of_another(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def ask() -> None:
+        async with served(model, tmp_path, monkeypatch, cache_salt=True) as gateway:
+            await asyncio.gather(gateway.ask("mine"), gateway.ask("yours", seat=1), gateway.ask("mine"))
+
+    with ScriptedModel(in_turn(said("yes"))) as model:
+        asyncio.run(ask())
+
+    bodies = [one.body for one in model.requests]
+    salts = {one["messages"][0]["content"]: one["cache_salt"] for one in bodies}
+    assert sorted(len(one["messages"]) for one in bodies) == [1, 1, 1]
+    assert salts["mine"] != salts["yours"]
+    headers = {name.lower() for one in model.requests for name in one.headers}
+    assert not headers & {"cookie", "x-seat", "user"}
