@@ -1,0 +1,121 @@
+"""A model's server misbehaves: what is tried again, what ends the model's play, and what is counted."""
+
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from tests.platform.wildscav.harness.played_seats import PlayedSeat, played
+from tests.scripted_model import (
+    NO_CHOICES,
+    Answer,
+    Endless,
+    Failed,
+    Late,
+    Raw,
+    Reset,
+    ScriptedModel,
+    called,
+    disturbed,
+    in_turn,
+    too_many,
+)
+
+from wildscav.errors import UserError
+from wildscav.harness.player import ModelPlayer
+from wildscav.harness.settings import ModelSettings
+from wildscav.harness.spending import Ending
+
+pytest.importorskip("openai", reason="needs OpenAI's client: pip install 'wildscav[language]'")
+GO = called("go", place="target")
+FAILURES: list[Answer] = [
+    Failed(500),
+    Failed(503),
+    too_many(),
+    Reset(),
+    Late(5.0, GO),
+    Endless(),
+    Endless(pause=0.01),
+    NO_CHOICES,
+    Raw(b"<html>Bad gateway</html>"),
+    Raw(b"[" * 100_000),
+    Raw(b'{"choices": [{"message": "hello"}]}'),
+    Raw(b"", 502),
+]
+
+
+@pytest.mark.parametrize("failure", FAILURES, ids=repr)
+def test_what_may_pass_is_tried_again(failure: Answer) -> None:
+    course, seat, *_ = played(disturbed(lambda *_: GO, {1: failure}), PlayedSeat(3), timeout=0.3)
+
+    assert seat.calls == [("go", {"place": "target"})] * 3
+    assert (course.ending, course.spending.failures) == (Ending.MATCH_OVER, 1)
+
+
+@pytest.mark.parametrize("failure", [Failed(500), Reset(), Endless(), NO_CHOICES], ids=repr)
+def test_a_server_that_fails_to_the_end_ends_the_models_play(failure: Answer) -> None:
+    course, seat, requests, _ = played(in_turn(GO, failure), timeout=0.3)
+
+    assert course.ending == Ending.MODEL_FAILED
+    assert course.detail
+    assert len(requests) == 4  # one, and three tries
+    assert seat.calls[1:] == [("wait_until", {"seconds": 60.0})] * 2
+
+
+def test_a_server_is_given_the_time_that_it_asks_for() -> None:
+    began = time.monotonic()
+    played(disturbed(lambda *_: GO, {0: too_many(0.2)}), PlayedSeat(1))
+
+    assert time.monotonic() - began >= 0.2
+
+
+def test_no_try_is_made_for_which_no_time_is_left() -> None:
+    course, _, requests, _ = played(too_many(60.0), seconds=5.0)
+
+    assert (course.ending, len(requests)) == (Ending.OUT_OF_SECONDS, 1)
+
+
+@pytest.mark.parametrize(
+    ("failure", "ending"),
+    [
+        (Failed(401, "the key is wrong"), Ending.REQUEST_REFUSED),
+        (Failed(404, "no such model"), Ending.REQUEST_REFUSED),
+        (Failed(400, "no tools here"), Ending.REQUEST_REFUSED),
+        (Raw(b'{"error": {"message": "spent", "code": "insufficient_quota"}}', 429), Ending.OUT_OF_QUOTA),
+    ],
+    ids=repr,
+)
+def test_what_cannot_pass_is_not_tried_again(failure: Answer, ending: Ending) -> None:
+    course, _, requests, _ = played(failure)
+
+    assert (course.ending, len(requests)) == (ending, 1)
+
+
+def test_a_server_that_does_not_exist_has_failed() -> None:
+    course = ModelPlayer(PlayedSeat(), ModelSettings(url="http://127.0.0.1:9/v1", pause=0.0)).play()
+
+    assert course.ending == Ending.MODEL_FAILED
+    assert "cannot be reached" in course.detail
+
+
+@pytest.mark.parametrize(
+    "usage", [None, "many", [], {}, {"prompt_tokens": -5, "completion_tokens": 1e30}], ids=repr
+)
+def test_tokens_are_estimated_where_a_server_does_not_count_right(usage: object) -> None:
+    counted = played(GO).course.spending
+    estimated = played(replace(GO, usage=usage)).course.spending
+
+    assert estimated.prompt_tokens == pytest.approx(counted.prompt_tokens, rel=0.3)
+    assert estimated.answer_tokens == pytest.approx(counted.answer_tokens, rel=0.3)
+
+
+def test_a_model_is_asked_over_a_unix_socket(tmp_path: Path) -> None:
+    with ScriptedModel(lambda *_: GO, path=tmp_path / "model.sock") as model:
+        course = ModelPlayer(PlayedSeat(2), ModelSettings(url=model.url)).play()
+
+    assert (course.ending, course.spending.requests) == (Ending.MATCH_OVER, 2)
+
+
+def test_an_address_that_is_none_is_refused() -> None:
+    with pytest.raises(UserError, match="not valid"):
+        ModelPlayer(PlayedSeat(), ModelSettings(url="http://[::bad"))
