@@ -20,7 +20,7 @@ from benchmarks.report import Figure, JsonFile, publish
 from tests.platform.wildscav.harness.model_matches import model_match
 from tests.platform.wildscav.harness.played_seats import PlayedSeat, Reply
 from tests.scripted_mind import mind
-from tests.scripted_model import ScriptedModel, called
+from tests.scripted_model import ScriptedModel, called, in_turn
 
 from wildscav.harness.player import ModelPlayer
 from wildscav.harness.settings import ModelSettings
@@ -28,6 +28,7 @@ from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.suites.suite import suite
 
 ANSWERS, ROUNDS = 40, 5
+NAMES = ("a bare client", "the harness at a URL", "the harness at a gateway's socket")
 TEXT = "\n".join(["- box 12: 3 o'clock, bearing 189°, 6.1 m, 3.2 m higher, 25 supplies"] * 35)  # 2,500 bytes
 
 
@@ -39,23 +40,26 @@ class LongSeat(PlayedSeat):
         return Reply(f"{super().call(name, arguments).text}\n{TEXT}")
 
 
-def latency() -> list[Figure]:
+def latency(folder: Path) -> list[Figure]:
     """Measure answers that a model gives at once: to a bare client, and through the harness."""
-    times: dict[str, list[tuple[float, float]]] = {"bare": [], "harness": []}
-    with ScriptedModel(lambda *_: called("go", place="target")) as model, httpx2.Client() as client:
+    times: dict[str, list[tuple[float, float]]] = {name: [] for name in NAMES}
+    script = in_turn(called("go", place="target"))
+    socket = ScriptedModel(script, path=folder / "model.sock")
+    with ScriptedModel(script) as model, socket, httpx2.Client() as client:
         for _ in range(ROUNDS):
-            settings = ModelSettings(url=model.url)
-            player = ModelPlayer(LongSeat(ANSWERS), settings)
-            times["harness"].append(_each(player.play))
+            for name, url in zip(NAMES[1:], (model.url, socket.url), strict=True):
+                player = ModelPlayer(LongSeat(ANSWERS), ModelSettings(url=url))
+                times[name].append(_each(player.play))
             post = partial(client.post, f"{model.url}/chat/completions", json=model.requests[-1].body)
-            times["bare"].append(_each(partial(_repeat, post)))
-    bare, harness = (min(processor for _, processor in times[name]) for name in ("bare", "harness"))
-    waits = {name: statistics.median(wall for wall, _ in found) for name, found in times.items()}
-    note = f"median to the answer {waits['harness']:.1f} ms, bare {waits['bare']:.1f} ms"
+            times[NAMES[0]].append(_each(partial(_repeat, post)))
     return [
-        Figure("a bare client, processor time", bare, "ms"),
-        Figure("the harness, processor time", harness, "ms", note),
-        Figure("the harness adds", harness - bare, "ms"),
+        Figure(
+            f"{name}, processor time",
+            min(processor for _, processor in found),
+            "ms",
+            f"median to the answer {statistics.median(wall for wall, _ in found):.1f} ms",
+        )
+        for name, found in times.items()
     ]
 
 
@@ -92,7 +96,9 @@ def main(
     json_file: JsonFile = None,
 ) -> None:
     """Measure the harness."""
-    publish("a scripted model through the harness", latency() + (matches(count) if count else []), json_file)
+    with tempfile.TemporaryDirectory() as folder:
+        figures = latency(Path(folder)) + (matches(count) if count else [])
+    publish("a scripted model through the harness", figures, json_file)
 
 
 if __name__ == "__main__":

@@ -7,6 +7,9 @@ from typing import Any, NamedTuple
 
 from wildscav.errors import WildscavError
 
+LARGEST_ANSWER = 8 << 20  # bytes
+LONGEST_REASON = 300  # characters of a server's words that are kept
+BUSY = (408, 409, 425, 429)  # answers, besides those from 500 on, after which a request is tried again
 CHARACTERS_PER_TOKEN = 4  # where no server counts
 TOKENS_PER_PICTURE = 1_000
 MOST_TOKENS = 10**8  # of one request, that a server may claim
@@ -33,6 +36,26 @@ class ModelError(WildscavError):
     ) -> None:
         super().__init__(message)
         self.status, self.code, self.may_pass, self.after = status, code, may_pass, after
+
+
+def refusal(status: int, body: object, retry_after: str | None) -> ModelError:
+    """Return the error of an answer with a status of failure.
+
+    Args:
+        status: Of HTTP.
+        body: What the answer says about it, if that is JSON.
+        retry_after: The header of this name.
+    """
+    body = body.get("error", body) if isinstance(body, dict) else {}
+    body = body if isinstance(body, dict) else {"message": body}
+    code = str(body.get("code") or body.get("type") or "")
+    try:
+        after = max(0.0, float(retry_after or 0.0))
+    except ValueError:  # a date
+        after = 0.0
+    said = " ".join(str(body.get("message") or "no reason")[:LONGEST_REASON].split())
+    may_pass = (status in BUSY or status >= 500) and code != QUOTA
+    return ModelError(f"its server answers {status}: {said}", status, code, may_pass=may_pass, after=after)
 
 
 class Call(NamedTuple):

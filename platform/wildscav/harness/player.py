@@ -7,23 +7,20 @@
     print(course.ending, course.spending)
 
 ``seat`` is a ``wildscav.words.WordsSeat``; or a ``wildscav_language.seat.Seat``, with the rules besides.
-The extra ``language`` has the client that it needs.
+Servers with a URL need a client that the extra ``language`` has; gateways need nothing.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
-from wildscav.errors import UserError
 from wildscav.harness.answers import QUOTA, Answer, ModelError
 from wildscav.harness.conversation import NOTE, Conversation, Exchange, tools_of
 from wildscav.harness.log import Log
+from wildscav.harness.server import ModelServer
 from wildscav.harness.settings import ModelSettings
 from wildscav.harness.spending import Ending, Spending
 from wildscav.notes import say
-
-if TYPE_CHECKING:
-    from wildscav.harness.server import ModelServer
 
 COST = 0.5  # s of game time for an answer without a call that can be played
 REST = 60.0  # s that a seat stands at a time whose model plays no more
@@ -76,7 +73,7 @@ class ModelPlayer:
         rules: Of the match; by default, those that the seat tells.
 
     Raises:
-        UserError: The client of the protocol is not installed.
+        UserError: The address is not valid, or the client for it is not installed.
     """
 
     def __init__(self, seat: Any, settings: ModelSettings, rules: str | None = None) -> None:
@@ -85,7 +82,7 @@ class ModelPlayer:
         self._rules: str = seat.rules if rules is None else rules
         self.spending = Spending()
         self._log = Log(settings.log, settings.key)
-        self._server = _server(settings, self.spending, self._log)
+        self._server = ModelServer(settings, self.spending, self._log)
         self._idle = 0  # answers in a row of which nothing was played
 
     def play(self) -> Course:
@@ -182,11 +179,3 @@ def _line(answer: Answer, now: str) -> str:
     """Return what is left of an exchange when it is long ago."""
     call = next(call for call in answer.calls if call.name != NOTE)
     return f"- {call.name} {call.written}: {now.partition(chr(10))[0]}"
-
-
-def _server(settings: ModelSettings, spending: Spending, log: Log) -> "ModelServer":
-    try:
-        from wildscav.harness.server import ModelServer
-    except ModuleNotFoundError as error:
-        raise UserError(f"{error.name} is missing: pip install 'wildscav[language]'", 2) from None
-    return ModelServer(settings, spending, log)

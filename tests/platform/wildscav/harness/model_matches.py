@@ -37,7 +37,7 @@ def model_match(spec: MatchSpec, script: Script, folder: Path, **settings: Any) 
     """
 
     def ask(seat: Seat) -> Course:
-        with ScriptedModel(script) as model:
+        with ScriptedModel(script, path=folder / "model.sock") as model:
             return ModelPlayer(seat, ModelSettings(url=model.url, **settings), rules(seat.match)).play()
 
     async def play(server: MatchServer, address: str) -> ModelMatch:

@@ -1,8 +1,11 @@
 """A seat without a match, for tests of who plays it."""
 
 from collections.abc import Mapping
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
+import pytest
 from tests.scripted_model import Answer, Script, ScriptedModel, in_turn
 
 from wildscav.harness.player import Course, ModelPlayer
@@ -48,11 +51,20 @@ class PlayedSeat:
         return b"PNG with marks" if marks else b"PNG"
 
 
-def played(script: Script | Answer, seat: PlayedSeat | None = None, **settings: Any) -> "Played":
-    """Let a scripted model play a seat to the end."""
+def served(script: Script, folder: str, at_socket: bool) -> ScriptedModel:
+    """Return a scripted model at a unix socket in a folder, or at a URL, which needs OpenAI's client."""
+    if not at_socket:
+        pytest.importorskip("openai", reason="needs OpenAI's client: pip install 'wildscav[language]'")
+    return ScriptedModel(script, path=Path(folder) / "model.sock" if at_socket else None)
+
+
+def played(
+    script: Script | Answer, seat: PlayedSeat | None = None, *, at_socket: bool = True, **settings: Any
+) -> "Played":
+    """Let a scripted model play a seat to the end; at a unix socket, or at a URL."""
     seat = seat or PlayedSeat()
     script = script if callable(script) else in_turn(script)
-    with ScriptedModel(script) as model:
+    with TemporaryDirectory() as folder, served(script, folder, at_socket) as model:
         asked = ModelSettings(**{"url": model.url, "pause": 0.001, "retries": 2, **settings})
         course = ModelPlayer(seat, asked).play()
     return Played(course, seat, [request.body for request in model.requests], model)

@@ -11,7 +11,6 @@ from tests.scripted_model import Answer, Failed, Reset, cut, disturbed, said
 from wildscav.harness.spending import Ending
 from wildscav_engine.record import read_record, verify_record
 
-pytest.importorskip("openai", reason="needs OpenAI's client: pip install 'wildscav[language]'")
 DISTURBANCES: dict[int, Answer] = {0: Failed(500), 1: said("Where am I?"), 2: cut("go"), 3: Reset()}
 
 

@@ -11,7 +11,6 @@ from tests.scripted_model import Answer, Call, Failed, Late, Said, called, cut, 
 from wildscav.harness.spending import Ending
 from wildscav.notes import begin_step
 
-pytest.importorskip("openai", reason="needs OpenAI's client: pip install 'wildscav[language]'")
 GO = called("go", place="target")
 WAITED = ("wait_until", {"seconds": 0.5})
 
@@ -146,7 +145,6 @@ def test_the_log_has_every_request_and_answer_and_never_the_key(tmp_path: Path) 
 
     text = log.read_text("utf-8")
     lines = [json.loads(line) for line in text.splitlines()]
-    assert f"Bearer {key}" in went.model.requests[0].headers.values()
     assert "secret" not in text
     kinds = [line["kind"] for line in lines]
     assert kinds == ["asked", "failed", *["asked", "answered"] * 3, "ended"]

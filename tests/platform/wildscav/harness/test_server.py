@@ -2,7 +2,6 @@
 
 import time
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 from tests.platform.wildscav.harness.played_seats import PlayedSeat, played
@@ -14,7 +13,6 @@ from tests.scripted_model import (
     Late,
     Raw,
     Reset,
-    ScriptedModel,
     called,
     disturbed,
     in_turn,
@@ -26,35 +24,37 @@ from wildscav.harness.player import ModelPlayer
 from wildscav.harness.settings import ModelSettings
 from wildscav.harness.spending import Ending
 
-pytest.importorskip("openai", reason="needs OpenAI's client: pip install 'wildscav[language]'")
 GO = called("go", place="target")
-FAILURES: list[Answer] = [
-    Failed(500),
-    Failed(503),
-    too_many(),
-    Reset(),
-    Late(5.0, GO),
-    Endless(),
-    Endless(pause=0.01),
-    NO_CHOICES,
-    Raw(b"<html>Bad gateway</html>"),
-    Raw(b"[" * 100_000),
-    Raw(b'{"choices": [{"message": "hello"}]}'),
-    Raw(b"", 502),
-]
+FAILURES: dict[str, Answer] = {
+    "500": Failed(500),
+    "502 without a body": Raw(b"", 502),
+    "too many requests": too_many(),
+    "reset": Reset(),
+    "late": Late(5.0, GO),
+    "flood": Endless(),
+    "drip": Endless(pause=0.01),
+    "no choices": NO_CHOICES,
+    "no JSON": Raw(b"<html>Bad gateway</html>"),
+    "deep JSON": Raw(b"[" * 100_000),
+    "no message": Raw(b'{"choices": [{"message": "hello"}]}'),
+}
+at_both = pytest.mark.parametrize("at_socket", [True, False], ids=["socket", "URL"])
 
 
-@pytest.mark.parametrize("failure", FAILURES, ids=repr)
-def test_what_may_pass_is_tried_again(failure: Answer) -> None:
-    course, seat, *_ = played(disturbed(lambda *_: GO, {1: failure}), PlayedSeat(3), timeout=0.3)
+@at_both
+@pytest.mark.parametrize("failure", FAILURES)
+def test_what_may_pass_is_tried_again(failure: str, at_socket: bool) -> None:
+    script = disturbed(lambda *_: GO, {1: FAILURES[failure]})
+
+    course, seat, *_ = played(script, PlayedSeat(3), at_socket=at_socket, timeout=0.3)
 
     assert seat.calls == [("go", {"place": "target"})] * 3
     assert (course.ending, course.spending.failures) == (Ending.MATCH_OVER, 1)
 
 
-@pytest.mark.parametrize("failure", [Failed(500), Reset(), Endless(), NO_CHOICES], ids=repr)
-def test_a_server_that_fails_to_the_end_ends_the_models_play(failure: Answer) -> None:
-    course, seat, requests, _ = played(in_turn(GO, failure), timeout=0.3)
+@pytest.mark.parametrize("failure", ["500", "reset", "flood", "no choices"])
+def test_a_server_that_fails_to_the_end_ends_the_models_play(failure: str) -> None:
+    course, seat, requests, _ = played(in_turn(GO, FAILURES[failure]))
 
     assert course.ending == Ending.MODEL_FAILED
     assert course.detail
@@ -85,14 +85,24 @@ def test_no_try_is_made_for_which_no_time_is_left() -> None:
     ],
     ids=repr,
 )
-def test_what_cannot_pass_is_not_tried_again(failure: Answer, ending: Ending) -> None:
-    course, _, requests, _ = played(failure)
+@at_both
+def test_what_cannot_pass_is_not_tried_again(failure: Answer, ending: Ending, at_socket: bool) -> None:
+    course, _, requests, _ = played(failure, at_socket=at_socket)
 
     assert (course.ending, len(requests)) == (ending, 1)
 
 
-def test_a_server_that_does_not_exist_has_failed() -> None:
-    course = ModelPlayer(PlayedSeat(), ModelSettings(url="http://127.0.0.1:9/v1", pause=0.0)).play()
+def test_a_server_gets_the_key() -> None:
+    went = played(GO, at_socket=False, key="sk-secret")
+
+    assert "Bearer sk-secret" in went.model.requests[0].headers.values()
+
+
+@pytest.mark.parametrize("url", ["http://127.0.0.1:9/v1", "unix:/nowhere/model.sock"])
+def test_a_server_that_does_not_exist_has_failed(url: str) -> None:
+    if url.startswith("http"):
+        pytest.importorskip("openai")
+    course = ModelPlayer(PlayedSeat(), ModelSettings(url=url, pause=0.0)).play()
 
     assert course.ending == Ending.MODEL_FAILED
     assert "cannot be reached" in course.detail
@@ -109,13 +119,7 @@ def test_tokens_are_estimated_where_a_server_does_not_count_right(usage: object)
     assert estimated.answer_tokens == pytest.approx(counted.answer_tokens, rel=0.3)
 
 
-def test_a_model_is_asked_over_a_unix_socket(tmp_path: Path) -> None:
-    with ScriptedModel(lambda *_: GO, path=tmp_path / "model.sock") as model:
-        course = ModelPlayer(PlayedSeat(2), ModelSettings(url=model.url)).play()
-
-    assert (course.ending, course.spending.requests) == (Ending.MATCH_OVER, 2)
-
-
 def test_an_address_that_is_none_is_refused() -> None:
+    pytest.importorskip("openai")
     with pytest.raises(UserError, match="not valid"):
         ModelPlayer(PlayedSeat(), ModelSettings(url="http://[::bad"))
