@@ -128,17 +128,11 @@ class Conversation:
         return parts
 
 
-def tool_of(name: str, description: str, schema: dict[str, Any]) -> dict[str, Any]:
-    """Return a tool in the form of the protocol."""
-    return {
-        "type": "function",
-        "function": {"name": name, "description": description, "parameters": schema},
-    }
-
-
 def tools_of(tools: Sequence[Any]) -> list[dict[str, Any]]:
-    """Return the tools of a seat, and the one for notes."""
+    """Return the tools of a seat, and the one for notes, in the form of the protocol."""
     text = {"type": "string", "description": "what to remember, in a line"}
     schema = {"type": "object", "properties": {"text": text}, "required": ["text"]}
-    own = tool_of(NOTE, "Keep a note that you see every time. It costs no game time.", schema)
-    return [*(tool_of(tool.name, tool.description, tool.schema) for tool in tools), own]
+    note = NOTE, "Keep a note that you see every time. It costs no game time.", schema
+    all_tools = [*((tool.name, tool.description, tool.schema) for tool in tools), note]
+    fields = "name", "description", "parameters"
+    return [{"type": "function", "function": dict(zip(fields, tool, strict=True))} for tool in all_tools]

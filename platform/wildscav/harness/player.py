@@ -10,9 +10,8 @@
 Servers with a URL need a client that the extra ``language`` has; gateways need nothing.
 """
 
-from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 from wildscav.harness.answers import QUOTA, Answer, ModelError
 from wildscav.harness.conversation import NOTE, Conversation, Exchange, tools_of
@@ -33,27 +32,6 @@ CHARGED = f"Your answer had no call that could be played, so {COST:g} s have pas
 BROKEN = "Nothing was played: the arguments of your call are not a JSON object."
 SECOND = "This call was not played: of several calls in one answer, only the first is."
 NOTED, NO_NOTE = "Noted.", "A note has a text."
-
-
-class Seat(Protocol):
-    """What a player needs of a seat."""
-
-    @property
-    def tools(self) -> Sequence[Any]:
-        """What may be called."""
-
-    @property
-    def is_over(self) -> bool:
-        """Whether the match is over."""
-
-    def observe(self) -> str:
-        """Return the text of now."""
-
-    def call(self, name: str, arguments: Mapping[str, Any]) -> Any:
-        """Play a tool until it ends, and return its reply."""
-
-    def picture(self, *, marks: bool) -> bytes:
-        """Return what the seat's camera shows, as a PNG file."""
 
 
 class Course(NamedTuple):
@@ -77,8 +55,7 @@ class ModelPlayer:
     """
 
     def __init__(self, seat: Any, settings: ModelSettings, rules: str | None = None) -> None:
-        self._seat: Seat = seat
-        self._settings = settings
+        self._seat, self._settings = seat, settings
         self._rules: str = seat.rules if rules is None else rules
         self.spending = Spending()
         self._log = Log(settings.log, settings.key)

@@ -1,8 +1,8 @@
 """Asks a model: again if its server fails, as long as there is time, and counts what that takes."""
 
 import time
-from collections.abc import Mapping, Sequence
-from typing import Any, Protocol
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 from wildscav.errors import UserError
 from wildscav.harness.answers import Answer, ModelError, read_answer
@@ -11,22 +11,11 @@ from wildscav.harness.log import Log
 from wildscav.harness.settings import SOCKET, ModelSettings
 from wildscav.harness.spending import Spending
 
+if TYPE_CHECKING:
+    from wildscav.harness.openai_client import OpenAIClient
+
 LONGEST_PAUSE = 30.0  # s between two tries
 LONGEST_WISH = 120.0  # s, likewise, if the server asks for them
-
-
-class Client(Protocol):
-    """Sends requests to a server."""
-
-    def ask(self, path: str, body: Mapping[str, Any] | None, seconds: float) -> object:
-        """Return the JSON that a server answers to a request within some seconds; no body: a GET request.
-
-        Raises:
-            ModelError: It does not.
-        """
-
-    def close(self) -> None:
-        """Close all connections."""
 
 
 class ModelServer:
@@ -110,7 +99,7 @@ def _first_of(document: Any) -> str:
         raise ModelError("its server lists no model: name one", may_pass=False) from None
 
 
-def _client_of(settings: ModelSettings) -> Client:
+def _client_of(settings: ModelSettings) -> "GatewayClient | OpenAIClient":
     """Return the client for an address. That of OpenAI takes a second to load, which gateways do not need."""
     if settings.url.startswith(SOCKET):
         return GatewayClient(settings.url.removeprefix(SOCKET))
