@@ -85,7 +85,8 @@ def test_the_files_that_the_architecture_names_exist() -> None:
         assert any((home / name).exists() for home in homes), name
 
 
-TO_WRITE = {"hills", "orbit", "fort.toml", "spring", "altimeter.py", "eval.py"}  # that pages let readers make
+# Files that pages let readers make.
+TO_WRITE = {"hills", "orbit", "fort.toml", "spring", "altimeter.py", "eval.py", "model.toml"}
 
 
 @pytest.mark.parametrize(

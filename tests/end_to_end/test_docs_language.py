@@ -2,6 +2,7 @@
 
 import asyncio
 import re
+from dataclasses import fields
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,8 @@ from tests.end_to_end.pages import ROOT, blocks, run_code
 from tests.platform.wildscav.skills.observations import match_info
 
 from wildscav.bridge import LONGEST_REQUEST
+from wildscav.harness.settings import ModelSettings
+from wildscav.harness.spending import Ending
 from wildscav.sdk.run import INTERFACE_VARIABLE
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
@@ -78,3 +81,10 @@ def test_it_tells_every_reason_and_the_limits() -> None:
     assert f"{LIMIT:,} bytes" in text
     assert f"{NAME_LIMIT} characters" in text
     assert f"They cost {REFUSAL_TIME:g} s" in text
+
+
+def test_it_tells_every_setting_and_every_ending_of_a_model() -> None:
+    part = PAGE.read_text("utf-8").partition("## A model at a seat")[2].partition("\n## ")[0]
+
+    assert all(f"`{field.name}`" in part for field in fields(ModelSettings))
+    assert all(f"`{ending}`" in part for ending in Ending)
