@@ -1,0 +1,207 @@
+"""Seats as environments of OpenEnv: its client plays over its server, and mistakes cost nobody else."""
+
+import base64
+import threading
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("openenv", reason="needs OpenEnv, in an environment of its own: make test-openenv")
+
+import uvicorn
+
+from wildscav.errors import UserError
+from wildscav_engine.record import read_record, verify_record
+from wildscav_language.openenv.app import make_app
+from wildscav_language.openenv.client import WildscavEnv
+from wildscav_language.openenv.environment import WildscavEnvironment
+from wildscav_language.openenv.host import Host, _ended
+from wildscav_language.openenv.models import WildscavAction, WildscavObservation
+
+# What uvicorn and the package import warns of itself.
+pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
+
+SMALL = {"map": 103, "time_limit": 20.0}  # 100 m
+
+
+def call(tool: str, **arguments: Any) -> WildscavAction:
+    return WildscavAction(tool=tool, arguments=arguments)
+
+
+TO_TARGET = call("go", place="target", seconds=20.0)
+
+
+@pytest.fixture(scope="module")
+def records(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("records")
+
+
+@pytest.fixture(scope="module")
+def url(records: Path) -> Iterator[str]:
+    """A server with two sessions."""
+    server = uvicorn.Server(uvicorn.Config(make_app(2, records), port=0, log_level="warning"))
+    thread = threading.Thread(target=server.run)
+    thread.start()
+    try:
+        while not server.started:
+            assert thread.is_alive()
+            thread.join(0.02)
+        yield f"http://127.0.0.1:{server.servers[0].sockets[0].getsockname()[1]}"
+    finally:
+        server.should_exit = True
+        thread.join()
+
+
+@pytest.fixture(scope="module")
+def host() -> Iterator[Host]:
+    host = Host()
+    yield host
+    host.close()
+
+
+@pytest.fixture
+def environment(host: Host) -> Iterator[WildscavEnvironment]:
+    environment = WildscavEnvironment(host)
+    yield environment
+    environment.close()
+
+
+def played(url: str, **options: Any) -> tuple[list[str], list[Any], Any]:
+    """Walk to the target; return the texts, the rewards and the last state."""
+    texts, rewards = [], []
+    with WildscavEnv(base_url=url).sync() as client:
+        result = client.reset(**SMALL, **options)
+        while not result.done:
+            texts.append(result.observation.text)
+            result = client.step(TO_TARGET)
+            rewards.append(result.reward)
+        return [*texts, result.observation.text], rewards, client.state()
+
+
+def test_the_official_client_reaches_the_target(url: str, records: Path) -> None:
+    texts, rewards, state = played(url, seed=3, episode_id="first")
+
+    assert "Reach the target" in texts[0]
+    assert "Target: " in texts[0]
+    assert texts[-1] == state.ending == "The match is over, because of goal."
+    assert state.options["seed"] == 3
+    record = read_record(records / "first.wsr")
+    assert state.record == str(records / "first.wsr")
+    assert record.spec.clock == "paused"
+    assert verify_record(record).holds
+    with_start = -record.result.seats[0].metrics["time"] - sum(rewards)
+    assert with_start < 0.0, "at the start, the whole way is still to be walked"
+
+
+def test_the_same_seed_and_calls_give_the_same_episode(url: str) -> None:
+    first, second = played(url, seed=5), played(url, seed=5)
+    assert first[:2] == second[:2]
+    assert played(url, seed=6)[0] != first[0]
+
+
+def test_sessions_play_at_once_and_a_silent_one_costs_nobody_else(url: str) -> None:
+    with WildscavEnv(base_url=url).sync() as silent:
+        begun = silent.reset(track="gathering", seed=1, **SMALL)
+        assert played(url, seed=3)[2].ending == "The match is over, because of goal."
+        with WildscavEnv(base_url=url).sync() as other:
+            other.reset(track="gathering", seed=1, **SMALL)
+            with ThreadPoolExecutor() as pool:
+                walk = call("explore", seconds=5.0, stop_for=[])
+                results = list(pool.map(lambda client: client.step(walk), (silent, other)))
+            with WildscavEnv(base_url=url).sync() as third, pytest.raises(RuntimeError, match="capacity"):
+                third.reset()
+    assert begun.observation.metadata["steps"] == 0
+    assert results[0].observation == results[1].observation
+    assert results[0].observation.metadata["seconds"] == 5.0
+
+
+def test_a_client_that_says_nothing_loses_its_own_seat(tmp_path: Path) -> None:
+    host = Host(tmp_path, idle_limit=0.3)
+    try:
+        silent = WildscavEnvironment(host)
+        silent.reset(seed=1, episode_id="silent", **SMALL)
+        host._do(_ended(silent._episode))
+        ended = silent.step(TO_TARGET)
+    finally:
+        host.close()
+    assert ended.done
+    assert ended.text.startswith("The match is over, because of time up. Your seat was closed: ")
+    assert read_record(tmp_path / "silent.wsr").result.ending == "time_up"
+
+
+@pytest.mark.parametrize(
+    ("action", "said"),
+    [
+        (
+            call("fly"),
+            "There is no tool 'fly' here; the tools are look_around, turn, go, explore,",
+        ),
+        (call("go", place="target", seconds=1e9), "go refuses seconds 1000000000.0"),
+        (call("go", place="target", speed=3), "It takes bearing, box, place, seconds, stop_for."),
+        (call("go", place="Atlantis"), "There is no such place; known places are"),
+    ],
+)
+def test_a_bad_call_costs_time_and_is_told_what_is_allowed(
+    environment: WildscavEnvironment, action: WildscavAction, said: str
+) -> None:
+    environment.reset(seed=3, **SMALL)
+    refused = environment.step(action)
+    assert said in refused.text
+    assert (refused.ended, refused.done) == ("refused", False)
+    assert refused.reward == pytest.approx(-0.5), "the time that it cost"
+    assert refused.metadata["seconds"] == 0.5
+    assert (refused.metadata["calls"], refused.metadata["refused"]) == (1, 1)
+
+
+def test_what_is_called_at_the_wrong_time_is_told_what_to_call(environment: WildscavEnvironment) -> None:
+    with pytest.raises(UserError, match="No match has begun: call reset first"):
+        environment.step(TO_TARGET)
+    environment.reset(seed=3, map=103, time_limit=1.0)
+    assert environment.step(call("wait_until", seconds=9.0)).done
+    with pytest.raises(UserError, match="The match is over: call reset to begin another"):
+        environment.step(TO_TARGET)
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"track": "chess"}, "the tracks are navigation"),
+        ({"clients": 2}, "reset takes track, level, map"),
+        ({"speed": 2}, "reset takes track, level, map"),
+        ({"others": ["mallory"]}, "the robots are"),
+        ({"episode_id": "../../etc/passwd"}, "letters, digits"),
+    ],
+)
+def test_a_match_that_does_not_exist_is_refused(
+    environment: WildscavEnvironment, options: dict[str, Any], said: str
+) -> None:
+    environment.reset(seed=3, **SMALL)
+    with pytest.raises(UserError, match=said):
+        environment.reset(**options)
+    assert not environment.step(call("look_around")).done, "the match before goes on"
+
+
+def test_errors_reach_the_client_as_sentences(url: str) -> None:
+    with WildscavEnv(base_url=url).sync() as client, pytest.raises(RuntimeError, match="call reset first"):
+        client.step(TO_TARGET)
+
+
+def test_the_reward_is_what_the_seat_gathers(environment: WildscavEnvironment) -> None:
+    observation = environment.reset(seed=2, track="gathering", others=["homing"], map=103, time_limit=30.0)
+    rewards = []
+    while not observation.done:
+        observation = environment.step(call("explore", seconds=20.0, stop_for=[]))
+        rewards.append(observation.reward)
+    assert sum(rewards) == observation.metadata["score"] > 0
+
+
+def test_observations_have_a_picture_if_the_reset_asks_for_it(environment: WildscavEnvironment) -> None:
+    seen: WildscavObservation = environment.reset(seed=3, pictures=True, **SMALL)
+    assert base64.b64decode(seen.picture or "").startswith(b"\x89PNG")
+    later = environment.step(call("turn", right=90.0))
+    assert later.picture not in (None, seen.picture)
+    assert [tool.name for tool in seen.tools] == ["look_around", "turn", "go", "explore", "wait_until"]
+    assert not later.tools
