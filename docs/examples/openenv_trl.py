@@ -132,7 +132,7 @@ def toy() -> tuple[Any, Any]:
         num_attention_heads=2,
         num_key_value_heads=2,
         head_dim=16,
-        eos_token_id=processing.eos_token_id,
+        eos_token_id=list(range(len(words))),  # what it says is one word
         pad_token_id=processing.pad_token_id,
     )
     return Qwen3ForCausalLM(config), processing
@@ -184,7 +184,7 @@ def main() -> None:
     )
     parser.add_argument("--url", help="of a server; by default, one is started")
     parser.add_argument("--model", help="name or folder of a model that calls tools; by default, a toy")
-    parser.add_argument("--steps", type=int, default=30, help="of the trainer")
+    parser.add_argument("--steps", type=int, default=20, help="of the trainer")
     parser.add_argument("--matches", type=int, default=16, help="in each step, an even number")
     chosen = parser.parse_args()
     if chosen.url:

@@ -1,6 +1,7 @@
 """Seats as environments of OpenEnv: its client plays over its server, and mistakes cost nobody else."""
 
 import base64
+import importlib.util
 import threading
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -12,6 +13,7 @@ import pytest
 pytest.importorskip("openenv", reason="needs OpenEnv, in an environment of its own: make test-openenv")
 
 import uvicorn
+from tests.end_to_end.pages import ROOT, blocks, run_code
 
 from wildscav.errors import UserError
 from wildscav_engine.record import read_record, verify_record
@@ -205,3 +207,36 @@ def test_observations_have_a_picture_if_the_reset_asks_for_it(environment: Wilds
     assert later.picture not in (None, seen.picture)
     assert [tool.name for tool in seen.tools] == ["look_around", "turn", "go", "explore", "wait_until"]
     assert not later.tools
+
+
+def test_the_lines_of_the_page_reach_the_target(url: str, tmp_path: Path) -> None:
+    _, code = blocks(ROOT / "docs" / "mcp.md", "python")
+    said = run_code(code.replace("http://127.0.0.1:8000", url), tmp_path)
+    assert said.endswith("The match is over, because of goal.\n")
+
+
+def test_the_example_rewards_whom_its_tools_lead_to_the_target(url: str) -> None:
+    """What TRL does with it is not tested here, since TRL and PyTorch are large."""
+    spec = importlib.util.spec_from_file_location(
+        "openenv_trl", ROOT / "docs" / "examples" / "openenv_trl.py"
+    )
+    example = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(example)
+    navigation = example.Navigation(url)
+    rewards = []
+    for name, arguments in example.CALLS[:-1]:  # the last is no tool
+        assert "Target: " in navigation.reset(seed=4)
+        before = getattr(navigation, name)(**arguments)
+        assert "ended after" in before or "The match is over" in before
+        rewards.append(navigation.get_reward())
+    assert max(rewards) == rewards[0] > -5.0
+    assert max(rewards[1:]) < -15.0
+
+
+def test_openenvs_own_command_accepts_the_manifest() -> None:
+    from openenv.cli.__main__ import app
+    from typer.testing import CliRunner
+
+    folder = ROOT / "platform" / "wildscav_language" / "openenv"
+    done = CliRunner().invoke(app, ["validate", str(folder), "--level", "static", "--skip-build"])
+    assert "Verdict: PASS" in done.output, done.output
