@@ -106,11 +106,13 @@ class Navigation:
 
 def toy() -> tuple[Any, Any]:
     """Return a small random model, and a tokenizer whose words are calls."""
+    import torch
     from tokenizers import Regex, Tokenizer, models, pre_tokenizers
     from transformers import PreTrainedTokenizerFast, Qwen3Config, Qwen3ForCausalLM, set_seed
     from trl.chat_template_utils import qwen3_chat_template
 
     set_seed(0)
+    torch.set_num_threads(1)  # the model is too small for more
     said = [json.dumps({"name": name, "arguments": arguments}) for name, arguments in CALLS]
     calls = [f"<tool_call>\n{call}\n</tool_call>" for call in said]
     words = ["<|endoftext|>", "<|im_start|>", "<|im_end|>", "[UNK]", *calls]

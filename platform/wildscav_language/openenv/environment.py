@@ -18,16 +18,16 @@ from wildscav_language.openenv.host import Host, HostedEpisode
 from wildscav_language.openenv.models import WildscavAction, WildscavObservation, WildscavState
 from wildscav_language.rules_text import rules
 
-LONGEST_ID = 64  # characters of an episode's id
 NOT_BEGUN = "No match has begun: call reset first."
 OVER = "The match is over: call reset to begin another."
 
 
 class Episode(StartMatch):
-    """The options of ``reset`` besides ``seed`` and ``episode_id``."""
+    """The options of ``reset``."""
 
     clients: Annotated[int, Field(ge=1, le=1)] = 1  # an environment plays one seat
-    pictures: Annotated[bool, Field(description="whether observations have a picture")] = False
+    pictures: bool = False  # whether observations have one
+    episode_id: Annotated[str, Field(pattern=r"^[\w-]{1,64}$")]  # the name of the record, too
 
 
 class WildscavEnvironment(Environment[WildscavAction, WildscavObservation, WildscavState]):
@@ -60,12 +60,12 @@ class WildscavEnvironment(Environment[WildscavAction, WildscavObservation, Wilds
             UserError: There is no such match; the message says what is wrong.
         """
         seed = secrets.randbelow(2**31) if seed is None else seed
-        request = _request({**kwargs, "seed": seed})
-        name = secrets.token_hex(8) if episode_id is None else _checked(episode_id)
+        name = secrets.token_hex(8) if episode_id is None else episode_id
+        request = _request({**kwargs, "seed": seed, "episode_id": name})
         episode = self._host.start(request, name, pictures=request.pictures)
         self.close()
         self._episode, self._score = episode, episode.score
-        options = request.model_dump(exclude={"clients"}, mode="json")
+        options = request.model_dump(exclude={"clients", "episode_id"}, mode="json")
         self._state = WildscavState(episode_id=name, options=options)
         seat = episode.seat
         tools = [
@@ -157,14 +157,3 @@ def _request(options: dict[str, Any]) -> Episode:
     except ValidationError as error:
         known = ", ".join(name for name in Episode.model_fields if name != "clients")
         raise UserError(f"reset takes {known}; {one_line(error)}") from None
-
-
-def _checked(episode_id: str) -> str:
-    """Return an episode's id, which becomes the name of a file.
-
-    Raises:
-        UserError: It cannot be one.
-    """
-    if len(episode_id) <= LONGEST_ID and episode_id.replace("-", "").replace("_", "").isalnum():
-        return episode_id
-    raise UserError(f"episode_id has up to {LONGEST_ID} letters, digits, - and _")

@@ -37,14 +37,10 @@ TO_TARGET = call("go", place="target", seconds=20.0)
 
 
 @pytest.fixture(scope="module")
-def records(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("records")
-
-
-@pytest.fixture(scope="module")
-def url(records: Path) -> Iterator[str]:
+def url(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """A server with two sessions."""
-    server = uvicorn.Server(uvicorn.Config(make_app(2, records), port=0, log_level="warning"))
+    app = make_app(2, tmp_path_factory.mktemp("records"))
+    server = uvicorn.Server(uvicorn.Config(app, port=0, log_level="warning"))
     thread = threading.Thread(target=server.run)
     thread.start()
     try:
@@ -65,10 +61,8 @@ def host() -> Iterator[Host]:
 
 
 @pytest.fixture
-def environment(host: Host) -> Iterator[WildscavEnvironment]:
-    environment = WildscavEnvironment(host)
-    yield environment
-    environment.close()
+def environment(host: Host) -> WildscavEnvironment:
+    return WildscavEnvironment(host)
 
 
 def played(url: str, **options: Any) -> tuple[list[str], list[Any], Any]:
@@ -83,19 +77,18 @@ def played(url: str, **options: Any) -> tuple[list[str], list[Any], Any]:
         return [*texts, result.observation.text], rewards, client.state()
 
 
-def test_the_official_client_reaches_the_target(url: str, records: Path) -> None:
+def test_the_official_client_reaches_the_target(url: str) -> None:
     texts, rewards, state = played(url, seed=3, episode_id="first")
 
     assert "Reach the target" in texts[0]
     assert "Target: " in texts[0]
     assert texts[-1] == state.ending == "The match is over, because of goal."
     assert state.options["seed"] == 3
-    record = read_record(records / "first.wsr")
-    assert state.record == str(records / "first.wsr")
+    record = read_record(Path(state.record))
     assert record.spec.clock == "paused"
     assert verify_record(record).holds
-    with_start = -record.result.seats[0].metrics["time"] - sum(rewards)
-    assert with_start < 0.0, "at the start, the whole way is still to be walked"
+    at_start = -record.result.seats[0].metrics["time"] - sum(rewards)
+    assert -20.0 < at_start < 0.0, "the punish time for the way to the target"
 
 
 def test_the_same_seed_and_calls_give_the_same_episode(url: str) -> None:
@@ -158,13 +151,14 @@ def test_a_bad_call_costs_time_and_is_told_what_is_allowed(
     assert (refused.metadata["calls"], refused.metadata["refused"]) == (1, 1)
 
 
-def test_what_is_called_at_the_wrong_time_is_told_what_to_call(environment: WildscavEnvironment) -> None:
-    with pytest.raises(UserError, match="No match has begun: call reset first"):
-        environment.step(TO_TARGET)
-    environment.reset(seed=3, map=103, time_limit=1.0)
-    assert environment.step(call("wait_until", seconds=9.0)).done
-    with pytest.raises(UserError, match="The match is over: call reset to begin another"):
-        environment.step(TO_TARGET)
+def test_what_is_called_at_the_wrong_time_is_told_what_to_call(url: str) -> None:
+    with WildscavEnv(base_url=url).sync() as client:
+        with pytest.raises(RuntimeError, match="No match has begun: call reset first"):
+            client.step(TO_TARGET)
+        client.reset(seed=3, map=103, time_limit=1.0)
+        assert client.step(call("wait_until", seconds=9.0)).done
+        with pytest.raises(RuntimeError, match="The match is over: call reset to begin another"):
+            client.step(TO_TARGET)
 
 
 @pytest.mark.parametrize(
@@ -172,9 +166,8 @@ def test_what_is_called_at_the_wrong_time_is_told_what_to_call(environment: Wild
     [
         ({"track": "chess"}, "the tracks are navigation"),
         ({"clients": 2}, "reset takes track, level, map"),
-        ({"speed": 2}, "reset takes track, level, map"),
         ({"others": ["mallory"]}, "the robots are"),
-        ({"episode_id": "../../etc/passwd"}, "letters, digits"),
+        ({"episode_id": "../../etc/passwd"}, "episode_id"),
     ],
 )
 def test_a_match_that_does_not_exist_is_refused(
@@ -186,18 +179,13 @@ def test_a_match_that_does_not_exist_is_refused(
     assert not environment.step(call("look_around")).done, "the match before goes on"
 
 
-def test_errors_reach_the_client_as_sentences(url: str) -> None:
-    with WildscavEnv(base_url=url).sync() as client, pytest.raises(RuntimeError, match="call reset first"):
-        client.step(TO_TARGET)
-
-
 def test_the_reward_is_what_the_seat_gathers(environment: WildscavEnvironment) -> None:
     observation = environment.reset(seed=2, track="gathering", others=["homing"], map=103, time_limit=30.0)
-    rewards = []
+    gathered = 0.0
     while not observation.done:
         observation = environment.step(call("explore", seconds=20.0, stop_for=[]))
-        rewards.append(observation.reward)
-    assert sum(rewards) == observation.metadata["score"] > 0
+        gathered += observation.reward
+    assert gathered == observation.metadata["score"] > 0
 
 
 def test_observations_have_a_picture_if_the_reset_asks_for_it(environment: WildscavEnvironment) -> None:
