@@ -62,7 +62,7 @@ class WildscavEnvironment(Environment[WildscavAction, WildscavObservation, Wilds
         seed = secrets.randbelow(2**31) if seed is None else seed
         name = secrets.token_hex(8) if episode_id is None else episode_id
         request = _request({**kwargs, "seed": seed, "episode_id": name})
-        episode = self._host.start(request, name, pictures=request.pictures)
+        episode = self._host.start(request, name)
         self.close()
         self._episode, self._score = episode, episode.score
         options = request.model_dump(exclude={"clients", "episode_id"}, mode="json")
@@ -133,7 +133,7 @@ class WildscavEnvironment(Environment[WildscavAction, WildscavObservation, Wilds
         return WildscavObservation(
             text=text,
             ended=ended,
-            picture=base64.b64encode(seat.picture()).decode() if has_picture else None,
+            picture=base64.b64encode(episode.picture()).decode() if has_picture else None,
             done=done,
             reward=gained,
             metadata={

@@ -11,11 +11,11 @@ from typing import Any, TypeVar
 
 from wildscav.errors import UserError, WildscavError
 from wildscav_engine.record import SUFFIX, RecordError, check_recordable, write_record
-from wildscav_engine.sensors import parse_sensors
+from wildscav_engine.sensors import allowed_sensors, parse_sensors
 from wildscav_engine.simulation.match import MatchSetupError
 from wildscav_language.mcp_server.requests import StartMatch, opponents_of, spec_of
 from wildscav_language.seat import Seat
-from wildscav_language.senses import sensors
+from wildscav_language.senses import PICTURE, sensors
 from wildscav_server.hosting.hosted_match import HostedMatch, MatchCancelledError
 from wildscav_server.hosting.opponents import numbered, playing
 from wildscav_server.hosting.precompile import precompile
@@ -45,6 +45,13 @@ class HostedEpisode:
         first = match.track.metrics[0]
         value = float(match.track.measure(match, 0)[first.name])
         return -value if first.lower_is_better else value
+
+    def picture(self) -> bytes:
+        """Return what the seat sees now, as a PNG file. It is read for those who ask, as it takes long."""
+        match = self.hosted.match
+        camera = allowed_sensors(parse_sensors({"camera": PICTURE}), match.spec.rules)["camera"]
+        camera.prepare(match.game_map)
+        return self.seat.picture(camera.read(match, [0])[0])
 
     async def play(self, folders: Mapping[int, Path], address: str) -> None:
         """Play it to its end, and write its record.
@@ -96,19 +103,18 @@ class Host:
         self._server, (self._address,) = self._do(self._serve())
         atexit.register(self.close)
 
-    def start(self, request: StartMatch, name: str, *, pictures: bool) -> HostedEpisode:
+    def start(self, request: StartMatch, name: str) -> HostedEpisode:
         """Start a match.
 
         Args:
             request: What it is.
             name: Of its record, without a suffix.
-            pictures: Whether its seat has a camera.
 
         Raises:
             UserError: It cannot be played.
         """
         try:
-            return self._do(self._start(request, name, pictures=pictures))
+            return self._do(self._start(request, name))
         except (MatchSetupError, RecordError, ValueError) as error:
             raise UserError(f"such a match is not possible: {error}") from None
 
@@ -142,7 +148,7 @@ class Host:
         server = MatchServer()
         return server, await server.start([f"unix:{own_folder()}/{secrets.token_hex(4)}"])
 
-    async def _start(self, request: StartMatch, name: str, *, pictures: bool) -> HostedEpisode:
+    async def _start(self, request: StartMatch, name: str) -> HostedEpisode:
         opponents = opponents_of(request)
         spec = spec_of(request, opponents)
         check_recordable(spec)
@@ -151,7 +157,7 @@ class Host:
         hosted = await self._server.host(
             spec,
             names=numbered([request.name, *(other.name for other in opponents)]),
-            sensors={0: sensors(pictures=pictures), **of_others},
+            sensors={0: sensors(), **of_others},
             clock=self._clock,
         )
         episode = HostedEpisode(hosted, self._records and self._records / f"{name}{SUFFIX}")
