@@ -7,6 +7,7 @@ QUICKLY := --quiet --disable-pip-version-check --no-compile
 OTHER ?= .venv-other
 RELEASES ?=
 PART ?= tests/engine tests/platform
+EXTRA ?= tests
 # What Python runs the tests with: .ci/tests runs those that failed once more.
 PYTEST ?= -m pytest
 # The TypeScript of the page that draws matches.
@@ -82,7 +83,7 @@ test-slow: .venv/.training $(BUILT) ## Run the slow tests, four at a time: they 
 test-with: .venv/.dev ## Run PART of the tests with another Python or other releases: PYTHON=python3.14, RELEASES='numba==0.68.0'.
 	rm -rf $(OTHER)
 	$(PYTHON) -m venv --without-pip $(OTHER)
-	$(BIN)/python -m pip --python $(OTHER)/bin/python install $(QUICKLY) -e '.[tests]' $(RELEASES)
+	$(BIN)/python -m pip --python $(OTHER)/bin/python install $(QUICKLY) -e '.[$(EXTRA)]' $(RELEASES)
 	@$(OTHER)/bin/python -c 'import llvmlite, numba, numpy, sys; print("Python", sys.version.split()[0], *(f"{m.__name__} {m.__version__}" for m in (numpy, numba, llvmlite)))'
 	$(OTHER)/bin/python $(PYTEST) -n 2 --dist worksteal $(PART)
 
@@ -95,6 +96,11 @@ test-newest: .venv/.dev ## Run some tests with the newest Python that all depend
 	@if python=$$(.ci/python 3.14); then $(MAKE) test-with OTHER=.venv-newest PYTHON="$$python" \
 		PART="tests/engine/versions tests/engine/envs tests/platform/wildscav/sdk tests/platform/server tests/platform/wildscav/system"; \
 		else echo 'Skipped: the tests with Python 3.14, which is not available.'; fi
+
+# It needs an older mcp than the rest.
+test-openenv: .venv/.dev ## Run the tests of the adapter to OpenEnv, in an environment of its own.
+	@$(MAKE) test-with OTHER=.venv-openenv EXTRA=openenv RELEASES="hypothesis pytest pytest-xdist" \
+		PART=tests/platform/language/openenv
 
 check: .venv/.dev $(NPM) ## Lint, formatting, types and import contracts.
 	$(BIN)/ruff check .
