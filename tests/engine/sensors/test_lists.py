@@ -98,13 +98,14 @@ def test_the_dead_have_nothing_in_sight() -> None:
 
 def test_an_enemy_in_sight_is_told_of_by_the_turn_that_aims_at_it_now_and_where_it_goes() -> None:
     match = make_match("battle", seats=3, teams=(0, 0, 1), world=flat_world(80))
-    place(match, 0, (0, 0, 0))
+    place(match, 0, (0, 0, 0), yaw=10, pitch=-2)
     place(match, 1, (0, 0, 3))  # a teammate
-    place(match, 2, (3, 0, 4), yaw=np.degrees(np.arctan2(-3, -4)))
+    place(match, 2, (3, 0, 4), yaw=60 + np.degrees(np.arctan2(-3, -4)))  # half turned to the reader
     act(match, 1)
-    match.state.agents.velocity[0, 2] = (-6, 0, 0)
-    now, then = np.degrees(np.arctan2((3, 0.4), (4, 5))), np.degrees(np.arctan2((0, 0.4), 4))
+    match.state.agents.velocity[0, [0, 2]] = (0, 0, 2), (-6, 0, 0)  # in half a second it is 3 m ahead
+    turns = np.degrees(np.arctan2((3, 0.4, 0, 0.4), (4, 5, 3, 3))) - (10, -2, 10, -2)
     wide = np.degrees(np.arctan2(BODY_RADIUS, 5))
     row, unused = Sights(limit=2, lead=0.5).read(match, [0])[0]
-    assert row == pytest.approx([1, *np.log1p([*now, *then, wide]), 1, np.log(6), 100, 0], abs=1e-5)
+    logarithms = np.sign(turns) * np.log1p(np.abs(turns))
+    assert row == pytest.approx([1, *logarithms, np.log1p(wide), 0.5, np.log(6), 100, 0], abs=1e-5)
     assert not unused.any()
