@@ -67,7 +67,8 @@ def stdout_of_commands() -> Iterator[None]:
 
 
 def pytest_collection_finish() -> None:
-    """Look for garbage again, but less often than by default."""
+    """Look for garbage again, but less often than by default, and not among what was imported."""
+    gc.freeze()
     gc.set_threshold(20_000, 20, 20)
     gc.enable()
 

@@ -112,7 +112,9 @@ def test_matches_are_those_of_this_machine_and_a_process_that_is_killed_costs_an
 
     there = contents(out)
     assert choice.warnings == (WARNING,)
-    assert {name: len(reasons) for name, reasons in lost.items()} == {"worker": 1, "host": 1, "killer": 2}
+    assert {name: len(reasons) for name, reasons in lost.items()} == {"worker": 1, "host": 1, "killer": 2}, (
+        lost
+    )
     assert "SIGKILL" in lost["worker"][0]
     assert all(
         reason.startswith(("a process on east was lost", "a process on west was lost"))

@@ -8,7 +8,7 @@ from tests.leaderboard.hosting.killed_season import KilledSeason
 from tests.leaderboard.postgresql import PostgreSQL, missing, postgresql_server
 
 pytestmark = [pytest.mark.slow, pytest.mark.long]
-SUBMISSIONS = 2
+SUBMISSIONS = 1
 
 
 def storm(folder: Path, server: PostgreSQL | None, seed: int, rounds: int) -> None:
