@@ -117,14 +117,16 @@ def _figure(price: Price) -> "Figure":
     axes = figure.add_subplot()
     points = sorted(price.points, key=lambda point: point.delay)
     delays, means = [point.delay for point in points], [point.score.mean for point in points]
-    low, high = [point.score.low for point in points], [point.score.high for point in points]
-    axes.fill_between(delays, low, high, color=BAND, linewidth=0.0)
-    axes.plot(delays, means, color=LINE, marker="o", markersize=5.0)
+    spans = [
+        [one.score.mean - one.score.low for one in points],
+        [one.score.high - one.score.mean for one in points],
+    ]
+    axes.errorbar(delays, means, spans, color=LINE, marker="o", markersize=5.0, ecolor=BAND, elinewidth=4.0)
     for point in points:
         paused = point.clock.clock != "running"
         label = point.clock.clock if paused else f"pace {point.clock.thinking.pace:g}"
         place = (point.delay, point.score.mean)
-        axes.annotate(label, place, (5.0, 7.0), textcoords="offset points", fontsize=8)
+        axes.annotate(label, place, (4.0, 4.0), textcoords="offset points", fontsize=8, rotation=40)
     axes.set_title(price.title, fontsize=10, loc="left")
     axes.set_xlabel("delay: game time that passes during a decision [s]")
     axes.set_ylabel(f"{unit_and_title(price.metric)}, mean and 95 % interval")

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from wildscav_engine.specs.thinking import Thinking
 
 
+SHORTEST_STEP = 0.75  # of the time of a step, after one that the server ended late
+
+
 class HoldingLockstep(Lockstep):
     """A lockstep that knows what holds of the last actions."""
 
@@ -50,6 +53,13 @@ class RunningLockstep(HoldingLockstep):
     def __init__(self, match: "Match", seats: Sequence[Seat], clock: Clock, time: SeatClock) -> None:
         super().__init__(match, seats, clock, time)
         self._answered: set[Seat] = set()  # in the open step
+
+    def _open(self) -> None:
+        due = self._due
+        super()._open()
+        if self._step:  # it counts from when the last one was due, so that the server's delays do not add up
+            budget = self._clock.step_budget
+            self._arm(max(due + budget, self._opened + SHORTEST_STEP * budget))
 
     def _asked(self, present: list[Seat]) -> list[Seat]:
         self._answered.clear()

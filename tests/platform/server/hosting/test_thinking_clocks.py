@@ -102,6 +102,25 @@ def test_every_step_lasts_equally_long_even_if_all_have_answered(tmp_path: Path)
     serving_by_hand(tmp_path, play)
 
 
+def test_the_servers_own_delay_does_not_slow_down_the_world(tmp_path: Path) -> None:
+    async def play(server: MatchServer, address: str, clock: HandSetLoop) -> None:
+        hosted = await host(server, small_spec(**RUNNING))
+        async with connected(address) as seat:
+            await seat.join(hosted.tokens[0])
+            await seat.read()
+            clock.now += STEP + HOP  # nothing happened meanwhile
+            await clock.pass_time(0)
+            await clock.pass_time(0)
+            assert hosted.match.step_number == 1
+            await clock.pass_time(STEP - 2 * HOP)
+            assert hosted.match.step_number == 1
+            await clock.pass_time(HOP)
+            assert hosted.match.step_number == 2
+        hosted.cancel()
+
+    serving_by_hand(tmp_path, play)
+
+
 def test_a_seat_that_leaves_stands_still(tmp_path: Path) -> None:
     async def play(server: MatchServer, address: str, clock: HandSetLoop) -> None:
         hosted = await host(server, small_spec(seats=2, **RUNNING))
@@ -133,6 +152,7 @@ def test_a_thought_costs_the_steps_of_its_price(tmp_path: Path) -> None:
             assert hosted.match.step_number == 2
             meter.spend(30, 0.05)  # 0.3 s and 0.05 s: three steps, and half a step is owed on
             assert await answer(model, hosted, 0, walk_speed=5.0) == 2
+            await model.act(2, walk_speed=9.0)  # one answer too many
             for step in range(2, 6):
                 assert await answer(other, hosted, 1, walk_speed=1.0) == step
             assert hosted.match.step_number == 6
@@ -157,6 +177,7 @@ def test_a_thought_costs_the_steps_of_its_price(tmp_path: Path) -> None:
         ]
         assert (report.tokens, report.processor, report.held_steps) == (1_000_035, 0.05, 16)
         assert (report.status, report.think_time.total) == (SeatStatus.FINISHED, 40.0)
+        assert (report.steps_played, report.dropped_actions) == (5, 1)
 
     serving_by_hand(tmp_path, play)
 
