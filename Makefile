@@ -28,7 +28,7 @@ help: ## Show this list.
 	$(PYTHON) -m venv .venv
 
 .venv/.run: pyproject.toml | .venv/bin/python
-	@echo 'Installing Wildscav and its dependencies into .venv: 1.3 GB, which takes a minute or two without output.'
+	@echo 'Installing Wildscav and its dependencies into .venv: 1.5 GB, which takes a minute or two without output.'
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[all]'
 	@touch $@
 
