@@ -114,6 +114,43 @@ def collected(folder: Path, share: str) -> str:
     return done.stdout
 
 
+STATIC, VERSIONS = "check docs", "test-oldest test-newest"
+
+
+@pytest.mark.parametrize(
+    ("part", "installed", "steps"),
+    [
+        ([], ".venv/.training", [STATIC, "test", "test-slow", VERSIONS]),
+        (["static"], ".venv/.dev", [STATIC]),
+        (["test"], ".venv/.dev", ["test"]),
+        (["slow"], ".venv/.training", ["test-slow"]),
+        (["versions"], ".venv/.dev", [VERSIONS]),
+    ],
+)
+def test_a_part_of_the_checks_runs_its_steps_and_fails_with_them(
+    part: list[str], installed: str, steps: list[str], tmp_path: Path
+) -> None:
+    """Programs that install or check anything are replaced by some that write down what they are asked."""
+    (tmp_path / "make").write_text(f'#!/bin/sh\necho "$@" >> {tmp_path}/asked\n[ "$1" = {installed} ]\n')
+    (tmp_path / "apt-get").write_text("#!/bin/sh\n")
+    for name in ("make", "apt-get"):
+        (tmp_path / name).chmod(0o755)
+    shutil.copytree(ROOT / ".ci", tmp_path / "checkout" / ".ci")
+
+    done = subprocess.run(
+        [tmp_path / "checkout" / ".ci" / "run", *part],
+        capture_output=True,
+        env=os.environ | {"PATH": f"{tmp_path}:{os.environ['PATH']}"},
+        text=True,
+    )
+
+    first, *others = (tmp_path / "asked").read_text().splitlines()
+    assert first == installed
+    assert [line.removeprefix("-j2 -k --output-sync=target ") for line in others] == steps
+    assert done.returncode == 1
+    assert done.stdout.count("Failed: make") == len(steps)
+
+
 def test_a_part_that_there_is_not_is_refused() -> None:
     done = subprocess.run([ROOT / ".ci" / "run", "everything"], capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (2, "")
