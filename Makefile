@@ -31,7 +31,7 @@ help: ## Show this list.
 	$(PYTHON) -m venv .venv
 
 .venv/.run: pyproject.toml | .venv/bin/python
-	@echo 'Installing Wildscav and its dependencies into .venv: 1.3 GB, which takes a minute or two without output.'
+	@echo 'Installing Wildscav and its dependencies into .venv: 1.5 GB, which takes a minute or two without output.'
 	$(BIN)/python -m pip install $(QUICKLY) -e '.[all]'
 	@touch $@
 

@@ -1,11 +1,10 @@
 """What release 0.1.0 left behind still works: a record, the messages of an agent, a season, and its API.
 
 That release made the files: a battle of its baseline `hunter`, with all messages between the agent and the
-server, a season of three teams that have played, and the description of the API.
+server, the baseline itself, a season of three teams that have played, and the description of the API.
 """
 
 import base64
-import io
 import json
 import lzma
 import tarfile
@@ -20,7 +19,7 @@ from google.protobuf.descriptor_pool import DescriptorPool
 from google.protobuf.message import Message
 from google.protobuf.message_factory import GetMessageClass
 from sqlalchemy import func, select
-from tests.platform.helpers.seats import serving
+from tests.platform.helpers.seats import ended, serving, start_agent
 
 from wildscav.proto import match_pb2
 from wildscav_engine.maps import GENERATOR_VERSION
@@ -33,6 +32,7 @@ from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.matches.models import FINISHED, Match
 from wildscav_leaderboard.seasons.folder import Season
+from wildscav_server.hosting.reports import SeatStatus
 from wildscav_server.match_server import MatchServer
 
 FILES = Path(__file__).with_name("0.1.0")
@@ -112,6 +112,19 @@ async def play_as_recorded(server: MatchServer, address: str) -> tuple[list[int]
     return record_of(hosted.match, hosted.names).digests.tolist(), answers
 
 
+def test_its_submission_plays_with_this_sdk(tmp_path: Path) -> None:
+    unpack("hunter.tar.xz", tmp_path)
+
+    async def play(server: MatchServer, address: str) -> SeatStatus:
+        hosted = await server.host(MatchSpec.model_validate(CLIENT["spec"]), names=RECORD.names)
+        agent = await start_agent("agent:Hunter", address, hosted.tokens[0], tmp_path / "hunter")
+        outcome = await hosted.finished()
+        assert await ended(agent) == (0, "")
+        return outcome.seats[0].status
+
+    assert serving(tmp_path, play) is SeatStatus.FINISHED
+
+
 def comparable(message: Any) -> Any:
     """Return a message without what newer releases tell besides, and without measured times."""
     message.DiscardUnknownFields()
@@ -122,10 +135,14 @@ def comparable(message: Any) -> Any:
     return message
 
 
+def unpack(name: str, folder: Path) -> None:
+    with tarfile.open(FILES / name) as archive:
+        archive.extractall(folder, filter="data")
+
+
 @pytest.fixture
 def season(tmp_path: Path) -> Season:
-    with tarfile.open(fileobj=io.BytesIO(lzma.decompress((FILES / "season.tar.xz").read_bytes()))) as archive:
-        archive.extractall(tmp_path, filter="data")
+    unpack("season.tar.xz", tmp_path)
     return Season.open(tmp_path / "season")
 
 
