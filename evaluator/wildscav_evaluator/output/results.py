@@ -23,6 +23,7 @@ SCHEDULE_VERSION = 2  # rises whenever the same settings and seed give another s
 Count = Annotated[int, Field(ge=1, le=1000)]
 FORMAT = 2
 
+BROWSER = "browser"  # the sandbox of people, who play there
 FINISHED, FAILED = "finished", "failed"  # status of a seat, and of a match that could not be played
 
 Fault = Literal["agent", "platform"]
@@ -186,6 +187,24 @@ class Evaluation(FileModel):
         return sum(row.fault is not None for row in self.matches)
 
 
+class Estimate(FileModel):
+    """A value with its bootstrap 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+
+
+class Overall(FileModel):
+    """One submission across all tracks of a suite, by scores of which ``random`` has 0 and a reference 1."""
+
+    submission: str
+    version: str
+    mean: Estimate  # of the tracks' means
+    iqm: Estimate  # the mean of the middle half of all matches
+    tracks: dict[str, Estimate]  # the mean on each
+
+
 class SeatTiming(FileModel):
     """How one seat used its time, measured at the engine."""
 
@@ -241,7 +260,7 @@ class KeptLimits(FileModel):
 class Results(WithOptionalFields):
     """An evaluation of some submissions on some tracks, or a tournament among them on one track."""
 
-    omitted = ("tournament",)
+    omitted = ("tournament", "overall")
 
     format: Literal[2] = 2
     versions: Versions  # by which it was played
@@ -254,6 +273,8 @@ class Results(WithOptionalFields):
     key: str | None = None  # public key of the ledger's signatures, 64 hexadecimal digits
     tournament: TournamentSettings | None = None  # omitted if submissions were evaluated one by one
     evaluations: Annotated[tuple[Evaluation, ...], Field(max_length=MAX_EVALUATIONS)]
+    # Of the submissions that played all tracks; omitted where the suite has no scale across tracks.
+    overall: Annotated[tuple[Overall, ...], Field(max_length=MAX_EVALUATIONS)] | None = None
     timings: Timings
 
     @property

@@ -29,7 +29,9 @@ from wildscav_evaluator.scores.expected_matches import (
     kind_of,
     known_seed,
     match_counts,
+    played_suite,
 )
+from wildscav_evaluator.scores.overall import overall_of
 from wildscav_evaluator.scores.rescore import Replayed, disagreements
 from wildscav_evaluator.seats import robot_entrant, submission_seats
 from wildscav_evaluator.tournaments.tournament_file import check_tournament
@@ -101,6 +103,10 @@ def discrepancies(folder: AuditedFolder, replayed: Sequence[Replayed], recompute
     if settings is not None and expected is None:
         yield from deviations(folder.reported, settings, replayed, max(counts.values(), default=0))
     yield from disagreements(replayed, folder.reported, recomputed.evaluations, judge)
+    if folder.reported.tournament is None:
+        suite = played_suite(folder.out, folder.reported)
+        if folder.reported.overall != overall_of(suite, recomputed.evaluations):
+            yield f"the ratings across tracks in {RESULTS_FILE} are not those that the records give"
     yield from _of_versions(folder.reported, replayed)
     yield from _of_seeds(folder, replayed)
     yield from _of_ledger(folder)
