@@ -16,7 +16,6 @@ from wildscav.terminal.console import counted
 from wildscav.terminal.tables import FittingTable
 from wildscav.wire.actions import MAX_WALK_SPEED
 from wildscav_evaluator.output.results import (
-    Estimate,
     Evaluation,
     KeptLimits,
     MatchTiming,
@@ -76,21 +75,17 @@ def evaluation_cells(rank: int | None, one: Evaluation) -> Iterator[Text | str]:
 def overall_table(title: str, rows: Iterable[tuple[int, Overall]]) -> Table:
     """Return the table of submissions across all tracks, each with its rank; best first."""
     table, ranked_rows = ranking_table(f"all tracks · {title}"), list(rows)
-    add_columns(table, "mean ↑", "95 %\ninterval", "IQM ↑", "95 %\ninterval")
+    add_columns(table, "mean ↑", "95 %\ninterval", "IQM ↑")
     add_columns(table, *(f"{track[:4]}.\n↑" for track in ranked_rows[0][1].tracks))
     for rank, one in ranked_rows:
         table.add_row(
             str(rank),
             f"{one.submission} {one.version}",
-            *(cell for each in (one.mean, one.iqm) for cell in _estimate_cells(each)),
-            *(f"{each.value:.2f}" for each in one.tracks.values()),
+            Text(f"{one.mean.value:.2f}", "bold"),
+            f"{one.mean.low:.2f} to {one.mean.high:.2f}",
+            *(f"{each.value:.2f}" for each in (one.iqm, *one.tracks.values())),
         )
     return table
-
-
-def _estimate_cells(one: Estimate) -> Iterator[Text | str]:
-    yield Text(f"{one.value:.2f}", "bold")
-    yield f"{one.low:.2f} to {one.high:.2f}"
 
 
 def plain_table(title: str) -> Table:

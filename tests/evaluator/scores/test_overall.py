@@ -2,14 +2,17 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from tests.evaluator.results_by_hand import evaluation, scored_results
 
 from wildscav_evaluator.output.results import Overall, Results
+from wildscav_evaluator.scores.audit import AuditedFolder, discrepancies
 from wildscav_evaluator.scores.leaderboard import document_of_overall, overall_standings
 from wildscav_evaluator.scores.overall import across_tracks, overall_of
+from wildscav_evaluator.suites.reading import READING
 from wildscav_evaluator.suites.suite import SUITES, Reference
 
 # 100 s are 0 and 20 s are 1; 10 supplies are 0 and 210 are 1.
@@ -29,6 +32,12 @@ def overall(navigation: Sequence[float], gathering: Sequence[float], name: str =
 
 def rated(*rows: Overall, **others: object) -> Results:
     return scored_results({("a", "navigation"): [1.0]}, **others).model_copy(update={"overall": rows})
+
+
+def rated_reading() -> Results:
+    """Results of a submission on all tracks of the suite that rates across them."""
+    results = scored_results({("a", track): [1.0, 2.0] for track in READING.tracks}, suite="reading")
+    return results.model_copy(update={"overall": overall_of(READING, results.evaluations)})
 
 
 def test_the_mean_counts_every_track_alike() -> None:
@@ -79,6 +88,27 @@ def test_whoever_has_no_result_on_a_track_has_no_overall_rating() -> None:
 def test_a_suite_without_a_scale_rates_nobody_and_its_results_stay_as_they_were() -> None:
     assert overall_of(SUITES["quick"], [evaluation("a", "navigation")]) is None
     assert "overall" not in scored_results({("a", "navigation"): [1.0]}).as_json()
+
+
+@pytest.mark.parametrize(
+    ("reported", "is_refused"),
+    [
+        (None, True),  # left out
+        ((), True),
+        (rated_reading().overall, False),
+    ],
+    ids=["no field", "nobody", "as the scores say"],
+)
+def test_ratings_that_the_scores_do_not_give_are_named(
+    reported: tuple[Overall, ...] | None, is_refused: bool, tmp_path: Path
+) -> None:
+    recomputed = rated_reading()
+    told = recomputed.model_copy(update={"overall": reported})
+    folder = AuditedFolder(tmp_path, told, identity=None, ledger=None, fault="", key=None)
+
+    lines = list(discrepancies(folder, [], recomputed))
+
+    assert any("the ratings across tracks in results.json" in line for line in lines) == is_refused
 
 
 def test_standings_across_tracks_have_the_latest_rating_of_each_submission() -> None:

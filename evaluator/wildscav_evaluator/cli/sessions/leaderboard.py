@@ -56,6 +56,7 @@ def show_standings(
     for each in across:
         shared = each.conditions
         title = f"suite {shared.suite} · seed {shared.seed_label}{_rounds(shared.rounds)}"
+        console.print()
         console.print(result_tables.overall_table(title, each.rows))
         for line in sandbox_and_limits(shared.sandbox, shared.limits):
             console.print(f"played in {line}")
