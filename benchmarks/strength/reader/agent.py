@@ -10,6 +10,7 @@ BOX = re.compile(
 )
 HEADING = re.compile(r"bearing (\d+)°")
 WAVE = re.compile(r"^Wave (\d+): supplies (appeared|appear in) ([\d.]+) s .*?most within (\d+) m", re.M)
+ENEMY = re.compile(r"^Agents in sight:\n- agent (\d+)[^\n]*, enemy: (?![^\n]*cannot be hurt)", re.M)
 RICH = 8  # supplies: such boxes are worth more than a walk to a wave
 HOT = 20.0  # m, greatest radius of a wave that is worth a walk
 EARLY = 10.0  # s before a wave, at which it walks there
@@ -18,7 +19,10 @@ START_UP = 3.0  # m, that every box costs besides
 
 
 class Reader(WordsPlayer):
-    """Walks to the target, or to the box that is worth most for its way; explores if there is none."""
+    """Walks to the target, or to the box that is worth most for its way; explores if there is none.
+
+    Where it has a weapon, it first attacks the nearest enemy in sight.
+    """
 
     def __init__(self) -> None:
         self.failed: dict[int, int] = {}  # tries of boxes that were not reached
@@ -43,6 +47,10 @@ class Reader(WordsPlayer):
             return "go", {"bearing": off % 360, "seconds": 2.0, "stop_for": []}
         if "\nTarget: " in text and "not found yet" not in text:
             return "go", {"place": "target", "seconds": 30.0, "stop_for": []}
+        if "\nWeapon: " in text and (enemy := ENEMY.search(text)):
+            return "attack", {"agent": int(enemy[1]), "seconds": 8.0}
+        if " m OUTSIDE its edge" in text:
+            return "go", {"place": "zone", "seconds": 5.0, "stop_for": ["enemy"]}
         if ended == "arrived" and f"\nWave {self.goal}: supplies appeared" in text:
             self.visited = max(self.visited, self.goal)
         boxes = self.boxes(text)

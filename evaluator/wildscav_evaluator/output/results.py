@@ -24,6 +24,7 @@ SCHEDULE_VERSION = 2  # rises whenever the same settings and seed give another s
 Count = Annotated[int, Field(ge=1, le=1000)]
 FORMAT = 2
 
+BROWSER = "browser"  # the sandbox of people, who play there
 FINISHED, FAILED = "finished", "failed"  # status of a seat, and of a match that could not be played
 
 Fault = Literal["agent", "platform"]
@@ -201,6 +202,24 @@ def with_interface(name: str, interface: OtherInterface | None) -> str:
     return name if interface is None else f"{name} ({interface})"
 
 
+class Estimate(FileModel):
+    """A value with its bootstrap 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+
+
+class Overall(FileModel):
+    """One submission across all tracks of a suite, by scores of which ``random`` has 0 and a reference 1."""
+
+    submission: str
+    version: str
+    mean: Estimate  # of the tracks' means
+    iqm: Estimate  # the mean of the middle half of all matches
+    tracks: dict[str, Estimate]  # the mean on each
+
+
 class SeatTiming(FileModel):
     """How one seat used its time, measured at the engine."""
 
@@ -281,7 +300,7 @@ class ModelTerms(FileModel):
 class Results(WithOptionalFields):
     """An evaluation of some submissions on some tracks, or a tournament among them on one track."""
 
-    omitted = ("tournament", "clock", "model")
+    omitted = ("tournament", "clock", "model", "overall")
 
     format: Literal[2] = 2
     versions: Versions  # by which it was played
@@ -296,6 +315,8 @@ class Results(WithOptionalFields):
     tournament: TournamentSettings | None = None  # omitted if submissions were evaluated one by one
     clock: ClockChoice | None = None  # of all matches; omitted if they had the suite's own
     evaluations: Annotated[tuple[Evaluation, ...], Field(max_length=MAX_EVALUATIONS)]
+    # Of the submissions that played all tracks; omitted where the suite has no scale across tracks.
+    overall: Annotated[tuple[Overall, ...], Field(max_length=MAX_EVALUATIONS)] | None = None
     timings: Timings
 
     @property

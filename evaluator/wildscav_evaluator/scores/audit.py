@@ -29,7 +29,9 @@ from wildscav_evaluator.scores.expected_matches import (
     kind_of,
     known_seed,
     match_counts,
+    played_suite,
 )
+from wildscav_evaluator.scores.overall import overall_of
 from wildscav_evaluator.scores.rescore import Replayed, disagreements
 from wildscav_evaluator.seats import robot_entrant, submission_seats
 from wildscav_evaluator.tournaments.tournament_file import check_tournament
@@ -112,6 +114,7 @@ def discrepancies(folder: AuditedFolder, replayed: Sequence[Replayed], recompute
     if settings is not None and expected is None:
         yield from deviations(folder.reported, settings, replayed, max(counts.values(), default=0))
     yield from disagreements(replayed, folder.reported, recomputed.evaluations, judge)
+    yield from _of_overall(folder, recomputed)
     yield from _of_versions(folder.reported, replayed)
     yield from _of_seeds(folder, replayed)
     yield from _of_ledger(folder)
@@ -239,6 +242,14 @@ def _of_row(folder: AuditedFolder, evaluation: Evaluation, row: MatchRow) -> Ite
             f"{who}: there is no record of it; only a ledger that the organizer signed (--key) "
             "can prove that the platform failed"
         )
+
+
+def _of_overall(folder: AuditedFolder, recomputed: Results) -> Iterator[str]:
+    """Compare the ratings across tracks with those that follow from the scores."""
+    if folder.reported.tournament is None:
+        suite = played_suite(folder.out, folder.reported)
+        if folder.reported.overall != overall_of(suite, recomputed.evaluations):
+            yield f"the ratings across tracks in {RESULTS_FILE} are not those that the records give"
 
 
 def _of_versions(reported: Results, replayed: Sequence[Replayed]) -> Iterator[str]:

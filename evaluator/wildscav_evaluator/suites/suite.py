@@ -39,6 +39,18 @@ class TrackSettings(NamedTuple):
     )
 
 
+class Reference(NamedTuple):
+    """Which scores on a track are normalized to 0 and 1: the means of two agents, frozen with the suite."""
+
+    agent: str  # the baseline whose score is 1
+    zero: float  # the score of the baseline ``random``
+    one: float
+
+    def normalized(self, score: float) -> float:
+        """Return a score on this scale, whichever direction of it is better."""
+        return (score - self.zero) / (self.one - self.zero)
+
+
 @dataclass(frozen=True)
 class Suite:
     """A suite: its kind of maps, and its matches on every track."""
@@ -55,6 +67,8 @@ class Suite:
     # By track, a digest of what an organizer's own suite says of it: whatever else is in the file may change.
     fingerprints: Mapping[str, str] = field(default_factory=dict)
     clock: ClockChoice | None = None  # of all matches, instead of their own
+    # By track; a suite that has them for all its tracks rates submissions across them.
+    references: Mapping[str, Reference] = field(default_factory=dict)
 
     @property
     def label(self) -> str:
@@ -110,6 +124,7 @@ SUITES: Registry[Suite] = Registry(
         "official": "wildscav_evaluator.suites.official:OFFICIAL",
         "wild": "wildscav_evaluator.suites.wild:WILD",
         "fair": "wildscav_evaluator.suites.wild:FAIR",
+        "reading": "wildscav_evaluator.suites.reading:READING",
     },
     check_suite,
 )

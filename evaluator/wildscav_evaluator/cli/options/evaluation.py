@@ -51,7 +51,8 @@ SuiteOption = Annotated[
         "competition's, on large maps (100 of navigation, gathering and capture, 10 of battle and royale). "
         "wild: mazes that must be seen to be crossed (100 of navigation and capture), and agents that meet "
         "at a rich hot spot (20 of gathering, battle and royale). fair: the same meetings as eyes see them, "
-        "with bodies that turn and aim as a person can. Or the file of your own suite (.toml)."
+        "with bodies that turn and aim as a person can. reading: 6 short ones per track with few decisions, "
+        "rated across all tracks. Or the file of your own suite (.toml)."
     ),
 ]
 ClockOption = Annotated[
