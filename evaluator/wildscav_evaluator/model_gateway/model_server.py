@@ -32,7 +32,7 @@ class Answered(NamedTuple):
 
     answer: ChatAnswer
     size: int  # bytes of the request
-    seconds: float  # s that the server took for it, with all tries
+    seconds: float  # s that the server took for it, without tries that it failed
 
 
 class RequestAtFaultError(Exception):
@@ -143,8 +143,9 @@ class ModelServer:
             RequestAtFaultError: The server answers other requests, but not this one.
             ServerAtFaultError: The server does not work, or not with the organizer's settings.
         """
-        body, started, pause = self._body(fields, most, salt), time.monotonic(), FIRST_PAUSE
+        body, pause = self._body(fields, most, salt), FIRST_PAUSE
         for tries_left in range(self._settings.retries, -1, -1):
+            started = time.monotonic()
             try:
                 answer = await self._post(body)
             except _FailedError as error:
