@@ -23,6 +23,7 @@ from wildscav_evaluator.matches.play import (
     play_match,
     prepare_logs,
 )
+from wildscav_evaluator.model_gateway.settings import ModelSettings
 from wildscav_evaluator.sandbox import Ending, Launch, Limits, Promise, RunningAgent, Sandbox
 from wildscav_evaluator.sandbox.agents.host_python import socket_path
 from wildscav_evaluator.seats import submission_seats
@@ -50,6 +51,7 @@ class Trial(NamedTuple):
     spec: MatchSpec
     limits: Limits  # of every agent
     seed: SuiteSeed
+    model: ModelSettings | None = None  # that agents may ask
 
     @classmethod
     def of(cls, suite: Suite, track: str, limits: Limits, seed: int | None = None) -> "Trial":
@@ -73,7 +75,8 @@ class Trial(NamedTuple):
         logs = (log, *(log.with_stem(f"{log.stem}-{number}") for number in range(1, len(seats))))
         prepare_logs(logs)
         seeds = self.seed.private(self.spec, [submission.digest] * len(seats))
-        return MatchAssignment(self.spec, (submission,) * len(seats), logs, self.limits, seeds=seeds)
+        seated = self.spec, (submission,) * len(seats), logs, self.limits
+        return MatchAssignment(*seated, seeds=seeds, model=self.model)
 
 
 class ShortMatch(Match):

@@ -5,11 +5,14 @@ the server answers that, the request was at fault, and so was its seat; if not, 
 """
 
 import asyncio
+import contextlib
+import http.client
 import json
+import socket
 import time
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
-
-import httpx
+from urllib.parse import urlsplit
 
 from wildscav_evaluator.model_gateway.chat import ChatAnswer, ChatError, read_answer
 from wildscav_evaluator.model_gateway.settings import ModelSettings
@@ -29,7 +32,7 @@ class Answered(NamedTuple):
 
     answer: ChatAnswer
     size: int  # bytes of the request
-    seconds: float  # s that the server took for it, with all tries
+    seconds: float  # s that the server took for it, without tries that it failed
 
 
 class RequestAtFaultError(Exception):
@@ -52,26 +55,81 @@ class _FailedError(Exception):
         self.status, self.code, self.pause = status, code, pause
 
 
-class ModelServer:
-    """The organizer's model, as an asynchronous context manager. It keeps nothing of one seat for another."""
+class _Connection:
+    """A connection to the model's server, for one request at a time. A thread waits for its answer."""
 
     def __init__(self, settings: ModelSettings, key: str) -> None:
-        self._settings, self._key = settings, key
-        self._url = f"{settings.url.rstrip('/')}/chat/completions"
-        self._works = False  # whether it has answered a request
-        headers = {"authorization": f"Bearer {key}"} if key else {}
-        self._client = httpx.AsyncClient(
-            headers={"content-type": "application/json", "user-agent": "wildscav", **headers},
-            timeout=httpx.Timeout(settings.timeout, connect=min(CONNECT_TIME, settings.timeout)),
-            trust_env=False,
-            follow_redirects=False,
-        )
+        url = urlsplit(settings.url)
+        kind = http.client.HTTPSConnection if url.scheme == "https" else http.client.HTTPConnection
+        self._http = kind(url.hostname or "", url.port, timeout=min(CONNECT_TIME, settings.timeout))
+        self._path = f"{url.path.rstrip('/')}/chat/completions"
+        self._timeout = settings.timeout
+        self._headers = {"Content-Type": "application/json", "User-Agent": "wildscav"}
+        if key:
+            self._headers["Authorization"] = f"Bearer {key}"
 
-    async def __aenter__(self) -> "ModelServer":
+    def post(self, body: bytes) -> tuple[int, bytes, float]:
+        """Return the status and the content of an answer, and for how long to wait before another try, s.
+
+        Raises:
+            OSError: The server cannot be reached, or leaves.
+            HTTPException: It does not speak HTTP.
+        """
+        is_used = self._http.sock is not None
+        try:
+            return self._exchange(body)
+        except (ConnectionError, http.client.BadStatusLine):
+            if not is_used:
+                raise
+            self.close()
+            return self._exchange(body)  # servers end connections that have been idle
+
+    def _exchange(self, body: bytes) -> tuple[int, bytes, float]:
+        if self._http.sock is None:
+            self._http.connect()
+        if self._http.sock is not None:
+            self._http.sock.settimeout(self._timeout)
+        self._http.request("POST", self._path, body, self._headers)
+        response = self._http.getresponse()
+        content = response.read(LARGEST_ANSWER + 1)
+        after = response.headers.get("Retry-After", "")
+        if not response.isclosed():
+            self.close()
+        return response.status, content, float(after) if after.isdecimal() else 0.0
+
+    def cut(self) -> None:
+        """Wake the thread that waits for an answer."""
+        with contextlib.suppress(OSError, AttributeError):
+            self._http.sock.shutdown(socket.SHUT_RDWR)
+
+    def close(self) -> None:
+        """Close it; the next request opens it again."""
+        self._http.close()
+
+
+class ModelServer:
+    """The organizer's model, as a context manager. It keeps nothing of one seat for another.
+
+    Args:
+        at_once: Requests at one time.
+    """
+
+    def __init__(self, settings: ModelSettings, key: str, at_once: int) -> None:
+        self._settings, self._key = settings, key
+        self._works = False  # whether it has answered a request
+        self._threads = ThreadPoolExecutor(at_once)
+        self._idle: list[_Connection] = []
+        self._busy: set[_Connection] = set()
+
+    def __enter__(self) -> "ModelServer":
         return self
 
-    async def __aexit__(self, *_: object) -> None:
-        await self._client.aclose()
+    def __exit__(self, *_: object) -> None:
+        for connection in self._busy:
+            connection.cut()
+        self._threads.shutdown(cancel_futures=True)
+        for connection in (*self._busy, *self._idle):
+            connection.close()
 
     async def ask(self, fields: dict[str, Any], most: int, salt: str = "") -> Answered:
         """Ask the model.
@@ -85,8 +143,9 @@ class ModelServer:
             RequestAtFaultError: The server answers other requests, but not this one.
             ServerAtFaultError: The server does not work, or not with the organizer's settings.
         """
-        body, started, pause = self._body(fields, most, salt), time.monotonic(), FIRST_PAUSE
+        body, pause = self._body(fields, most, salt), FIRST_PAUSE
         for tries_left in range(self._settings.retries, -1, -1):
+            started = time.monotonic()
             try:
                 answer = await self._post(body)
             except _FailedError as error:
@@ -127,10 +186,12 @@ class ModelServer:
         try:
             async with asyncio.timeout(self._settings.timeout):
                 status, content, pause = await self._send(body)
-        except (TimeoutError, httpx.TimeoutException):
+        except TimeoutError:
             raise _FailedError(f"it does not answer within {self._settings.timeout:g} s") from None
-        except (httpx.HTTPError, httpx.InvalidURL, OSError) as error:
-            raise _FailedError(type(error).__name__) from None
+        except (OSError, http.client.HTTPException, ValueError) as error:
+            raise _FailedError(getattr(error, "strerror", "") or type(error).__name__) from None
+        if len(content) > LARGEST_ANSWER:
+            raise _FailedError(f"its answer has more than {LARGEST_ANSWER:,} bytes")
         if status == 200:
             try:
                 return read_answer(content)
@@ -140,15 +201,19 @@ class ModelServer:
         raise _FailedError(f"status {status}{reason}", status, code, pause)
 
     async def _send(self, body: bytes) -> tuple[int, bytes, float]:
-        """Return the status and the content of an answer, and for how long to wait before another try, s."""
-        content = bytearray()
-        async with self._client.stream("POST", self._url, content=body) as response:
-            async for chunk in response.aiter_bytes():
-                content += chunk
-                if len(content) > LARGEST_ANSWER:
-                    raise _FailedError(f"its answer has more than {LARGEST_ANSWER:,} bytes")
-            after = response.headers.get("retry-after", "")
-            return response.status_code, bytes(content), float(after) if after.isdecimal() else 0.0
+        """Post a request by a connection of its own. See ``_Connection.post``."""
+        connection = self._idle.pop() if self._idle else _Connection(self._settings, self._key)
+        self._busy.add(connection)
+        try:
+            loop = asyncio.get_running_loop()
+            answered = await loop.run_in_executor(self._threads, connection.post, body)
+        except BaseException:
+            connection.cut()
+            raise
+        finally:
+            self._busy.discard(connection)
+        self._idle.append(connection)
+        return answered
 
     def _reason(self, content: bytes) -> tuple[str, str | None]:
         """Return what the server says of a refusal, without the key, and its code."""

@@ -11,7 +11,7 @@ import secrets
 import socket
 import sys
 import time
-from contextlib import AsyncExitStack
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -145,9 +145,10 @@ def _listen(path: Path) -> socket.socket:
 async def serve(setup: Setup, until: "asyncio.Future[Any]") -> None:
     """Serve all seats until a future is done."""
     settings, accounts = setup.settings, Accounts(setup.accounts, list(setup.sockets))
-    async with AsyncExitStack() as stack:
+    with ExitStack() as stack:
         exchanges = stack.enter_context(Exchanges(setup.exchanges))
-        server = await stack.enter_async_context(ModelServer(settings, setup.key))
+        at_once = settings.at_once * len(setup.sockets)
+        server = stack.enter_context(ModelServer(settings, setup.key, at_once))
         tasks = []
         for seat, path in setup.sockets.items():
             listener = stack.enter_context(_listen(path))

@@ -152,7 +152,7 @@ def edition_changes(session: Session, season: Season) -> list[EditionChange]:
                 matches=matches,
                 waiting=_count_waiting(session, number),
                 seconds=_time_of(session, track, matches),
-                obstacle=old.obstacle(sandbox),
+                obstacle=old.obstacle(sandbox, season.settings.model),
             )
         )
     return found

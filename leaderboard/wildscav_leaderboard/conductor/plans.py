@@ -47,7 +47,9 @@ def plan_suites(session: Session, season: Season, submission: Submission, now: d
 def is_playable(session: Session, season: Season, track: str) -> bool:
     """Return whether matches of a track's edition can be made here and now, by the same code as before."""
     edition = season.editions.get(track)
-    return edition is None or not edition.obstacle(sandbox_of(session, season))
+    if edition is None:
+        return True
+    return not edition.obstacle(sandbox_of(session, season), season.settings.model)
 
 
 def plan_ladders(session: Session, season: Season, now: datetime) -> int:

@@ -127,6 +127,7 @@ def _tell(file: Path, line: str) -> None:
 def trial_of(season: Season, track: str, entrant: str) -> Trial:
     """Return a match for validation that its agents cannot tell from one of the season."""
     trial, settings = Trial.of(season.suite(track), track, season.limits(track)), season.track(track)
+    trial = trial._replace(model=season.settings.model)
     if settings.mode == "suite":
         return trial
     others = [robot_entrant(TRACKS[track].robot)] * (settings.seats - 1)
@@ -180,6 +181,7 @@ def job_of(
         evaluated=None if is_ladder else seats[0].entrant,
         robots=tuple(seat for seat, one in sorted(by_seat.items()) if one.submission_id is None),
         seeds=seed.private(spec, [one.digest for one in submissions]),
+        model=season.settings.model,
         watched=is_ladder,  # nobody else plays it, so anyone may see its map
     )
 

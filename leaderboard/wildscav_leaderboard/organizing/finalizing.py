@@ -169,7 +169,7 @@ def _check_playable(session: Session, season: Season) -> None:
     """
     sandbox = sandbox_of(session, season)
     for track, edition in season.editions.items():
-        obstacle = edition.obstacle(sandbox)
+        obstacle = edition.obstacle(sandbox, season.settings.model)
         if not obstacle:
             continue
         seats = select(MatchSeat.entrant).join(Match, Match.id == MatchSeat.match_id)

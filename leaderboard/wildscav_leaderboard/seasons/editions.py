@@ -10,8 +10,9 @@ from hashlib import blake2b
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from wildscav_evaluator.output.json_files import FileModel
-from wildscav_evaluator.output.results import CURRENT_VERSIONS, KeptLimits, MetricInfo, Versions
+from wildscav_evaluator.model_gateway.settings import ModelSettings
+from wildscav_evaluator.output.json_files import FileModel, WithOptionalFields
+from wildscav_evaluator.output.results import CURRENT_VERSIONS, KeptLimits, MetricInfo, ModelTerms, Versions
 from wildscav_leaderboard.seasons.settings import Mode, TrackSettings
 
 if TYPE_CHECKING:
@@ -22,8 +23,10 @@ class Part(FileModel):
     """A part of a document, which never changes once it is made."""
 
 
-class Conditions(Part):
+class Conditions(Part, WithOptionalFields):
     """What results depend on besides the submissions. Only results with equal conditions share a board."""
+
+    omitted = ("model",)
 
     versions: Versions
     suite: str
@@ -35,6 +38,7 @@ class Conditions(Part):
     commitment: str  # SHA-256 of the secret from which the matches follow
     sandbox: str
     limits: KeptLimits
+    model: ModelTerms | None = None  # that submissions may ask; omitted if there is none
 
 
 def digest_of(conditions: Conditions) -> str:
@@ -69,13 +73,17 @@ class Edition(Part):
             return find_suite(self.settings.suite)
         return parse_suite(Path(self.settings.suite), self.suite_file.encode())
 
-    def obstacle(self, sandbox: str) -> str:
+    def obstacle(self, sandbox: str, model: ModelSettings | None) -> str:
         """Return why its matches cannot be played here and now; an empty text if they can."""
         made, now = self.conditions.versions, CURRENT_VERSIONS
         if made != now:
             return f"they belong to {made}, and this is {now}"
         if self.conditions.sandbox != sandbox:
             return f"they belong to the sandbox {self.conditions.sandbox}, and this is {sandbox}"
+        if self.conditions.model != (None if model is None else ModelTerms.about(model)):
+            return (
+                f"they belong to the model {self.conditions.model or 'none'}, and the settings name another"
+            )
         if self.suite_file is None and self.suite().label != self.conditions.suite:
             return f"they belong to the suite {self.conditions.suite}, which is not installed here"
         return ""
@@ -95,7 +103,12 @@ def changes_between(track: str, before: Edition, after: Edition) -> list[str]:
     files = before.suite_file, after.suite_file
     if None not in files and len({one.suite().fingerprints[track] for one in (before, after)}) == 1:
         del new["suite"]
-    return [f"{name} {_shown(old[name])} → {_shown(new[name])}" for name in new if old[name] != new[name]]
+    names = [name for name in new | old if name in new or name == "model"]
+    return [
+        f"{name} {_shown(old.get(name))} → {_shown(new.get(name))}"
+        for name in names
+        if old.get(name) != new.get(name)
+    ]
 
 
 def _shown(value: Any) -> str:

@@ -6,7 +6,7 @@ from weakref import WeakKeyDictionary
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from wildscav_evaluator.output.results import CURRENT_VERSIONS, KeptLimits, metric_infos
+from wildscav_evaluator.output.results import CURRENT_VERSIONS, KeptLimits, ModelTerms, metric_infos
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.sandbox.limits import KEPT_ANYWHERE
 from wildscav_evaluator.suites.suite import match_count
@@ -39,6 +39,7 @@ def edition_of(season: Season, track: str, sandbox: str) -> Edition:
         commitment=str(season.seed.commitment),
         sandbox=sandbox,
         limits=KeptLimits(**season.limits(track).model_dump(include=kept)),
+        model=None if (model := season.settings.model) is None else ModelTerms.about(model),
     )
     return Edition(
         settings=settings,

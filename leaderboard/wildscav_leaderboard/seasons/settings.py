@@ -12,6 +12,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationErr
 from wildscav.errors import UserError, describe
 from wildscav.terminal.console import command
 from wildscav.terminal.suggestions import did_you_mean
+from wildscav_evaluator.model_gateway.settings import ModelSettings
 
 SETTINGS_FILE = "season.toml"
 LARGEST = 1 << 20  # bytes
@@ -168,6 +169,7 @@ class SeasonSettings(_Part):
     web: Web = Web()
     webhooks: Webhooks = Webhooks()
     play: Play = Play()
+    model: ModelSettings | None = None  # that submissions may ask in matches
 
     @model_validator(mode="after")
     def _fits(self) -> "SeasonSettings":
@@ -175,6 +177,8 @@ class SeasonSettings(_Part):
             raise ValueError("closes must be later than opens")
         if self.freezes is not None and not self.opens <= self.freezes <= self.closes:
             raise ValueError("freezes must be between opens and closes")
+        if self.model is not None and self.model.key_file and not self.model.key_file.is_absolute():
+            raise ValueError("model.key_file must be an absolute path")
         return self
 
 

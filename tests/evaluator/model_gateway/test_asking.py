@@ -150,7 +150,9 @@ def test_a_server_that_is_not_there_is_the_platforms_fault(
     async def ask() -> None:
         async with served("http://127.0.0.1:9/v1", tmp_path, monkeypatch, retries=0) as gateway:
             assert (await gateway.ask("Where?")).status_code == 503
-            assert gateway.reports[-1] == {"fault": "the model's server at 127.0.0.1:9 fails: ConnectError"}
+            assert gateway.reports[-1] == {
+                "fault": "the model's server at 127.0.0.1:9 fails: Connection refused"
+            }
 
     asyncio.run(ask())
 

@@ -94,6 +94,7 @@ EDITS = {
         'suite = "tiny.toml"\nrounds = 2\n\n[tracks.battle]',
     ),
     "limits": ("tiny.toml", "[tracks.battle]", 'limits = { memory = "128MiB" }\n\n[tracks.battle]'),
+    "a model": (SETTINGS_FILE, "[quotas]", '[model]\nurl = "http://host/v1"\nname = "tiny"\n\n[quotas]'),
     "the sandbox": (SETTINGS_FILE, 'sandbox = "process"', 'sandbox = "bubblewrap"'),
 }
 

@@ -159,7 +159,7 @@ def test_only_a_build_of_the_submission_itself_is_the_competitors_fault(
 
 def test_a_ladder_is_tried_with_the_seats_of_its_matches(tmp_path: Path) -> None:
     season = make_season(tmp_path / "season")
-    spec, limits, _ = trial_of(season, "battle", "walker-1")
+    spec, limits, *_ = trial_of(season, "battle", "walker-1")
     assert (sorted(spec.seats), limits) == (["fighter", "submission"], season.limits("battle"))
 
 

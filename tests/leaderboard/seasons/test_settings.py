@@ -42,6 +42,11 @@ from wildscav_leaderboard.seasons.settings import SETTINGS_FILE, SettingsError
         ),
         ("[quotas]", '[play]\nwho = "all"\n[quotas]', "play.who: is 'all'; input should be 'accounts' or "),
         ("[quotas]", "[play]\ntables = 0\n[quotas]", "play.tables: is 0; input should be greater than or "),
+        (
+            "[quotas]",
+            '[model]\nurl = "http://host/v1"\nname = "tiny"\nkey_file = "key"\n[quotas]',
+            "model.key_file must be an absolute path",
+        ),
         ("seats = 2", "seat = 2", "tracks.battle.seat: is not a setting (did you mean 'seats'"),
         ("[quotas]", "[deadlines]\nmatch = 300\n[quotas]", "deadlines: match is no setting any more: "),
         (

@@ -9,7 +9,7 @@ from wildscav.cli.shared_options import AsJson
 from wildscav.errors import UserError, describe
 from wildscav.system.output_folders import check_folder
 from wildscav_evaluator.cli.options.evaluation import SuiteOption
-from wildscav_evaluator.cli.options.running import InSandbox, chosen_sandbox
+from wildscav_evaluator.cli.options.running import InSandbox, ModelOption, chosen_model, chosen_sandbox
 
 
 def check(
@@ -33,6 +33,7 @@ def check(
         ),
     ] = None,
     sandbox: InSandbox = None,
+    model: ModelOption = None,
     as_json: AsJson = False,
 ) -> None:
     """Check whether a submission keeps the rules, in the judge's sandbox with its clock and its limits.
@@ -57,6 +58,8 @@ def check(
             track: chosen.limits.get(track, DEFAULT_LIMITS) for track in suite_tracks(loaded, [], chosen)
         }
         trials = {track: Trial.of(chosen, track, limits[track], seed=0) for track in limits}
+    asked = chosen_model(model)
+    trials = {track: trial._replace(model=asked) for track, trial in trials.items()}
     name, (runs,) = chosen_sandbox(sandbox, loaded)
     try:
         run_check(runs, SANDBOXES[name], logs, trials, as_json=as_json)

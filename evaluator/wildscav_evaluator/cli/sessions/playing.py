@@ -180,7 +180,7 @@ def say_files(plan: Plan, ledger: LedgerWriter, results: Results, replay: str | 
     say("", f"watch them in 3D: {command('wildscav', 'watch', plan.out)}")
     if any(row.logs for row in rows):
         say("logs", f"{plan.out / LOGS} (what the agents printed)")
-    if plan.model is not None:
+    if results.model is not None:
         say(
             "model",
             f"{plan.out / EXCHANGES} (what agents asked it: secret as long as the records are)",

@@ -1,0 +1,75 @@
+"""`wildscav evaluate --model` as an organizer runs it: what is written down of it, and what is not."""
+
+import gzip
+import json
+from pathlib import Path
+
+import pytest
+from tests.evaluator.matches.test_models import ASKER, KEY
+from tests.evaluator.sample_agents import Command, Submit
+from tests.scripted_model import ScriptedModel, in_turn, said
+
+from wildscav_evaluator.output.results import read_results
+
+pytestmark = pytest.mark.usefixtures("compiled")
+SUITE = """
+name = "short"
+map = { size = 40, houses = 0 }
+[tracks.navigation]
+maps = 1
+match = { time_limit = 1.0 }
+"""
+
+
+def test_an_evaluation_names_its_model_and_its_ledger_what_was_asked(
+    submit: Submit, tmp_path: Path, wildscav: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MODEL_KEY", KEY)
+    suite, file, out = tmp_path / "short.toml", tmp_path / "model.toml", tmp_path / "out"
+    suite.write_text(SUITE)
+    options = ("--suite", suite, "--sandbox=process", "--replays=none", "--out", out, "--model", file)
+    with ScriptedModel(in_turn(said("go on")), key=KEY) as model:
+        file.write_text(f'url = "{model.url}"\nname = "tiny"\nkey_env = "MODEL_KEY"\n')
+        folder = submit("asker", ASKER).folder
+        done = wildscav("evaluate", folder, *options)
+        file.write_text(file.read_text() + "requests = 3\n")
+        other = wildscav("evaluate", folder, *options)
+
+    assert done.returncode == 0, done.stderr
+    assert f"tiny at {model.url.split('/')[2]}" in done.stdout
+    assert other.returncode == 2
+    assert "its model's requests is 2000, not 3" in " ".join(other.stderr.split())
+    terms = read_results(out / "results.json").model
+    assert terms is not None
+    assert (terms.name, terms.requests) == ("tiny", 2000)
+    (asked,) = (out / "exchanges").iterdir()
+    assert b"go on" in gzip.decompress(asked.read_bytes())
+    assert not [path for path in out.rglob("*.json*") if KEY in path.read_bytes().decode("latin-1")]
+    assert wildscav("verify", out).returncode == 0
+    entries = [json.loads(line)["fact"] for line in (out / "ledger.jsonl").read_text().splitlines()]
+    assert [len(one["exchanges"]) for one in entries if one["kind"] == "ended"] == [64]
+
+    asked.write_bytes(gzip.compress(b"{}\n"))
+    told = wildscav("verify", out)
+    assert told.returncode == 1
+    assert "what its agents asked a model is not what" in " ".join((told.stdout + told.stderr).split())
+
+
+@pytest.mark.parametrize(
+    ("settings", "said"),
+    [
+        ("url = ", "are not TOML"),
+        ('url = "http://host/v1"', "name: field required"),
+        ('url = "http://host/v1"\nname = "tiny"\nkey_env = "NOT_SET"', "NOT_SET is not set"),
+        ('url = "http://host/v1"\nname = "tiny"\nkey_file = "none"', "cannot be read from"),
+    ],
+)
+def test_wrong_settings_are_one_line(
+    submit: Submit, tmp_path: Path, wildscav: Command, settings: str, said: str
+) -> None:
+    (tmp_path / "model.toml").write_text(settings)
+
+    done = wildscav("play", submit("asker", ASKER).folder, "--model", tmp_path / "model.toml")
+
+    assert done.returncode == 2
+    assert said.lower() in " ".join(done.stderr.lower().split())
