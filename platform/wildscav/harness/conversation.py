@@ -42,13 +42,8 @@ class Exchange(NamedTuple):
             for call in self.answer.calls
         ]
         answered = zip(self.answer.calls, self.results, strict=True)
-        return [
-            said,
-            *(
-                {"role": "tool", "tool_call_id": call.id, "name": call.name, "content": result}
-                for call, result in answered
-            ),
-        ]
+        told = [{"role": "tool", "tool_call_id": call.id, "content": result} for call, result in answered]
+        return [said, *told]
 
 
 class Conversation:
