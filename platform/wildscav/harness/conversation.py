@@ -67,7 +67,8 @@ class Conversation:
 
     def note(self, text: str) -> None:
         """Keep a note; the oldest are dropped if they are too long together."""
-        self.notes += [encodable(text)[: self._settings.notes]] if text else []
+        kept = encodable(text)[: self._settings.notes]
+        self.notes += [kept] if kept else []
         while sum(map(len, self.notes)) > self._settings.notes:
             del self.notes[0]
 
