@@ -14,7 +14,7 @@ CHARACTERS_PER_TOKEN = 4  # where no server counts
 TOKENS_PER_PICTURE = 1_000
 MOST_TOKENS = 10**8  # of one request, that a server may claim
 MOST_CALLS = 16  # of an answer, that are looked at
-LONGEST_ARGUMENTS = 8_000  # characters
+LONGEST_ARGUMENTS = 8_000  # characters of JSON
 LONGEST_TEXT = 4_000  # characters of a text that are kept
 QUOTA = "insufficient_quota"  # the code of servers and gateways whose budget for us is spent
 NAME = re.compile(r"[^A-Za-z0-9_-]")  # what no name of a tool may have
@@ -159,13 +159,14 @@ def _calls(written: object, number: int) -> tuple[Call, ...]:
 
 
 def _arguments(written: object) -> dict[str, Any] | None:
-    """Return the arguments of a call, or None if they are no JSON object."""
-    if isinstance(written, str) and len(written) <= LONGEST_ARGUMENTS:
-        try:
+    """Return the arguments of a call, or None if they are no JSON object, or too long."""
+    try:
+        if isinstance(written, str):
             written = json.loads(written or "{}", parse_constant=_refuse)
-        except (ValueError, RecursionError):
-            return None
-    return written if isinstance(written, dict) else None
+        is_fit = isinstance(written, dict) and len(json.dumps(written)) <= LONGEST_ARGUMENTS
+    except (ValueError, RecursionError):
+        return None
+    return written if is_fit and isinstance(written, dict) else None
 
 
 def _refuse(constant: str) -> None:

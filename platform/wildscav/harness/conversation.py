@@ -42,13 +42,8 @@ class Exchange(NamedTuple):
             for call in self.answer.calls
         ]
         answered = zip(self.answer.calls, self.results, strict=True)
-        return [
-            said,
-            *(
-                {"role": "tool", "tool_call_id": call.id, "name": call.name, "content": result}
-                for call, result in answered
-            ),
-        ]
+        told = [{"role": "tool", "tool_call_id": call.id, "content": result} for call, result in answered]
+        return [said, *told]
 
 
 class Conversation:
@@ -72,7 +67,8 @@ class Conversation:
 
     def note(self, text: str) -> None:
         """Keep a note; the oldest are dropped if they are too long together."""
-        self.notes += [encodable(text)[: self._settings.notes]] if text else []
+        kept = encodable(text)[: self._settings.notes]
+        self.notes += [kept] if kept else []
         while sum(map(len, self.notes)) > self._settings.notes:
             del self.notes[0]
 

@@ -46,13 +46,15 @@ class ModelServer:
             try:
                 document = self._post(messages, tools)
                 answer = read_answer(document, [messages, tools], self._spending.requests)
+                self._log.answered(document, time.monotonic() - began)
             except ModelError as error:
                 self._fail(error, attempt, time.monotonic() - began)
-                continue
-            seconds = time.monotonic() - began
-            self._log.answered(document, seconds)
-            self._spending.add(answer.prompt_tokens, answer.answer_tokens, seconds)
-            return answer
+            except RecursionError:
+                self._fail(ModelError("the server's answer is too deep"), attempt, time.monotonic() - began)
+            else:
+                seconds = time.monotonic() - began
+                self._spending.add(answer.prompt_tokens, answer.answer_tokens, seconds)
+                return answer
         raise ModelError("it was not asked")  # not reached: the last failure is raised
 
     def close(self) -> None:

@@ -51,7 +51,15 @@ def test_after_a_call_there_is_a_reminder_again() -> None:
 
 
 @pytest.mark.parametrize(
-    "answer", [said(""), cut("go"), called("note", text="x"), cut("go", "[1]"), cut("go", "NaN")]
+    "answer",
+    [
+        said(""),
+        cut("go"),
+        called("note", text="x"),
+        cut("go", "[1]"),
+        cut("go", '{"up": NaN}'),
+        called("go", up="é" * 2000),
+    ],
 )
 def test_an_answer_of_which_nothing_can_be_played_costs_the_same(answer: Answer) -> None:
     assert played(in_turn(answer, answer, GO), PlayedSeat(2)).seat.calls == [

@@ -36,6 +36,7 @@ FAILURES: dict[str, Answer] = {
     "no choices": NO_CHOICES,
     "no JSON": Raw(b"<html>Bad gateway</html>"),
     "deep JSON": Raw(b"[" * 100_000),
+    "deep message": Raw(b'{"choices": [{"message": {"content": %s}}]}' % (b"[" * 900 + b"]" * 900)),
     "no message": Raw(b'{"choices": [{"message": "hello"}]}'),
 }
 at_both = pytest.mark.parametrize("at_socket", [True, False], ids=["socket", "URL"])
