@@ -1,5 +1,6 @@
 """Answers the requests of an agent that plays by words."""
 
+import asyncio
 from collections.abc import Sequence
 from typing import Any
 
@@ -38,7 +39,7 @@ class WordsDesk(Desk):
             case {"request": "call", "tool": str(name), "arguments": dict(arguments)}:
                 return await self._call(name, arguments), b""
             case {"request": "picture"}:
-                return self.about(), self._picture(marks=request.get("marks") is True)
+                return self.about(), await self._picture(marks=request.get("marks") is True)
         raise RequestError('requests are "observe", "call" with a "tool" and its "arguments", and "picture"')
 
     async def _call(self, name: str, arguments: dict[str, Any]) -> dict[str, Any]:
@@ -60,8 +61,9 @@ class WordsDesk(Desk):
         if observation is not None:
             self._player.see(observation)
 
-    def _picture(self, *, marks: bool) -> bytes:
+    async def _picture(self, *, marks: bool) -> bytes:
         image = None if self.now is None else self.now.tensors.get("camera")
         if self.now is None or image is None:
             raise RequestError("this seat has no camera: its submission.toml needs pictures = true")
-        return picture(image, self.now, marks=marks)
+        # In a thread, because other seats are served meanwhile.
+        return await asyncio.to_thread(picture, image, self.now, marks=marks)
