@@ -5,12 +5,9 @@ import json
 from typing import Any
 
 from wildscav.bridge import LONGEST_REQUEST
+from wildscav_evaluator.bridge.desk import RequestError
 
 MOST_IDLE = 100  # requests in a row for which no step is played
-
-
-class RequestError(Exception):
-    """A request cannot be answered; the message is a sentence that says what is allowed."""
 
 
 class ClosedError(Exception):

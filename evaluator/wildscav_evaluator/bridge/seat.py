@@ -5,16 +5,17 @@ import secrets
 import socket
 from typing import Any
 
-from wildscav.bridge import LONGEST_REQUEST
+from wildscav.bridge import LONGEST_REQUEST, facts_of
 from wildscav.errors import RefusedError, ServerUnreachableError
 from wildscav.sdk.connection import Connection
 from wildscav.version import __version__
-from wildscav_evaluator.bridge.agent_end import AgentEnd, ClosedError, RequestError
+from wildscav_evaluator.bridge.agent_end import AgentEnd, ClosedError
+from wildscav_evaluator.bridge.desk import Desk, RequestError
 from wildscav_evaluator.bridge.keys import KeysDesk
 from wildscav_evaluator.bridge.orders import Order
 from wildscav_evaluator.bridge.words import WordsDesk
 
-DESKS: dict[str, type[WordsDesk] | type[KeysDesk]] = {"words": WordsDesk, "keys": KeysDesk}
+DESKS: dict[str, type[Desk]] = {"words": WordsDesk, "keys": KeysDesk}
 MOST_CONNECTIONS = 64  # of an agent, before one of them has taken the seat
 
 
@@ -60,7 +61,7 @@ class SeatBridge:
         order = self._order
         async with Connection(order.address, order.match_token, __version__) as connection:
             desk = DESKS[order.interface](connection, order.names)
-            await agent.send(desk.told())
+            await agent.send({"match": facts_of(desk.match), **desk.told()})
             while True:
                 steps = desk.steps
                 try:
