@@ -19,6 +19,8 @@ MOVED = {
     "CONTRIBUTING.md": "contributing.md",
     "CHANGELOG.md": "changelog.md",
     "LICENSE": "license.md",
+    "CODE_OF_CONDUCT.md": "code-of-conduct.md",
+    "SECURITY.md": "reporting.md",
     "benchmarks/results/baselines.md": "figures/baselines.md",
     "benchmarks/results/learning.md": "figures/learning.md",
     **GENERATED,

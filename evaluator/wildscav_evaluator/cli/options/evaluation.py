@@ -61,9 +61,9 @@ ClockOption = Annotated[
         "--clock",
         metavar="CLOCK[,NAME=NUMBER]",
         help="What agents' time is, instead of the suite's clock. bank: a budget for each step, and a bank. "
-        "paused[,budget=S]: the match waits for all answers. running[,pace=2]: it goes on, 2 s of game time "
-        "a second. tokens[,token_time=S][,processor_time=S]: a thought costs game time, by its tokens and "
-        "by its seconds of a processor.",
+        "paused (or paused,budget=600): the match waits for all answers. running,pace=2: it goes on, 2 s of "
+        "game time a second. tokens,token_time=0.02,processor_time=1: a thought costs game time, by its "
+        "tokens and by its seconds of a processor.",
         show_default=False,
     ),
 ]
