@@ -1,4 +1,4 @@
-"""What agents spend on thinking: tokens of a model's, and seconds of processors."""
+"""What agents spend on thinking: tokens that a model writes, and seconds of processors."""
 
 from typing import NamedTuple, Protocol
 
@@ -6,7 +6,7 @@ from typing import NamedTuple, Protocol
 class Spent(NamedTuple):
     """What a seat has spent since its agent was started. Neither number ever falls."""
 
-    tokens: int = 0  # that its model has read and written
+    tokens: int = 0  # that its model has written, thoughts and answers
     processor: float = 0.0  # s in which a thread of its own ran
 
 

@@ -26,7 +26,7 @@ class ThinkingPrice(Spec):
     """The price of thinking; each clock has its own fields."""
 
     pace: Annotated[float, Field(gt=0, le=1000)] = 1.0  # running: game s per s
-    token_time: Annotated[float, Field(ge=0, le=3600)] = 0.02  # tokens: s of game time per token
+    token_time: Annotated[float, Field(ge=0, le=3600)] = 0.02  # tokens: s of game time per token that a model writes
     processor_time: Annotated[float, Field(ge=0, le=1000)] = 1.0  # tokens: game s per s of a processor
     # paused and tokens: s for all answers of a seat beyond the step budgets; None: the organizer's limit
     budget: Annotated[float, Field(ge=0, le=86_400)] | None = None
@@ -37,7 +37,7 @@ class ThinkingPrice(Spec):
         Both rates are rounded to nanoseconds, so that this is a sum of whole numbers.
 
         Args:
-            tokens: Of a model.
+            tokens: That a model wrote.
             processor: ns of a processor.
         """
         return tokens * round(self.token_time * NANO) * NANO + processor * round(self.processor_time * NANO)
@@ -97,7 +97,7 @@ class Account:
         """Return how many whole steps pass for a thought; the rest is owed on.
 
         Args:
-            tokens: Of a model.
+            tokens: That a model wrote.
             processor: ns of a processor.
         """
         steps, self._owed = divmod(self._owed + self._price.cost(tokens, processor), self._step)
@@ -115,7 +115,7 @@ class SeatThinking(Spec):
     seat: Annotated[int, Field(ge=0)]
     decisions: Annotated[int, Field(ge=0)]  # answers of its own
     seconds: Annotated[float, Field(ge=0)]  # from sending observations to receiving their answers
-    tokens: Annotated[int, Field(ge=0)] = 0  # of its model
+    tokens: Annotated[int, Field(ge=0)] = 0  # that its model wrote
     held: Annotated[int, Field(ge=0)] = 0  # steps in which its last action held, because it thought
 
 

@@ -21,7 +21,7 @@ class AgentSpending:
     """What one agent spends on thinking. See ``wildscav_server.thinking.Spending``.
 
     Args:
-        tokens: Returns how many tokens its model has read and written so far.
+        tokens: Returns how many tokens its model has written so far.
     """
 
     def __init__(self, tokens: Callable[[], int] = lambda: 0) -> None:
@@ -74,7 +74,7 @@ class MatchAgents:
         agent = await self._sandbox.start(launch)
         self._running[seat] = agent
         self._watchers[seat] = asyncio.create_task(self._watch(seat, agent))
-        spending = AgentSpending() if self.model is None else AgentSpending(partial(self.model.tokens, seat))
+        spending = AgentSpending() if self.model is None else AgentSpending(partial(self.model.written, seat))
         self._hosted.charge_by(seat, spending)
         if isinstance(agent, AgentProcess) and not self._sandbox.isolated:
             spending.measure(partial(process_time, agent.pid))

@@ -233,7 +233,7 @@ class SeatTiming(FileModel):
     dropped_actions: int = 0  # answers that arrived after their step was over
     held_steps: int = 0  # steps that were played with its last action, because it thought
     charged_steps: int = 0  # of those, the steps that its thoughts cost
-    tokens: int = 0  # of its model
+    tokens: int = 0  # that its model wrote
     processor: float = 0.0  # s that its threads ran, as far as its sandbox counts them
     time_used: float  # s, of all steps
     latency_p50: float  # s from an observation sent to its answer received
