@@ -11,10 +11,13 @@ from typing import Any, ClassVar, Self
 from pydantic import (
     BaseModel,
     ConfigDict,
+    GetJsonSchemaHandler,
     SerializerFunctionWrapHandler,
     ValidationError,
     model_serializer,
 )
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core.core_schema import CoreSchema
 
 from wildscav.errors import UserError
 from wildscav.system.limited_process import LimitExceededError, call_limited
@@ -101,6 +104,13 @@ class WithOptionalFields(FileModel):
             for name, value in fields.items()
             if name not in self.omitted or getattr(self, name) is not None
         }
+
+    @classmethod
+    def __get_pydantic_json_schema__(
+        cls, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Describe the fields: by its serializer, a document could have any."""
+        return handler({name: part for name, part in schema.items() if name != "serialization"})
 
 
 class FileModelError(UserError):
