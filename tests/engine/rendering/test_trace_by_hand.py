@@ -43,8 +43,8 @@ def rock(random: np.random.Generator, middle: Sequence[float], radius: float) ->
     return convex_solid(Kind.ROCK, points + middle, faces)
 
 
-@pytest.mark.parametrize("column", [0, 1, 31, 32, 50, 63])
-@pytest.mark.parametrize("away", [0.6, 5.0, 17.0, 38.9])
+@pytest.mark.parametrize("column", [0, 31, 32, 63])
+@pytest.mark.parametrize("away", [0.6, 17.0, 38.9])
 def test_a_pole_thinner_than_a_pixel_is_seen_where_a_ray_meets_it(column: int, away: float) -> None:
     view = View(EYE, 0.0, 0.0, (64, 36))
     x, _, z = EYE + directions(view)[17 * 64 + column] * away
@@ -87,12 +87,14 @@ NEAR_THE_EYE = {
 
 
 @pytest.mark.parametrize("name", NEAR_THE_EYE)
-@pytest.mark.parametrize("field_of_view", [60.0, 150.0])
-def test_solids_near_beside_behind_and_around_the_eye(name: str, field_of_view: float) -> None:
+def test_solids_near_beside_behind_and_around_the_eye(name: str) -> None:
     solids = [box(low, high) for low, high in NEAR_THE_EYE[name]]
     views = [
         View(EYE, yaw, pitch, (21, 13), field_of_view)
-        for yaw, pitch in ((0.0, 0.0), (37.0, -20.0), (91.0, 40.0), (181.0, -90.0))
+        for yaw, pitch, field_of_view in (
+            *((0.0, 0.0, 60.0), (0.0, 0.0, 150.0), (37.0, -20.0, 150.0)),
+            *((91.0, 40.0, 60.0), (181.0, -90.0, 150.0)),
+        )
     ]
     check_world(solids, *views)
 
