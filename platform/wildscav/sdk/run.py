@@ -71,8 +71,8 @@ def make_agent(factory: Callable[[], object]) -> Agent:
         if not callable(getattr(agent, method, None)):
             name = getattr(factory, "__name__", repr(factory))
             raise AgentError(
-                f"{name} has no method {method}(): an agent is a subclass of wildscav.Agent, unless its "
-                'submission.toml says interface = "words" or "keys"'
+                f"{name} has no method {method}(): an agent is a subclass of wildscav.Agent; one that plays "
+                "by words or keys needs a bridge, as `wildscav play` and evaluations have it"
             )
     made: Agent = agent
     return made

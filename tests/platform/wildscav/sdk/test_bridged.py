@@ -85,7 +85,7 @@ def test_a_bridge_that_is_not_there_is_told(tmp_path: Path) -> None:
     [
         ("words", Agent, AgentError, "Agent must be a subclass of wildscav.words.WordsPlayer, because"),
         ("keys", WordsPlayer, AgentError, "WordsPlayer must be a subclass of wildscav.keyboard.KeysPlayer"),
-        ("numbers", WordsPlayer, AgentError, "unless its submission.toml says interface"),
+        ("numbers", WordsPlayer, AgentError, "one that plays by words or keys needs a bridge"),
         ("ears", Agent, UserError, "there is no interface 'ears'; the interfaces are numbers, words, keys"),
     ],
 )
