@@ -1,10 +1,13 @@
 # Everything except test-with runs in .venv, which these targets create and keep up to date.
 PYTHON ?= python3
 BIN := .venv/bin
+# What is imported is compiled then, and kept; to compile all 20,000 files would take a minute more.
+QUICKLY := --quiet --disable-pip-version-check --no-compile
 # The environment of make test-with, created anew each time.
 OTHER ?= .venv-other
 RELEASES ?=
 PART ?= tests/engine tests/platform
+EXTRA ?= tests
 # What Python runs the tests with: .ci/tests runs those that failed once more.
 PYTEST ?= -m pytest
 # The TypeScript of the page that draws matches.
@@ -18,7 +21,7 @@ BENCHMARKS := speed.compile speed.environments speed.legacy speed.maps speed.pro
 # Without its cache of bytecode, each process of ours would compile the sources again, for up to three seconds.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help demo test test-slow test-with test-oldest test-newest check format bench docs docs-serve viewer wheel proto clean
+.PHONY: help demo test test-slow test-with test-oldest test-newest check format bench docs docs-serve viewer wheel release proto clean
 
 help: ## Show this list.
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1|\2/' | column -t -s '|'
@@ -28,18 +31,22 @@ help: ## Show this list.
 	$(PYTHON) -m venv .venv
 
 .venv/.run: pyproject.toml | .venv/bin/python
-	@echo 'Installing Wildscav and its dependencies into .venv: 1.3 GB, which takes a minute or two without output.'
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[all]'
+	@echo 'Installing Wildscav and its dependencies into .venv: 1.5 GB, which takes a minute or two without output.'
+	$(BIN)/python -m pip install $(QUICKLY) -e '.[all]'
 	@touch $@
 
 .venv/.dev: pyproject.toml | .venv/bin/python
 	@echo 'Installing Wildscav and its development tools into .venv, which takes a few minutes without output.'
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev]'
+	$(BIN)/python -m pip install $(QUICKLY) -e '.[dev]'
 	@touch $@ .venv/.run
 
 # The packages for the tests of training. They are large, so only the slow tests install them.
 .venv/.training: pyproject.toml | .venv/bin/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev,training]'
+	$(BIN)/python -m pip install $(QUICKLY) -e '.[dev,training]'
+	@touch $@ .venv/.dev .venv/.run
+
+.venv/.release: pyproject.toml | .venv/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[release]'
 	@touch $@ .venv/.dev .venv/.run
 
 # What npm installs. Where it installs Node.js as well, that has an environment of its own.
@@ -58,35 +65,44 @@ demo: .venv/.run $(BUILT) ## Evaluate the three baselines on three of the five t
 	$(BIN)/wildscav evaluate random homing hunter --suite quick --replays first \
 		--track navigation --track gathering --track battle
 
+# Three at a time on two cores: tests of servers and pages wait more than they compute.
 test: .venv/.dev $(BUILT) ## Run the tests (about 5 minutes on two cores); with COVERAGE=1, print which lines and branches they reach.
 	.ci/npm test --silent
 ifdef COVERAGE
 	rm -rf out/coverage && mkdir -p out/coverage
-	$(BIN)/python -m coverage run $(PYTEST) -n 2 --dist worksteal --durations=40
+	$(BIN)/python -m coverage run $(PYTEST) -n 3 --dist worksteal --durations=40
 	$(BIN)/python .ci/coverage
 else
-	$(BIN)/python $(PYTEST) -n 2 --dist worksteal --durations=40
+	$(BIN)/python $(PYTEST) -n 3 --dist worksteal --durations=40
 endif
 
-test-slow: .venv/.training $(BUILT) ## Run the slow tests, three at a time: they wait more than they compute.
-	$(BIN)/python $(PYTEST) -n 3 --dist worksteal -m slow --durations=40
+# Each file is one process's, which makes what its tests share once; those that last longest come first.
+test-slow: .venv/.training $(BUILT) ## Run the slow tests, four at a time: they wait more than they compute.
+	$(BIN)/python $(PYTEST) -n 4 --dist loadfile --no-loadscope-reorder -m slow --durations=40
 
 test-with: .venv/.dev ## Run PART of the tests with another Python or other releases: PYTHON=python3.14, RELEASES='numba==0.68.0'.
 	rm -rf $(OTHER)
 	$(PYTHON) -m venv --without-pip $(OTHER)
-	$(BIN)/python -m pip --python $(OTHER)/bin/python install --quiet --disable-pip-version-check -e '.[tests]' $(RELEASES)
+	$(BIN)/python -m pip --python $(OTHER)/bin/python install $(QUICKLY) -e '.[$(EXTRA)]' $(RELEASES)
 	@$(OTHER)/bin/python -c 'import llvmlite, numba, numpy, sys; print("Python", sys.version.split()[0], *(f"{m.__name__} {m.__version__}" for m in (numpy, numba, llvmlite)))'
 	$(OTHER)/bin/python $(PYTEST) -n 2 --dist worksteal $(PART)
 
-# The pins of the engine, and what depends most on releases.
+# The pins of the engine, for which all of it is compiled anew, and what builds on the insides of releases.
 test-oldest: .venv/.dev ## Run some tests with the oldest supported releases of what the engine and the SDK need.
 	@$(MAKE) test-with OTHER=.venv-oldest RELEASES="$$(.ci/oldest)" \
-		PART="tests/engine/compilation tests/engine/versions tests/platform/wildscav/sdk"
+		PART="tests/engine/versions tests/engine/compilation/test_linking.py tests/engine/compilation/test_kernel_cache.py \
+			tests/engine/compilation/tables/test_array_tables.py tests/platform/wildscav/sdk"
 
 test-newest: .venv/.dev ## Run some tests with the newest Python that all dependencies support.
 	@if python=$$(.ci/python 3.14); then $(MAKE) test-with OTHER=.venv-newest PYTHON="$$python" \
-		PART="tests/engine/versions tests/engine/envs tests/platform/wildscav/sdk tests/platform/server tests/platform/wildscav/system"; \
+		PART="tests/engine/versions tests/engine/envs/test_vector.py tests/platform/wildscav/sdk tests/platform/server \
+			tests/platform/wildscav/system"; \
 		else echo 'Skipped: the tests with Python 3.14, which is not available.'; fi
+
+# It needs an older mcp than the rest.
+test-openenv: .venv/.dev ## Run the tests of the adapter to OpenEnv, in an environment of its own.
+	@$(MAKE) test-with OTHER=.venv-openenv EXTRA=openenv RELEASES="hypothesis pytest pytest-xdist" \
+		PART=tests/platform/language/openenv
 
 check: .venv/.dev $(NPM) ## Lint, formatting, types and import contracts.
 	$(BIN)/ruff check .
@@ -115,6 +131,9 @@ docs-serve: .venv/.dev $(BUILT) ## Serve the site at http://127.0.0.1:8000/, and
 
 wheel: .venv/.dev $(BUILT) ## Build the wheel in out/wheel with machine code for this Python and these releases.
 	$(BIN)/python .ci/wheel out/wheel
+
+release: .venv/.release $(BUILT) ## Make a release in dist: its files, built twice and tried, a list of what they need, and checksums.
+	$(BIN)/python .ci/release dist
 
 proto: .venv/.dev ## Generate the Python code of the protocol, and copy it to the agent in JavaScript.
 	cp platform/wildscav/proto/match.proto submissions/homing-js/

@@ -8,6 +8,7 @@ It is a real HTTP server, for tests of whatever talks to models:
 
 import json
 import socket
+import socketserver
 import struct
 import threading
 import time
@@ -15,6 +16,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from itertools import count
+from pathlib import Path
 from typing import Any, NamedTuple, Self, TypeAlias
 
 CHARACTERS_PER_TOKEN = 4
@@ -136,26 +138,29 @@ class Asked(NamedTuple):
 
 
 class ScriptedModel:
-    """Serves a script on a port of this machine while its context lasts.
+    """Serves a script while its context lasts.
 
     Args:
         script: Returns the answer to each request; it may be called from several threads.
         key: What a request must carry; by default, all are answered.
+        path: Of a unix socket to listen on, instead of a port of this machine.
     """
 
     name = "scripted"
 
-    def __init__(self, script: Script, key: str | None = None) -> None:
-        self.script, self.key = script, key
+    def __init__(self, script: Script, key: str | None = None, path: Path | None = None) -> None:
+        self.script, self.key, self.path = script, key, path
         self.requests: list[Asked] = []
         self.closing = threading.Event()
-        self._server = _Server(("127.0.0.1", 0), _Handler)
+        self._server = _Server(("127.0.0.1", 0), _Handler) if path is None else _SocketServer(path, _Handler)
         self._server.model = self
         self._thread = threading.Thread(target=self._server.serve_forever, args=(0.02,), daemon=True)
 
     @property
     def url(self) -> str:
-        """The base URL of the protocol."""
+        """The base URL of the protocol; or the address of the unix socket."""
+        if self.path is not None:
+            return f"unix:{self.path}"
         return f"http://127.0.0.1:{self._server.server_address[1]}/v1"
 
     def __enter__(self) -> Self:
@@ -178,9 +183,20 @@ class _Server(ThreadingHTTPServer):
         """Say nothing of clients that left."""
 
 
+class _SocketServer(_Server):
+    address_family = socket.AF_UNIX
+
+    def __init__(self, path: Path, handler: type[BaseHTTPRequestHandler]) -> None:
+        super().__init__(str(path), handler)  # type: ignore[arg-type]
+
+    def server_bind(self) -> None:
+        """Bind to a path, which has no port."""
+        socketserver.TCPServer.server_bind(self)
+
+
 class _Handler(BaseHTTPRequestHandler):
     protocol_version = "HTTP/1.1"
-    disable_nagle_algorithm = True
+    wbufsize = -1  # so that an answer is one packet, not two that wait for each other
     server: _Server
 
     def do_GET(self) -> None:

@@ -14,7 +14,7 @@ from typing import Annotated
 import typer
 from benchmarks.report import Figure, JsonFile, publish
 
-from wildscav_engine.compilation.cache_folders import cache_root
+from wildscav_engine.compilation.caching.cache_folders import cache_root
 from wildscav_legacy.install import PROGRAM, install_engine, install_maps, missing_maps
 from wildscav_server.hosting.precompile import precompile
 

@@ -8,16 +8,22 @@ plays the same matches of a level with ``benchmarks/strength/reader`` and with `
 import math
 import statistics
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
-from typing import Annotated, Literal
+from threading import Thread
+from typing import Annotated, Any, Literal
 
 import typer
 from rich.progress import track as progress
 
+from wildscav import Action, Agent, MatchInfo, Observation
+from wildscav_engine.sensors import parse_sensors
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.specs.rules import Senses
-from wildscav_language.player import Counts
+from wildscav_language.seat import Counts, Seat
+from wildscav_language.senses import sensors
+from wildscav_server.hosting.manifest import Manifest
 from wildscav_training.opponents import SubmissionOpponent, named_agent
 from wildscav_training.trials import SUCCESS, SURE, Trial, matches_on, mean, play, rate
 
@@ -26,13 +32,39 @@ SCORES = {"navigation": SUCCESS, "gathering": "supplies"}
 
 
 class Readers(SubmissionOpponent):
-    """The reader, with what its last match came to."""
+    """The reader in this process, with what its last match came to."""
+
+    def _load(self, manifest: Manifest) -> Callable[[], Agent]:
+        self._sensors = parse_sensors(sensors())
+        return partial(InThread, self._class_in(manifest))
 
     @property
     def counts(self) -> Counts:
         """Calls, texts and bytes of its last match."""
-        counts: Counts = self._agents[0, 0].player.counts  # type: ignore[attr-defined]
-        return counts
+        seat: Seat = self._agents[0, 0].seat  # type: ignore[attr-defined]
+        seat.finish()
+        return seat.counts
+
+
+class InThread(Agent):
+    """Plays as a player of words does, who runs in a thread of its own.
+
+    Args:
+        make: Makes the player.
+    """
+
+    def __init__(self, make: Callable[[], Any]) -> None:
+        self.seat = Seat()
+        self._playing = Thread(target=make().play, args=(self.seat,), daemon=True)
+
+    def reset(self, match: MatchInfo) -> None:
+        """Get ready for a match."""
+        self.seat.begin(match)
+        self._playing.start()
+
+    def act(self, observation: Observation) -> Action:
+        """Return the next action of the running tool."""
+        return self.seat.answer(observation)
 
 
 def ratio(own: Sequence[float], others: Sequence[float]) -> tuple[float, float]:

@@ -6,7 +6,7 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-from wildscav_engine.compilation.cache_root import cache_root
+from wildscav_engine.compilation.caching.cache_root import cache_root
 
 LARGEST = 20 << 30  # bytes of one kind of file
 OLDEST = 30 * 86_400.0  # s for which something is kept that nobody uses

@@ -143,7 +143,7 @@ class MatchInfo:
     walking_sway: float = 0.0  # how many times more spread and recoil there are at 10 m/s
     turning_sway: float = 0.0  # how many times more spread and recoil there are at a turn of 100 degrees/s
     bounty: int = 0  # supplies that a kill brings besides what the dead drops
-    clock: str = "bank"  # what an agent's time is: "bank", or "paused" where the match waits for all answers
+    clock: str = "bank"  # what thinking costs: "bank" or "paused" (time), "running" or "tokens" (game time)
 
     @property
     def step_time(self) -> float:

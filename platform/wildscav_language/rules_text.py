@@ -11,6 +11,12 @@ GOALS = {
     "battle": "Carry as many supplies as you can when the time is up. Whoever dies drops a share of them.",
     "royale": "Be the last team alive, inside the shrinking safe zone. Whoever dies is out.",
 }
+STANDS_STILL = "The world stands still between calls."
+BETWEEN_CALLS = {
+    "running": "The world goes on between calls, and you walk on as you last walked.",
+    "tokens": f"{STANDS_STILL} Then your thoughts cost game time, in which you walk on as you last walked.",
+}
+CALLS = " A call of a tool plays game time until the tool ends."
 SENSES = {
     "original": "You are told of agents in view, with their health and velocity, and of all boxes within "
     "{sight:g} m, even behind walls.",
@@ -29,7 +35,7 @@ def rules(match: MatchInfo) -> str:
         "Bearings are compass degrees: 0 is north, 90 is east.",
         "Hours of the clock are relative to your view: 12 is ahead, 3 is to the right.",
         "You walk and run at up to 10 m/s, half as fast in water, and up steps of 0.5 m.",
-        "The world stands still between calls. A call of a tool plays game time until the tool ends.",
+        BETWEEN_CALLS.get(match.clock, STANDS_STILL) + CALLS,
         f"A bad call costs {REFUSAL_TIME:g} s, in which you stand still.",
         SENSES[match.senses].format(sight=match.supply_sight),
     ]

@@ -6,9 +6,10 @@ played without it. What one seat spends never shortens another's bank. Seats may
 match lasts at most the time to join, the budgets of its steps and the banks of all seats. An organizer who
 wants shorter matches sets the longest time, and every bank is made smaller alike.
 
-A match whose spec has the clock ``paused`` stands still until all seats have answered. Its banks are larger.
-A seat that gives no answer for the idle limit, or whose bank is used up, is closed, so that it costs the
-others no more than that.
+A match whose spec has the clock ``paused`` or ``tokens`` stands still until all seats have answered. Its
+banks are larger. A seat that gives no answer for the idle limit, or whose bank is used up, is closed, so that
+it costs the others no more than that. By the clock ``running`` every step lasts equally long, and no seat has
+a bank (see ``hosting/thinking_clocks.py``).
 
 Time in which the machine had no processor for an agent, because of others' work, is credited: the bank does
 not pay for it. No more than one budget is credited in a step, so that every match ends.
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 
 # s for everything that is not the agents' time: making the map, starting agents, the engine's own computing.
 MARGIN = 3600.0
+STANDING_STILL = ("paused", "tokens")  # the clocks of matches that wait for all answers
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,15 +52,19 @@ class Clock:
     def fitted(self, spec: "MatchSpec") -> "Clock":
         """Return the clock of one match, whose banks are smaller if all would exceed the longest time.
 
-        In a match whose clock is paused, the idle limit is that of an answer; its banks are larger.
+        In a match that waits for answers, the idle limit is that of an answer; its banks are larger, or the
+        budget of its spec. In one that goes on at its own pace, the budget is what a step lasts.
 
         Raises:
             ValueError: The budgets of its steps alone exceed the longest time.
         """
         clock = self
-        if spec.clock == "paused":
+        if spec.clock in STANDING_STILL:
             budget, bank, limit = min(self.step_budget, self.idle_limit), self.paused_bank, self.idle_limit
+            bank = bank if spec.thinking.budget is None else spec.thinking.budget
             clock = replace(self, step_budget=budget, time_bank=bank, answer_limit=limit)
+        elif spec.clock == "running":
+            clock = replace(self, step_budget=spec.step_time / spec.thinking.pace, time_bank=0.0)
         if clock.longest is None:
             return clock
         steps, budgets = spec.step_limit, spec.step_limit * clock.step_budget

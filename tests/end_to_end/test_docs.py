@@ -1,6 +1,7 @@
 """What the README and the pages say is true: their code runs, and the files they name are there."""
 
 import ast
+import json
 import re
 import shlex
 import subprocess
@@ -84,7 +85,8 @@ def test_the_files_that_the_architecture_names_exist() -> None:
         assert any((home / name).exists() for home in homes), name
 
 
-TO_WRITE = {"hills", "orbit", "fort.toml", "spring", "altimeter.py", "eval.py"}  # that pages let readers make
+# Files that pages let readers make.
+TO_WRITE = {"hills", "orbit", "fort.toml", "spring", "altimeter.py", "eval.py", "model.toml"}
 
 
 @pytest.mark.parametrize(
@@ -99,11 +101,45 @@ def test_files_functions_and_tests_that_pages_name_exist(page: Path) -> None:
         assert re.search(rf"(def|class) {name}\b", CODE), name
 
 
+def test_every_message_of_the_page_of_troubles_is_one() -> None:
+    page = (ROOT / "docs" / "troubleshooting.md").read_text("utf-8")
+    for message in re.findall(r"^\| (?:outcome )?`([^`]+)`", page, re.MULTILINE):
+        assert message in CODE, message
+
+
+INVERTED = re.compile(
+    r"(?:^|[.;:] )(?:Who|Whoever|Whom|Whose|What) (?!.*\?)\w+ \w+|\bwhoever\b", re.MULTILINE
+)
+
+
+@pytest.mark.parametrize(
+    "page",
+    [page for page in PAGES if page.name not in ("CHANGELOG.md", "CONTRIBUTING.md")],
+    ids=lambda page: page.name,
+)
+def test_no_sentence_of_a_page_begins_with_its_object(page: Path) -> None:
+    text = re.sub(r"^(```.*?^```|#.*?$)", "", page.read_text("utf-8"), flags=re.MULTILINE | re.DOTALL)
+    assert INVERTED.findall(text) == [], "CONTRIBUTING.md has the rules of English"
+
+
 def test_the_architecture_says_where_every_system_is() -> None:
     text = (ROOT / "docs" / "architecture.md").read_text("utf-8")
     systems = ROOT / HOMES[0] / "simulation" / "systems"
     for file in systems.glob("[a-z]*.py"):
         assert f"`simulation/systems/{file.name}`" in text
+
+
+def test_the_notebook_that_plots_a_match_runs_as_it_stands(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    notebook = json.loads((ROOT / "docs" / "examples" / "plot_a_match.ipynb").read_text("utf-8"))
+    code = "".join(
+        "".join(cell["source"]) + "\n" for cell in notebook["cells"] if cell["cell_type"] == "code"
+    )
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    small = code.replace("size=120", "size=60").replace("time_limit=60", "time_limit=4")
+    assert run_code(small, tmp_path) == "5 agents, 41 moments, 4 s\n"
+    assert (tmp_path / "match.png").stat().st_size > 0
 
 
 def test_the_page_of_maps_tells_every_field_with_its_default() -> None:

@@ -28,6 +28,7 @@ from wildscav_evaluator.output.layout import (
 )
 from wildscav_evaluator.scores.compare import FEWEST_PAIRS
 from wildscav_evaluator.scores.score import RESAMPLES
+from wildscav_evaluator.suites.reading import READING
 from wildscav_evaluator.suites.suite import SUITES
 from wildscav_evaluator.suites.suite_file import read_suite
 
@@ -52,6 +53,13 @@ def test_the_suites_have_the_maps_matches_and_limits_told() -> None:
             course = suite.tracks[track]
             (seconds,) = {spec.time_limit for spec in suite.matches(track, 0)}
             assert cell == f"{course.maps} × {course.episodes}, {seconds:g} s"
+
+
+def test_the_scale_of_the_suite_across_tracks_is_told() -> None:
+    for track, zero, one, agent in rows("| track | 0: `random` | 1 |"):
+        reference = READING.references[track]
+        assert [float(cell.split()[0]) for cell in (zero, one)] == [reference.zero, reference.one]
+        assert agent == f"`{reference.agent}`"
 
 
 def test_the_own_suite_of_the_page_is_one(tmp_path: Path) -> None:

@@ -1,11 +1,23 @@
 """The page about seats of words: its code runs, and it tells every tool, argument and reason."""
 
+import asyncio
 import re
+from dataclasses import fields
 from pathlib import Path
 
+import pytest
 from tests.end_to_end.pages import ROOT, blocks, run_code
 from tests.platform.wildscav.skills.observations import match_info
 
+from wildscav.bridge import LONGEST_REQUEST
+from wildscav.harness.settings import ModelSettings
+from wildscav.harness.spending import Ending
+from wildscav.sdk.run import INTERFACE_VARIABLE
+from wildscav_engine.specs.map_spec import MapConfig, MapSpec
+from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_evaluator.bridge.agent_end import MOST_IDLE
+from wildscav_evaluator.matches.play import MatchAssignment, play_match
+from wildscav_evaluator.submissions.submission import load_submission
 from wildscav_language.calls import Reason
 from wildscav_language.perception import LIMIT
 from wildscav_language.phrases import NAME_LIMIT
@@ -15,12 +27,42 @@ PAGE = ROOT / "docs" / "language.md"
 
 
 def test_its_match_is_played(tmp_path: Path) -> None:
-    (code,) = blocks(PAGE, "python")
+    code, *_ = blocks(PAGE, "python")
 
     said = run_code(code, tmp_path)
 
     assert "Target: " in said
     assert "'success': 1.0" in said
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("compiled")
+@pytest.mark.parametrize("interface", ["words", "keys"])
+def test_its_submissions_play(interface: str, tmp_path: Path) -> None:
+    (manifest,), (_, words, keys) = blocks(PAGE, "toml"), blocks(PAGE, "python")
+    (tmp_path / "agent.py").write_text(words if interface == "words" else keys)
+    if interface == "keys":
+        manifest = (
+            manifest.replace("words", "keys", 1).replace("Explorer", "Walker").replace("true ", "false ")
+        )
+    (tmp_path / "submission.toml").write_text(manifest)
+    small = MapSpec(config=MapConfig(size=40, houses=0, vegetation=0.0), seed=3)
+    spec = MatchSpec(track="navigation", map=small, seed=1, time_limit=5.0)
+
+    seating = MatchAssignment(spec, (load_submission(tmp_path),), (tmp_path / "log",))
+    played = asyncio.run(play_match(seating))
+
+    assert played.seats[0].status == "finished", played.seats[0]
+
+
+def test_it_tells_every_request_and_the_bounds() -> None:
+    text = PAGE.read_text("utf-8")
+
+    told = re.findall(r"^\| `(\w+)` \| (?:both|words|keys) \|", text, re.MULTILINE)
+    assert told == ["hello", "observe", "call", "picture", "look", "press"]
+    assert f"{LONGEST_REQUEST:,} bytes" in text
+    assert f"{MOST_IDLE} requests in a row" in text
+    assert f"`{INTERFACE_VARIABLE}`" in text
 
 
 def test_it_tells_every_tool_with_its_arguments() -> None:
@@ -39,3 +81,10 @@ def test_it_tells_every_reason_and_the_limits() -> None:
     assert f"{LIMIT:,} bytes" in text
     assert f"{NAME_LIMIT} characters" in text
     assert f"They cost {REFUSAL_TIME:g} s" in text
+
+
+def test_it_tells_every_setting_and_every_ending_of_a_model() -> None:
+    part = PAGE.read_text("utf-8").partition("## A model at a seat")[2].partition("\n## ")[0]
+
+    assert all(f"`{field.name}`" in part for field in fields(ModelSettings))
+    assert all(f"`{ending}`" in part for ending in Ending)

@@ -49,7 +49,7 @@ def test_the_assistants_config_starts_the_command() -> None:
 
 @pytest.mark.slow
 def test_the_client_of_the_page_reaches_the_target(tmp_path: Path) -> None:
-    (code,) = blocks(PAGE, "python")
+    code, _ = blocks(PAGE, "python")
     wildscav = str(Path(sys.executable).parent / "wildscav")
 
     said = run_code(code.replace('command="wildscav"', f"command={wildscav!r}"), tmp_path)

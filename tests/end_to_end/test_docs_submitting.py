@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from wildscav_engine.specs.actions import Field
+from wildscav_engine.specs.thinking import HELD, USED
 from wildscav_evaluator.submission_files import LEFT_OUT
 from wildscav_server.hosting.manifest import Manifest
 from wildscav_server.hosting.reports import SeatStatus
@@ -39,9 +41,18 @@ def test_every_outcome_is_told_with_its_fault() -> None:
     assert told == {status.value: status.fault or "–" for status in SeatStatus}
 
 
-def test_the_clock_is_told_with_its_defaults() -> None:
+def test_every_clock_is_told_with_what_holds() -> None:
+    told = [row[0] for row in rows("The clock") if len(row) == 4]
+    assert told == list(USED)
+    holding = section("The clock").partition("What holds while a seat thinks")[2].partition(" hold, so")[0]
+    assert re.findall(r"`(\w+)`", holding) == [field.name.lower() for field in Field if HELD[field]]
+
+
+def test_the_time_limits_are_told_with_their_defaults() -> None:
     clock = Clock()
-    for name, default, _ in rows("The clock"):
+    limits = [row for row in rows("The clock") if len(row) == 3 and set(row[0]) != {"-"}][1:]
+    assert len(limits) == 6
+    for name, default, _ in limits:
         value = None if default == "none" else float(default.split()[0])
         assert value == getattr(clock, name), name
 

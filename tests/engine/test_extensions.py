@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from wildscav_engine import extensions
-from wildscav_engine.compilation import sources
+from wildscav_engine.compilation.caching import sources
 from wildscav_engine.extensions import ExtensionError, Registry, names, other_groups, sources_of
 from wildscav_engine.sensors import SENSORS
 from wildscav_engine.sensors.base import Sensor

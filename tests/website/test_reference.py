@@ -9,7 +9,7 @@ import typer
 
 from wildscav.cli.main import app
 from wildscav.proto import match_pb2
-from wildscav_website import commands, protocol
+from wildscav_website import commands, protocol, rest
 from wildscav_website.links import links_for_site
 
 ROOT = Path(__file__).parents[2]
@@ -42,6 +42,16 @@ def test_the_reference_of_the_protocol_tells_every_field() -> None:
             assert f"| {field.number} | `{field.name}` |" in entries[message.name], field.full_name
     for service in match_pb2.DESCRIPTOR.services_by_name.values():
         assert all(f"| `{method.name}` |" in entries[service.name] for method in service.methods)
+
+
+def test_the_reference_of_the_api_tells_every_request_and_every_field_of_its_documents() -> None:
+    api, page = rest.described(), rest.page()
+    for path, operations in api["paths"].items():
+        assert all(f"| `{word.upper()} {path}` |" in page for word in operations)
+    entries = dict(entry.split("\n", 1) for entry in page.split("\n### ")[1:])
+    for name, schema in api["components"]["schemas"].items():
+        assert all(f"| `{field}` |" in entries[name] for field in schema.get("properties", {})), name
+    assert "| More than 1 where organizers had it played again. |" in entries["MatchView"]
 
 
 def test_a_comment_becomes_paragraphs_and_what_is_set_in_stays_as_it_is() -> None:

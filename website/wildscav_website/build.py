@@ -7,21 +7,23 @@ from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files, InclusionLevel
 from mkdocs.structure.pages import Page
 
-from wildscav_website import commands, environments, home, protocol, python_reference
-from wildscav_website.links import MOVED, ROOT, SOURCES, links_for_site
+from wildscav_website import commands, environments, home, protocol, python_reference, rest, sdk
+from wildscav_website.links import GENERATED, MOVED, ROOT, SOURCES, links_for_site
 
 ASSETS = Path(__file__).parents[1] / "assets"
 
 
 def generated_pages() -> dict[str, Callable[[], str]]:
     """Return a function for each page that is not in docs/, which writes it, by its path on the website."""
-    copied = {MOVED[source]: (ROOT / source).read_text for source in MOVED if "/" not in source}
+    copied = {moved: (ROOT / source).read_text for source, moved in MOVED.items() if source not in GENERATED}
     return {
         **copied,
         **environments.pages(),
         **python_reference.pages(),
         "reference/commands.md": commands.page,
         "reference/protocol.md": protocol.page,
+        "reference/rest.md": rest.page,
+        "reference/sdk.md": sdk.page,
     }
 
 

@@ -8,13 +8,22 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 DOCS = "docs/"
 SOURCES = "source/"  # the website's folder for other files of the repository that pages link to
+# Files of code from which pages of the website are made.
+GENERATED = {
+    "platform/wildscav/proto/match.proto": "reference/protocol.md",
+    "platform/wildscav/agent.py": "reference/sdk.md",
+}
 # Files outside docs/ that are pages of the website.
 MOVED = {
     "README.md": "index.md",
     "CONTRIBUTING.md": "contributing.md",
     "CHANGELOG.md": "changelog.md",
     "LICENSE": "license.md",
-    "platform/wildscav/proto/match.proto": "reference/protocol.md",
+    "CODE_OF_CONDUCT.md": "code-of-conduct.md",
+    "SECURITY.md": "reporting.md",
+    "benchmarks/results/baselines.md": "figures/baselines.md",
+    "benchmarks/results/learning.md": "figures/learning.md",
+    **GENERATED,
 }
 LINK = re.compile(r"(?<=\]\()(?![a-z]+:|#|/)([^)#\s]+)")
 

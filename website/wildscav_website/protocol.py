@@ -23,7 +23,7 @@ from wildscav_website.markdown import code, table
 PROTO = Path(wildscav.__file__).parent / "proto" / "match.proto"
 HEAD = """# Protocol
 
-This page is generated from `platform/wildscav/proto/match.proto` and its comments. The [SDK](../sdk.md)
+This page is generated from `platform/wildscav/proto/match.proto` and its comments. The [SDK](sdk.md)
 implements the protocol for agents in Python; [submitting an agent](../submitting.md) explains how to write
 one in another language.
 """

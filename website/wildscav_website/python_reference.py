@@ -15,20 +15,6 @@ class Reference(NamedTuple):
 
 
 PAGES = {
-    "sdk": Reference(
-        "SDK",
-        "What an agent imports: `from wildscav import Agent, Action, MatchInfo, Observation, run`. "
-        "[The SDK](../sdk.md) lists the same in tables.",
-        {
-            "wildscav": "Agent run Action Observation MatchInfo VisibleAgent SupplyBox SupplyWave Vector",
-            "wildscav.errors": "",
-        },
-    ),
-    "policy": Reference(
-        "Policies",
-        "Trained policies as agents, without the engine. [Training](../training.md) explains the export.",
-        {"wildscav.policy": ""},
-    ),
     "environments": Reference(
         "Environments",
         "The public names of `wildscav_engine.envs`. The guide is [environments](../environments.md).",
@@ -66,7 +52,7 @@ PAGES = {
     "records": Reference(
         "Records and replays",
         "The public names of `wildscav_engine.record` and `wildscav_engine.view`. "
-        "See also [replays](../replays.md).",
+        "See also [watching](../watching.md).",
         {"wildscav_engine.record": "", "wildscav_engine.view": ""},
     ),
 }

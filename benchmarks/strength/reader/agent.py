@@ -3,14 +3,14 @@
 import re
 from typing import Any, NamedTuple
 
-from wildscav import Action, Agent, MatchInfo, Observation
-from wildscav_language.player import Player
+from wildscav.words import WordsPlayer, WordsSeat
 
 BOX = re.compile(
     r"^- box (\d+): (?:here|.*?, ([\d.]+) m)(?:, ([\d.]+) m (?:higher|lower))?, (\d+) supplies$", re.M
 )
 HEADING = re.compile(r"bearing (\d+)°")
 WAVE = re.compile(r"^Wave (\d+): supplies (appeared|appear in) ([\d.]+) s .*?most within (\d+) m", re.M)
+ENEMY = re.compile(r"^Agents in sight:\n- agent (\d+)[^\n]*, enemy: (?![^\n]*cannot be hurt)", re.M)
 RICH = 8  # supplies: such boxes are worth more than a walk to a wave
 HOT = 20.0  # m, greatest radius of a wave that is worth a walk
 EARLY = 10.0  # s before a wave, at which it walks there
@@ -18,25 +18,24 @@ STOREY = 4.0  # m on foot for each metre up or down
 START_UP = 3.0  # m, that every box costs besides
 
 
-class Reader(Agent):
-    """Walks to the target, or to the box that is worth most for its way; explores if there is none."""
+class Reader(WordsPlayer):
+    """Walks to the target, or to the box that is worth most for its way; explores if there is none.
 
-    def reset(self, match: MatchInfo) -> None:
-        """Get ready for a match."""
-        self.player = Player(match)
+    Where it has a weapon, it first attacks the nearest enemy in sight.
+    """
+
+    def __init__(self) -> None:
         self.failed: dict[int, int] = {}  # tries of boxes that were not reached
         self.stuck = 0  # times in a row
         self.visited = 0  # the number of the last wave that it has been to
         self.goal = 0  # the number of the wave that it walks to
 
-    def act(self, observation: Observation) -> Action:
+    def play(self, seat: WordsSeat) -> None:
         """Play on, and decide whenever a tool has ended."""
-        self.player.see(observation)
-        while (action := self.player.action()) is None:
-            reply = self.player.reply
-            name, arguments = self.decide(reply.text or self.player.text(), reply.ended.value)
-            self.player.give(name, arguments)
-        return action
+        text, ended = seat.observe(), ""
+        while not seat.is_over:
+            reply = seat.call(*self.decide(text, ended))
+            text, ended = reply.text, reply.ended
 
     def decide(self, text: str, ended: str) -> tuple[str, dict[str, Any]]:
         """Return the next call, from a text and the reason of the last end."""
@@ -48,6 +47,10 @@ class Reader(Agent):
             return "go", {"bearing": off % 360, "seconds": 2.0, "stop_for": []}
         if "\nTarget: " in text and "not found yet" not in text:
             return "go", {"place": "target", "seconds": 30.0, "stop_for": []}
+        if "\nWeapon: " in text and (enemy := ENEMY.search(text)):
+            return "attack", {"agent": int(enemy[1]), "seconds": 8.0}
+        if " m OUTSIDE its edge" in text:
+            return "go", {"place": "zone", "seconds": 5.0, "stop_for": ["enemy"]}
         if ended == "arrived" and f"\nWave {self.goal}: supplies appeared" in text:
             self.visited = max(self.visited, self.goal)
         boxes = self.boxes(text)

@@ -16,7 +16,8 @@ from typing import Any
 import numba
 from numba.core.compiler_lock import global_compiler_lock
 
-from wildscav_engine.compilation.cache_folders import cache_folder, shipped_folder
+from wildscav_engine.compilation.caching.cache_folders import cache_folder, shipped_folder
+from wildscav_engine.compilation.caching.locks import locked
 from wildscav_engine.compilation.kernel_cache import KernelCache
 from wildscav_engine.compilation.linking import (
     BitcodeCache,
@@ -25,7 +26,6 @@ from wildscav_engine.compilation.linking import (
     LinkedCompiler,
     for_all_numbers,
 )
-from wildscav_engine.compilation.locks import locked
 from wildscav_engine.compilation.notice import notice
 from wildscav_engine.compilation.shortcuts import shortcuts
 

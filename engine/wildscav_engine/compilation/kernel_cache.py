@@ -17,7 +17,7 @@ from typing import Any
 from numba.core import caching
 from numba.core.runtime import nrt
 
-from wildscav_engine.compilation.levels import levels, processor_of
+from wildscav_engine.compilation.caching.levels import levels, processor_of
 from wildscav_engine.compilation.notice import notice
 
 # Annotated as Any, because Numba has no types for them.

@@ -16,8 +16,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import NamedTuple
 
-from wildscav_engine.compilation.cache_root import cache_root
-from wildscav_engine.compilation.locks import Lock
+from wildscav_engine.compilation.caching.cache_root import cache_root
+from wildscav_engine.compilation.caching.locks import Lock
 
 QUIET = "WILDSCAV_QUIET"
 MOMENT = 2.0  # s; shorter compilations are not reported

@@ -13,9 +13,9 @@ import subprocess
 import sys
 from contextlib import suppress
 
-from wildscav_engine.compilation.cache_folders import cache_folder, shipped_folder
+from wildscav_engine.compilation.caching.cache_folders import cache_folder, shipped_folder
+from wildscav_engine.compilation.caching.sources import PACKAGE
 from wildscav_engine.compilation.kernel import PLAIN
-from wildscav_engine.compilation.sources import PACKAGE
 from wildscav_engine.parallel.threads import cores
 
 # The functions that compile the most expensive kernels, and the file whose kernels are compiled last.

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from wildscav_engine.compilation.array_tables import ArrayTable, reader
+from wildscav_engine.compilation.tables.array_tables import ArrayTable, reader
 from wildscav_engine.geometry.world import empty_world
 from wildscav_engine.maps.game_map import GameMap
 

@@ -24,8 +24,8 @@ from typing import Any, Union, get_args, get_origin, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.cache_root import cache_root
-from wildscav_engine.compilation.sources import sources_digest
+from wildscav_engine.compilation.caching.cache_root import cache_root
+from wildscav_engine.compilation.caching.sources import sources_digest
 from wildscav_engine.maps import generate
 from wildscav_engine.maps.errors import MapError
 from wildscav_engine.maps.game_map import GENERATOR_VERSION, GameMap

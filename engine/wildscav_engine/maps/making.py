@@ -15,8 +15,8 @@ from threading import Thread
 from types import TracebackType
 from typing import IO, TypeVar, cast
 
-from wildscav_engine.compilation.cache_root import cache_root
-from wildscav_engine.compilation.locks import Lock
+from wildscav_engine.compilation.caching.cache_root import cache_root
+from wildscav_engine.compilation.caching.locks import Lock
 from wildscav_engine.compilation.notice import MapNotice
 from wildscav_engine.maps.cache import folder, load_cached, path_of, store
 from wildscav_engine.maps.errors import MapError

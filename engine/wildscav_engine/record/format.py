@@ -1,8 +1,9 @@
 """The record of a match: its spec and every action, small and exact.
 
 The file has the layout of ``storage/binary_format.py``. Its compressed payload holds the actions, (T, A,
-FIELDS) float32, then the digests, (T,) uint64. The checksum detects damage but not forgery. Forgery is
-detected by ``verify_record``, which re-simulates the match.
+FIELDS) float32, then the digests, (T,) uint64, then what seats were charged for thinking, (C, CHARGE) int64.
+The checksum detects damage but not forgery. Forgery is detected by ``verify_record``, which re-simulates the
+match.
 """
 
 import zlib
@@ -21,6 +22,7 @@ from wildscav_engine.simulation.setup.match_setup import seed_of_seat
 from wildscav_engine.specs.actions import FIELDS
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.specs.result import MatchResult
+from wildscav_engine.specs.thinking import CHARGE, SeatThinking, Thinking
 from wildscav_engine.specs.validation import one_line
 from wildscav_engine.storage.binary_format import BinaryFormatError, Layout, decompress, pack, unpack
 from wildscav_engine.storage.files import read_limited, write_whole
@@ -56,6 +58,7 @@ class Record:
     result: MatchResult
     actions: NDArray[np.float32]  # (T, A, FIELDS) as played, including those of robots
     digests: NDArray[np.uint64]  # (T,) of the state after each step
+    thinking: Thinking | None = None  # how much its seats thought; None if it was not measured
     version: int = RECORD_VERSION  # of the file that it was read from
 
     @property
@@ -82,6 +85,7 @@ def record_of(match: Match, names: Sequence[str]) -> Record:
         result=match.result(),
         actions=np.array(match.actions_played, np.float32).reshape(-1, match.seats, FIELDS),
         digests=np.array(match.digests, np.uint64),
+        thinking=match.thinking,
     )
 
 
@@ -100,7 +104,8 @@ def check_recordable(spec: MatchSpec) -> None:
     Raises:
         RecordError: It could.
     """
-    _, size = _array_bytes(spec.step_limit, len(spec.seats))
+    steps, seats = spec.step_limit, len(spec.seats)
+    size = sum(_array_bytes(steps, seats, steps * seats if spec.clock == "tokens" else 0))
     if size > ARRAYS_LIMIT:
         raise RecordError(
             f"a match of {spec.step_limit:,} steps with {len(spec.seats):,} seats has a record of up to "
@@ -131,6 +136,10 @@ def encode(record: Record) -> bytes:
         "steps": record.steps,
     }
     arrays = record.actions.astype("<f4").tobytes() + record.digests.astype("<u8").tobytes()
+    if record.thinking is not None:
+        seats, charges = record.thinking
+        header["thinking"] = {"seats": [one.model_dump() for one in seats], "charges": len(charges)}
+        arrays += charges.astype("<i8").tobytes()
     return pack(LAYOUT, header, zlib.compress(arrays, 6))
 
 
@@ -170,7 +179,7 @@ def _assemble(header: dict[str, Any], packed: memoryview) -> Record:
     """Build a record from header and payload, and check that they are consistent."""
     header.setdefault("simulation_version", 1)  # the first version wrote no number
     version = RECORD_VERSION if "seeds" in header else WITHOUT_SEEDS
-    if {*header, "seeds"} != HEADER_KEYS:
+    if {*header, "seeds"} - {"thinking"} != HEADER_KEYS:
         raise ValueError(f"its header has the keys {sorted(header)}, must have {sorted(HEADER_KEYS)}")
     spec = MatchSpec.model_validate(header["spec"])
     steps, seats = int(header["steps"]), len(spec.seats)
@@ -182,10 +191,11 @@ def _assemble(header: dict[str, Any], packed: memoryview) -> Record:
         raise ValueError(f"{len(names)} names for {seats} seats")
     if not 0 <= steps <= spec.step_limit:
         raise ValueError(f"{steps} steps, but the match has at most {spec.step_limit}")
-    action_bytes, size = _array_bytes(steps, seats)
-    if size > ARRAYS_LIMIT:
-        raise ValueError(f"its arrays would have {size} bytes, {ARRAYS_LIMIT} are allowed")
-    arrays = decompress(packed, size)
+    charges = _charges(header, steps * seats)
+    sizes = _array_bytes(steps, seats, charges)
+    if sum(sizes) > ARRAYS_LIMIT:
+        raise ValueError(f"its arrays would have {sum(sizes)} bytes, {ARRAYS_LIMIT} are allowed")
+    arrays, action_bytes = decompress(packed, sum(sizes)), sizes[0]
     actions = np.frombuffer(arrays, "<f4", action_bytes // 4).reshape(steps, seats, FIELDS)
     return Record(
         spec=spec,
@@ -198,11 +208,35 @@ def _assemble(header: dict[str, Any], packed: memoryview) -> Record:
         result=MatchResult.model_validate(header["result"]),
         actions=actions.astype(np.float32, copy=False),
         digests=np.frombuffer(arrays, "<u8", steps, action_bytes).astype(np.uint64, copy=False),
+        thinking=_thinking(header, seats, arrays, action_bytes + sizes[1]),
         version=version,
     )
 
 
-def _array_bytes(steps: int, seats: int) -> tuple[int, int]:
-    """Return the size in bytes of a record's actions, and that of actions and digests together."""
-    actions = steps * seats * FIELDS * 4
-    return actions, actions + steps * 8
+def _charges(header: dict[str, Any], most: int) -> int:
+    """Return how many charges a record has; a seat is charged at most once per step."""
+    charges = header["thinking"]["charges"] if "thinking" in header else 0
+    if type(charges) is not int or not 0 <= charges <= most:
+        raise ValueError(f"its charges are {charges!r}, must be a whole number from 0 to {most}")
+    return charges
+
+
+def _thinking(header: dict[str, Any], seats: int, arrays: bytearray, start: int) -> Thinking | None:
+    """Return how much the seats thought, whose charges begin somewhere in the arrays."""
+    if "thinking" not in header:
+        return None
+    if set(header["thinking"]) != {"seats", "charges"}:
+        raise ValueError(
+            f"its thinking has the keys {sorted(header['thinking'])}, must have charges and seats"
+        )
+    of_seats = tuple(SeatThinking.model_validate(one) for one in header["thinking"]["seats"])
+    numbers = [one.seat for one in of_seats]
+    if numbers != sorted(set(numbers)) or not all(number < seats for number in numbers):
+        raise ValueError(f"its thinking is of the seats {numbers}, must be different and below {seats}")
+    charges = np.frombuffer(arrays, "<i8", offset=start).reshape(-1, len(CHARGE))
+    return Thinking(of_seats, charges.astype(np.int64, copy=False))
+
+
+def _array_bytes(steps: int, seats: int, charges: int) -> tuple[int, int, int]:
+    """Return the sizes in bytes of a record's actions, digests and charges."""
+    return steps * seats * FIELDS * 4, steps * 8, charges * len(CHARGE) * 8

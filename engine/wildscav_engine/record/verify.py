@@ -5,9 +5,10 @@ from typing import NamedTuple
 
 from wildscav_engine.maps import GENERATOR_VERSION, MapError, map_of
 from wildscav_engine.maps.game_map import GameMap
+from wildscav_engine.record.charges import charge_fault
 from wildscav_engine.record.format import Record, RecordError
 from wildscav_engine.simulation.match import Match, MatchSetupError
-from wildscav_engine.version import ENGINE_VERSION, SIMULATION_VERSION
+from wildscav_engine.version import ENGINE_VERSION, SIMULATION_VERSION, advice
 
 
 class Verification(NamedTuple):
@@ -35,12 +36,12 @@ def resimulate(record: Record, game_map: GameMap | None = None) -> Iterator[Matc
     if record.simulation_version != SIMULATION_VERSION:
         raise RecordError(
             f"played with simulation version {record.simulation_version}, but this engine has "
-            f"version {SIMULATION_VERSION}: play it with the engine that made it ({record.engine_version})"
+            f"version {SIMULATION_VERSION}: {advice(record.engine_version)}"
         )
     if record.generator_version != GENERATOR_VERSION:
         raise RecordError(
             f"played on a map of generator version {record.generator_version}, but this engine has "
-            f"version {GENERATOR_VERSION}: play it with the engine that made it ({record.engine_version})"
+            f"version {GENERATOR_VERSION}: {advice(record.engine_version)}"
         )
     try:
         match = Match(record.spec, game_map if game_map is not None else map_of(record.spec.map))
@@ -74,6 +75,8 @@ def verify_record(record: Record, game_map: GameMap | None = None) -> Verificati
                 return Verification(False, step, f"step {step}: the state differs")
     except RecordError as error:
         return Verification(False, None, str(error))
+    if fault := charge_fault(record):
+        return Verification(False, *fault)
     if match.result() != record.result:
         return Verification(False, None, "the result differs from that of the match")
     if not match.over:

@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.array_tables import Addresses, addresses_of, reader
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.compilation.passed_tables import ADDRESS, COLUMNS, ITEM, ROWS
+from wildscav_engine.compilation.tables.array_tables import Addresses, addresses_of, reader
 from wildscav_engine.rendering.tracing.scene_arrays import Shapes
 from wildscav_engine.rendering.tracing.solids import Solids, all_shapes_of
 

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.kernel import kernel_beside
+from wildscav_engine.compilation.tables.array_tables import Addresses
 from wildscav_engine.sensors.base import Sight, StateSensor
 from wildscav_engine.simulation.state import Agents, Matches, agents_at, matches_at
 

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wildscav_engine.compilation.array_tables import Addresses, ArrayTable
-from wildscav_engine.compilation.row_copy import clear_rows, fills_of
+from wildscav_engine.compilation.tables.array_tables import Addresses, ArrayTable
+from wildscav_engine.compilation.tables.row_copy import clear_rows, fills_of
 from wildscav_engine.maps import MapError, map_of
 from wildscav_engine.maps.bank import MapBank
 from wildscav_engine.maps.game_map import GameMap

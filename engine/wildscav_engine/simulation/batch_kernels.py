@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.array_tables import Addresses, number_reader, reader, row_reader
 from wildscav_engine.compilation.kernel import kernel, specialize
+from wildscav_engine.compilation.tables.array_tables import Addresses, number_reader, reader, row_reader
 from wildscav_engine.maps.bank import world_at
 from wildscav_engine.simulation.state import allocate_state, matches_at
 from wildscav_engine.simulation.step import let_robots_decide, play_step, resolve_actions

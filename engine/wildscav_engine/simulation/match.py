@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wildscav_engine.compilation.array_tables import Addresses
+from wildscav_engine.compilation.tables.array_tables import Addresses
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.simulation.batch import Batch, check_actions
 from wildscav_engine.simulation.setup.match_setup import MatchSetupError, WaveInfo, seed_of_seat
@@ -18,6 +18,7 @@ from wildscav_engine.simulation.track import Track, measured
 from wildscav_engine.specs.actions import FIELDS, no_actions
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.specs.result import MatchResult, SeatResult
+from wildscav_engine.specs.thinking import Thinking
 
 __all__ = ["Match", "MatchSetupError", "StartInfo", "StateError", "WaveInfo"]
 
@@ -52,6 +53,7 @@ class Match:
         self.digests: list[int] = []
         # What seats are told as their private seed, in place of the one that follows from the spec.
         self.seeds: Mapping[int, int] = {}
+        self.thinking: Thinking | None = None  # how much its seats thought, if its host measured it
 
     @property
     def track(self) -> Track:

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.passed_tables import ITEM, LENGTH
-from wildscav_engine.compilation.row_copy import copy_row
+from wildscav_engine.compilation.tables.array_tables import Addresses
+from wildscav_engine.compilation.tables.row_copy import copy_row
 from wildscav_engine.maps import GENERATOR_VERSION, GameMap, MapError, map_of
 from wildscav_engine.simulation.state import Agents, Extent, Matches, Supplies, axes_of
 from wildscav_engine.simulation.systems.visibility import Seen

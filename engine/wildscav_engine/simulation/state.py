@@ -15,8 +15,8 @@ from typing import Annotated, Any, NamedTuple, TypeAlias, TypeVar, get_args, get
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.array_tables import ArrayTable, reader, values_reader
 from wildscav_engine.compilation.passed_tables import pass_as_table
+from wildscav_engine.compilation.tables.array_tables import ArrayTable, reader, values_reader
 
 NOBODY = -1  # in place of a seat
 NOT_ELIMINATED = -1  # in place of the frame of an elimination

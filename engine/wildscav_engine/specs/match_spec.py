@@ -10,6 +10,7 @@ from wildscav_engine.specs.base import Seed, Spec
 from wildscav_engine.specs.map_spec import MapSpec
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND, Rules, RulesField
 from wildscav_engine.specs.supply_config import SupplyConfig
+from wildscav_engine.specs.thinking import ClockName, ThinkingPrice, check_price
 from wildscav_engine.specs.zone_config import ZoneConfig
 
 Position = tuple[float, float, float]  # x, y, z in m
@@ -103,14 +104,14 @@ class MatchSpec(Spec):
     rules: RulesField = Rules()
     # Metrics from packages, by name, that are measured in addition to those of the track.
     metrics: Annotated[tuple[str, ...], Field(max_length=20)] = ()
-    # Agents' time: a budget for each step and a bank, or the match stands still until all have answered.
-    clock: Literal["bank", "paused"] = "bank"
+    clock: ClockName = "bank"
+    thinking: ThinkingPrice = ThinkingPrice()
 
     @model_serializer(mode="wrap")
     def _omit_later_defaults(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
         """Omit later fields that have no effect, so that records and digests of older specs do not change."""
         fields: dict[str, Any] = serialize(self)
-        for name in ("metrics", "clock"):
+        for name in ("metrics", "clock", "thinking"):
             if getattr(self, name) == MatchSpec.model_fields[name].default:
                 fields.pop(name, None)
         return fields
@@ -119,6 +120,11 @@ class MatchSpec(Spec):
     def frame_limit(self) -> int:
         """The maximum number of frames of the match."""
         return max(1, round(self.time_limit * FRAMES_PER_SECOND))
+
+    @property
+    def step_time(self) -> float:
+        """Game time of one step, s."""
+        return self.frames_per_action / FRAMES_PER_SECOND
 
     @property
     def step_limit(self) -> int:
@@ -179,6 +185,11 @@ class MatchSpec(Spec):
                 raise ValueError(f"metric {name!r} is already one of the track {self.track}")
         if len(set(self.metrics)) < len(self.metrics):
             raise ValueError("metrics lists a metric twice")
+        return self
+
+    @model_validator(mode="after")
+    def _price_is_of_the_clock(self) -> Self:
+        check_price(self.clock, self.thinking)
         return self
 
     @model_validator(mode="after")

@@ -20,9 +20,11 @@ from wildscav_evaluator.output.results import (
     KeptLimits,
     MatchTiming,
     MetricInfo,
+    Overall,
     Results,
     SeatTiming,
     Summary,
+    with_interface,
 )
 from wildscav_evaluator.scores.leaderboard import ranked
 from wildscav_evaluator.scores.number_format import NOTHING, number
@@ -38,6 +40,10 @@ UNITS = ((1 << 30, "GiB"), (1 << 20, "MiB"), (1 << 10, "KiB"))
 MAX_OPPONENTS = 8  # in the table of pairs; the picture and the file have all
 MAX_ROWS = 100  # of the standings; the file has all
 LETTERS = 26
+OVERALL_LEGEND = (
+    "Across tracks, random has 0 and the suite's reference on each track 1. IQM is the mean of the middle "
+    "half of all matches. The mean decides the rank."
+)
 RATING_LEGEND = (
     "Entrants that share a letter cannot be told apart. Ratings are on the scale of Elo: 400 more are odds "
     "of 10 : 1. Wins are first places, + shared ones."
@@ -62,9 +68,25 @@ def track_table(results: Results, track: str) -> Table:
 def evaluation_cells(rank: int | None, one: Evaluation) -> Iterator[Text | str]:
     """Yield the cells of an evaluation in a table of standings."""
     yield NOTHING if rank is None else str(rank)
-    yield f"{one.submission} {one.version}"
+    yield one.title
     yield from metric_cells(one.metrics, one.summary)
     yield fault_cell(one.faults, len(one.matches))
+
+
+def overall_table(title: str, rows: Iterable[tuple[int, Overall]]) -> Table:
+    """Return the table of submissions across all tracks, each with its rank; best first."""
+    table, ranked_rows = ranking_table(f"all tracks · {title}"), list(rows)
+    add_columns(table, "mean ↑", "95 %\ninterval", "IQM ↑")
+    add_columns(table, *(f"{track[:4]}.\n↑" for track in ranked_rows[0][1].tracks))
+    for rank, one in ranked_rows:
+        table.add_row(
+            str(rank),
+            f"{one.submission} {one.version}",
+            Text(f"{one.mean.value:.2f}", "bold"),
+            f"{one.mean.low:.2f} to {one.mean.high:.2f}",
+            *(f"{each.value:.2f}" for each in (one.iqm, *one.tracks.values())),
+        )
+    return table
 
 
 def plain_table(title: str) -> Table:
@@ -138,7 +160,7 @@ def standings_table(tournament: "Tournament") -> Table:
         table.add_row(
             one.ranks,
             "".join(map(letters, one.bands)),
-            one.entrant,
+            with_interface(one.entrant, entry.interface),
             Text.assemble((f"{one.rating:.0f}", "bold"), _interval(one)),
             f"{one.matches:,}",
             one.first_places,

@@ -1,14 +1,53 @@
 """The agents of one match while it is played: starting, watching and ending them together."""
 
 import asyncio
+import contextlib
+import time
+from collections.abc import Callable
+from functools import partial
 
 from wildscav_evaluator.model_gateway.gateway import ModelGateway
 from wildscav_evaluator.sandbox import Ending, Launch, RunningAgent, Sandbox
+from wildscav_evaluator.sandbox.agents.agent_process import AgentProcess
 from wildscav_evaluator.sandbox.processor_waits import INTERVAL
 from wildscav_server.hosting.hosted_match import HostedMatch
 from wildscav_server.hosting.reports import SeatStatus
+from wildscav_server.thinking import Spent
 
 METER_TRIES = 40  # to find the processes of a container, which start a moment later
+
+
+class AgentSpending:
+    """What one agent spends on thinking. See ``wildscav_server.thinking.Spending``.
+
+    Args:
+        tokens: Returns how many tokens its model has written so far.
+    """
+
+    def __init__(self, tokens: Callable[[], int] = lambda: 0) -> None:
+        self._tokens = tokens
+        self._processor: Callable[[], float] = lambda: 0.0
+        self._before = self._ran = 0.0  # s
+
+    def measure(self, processor: Callable[[], float]) -> None:
+        """Count from now on what a function says that the agent's threads have run, s."""
+        with contextlib.suppress(OSError):
+            self._before, self._processor = processor(), processor
+
+    def spent(self) -> Spent:
+        """Return what it has spent so far."""
+        with contextlib.suppress(OSError):  # it has ended
+            self._ran = max(self._ran, self._processor() - self._before)
+        return Spent(self._tokens(), self._ran)
+
+
+def process_time(process: int) -> float:
+    """Return how long the threads of a process have run, s, without its children.
+
+    Raises:
+        OSError: It has ended, or the system does not say so.
+    """
+    return time.clock_gettime((~process << 3) | 2)  # as clock_getcpuclockid(3) numbers its clock
 
 
 class MatchAgents:
@@ -35,15 +74,20 @@ class MatchAgents:
         agent = await self._sandbox.start(launch)
         self._running[seat] = agent
         self._watchers[seat] = asyncio.create_task(self._watch(seat, agent))
-        self._metering.append(asyncio.create_task(self._measure(seat, agent)))
+        spending = AgentSpending() if self.model is None else AgentSpending(partial(self.model.written, seat))
+        self._hosted.charge_by(seat, spending)
+        if isinstance(agent, AgentProcess) and not self._sandbox.isolated:
+            spending.measure(partial(process_time, agent.pid))
+        self._metering.append(asyncio.create_task(self._measure(seat, agent, spending)))
         self._hosted.launched(seat)
 
-    async def _measure(self, seat: int, agent: RunningAgent) -> None:
-        """Measure an agent's waits for a processor while it runs, if its sandbox can."""
+    async def _measure(self, seat: int, agent: RunningAgent, spending: AgentSpending) -> None:
+        """Measure an agent's processor time and waits for a processor while it runs, if its sandbox can."""
         for _ in range(METER_TRIES if self._sandbox.isolated else 0):
             meter = await asyncio.to_thread(agent.meter)
             if meter is not None:
                 self._hosted.measure(seat, meter)
+                spending.measure(meter.ran)
                 await meter.run()
             await asyncio.sleep(INTERVAL)
 

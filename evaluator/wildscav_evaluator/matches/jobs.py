@@ -108,7 +108,7 @@ class Job:
 
 def sensors_read(jobs: Sequence[Job]) -> list[Wanted]:
     """Return the sensors that the agents and the replays of some matches read."""
-    wanted = {one.folder: one.manifest.sensors for job in jobs for one in job.submissions}
+    wanted = {one.folder: one.sensors for job in jobs for one in job.submissions}
     replayed = [REPLAYED] if any(job.replay for job in jobs) else []
     return [*wanted.values(), *replayed]
 

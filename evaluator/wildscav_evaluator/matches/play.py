@@ -15,6 +15,7 @@ from wildscav.errors import SensorError, UserError, WildscavError, describe
 from wildscav.terminal.console import counted
 from wildscav_engine.simulation.match import Match, MatchSetupError
 from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_evaluator.bridge.process import bridged
 from wildscav_evaluator.matches.agents import MatchAgents, status_of
 from wildscav_evaluator.model_gateway.gateway import ModelGateway, open_gateway
 from wildscav_evaluator.model_gateway.settings import ModelSettings
@@ -193,7 +194,7 @@ async def agents_at_play(
                 seating.spec,
                 names=seating.names,
                 sensors={
-                    seat: submission.manifest.sensors
+                    seat: submission.sensors
                     for seat, submission in zip(seating.seats, seating.submissions, strict=True)
                 },
                 seeds=dict(zip(seating.seats, seating.seeds, strict=False)),
@@ -207,13 +208,17 @@ async def agents_at_play(
             agents = MatchAgents(hosted, sandbox, model)
             try:
                 entries = zip(seating.seats, seating.submissions, seating.logs, addresses, strict=True)
-                for seat, submission, log, address in entries:
-                    token = hosted.tokens[seat]
-                    launch = launch_for(submission, address, token, log, seating.limits, hosted)
-                    if model is not None:
-                        launch = replace(launch, model=model.address(seat))
-                    await agents.start(seat, launch)
-                yield hosted, agents
+                launches = {
+                    seat: replace(
+                        launch_for(submission, address, hosted.tokens[seat], log, seating.limits, hosted),
+                        model=None if model is None else model.address(seat),
+                    )
+                    for seat, submission, log, address in entries
+                }
+                async with bridged(launches, hosted) as behind:
+                    for seat, launch in behind.items():
+                        await agents.start(seat, launch)
+                    yield hosted, agents
             finally:
                 hosted.cancel()
                 await agents.stop()
@@ -258,6 +263,7 @@ def launch_for(
         token=token,
         log=log,
         limits=limits,
+        interface=submission.manifest.interface,
         start_limit=None if hosted is None else hosted.clock.join_timeout,
         lasts=MARGIN if hosted is None else hosted.clock.deadline(hosted.match.spec),
     )

@@ -39,6 +39,10 @@ class Accounts:
         """Return the tokens of a seat's prompts and answers so far."""
         return self._read(seat, PROMPT) + self._read(seat, ANSWER)
 
+    def written(self, seat: int) -> int:
+        """Return the tokens of the answers to a seat so far."""
+        return self._read(seat, ANSWER)
+
     def is_over(self, seat: int) -> bool:
         """Return whether a seat's budget has refused a request."""
         return bool(self._read(seat, OVER))

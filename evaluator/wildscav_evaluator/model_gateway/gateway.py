@@ -42,9 +42,9 @@ class ModelGateway:
         """Return the address at which a seat finds the model."""
         return f"unix:{self._folders[seat] / SOCKET}"
 
-    def tokens(self, seat: int) -> int:
-        """Return the tokens of a seat's prompts and answers so far, with those of the last answer it got."""
-        return self._accounts.tokens(seat)
+    def written(self, seat: int) -> int:
+        """Return the tokens that the model has written for a seat, with those of the last answer it got."""
+        return self._accounts.written(seat)
 
     def is_over(self, seat: int) -> bool:
         """Return whether a seat's budget has refused a request."""

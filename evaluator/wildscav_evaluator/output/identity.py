@@ -12,25 +12,35 @@ from pydantic import Field
 
 from wildscav.errors import UserError
 from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_engine.specs.thinking import ClockChoice
 from wildscav_evaluator.bounds import MAX_ROUNDS
-from wildscav_evaluator.output.json_files import FileModel, FileModelError, WithOptionalFields
+from wildscav_evaluator.output.json_files import FileModelError, WithOptionalFields
 from wildscav_evaluator.output.layout import IDENTITY_FILE
-from wildscav_evaluator.output.results import KeptLimits, ModelTerms, TournamentSettings, Versions
+from wildscav_evaluator.output.results import (
+    KeptLimits,
+    ModelTerms,
+    OtherInterface,
+    TournamentSettings,
+    Versions,
+)
 
 
-class Entrant(FileModel):
+class Entrant(WithOptionalFields):
     """A submission that is evaluated."""
+
+    omitted = ("interface",)
 
     name: str
     version: str
     digest: str  # of the submission's folder
     tracks: tuple[str, ...]  # the evaluation's tracks that it plays
+    interface: OtherInterface | None = None  # by which it plays; omitted for numbers
 
 
 class Identity(WithOptionalFields):
     """Everything that the results of an evaluation depend on, and so not how many matches run at once."""
 
-    omitted = ("tournament", "model")
+    omitted = ("tournament", "clock", "model")
 
     format: Literal[2] = 2
     versions: Versions
@@ -46,6 +56,7 @@ class Identity(WithOptionalFields):
     key: str | None = None  # public key of the organizer who signs the ledger, 64 hexadecimal digits
     model: ModelTerms | None = None  # that seats may ask; omitted if there is none
     tournament: TournamentSettings | None = None  # omitted if submissions are evaluated one by one
+    clock: ClockChoice | None = None  # of all matches; omitted if they have the suite's own
 
 
 def digest_of(specs: Iterable[MatchSpec]) -> str:

@@ -14,6 +14,7 @@ from wildscav.errors import UserError
 from wildscav_engine import ENGINE_VERSION, SIMULATION_VERSION
 from wildscav_engine.maps import GENERATOR_VERSION
 from wildscav_engine.record import RECORD_VERSION
+from wildscav_engine.specs.thinking import ClockChoice
 from wildscav_evaluator.bounds import MAX_EVALUATIONS, MAX_ROUNDS
 from wildscav_evaluator.output.json_files import FileModel, FileModelError, WithOptionalFields
 from wildscav_evaluator.output.layout import RESULTS_FILE
@@ -23,9 +24,11 @@ SCHEDULE_VERSION = 2  # rises whenever the same settings and seed give another s
 Count = Annotated[int, Field(ge=1, le=1000)]
 FORMAT = 2
 
+BROWSER = "browser"  # the sandbox of people, who play there
 FINISHED, FAILED = "finished", "failed"  # status of a seat, and of a match that could not be played
 
 Fault = Literal["agent", "platform"]
+OtherInterface = Literal["words", "keys"]  # than numbers
 
 
 class TournamentSettings(FileModel):
@@ -164,16 +167,24 @@ def mean_metrics(seats: Sequence[dict[str, float]]) -> dict[str, float]:
     return {name: math.fsum(seat[name] for seat in seats) / len(seats) for name in seats[0]}
 
 
-class Evaluation(FileModel):
+class Evaluation(WithOptionalFields):
     """One entrant on one track: a submission, or a robot in a tournament."""
+
+    omitted = ("interface",)
 
     submission: str
     version: str
     digest: str  # of the submission's folder
+    interface: OtherInterface | None = None  # by which it plays; omitted for numbers
     track: str
     metrics: tuple[MetricInfo, ...]  # the first is the score
     matches: tuple[MatchRow, ...]
     summary: dict[str, Summary]  # by metric; empty if no match was played
+
+    @property
+    def title(self) -> str:
+        """Its name and version, and its interface unless it plays by numbers."""
+        return with_interface(f"{self.submission} {self.version}", self.interface)
 
     @property
     def score(self) -> Summary | None:
@@ -184,6 +195,29 @@ class Evaluation(FileModel):
     def faults(self) -> int:
         """Matches in which something went wrong."""
         return sum(row.fault is not None for row in self.matches)
+
+
+def with_interface(name: str, interface: OtherInterface | None) -> str:
+    """Return an entrant's name in a table, with its interface unless it plays by numbers."""
+    return name if interface is None else f"{name} ({interface})"
+
+
+class Estimate(FileModel):
+    """A value with its bootstrap 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+
+
+class Overall(FileModel):
+    """One submission across all tracks of a suite, by scores of which ``random`` has 0 and a reference 1."""
+
+    submission: str
+    version: str
+    mean: Estimate  # of the tracks' means
+    iqm: Estimate  # the mean of the middle half of all matches
+    tracks: dict[str, Estimate]  # the mean on each
 
 
 class SeatTiming(FileModel):
@@ -197,6 +231,10 @@ class SeatTiming(FileModel):
     late_for_platform: tuple[int, ...] = Field(default=(), exclude=True)
     credited: float | None = None  # s of waiting for a processor that its bank did not pay; None if unknown
     dropped_actions: int = 0  # answers that arrived after their step was over
+    held_steps: int = 0  # steps that were played with its last action, because it thought
+    charged_steps: int = 0  # of those, the steps that its thoughts cost
+    tokens: int = 0  # that its model wrote
+    processor: float = 0.0  # s that its threads ran, as far as its sandbox counts them
     time_used: float  # s, of all steps
     latency_p50: float  # s from an observation sent to its answer received
     latency_p99: float  # s
@@ -262,7 +300,7 @@ class ModelTerms(FileModel):
 class Results(WithOptionalFields):
     """An evaluation of some submissions on some tracks, or a tournament among them on one track."""
 
-    omitted = ("tournament", "model")
+    omitted = ("tournament", "clock", "model", "overall")
 
     format: Literal[2] = 2
     versions: Versions  # by which it was played
@@ -275,7 +313,10 @@ class Results(WithOptionalFields):
     key: str | None = None  # public key of the ledger's signatures, 64 hexadecimal digits
     model: ModelTerms | None = None  # that seats could ask; omitted if there was none
     tournament: TournamentSettings | None = None  # omitted if submissions were evaluated one by one
+    clock: ClockChoice | None = None  # of all matches; omitted if they had the suite's own
     evaluations: Annotated[tuple[Evaluation, ...], Field(max_length=MAX_EVALUATIONS)]
+    # Of the submissions that played all tracks; omitted where the suite has no scale across tracks.
+    overall: Annotated[tuple[Overall, ...], Field(max_length=MAX_EVALUATIONS)] | None = None
     timings: Timings
 
     @property

@@ -11,6 +11,7 @@ from wildscav_evaluator.output import results
 from wildscav_evaluator.output.identity import Entrant, Identity, digest_of
 from wildscav_evaluator.output.results import metric_infos
 from wildscav_evaluator.plans.plan import Plan, evaluation_of
+from wildscav_evaluator.scores.overall import overall_of
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_evaluator.suites.suite import matches_in_rounds
 
@@ -24,7 +25,7 @@ class EvaluationPlan(Plan):
     @property
     def title(self) -> str:
         """A short description of what is evaluated."""
-        return f"suite {self.suite.label} · seed {self.seed.label} · sandbox {self.sandbox}"
+        return f"{self.matches_of} · seed {self.seed.label} · sandbox {self.sandbox}"
 
     def entries(self) -> Iterator[tuple[str, Submission]]:
         """Yield every track with every submission that plays it."""
@@ -87,10 +88,12 @@ class EvaluationPlan(Plan):
         """Return the results of all matches; the order in which they were played does not matter."""
         # In the order of the suite.
         done = sorted(done, key=lambda one: (one.job.track, str(one.job.evaluated), one.job.index))
+        evaluations = tuple(self._evaluation(track, one, done) for track, one in self.entries())
         return results.Results(
             **self.conditions(self.tracks),
             seed=None if self.seed.commitment else self.seed.value,
-            evaluations=tuple(self._evaluation(track, one, done) for track, one in self.entries()),
+            evaluations=evaluations,
+            overall=overall_of(self.suite, evaluations),
             timings=self.timings(done),
         )
 

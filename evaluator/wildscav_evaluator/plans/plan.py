@@ -72,6 +72,12 @@ class Plan(ABC):
         """Return the results of all matches; the order in which they were played does not matter."""
 
     @property
+    def matches_of(self) -> str:
+        """The suite of its matches, with their clock if that is not the suite's, in a few words."""
+        clock = "" if self.suite.clock is None else f" · clock {self.suite.clock}"
+        return f"suite {self.suite.label}{clock}"
+
+    @property
     def public_key(self) -> str | None:
         """The public half of the key, 64 hexadecimal digits."""
         return None if self.key is None else self.key.public
@@ -86,6 +92,7 @@ class Plan(ABC):
             "sandbox": self.sandbox,
             "limits": self.kept_limits(tracks),
             "key": self.public_key,
+            "clock": self.suite.clock,
             "model": None if self.model is None else ModelTerms.about(self.model),
         }
 
@@ -131,6 +138,7 @@ def evaluation_of(
         submission=one.name,
         version=version,
         digest=one.digest,
+        interface=one.interface,
         track=track,
         metrics=metrics,
         matches=matches,

@@ -34,7 +34,7 @@ class TournamentPlan(Plan):
     def title(self) -> str:
         """A short description of what is played."""
         return (
-            f"tournament of {len(self.entrants)} on {self.track} · suite {self.suite.label} · "
+            f"tournament of {len(self.entrants)} on {self.track} · {self.matches_of} · "
             f"seed {self.seed.label} · sandbox {self.sandbox}"
         )
 
@@ -42,8 +42,7 @@ class TournamentPlan(Plan):
     def entrants(self) -> tuple[Entrant, ...]:
         """The entrants, sorted by name."""
         submissions = [
-            Entrant(name=one.name, version=one.manifest.version, digest=one.digest, tracks=(self.track,))
-            for one in self.submissions
+            Entrant.about(one, version=one.manifest.version, tracks=(self.track,)) for one in self.submissions
         ]
         robots = [
             Entrant(name=robot_entrant(robot), version=ENGINE_VERSION, digest="", tracks=(self.track,))

@@ -22,13 +22,14 @@ class Launch:
 
     folder: Path  # of the submission; the agent's working directory, which it cannot change
     entry_point: str  # "module:Class"; empty if it has a command
-    address: str  # of the match server: "unix:/path" of the socket of this seat
+    address: str  # of the match server, or of the bridge to it: "unix:/path" of the socket of this seat
     token: str  # of the seat
     log: Path  # the file for the agent's output
     limits: Limits = field(default=DEFAULT_LIMITS)
     image: str | None = None  # of a submission that was built into an image or is one
     command: tuple[str, ...] = ()  # to run instead of Python
     start_limit: float | None = None  # s that the agent has to start up
+    interface: str = "numbers"  # by which it plays: "numbers", "words" or "keys"
     lasts: float = MARGIN  # s from its start after which the sandbox ends it, because its match hangs
     model: str | None = None  # the address of this seat's gateway to a model: "unix:/path"
 

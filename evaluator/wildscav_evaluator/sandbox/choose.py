@@ -20,6 +20,7 @@ from wildscav_server import leftovers
 
 BOOT = Path("/proc/sys/kernel/random/boot_id")
 ENGINE = ("WILDSCAV_ENGINE", "DOCKER_HOST", "CONTAINER_HOST")  # variables that say who runs containers
+OF_LINUX = ("oci", "bubblewrap")  # sandboxes that build on namespaces, control groups and seccomp
 PROGRAMS = ("podman", "docker", "runc", "crun", "bwrap", "setpriv")
 
 
@@ -75,6 +76,8 @@ def missing_promises(sandbox: Sandbox, limits: Limits) -> str:
     """
     if not sandbox.isolated:
         return ""
+    if sandbox.name in OF_LINUX and sys.platform != "linux":
+        return f"it needs Linux, and this system is {sys.platform}"
     memory = _memory(sandbox, limits)
     if memory.exists():
         return ""

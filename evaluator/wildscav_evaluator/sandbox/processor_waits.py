@@ -105,6 +105,16 @@ class GroupMeter:
         since, now = self._since, self._read_or_none()
         return 0.0 if since is None or now is None else waited_for_others(since, now)
 
+    def ran(self) -> float:
+        """Return how long the agent's threads have run so far, s; children that have ended are included.
+
+        Raises:
+            OSError: The group is gone.
+        """
+        if not self._counters:
+            raise OSError("the control group is not measured any more")
+        return self._group.used([os.pread(file, LONGEST_FILE, 0) for file in self._counters])[0]
+
     def _read_or_none(self) -> Reading | None:
         try:
             return self._read() if self._counters else None

@@ -29,14 +29,27 @@ from wildscav_evaluator.scores.expected_matches import (
     kind_of,
     known_seed,
     match_counts,
+    played_suite,
 )
+from wildscav_evaluator.scores.overall import overall_of
 from wildscav_evaluator.scores.rescore import Replayed, disagreements
 from wildscav_evaluator.seats import robot_entrant, submission_seats
 from wildscav_evaluator.tournaments.tournament_file import check_tournament
 
 MAX_NAMED = 20  # missing matches that are named individually
 # In both files.
-SAME = ("versions", "suite", "commitment", "rounds", "sandbox", "limits", "key", "model", "tournament")
+SAME = (
+    "versions",
+    "suite",
+    "commitment",
+    "rounds",
+    "sandbox",
+    "limits",
+    "key",
+    "tournament",
+    "clock",
+    "model",
+)
 
 
 @dataclass(frozen=True)
@@ -101,6 +114,7 @@ def discrepancies(folder: AuditedFolder, replayed: Sequence[Replayed], recompute
     if settings is not None and expected is None:
         yield from deviations(folder.reported, settings, replayed, max(counts.values(), default=0))
     yield from disagreements(replayed, folder.reported, recomputed.evaluations, judge)
+    yield from _of_overall(folder, recomputed)
     yield from _of_versions(folder.reported, replayed)
     yield from _of_seeds(folder, replayed)
     yield from _of_ledger(folder)
@@ -125,9 +139,13 @@ def _of_identity(folder: AuditedFolder) -> Iterator[str]:
     if reported.seed_label != identity.seed:
         yield f"{RESULTS_FILE} says seed {reported.seed_label}, {IDENTITY_FILE} {identity.seed}"
     entered = {
-        (track, one.name): (one.version, one.digest) for one in identity.submissions for track in one.tracks
+        (track, one.name): (one.version, one.digest, one.interface)
+        for one in identity.submissions
+        for track in one.tracks
     }
-    listed = {(one.track, one.submission): (one.version, one.digest) for one in reported.evaluations}
+    listed = {
+        (one.track, one.submission): (one.version, one.digest, one.interface) for one in reported.evaluations
+    }
     for track, name in sorted(entered.keys() | listed.keys()):
         who = f"{name} on {track}"
         if (track, name) not in listed:
@@ -135,7 +153,7 @@ def _of_identity(folder: AuditedFolder) -> Iterator[str]:
         elif (track, name) not in entered:
             yield f"{who}: there are results, but {IDENTITY_FILE} does not name it as an entrant"
         elif listed[track, name] != entered[track, name]:
-            yield f"{who}: {RESULTS_FILE} and {IDENTITY_FILE} name different versions or files of it"
+            yield f"{who}: {RESULTS_FILE} and {IDENTITY_FILE} name another version, files or interface"
 
 
 def _shown(part: Results | Identity, name: str) -> str:
@@ -224,6 +242,14 @@ def _of_row(folder: AuditedFolder, evaluation: Evaluation, row: MatchRow) -> Ite
             f"{who}: there is no record of it; only a ledger that the organizer signed (--key) "
             "can prove that the platform failed"
         )
+
+
+def _of_overall(folder: AuditedFolder, recomputed: Results) -> Iterator[str]:
+    """Compare the ratings across tracks with those that follow from the scores."""
+    if folder.reported.tournament is None:
+        suite = played_suite(folder.out, folder.reported)
+        if folder.reported.overall != overall_of(suite, recomputed.evaluations):
+            yield f"the ratings across tracks in {RESULTS_FILE} are not those that the records give"
 
 
 def _of_versions(reported: Results, replayed: Sequence[Replayed]) -> Iterator[str]:

@@ -8,13 +8,15 @@ from typing import Literal
 import numpy as np
 
 from wildscav.errors import UserError
-from wildscav_evaluator.output.json_files import FileModel, FileModelError
+from wildscav_engine.specs.thinking import ClockChoice
+from wildscav_evaluator.output.json_files import FileModel, FileModelError, WithOptionalFields
 from wildscav_evaluator.output.layout import COMPARISON_FILE, RESULTS_FILE
 from wildscav_evaluator.output.numbered_folders import NUMBERED, identity_in, numbered
 from wildscav_evaluator.output.results import (
     Evaluation,
     KeptLimits,
     MetricInfo,
+    OtherInterface,
     Results,
     Versions,
     read_results,
@@ -41,12 +43,16 @@ class Difference(FileModel):
     verdict: Verdict  # which submission is better
 
 
-class Comparison(FileModel):
+class Comparison(WithOptionalFields):
     """Two submissions on one track."""
+
+    omitted = ("interfaces",)
 
     track: str
     first: str
     second: str
+    # By which they play; omitted if it is the same.
+    interfaces: tuple[OtherInterface | None, OtherInterface | None] | None = None
     pairs: int  # matches for which both have a result
     dropped: int  # matches for which one of them has none, by the platform's fault
     differences: tuple[Difference, ...]  # by metric; the first is the score
@@ -57,8 +63,10 @@ class Comparison(FileModel):
         return self.differences[0].verdict if self.differences else "too few"
 
 
-class Comparisons(FileModel):
+class Comparisons(WithOptionalFields):
     """The file of a comparison."""
+
+    omitted = ("clock",)
 
     format: Literal[2] = 2
     versions: Versions  # with which they were played
@@ -67,6 +75,7 @@ class Comparisons(FileModel):
     rounds: int
     sandbox: str  # in which agents ran
     limits: dict[str, KeptLimits]  # of each agent in it, by track
+    clock: ClockChoice | None = None  # of all matches; omitted if they had the suite's own
     comparisons: tuple[Comparison, ...]
 
 
@@ -95,6 +104,7 @@ def compare_evaluations(first: Evaluation, second: Evaluation) -> Comparison:
         track=first.track,
         first=first.submission,
         second=second.submission,
+        interfaces=None if first.interface == second.interface else (first.interface, second.interface),
         pairs=len(pairs),
         dropped=max(len(first.matches), len(second.matches)) - len(pairs),
         differences=tuple(_differences(first.metrics, pairs)) if pairs else (),
@@ -189,6 +199,7 @@ def changes_since_last(results: Results, out: Path) -> tuple[Change, ...]:
                 now is None
                 or key in changes
                 or then.digest == now.digest
+                or then.interface != now.interface
                 or not _same(earlier, results, then)
             ):
                 continue
@@ -219,7 +230,7 @@ def _earlier(results: Results, out: Path) -> Iterator[tuple[Path, Results]]:
 
 def _same(earlier: Results, now: Results, on: Evaluation) -> bool:
     """Return whether two evaluations played the same matches of a track, under the same conditions."""
-    return (
-        (earlier.versions, earlier.suite, earlier.seed, earlier.commitment, earlier.rounds, earlier.sandbox)
-        == (now.versions, now.suite, now.seed, now.commitment, now.rounds, now.sandbox)
-    ) and (earlier.limits.get(on.track), earlier.model) == (now.limits.get(on.track), now.model)
+    same = ("versions", "suite", "seed", "commitment", "rounds", "sandbox", "clock", "model")
+    if any(getattr(earlier, name) != getattr(now, name) for name in same):
+        return False
+    return earlier.limits.get(on.track) == now.limits.get(on.track)

@@ -1,6 +1,7 @@
 """The matches that an evaluation should have played, from the suite and the seed in its output folder."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -153,11 +154,11 @@ def played_suite(out: Path, reported: Results) -> Suite:
     if name in SUITES and not (out / SUITE_FILE).exists():
         if SUITES[name].label != reported.suite:
             raise UserError(f"{reported.suite} was played, but installed is {SUITES[name].label}")
-        return SUITES[name]
+        return replace(SUITES[name], clock=reported.clock)
     suite = read_suite(out / SUITE_FILE)
     if suite.label != reported.suite:
         raise UserError(f"{out / SUITE_FILE} is the suite {suite.label}, but {reported.suite} was played")
-    return suite
+    return replace(suite, clock=reported.clock)
 
 
 def known_seed(out: Path, reported: Results) -> SuiteSeed | None:

@@ -10,9 +10,11 @@ from wildscav.errors import UserError
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.output.layout import COMPARISON_FILE, RESULTS_FILE, TOURNAMENT_FILE
 from wildscav_evaluator.output.results import (
+    BROWSER,
     Evaluation,
     KeptLimits,
     ModelTerms,
+    Overall,
     Results,
     Versions,
     read_results,
@@ -32,6 +34,7 @@ class Conditions(NamedTuple):
     versions: Versions
     sandbox: str
     limits: KeptLimits  # that the sandbox enforced
+    clock: str | None = None  # with the price of thinking; None: the suite's own
     model: ModelTerms | None = None  # that agents could ask
 
 
@@ -122,19 +125,67 @@ def standings(
         for one in results.evaluations
         if is_meant(track, one.track) and is_meant(suite, results.suite)
     ]
-    for conditions, group in groupby(sorted(conditions_of_rows, key=_sort_key), lambda pair: pair[0]):
+    placed = sorted(_with_people_beside_agents(conditions_of_rows), key=_sort_key)
+    for conditions, group in groupby(placed, lambda pair: pair[0]):
         latest = {row.evaluation.submission: row for _, row in group}
         ranks = ranked(latest[name].evaluation for name in sorted(latest))
         rows = tuple(latest[one.submission]._replace(rank=rank) for rank, one in ranks)
         yield Standings(conditions, rows)
 
 
+class OverallStandings(NamedTuple):
+    """The ranking of comparable evaluations across all tracks of a suite."""
+
+    conditions: Results  # of which all but ``OWN`` is the same in each of them
+    rows: tuple[tuple[int, Overall], ...]  # with ranks, best first
+
+
+OWN = {"format", "key", "evaluations", "overall", "timings"}  # what evaluations may differ in
+
+
+def overall_standings(evaluated: Iterable[Results], suite: str | None = None) -> Iterator[OverallStandings]:
+    """Yield the standings across tracks of each set of comparable evaluations; see ``standings``."""
+    rated = [one for one in evaluated if one.overall and is_meant(suite, one.suite)]
+    groups: dict[str, list[Results]] = {}
+    for results in sorted(rated, key=lambda results: results.timings.started):
+        groups.setdefault(results.model_dump_json(exclude=OWN), []).append(results)
+    people = [group for group in groups.values() if group[0].sandbox == BROWSER]
+    agents = [group for _, group in sorted(groups.items()) if group not in people]
+    alone = [group for group in people if not any(_alike(group[0], each[0]) for each in agents)]
+    for group in (*agents, *alone):
+        beside = [one for each in people if _alike(each[0], group[0]) for one in each]
+        latest = {one.submission: one for results in (*group, *beside) for one in results.overall or ()}
+        yield OverallStandings(group[0], ranked_overall(latest.values()))
+
+
+def _alike(person: Results, agents: Results) -> bool:
+    """Return whether a person played the same matches as agents did in a sandbox."""
+    without = OWN | {"sandbox", "limits"}
+    return person.model_dump_json(exclude=without) == agents.model_dump_json(exclude=without)
+
+
+def _with_people_beside_agents(rows: Sequence[tuple[Conditions, Row]]) -> Iterator[tuple[Conditions, Row]]:
+    """Yield all rows, those of people in each table of agents that played the same matches in a sandbox."""
+    tables = dict.fromkeys(conditions for conditions, _ in rows if conditions.sandbox != BROWSER)
+    for conditions, row in rows:
+        beside = [
+            each for each in tables if each._replace(sandbox=BROWSER, limits=KeptLimits()) == conditions
+        ]
+        yield from ((each, row) for each in beside or (conditions,))
+
+
+def ranked_overall(rows: Iterable[Overall]) -> tuple[tuple[int, Overall], ...]:
+    """Return ratings across tracks with their ranks, best first; equal ones share a rank."""
+    ordered = sorted(rows, key=lambda one: (-one.mean.value, one.submission))
+    return tuple((1 + sum(other.mean.value > one.mean.value for other in ordered), one) for one in ordered)
+
+
 def latest_tournaments(
     results: Found, track: str | None = None, suite: str | None = None
 ) -> "list[Tournament]":
-    """Return the latest tournament on each suite of each track, as far as requested."""
+    """Return the latest tournament on each suite of each track by each clock, as far as requested."""
     latest = {
-        (one.track, one.suite): one
+        (one.track, one.suite, str(one.clock)): one
         for _, one in sorted(results.tournaments, key=lambda pair: pair[0])
         if is_meant(track, one.track) and is_meant(suite, one.suite)
     }
@@ -150,6 +201,7 @@ def _conditions(results: Results, track: str) -> Conditions:
         versions=results.versions,
         sandbox=results.sandbox,
         limits=results.limits.get(track, KeptLimits()),
+        clock=None if results.clock is None else str(results.clock),
         model=results.model,
     )
 
@@ -165,6 +217,7 @@ def _sort_key(pair: tuple[Conditions, Row]) -> tuple[object, ...]:
         *(versions.engine, versions.simulation, versions.generator, versions.record),
         conditions.sandbox,
         limits.model_dump_json(exclude_none=True),
+        conditions.clock or "",
         "" if conditions.model is None else conditions.model.model_dump_json(),
     )
 
@@ -199,6 +252,12 @@ def document(one: Standings) -> dict[str, Any]:
     return shared | named | {"limits": limits, "rows": [_document_of_row(row) for row in one.rows]}
 
 
+def document_of_overall(one: OverallStandings) -> dict[str, Any]:
+    """Return the standings across tracks as ``wildscav leaderboard --json`` prints them."""
+    shared = {name: value for name, value in one.conditions.as_json().items() if name not in OWN}
+    return shared | {"rows": [{"rank": rank, **row.as_json()} for rank, row in one.rows]}
+
+
 def _document_of_row(row: Row) -> dict[str, Any]:
     one = row.evaluation
     measured: Sequence[dict[str, Any]] = [
@@ -211,6 +270,7 @@ def _document_of_row(row: Row) -> dict[str, Any]:
         "submission": one.submission,
         "version": one.version,
         "digest": one.digest,
+        "interface": one.interface or "numbers",
         "started": row.started,
         "key": row.key,
         "matches": len(one.matches),

@@ -168,6 +168,7 @@ def _evaluation(
         submission=submission,
         version=reported.version if reported else "",
         digest=reported.digest if reported else "",
+        interface=reported.interface if reported else None,
         track=track,
         metrics=metrics,
         matches=matches,

@@ -5,6 +5,7 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
+from typing import Any, Literal
 
 from wildscav.sdk.submission_folder import MANIFEST
 from wildscav_evaluator.submission_files import (
@@ -31,6 +32,22 @@ class Submission:
     def name(self) -> str:
         """Its name, as the manifest gives it unless it is entered under another one."""
         return self.entered_as or self.manifest.name
+
+    @property
+    def interface(self) -> Literal["words", "keys"] | None:
+        """The interface by which it plays; None for numbers."""
+        return None if self.manifest.interface == "numbers" else self.manifest.interface
+
+    @property
+    def sensors(self) -> dict[str, dict[str, Any]]:
+        """The sensors of its seat, with their options."""
+        if self.interface is None:
+            return self.manifest.sensors
+        if self.interface == "keys":
+            return self.manifest.sensors or {"screen": {}}
+        from wildscav_language.senses import sensors  # loads NumPy, which most commands can do without
+
+        return sensors(pictures=self.manifest.pictures)
 
 
 def load_submission(folder: Path) -> Submission:
@@ -107,7 +124,10 @@ def _digest_of(files: Mapping[bytes, str]) -> str:
 
 def _content(files: Mapping[bytes, str], manifest: Manifest) -> dict[bytes, str]:
     """Return the digests of a submission's files; of its manifest, only fields that change how it plays."""
-    plays = manifest.model_dump_json(include={"entry_point", "command", "sensors"})
+    fields = {"entry_point", "command", "sensors"}
+    if manifest.interface != "numbers":  # so that digests of others stay as they were
+        fields |= {"interface", "pictures"}
+    plays = manifest.model_dump_json(include=fields)
     return {**files, MANIFEST.encode(): plays}
 
 

@@ -20,6 +20,7 @@ from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream
 from wildscav_engine.extensions import Registry
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_engine.specs.thinking import ClockChoice
 from wildscav_evaluator.bounds import MAX_MATCHES
 from wildscav_evaluator.sandbox.limits import Limits
 
@@ -38,6 +39,18 @@ class TrackSettings(NamedTuple):
     )
 
 
+class Reference(NamedTuple):
+    """Which scores on a track are normalized to 0 and 1: the means of two agents, frozen with the suite."""
+
+    agent: str  # the baseline whose score is 1
+    zero: float  # the score of the baseline ``random``
+    one: float
+
+    def normalized(self, score: float) -> float:
+        """Return a score on this scale, whichever direction of it is better."""
+        return (score - self.zero) / (self.one - self.zero)
+
+
 @dataclass(frozen=True)
 class Suite:
     """A suite: its kind of maps, and its matches on every track."""
@@ -53,6 +66,9 @@ class Suite:
     version: str = ""  # of the package that it comes from, if that is not Wildscav
     # By track, a digest of what an organizer's own suite says of it: whatever else is in the file may change.
     fingerprints: Mapping[str, str] = field(default_factory=dict)
+    clock: ClockChoice | None = None  # of all matches, instead of their own
+    # By track; a suite that has them for all its tracks rates submissions across them.
+    references: Mapping[str, Reference] = field(default_factory=dict)
 
     @property
     def label(self) -> str:
@@ -71,6 +87,7 @@ class Suite:
             UserError: The matches do not all ask for the same metrics, so that they have no mean.
         """
         settings = self.tracks[track]
+        clock = {} if self.clock is None else dict(self.clock)
         dice, map_config = _dice(track, self.name, seed), settings.map_config or self.map_config
         specs = []
         for number in range(settings.maps):
@@ -80,7 +97,7 @@ class Suite:
                 game_map = MapSpec(config=map_config(dice), seed=EVALUATION_MAPS | dice.word())
             for _ in range(settings.episodes):
                 match = settings.draw(dice)
-                specs.append(match.model_copy(update={"map": game_map, "seed": dice.word()}))
+                specs.append(match.model_copy(update={"map": game_map, "seed": dice.word()} | clock))
         if len({spec.metrics for spec in specs}) > 1:
             raise UserError(f"suite {self.name}: the matches of {track} ask for different metrics")
         return tuple(specs)
@@ -107,6 +124,7 @@ SUITES: Registry[Suite] = Registry(
         "official": "wildscav_evaluator.suites.official:OFFICIAL",
         "wild": "wildscav_evaluator.suites.wild:WILD",
         "fair": "wildscav_evaluator.suites.wild:FAIR",
+        "reading": "wildscav_evaluator.suites.reading:READING",
     },
     check_suite,
 )

@@ -5,11 +5,13 @@ from pathlib import Path
 from typing import Literal
 
 from wildscav.terminal.console import counted
-from wildscav_evaluator.output.json_files import FileModel, FileModelError
+from wildscav_engine.specs.thinking import ClockChoice
+from wildscav_evaluator.output.json_files import FileModelError, WithOptionalFields
 from wildscav_evaluator.output.layout import RESULTS_FILE, TOURNAMENT_FILE
 from wildscav_evaluator.output.results import (
     KeptLimits,
     MetricInfo,
+    OtherInterface,
     Results,
     Summary,
     TournamentSettings,
@@ -19,18 +21,23 @@ from wildscav_evaluator.ratings.standings import Standings, rate
 from wildscav_evaluator.tournaments.rated_matches import placing_metric, rated_matches
 
 
-class Entry(FileModel):
+class Entry(WithOptionalFields):
     """An entrant of a tournament."""
+
+    omitted = ("interface",)
 
     name: str
     version: str
     digest: str  # of its files; empty for a robot
+    interface: OtherInterface | None = None  # by which it plays; omitted for numbers
     faults: int  # matches in which something went wrong
     score: Summary | None  # over its matches; None if none was played
 
 
-class Tournament(FileModel):
+class Tournament(WithOptionalFields):
     """The ratings of a tournament."""
+
+    omitted = ("clock",)
 
     format: Literal[1] = 1
     versions: Versions  # with which it was played
@@ -41,6 +48,7 @@ class Tournament(FileModel):
     settings: TournamentSettings
     sandbox: str  # in which agents ran
     limits: KeptLimits  # of each agent in it
+    clock: ClockChoice | None = None  # of all matches; omitted if they had the suite's own
     placed_by: MetricInfo  # the metric by which the teams of a match are placed
     matches: int  # with a result
     failed: int  # without one, by the platform's fault
@@ -52,7 +60,8 @@ class Tournament(FileModel):
     def title(self) -> str:
         """A short description of what was played."""
         size = f"{counted(len(self.ratings.standings), 'entrant')} · {counted(self.matches, 'match')}"
-        return f"{self.track} · {size} · suite {self.suite} · seed {self.seed}"
+        clock = "" if self.clock is None else f" · clock {self.clock}"
+        return f"{self.track} · {size} · suite {self.suite} · seed {self.seed}{clock}"
 
 
 def tournament_of(results: Results) -> Tournament:

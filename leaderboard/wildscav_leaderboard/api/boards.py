@@ -16,7 +16,7 @@ from wildscav_leaderboard.api.documents import (
     PairView,
     PointView,
 )
-from wildscav_leaderboard.api.matches import robot_name, titled
+from wildscav_leaderboard.api.match_views import robot_name, titled
 from wildscav_leaderboard.boards import meetings
 from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard, LadderRow
 from wildscav_leaderboard.boards.history import history, team_histories

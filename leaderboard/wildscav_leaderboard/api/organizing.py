@@ -21,7 +21,8 @@ from wildscav_leaderboard.access.requests import (
 from wildscav_leaderboard.accounts.models import Account
 from wildscav_leaderboard.api.documents import AuditEntryView, SubmissionView, View
 from wildscav_leaderboard.api.submissions import submission_view
-from wildscav_leaderboard.organizing.acts import ACTS, NewKey
+from wildscav_leaderboard.organizing.acts import ACTS
+from wildscav_leaderboard.organizing.arguments import NewKey
 from wildscav_leaderboard.organizing.status import StatusView, audit_entries
 from wildscav_leaderboard.organizing.status import status as status_of
 from wildscav_leaderboard.seasons.acts import Act, Doing

@@ -14,7 +14,7 @@ from wildscav_engine.record import FILE_LIMIT, Record, RecordError, verify_recor
 from wildscav_engine.record.format import WITHOUT_SEEDS, decode
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.storage.files import read_limited, write_whole
-from wildscav_engine.version import SIMULATION_VERSION
+from wildscav_engine.version import SIMULATION_VERSION, advice
 from wildscav_evaluator.output.results import Versions
 from wildscav_evaluator.seats import display_names, submission_seats
 from wildscav_leaderboard.auditing.sources import FolderSource, Source, SourceError
@@ -152,4 +152,4 @@ def _other_version(record: Record) -> str:
     """Return why this version cannot play a record again; an empty text if it can."""
     if (record.simulation_version, record.generator_version) == (SIMULATION_VERSION, GENERATOR_VERSION):
         return ""
-    return f"engine {record.engine_version} played them, and only that version can play them again"
+    return f"only the engine that played them can play them again: {advice(record.engine_version)}"

@@ -105,7 +105,7 @@ def validate(season: Season, archive: str, entrant: str, sandbox: str, number: i
     logs, file = season.submission_folder(number) / "logs", season.validation_file(number)
     logs.mkdir(parents=True, exist_ok=True)
     write_whole(file, b"getting ready")
-    precompile_for([submission.manifest.sensors])
+    precompile_for([submission.sensors])
     tracks = [track for track in submission.manifest.tracks if track in season.settings.tracks]
     trials = {track: trial_of(season, track, submission.name) for track in tracks}
     tell, warnings = partial(_tell, file), []

@@ -1,27 +1,42 @@
 """What organizers can do. Pages, API and command line are made of this list, and each act is logged."""
 
 from collections.abc import Callable, Sequence
-from functools import partial
 from inspect import signature
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Any
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, Field
 from sqlalchemy import select, update
 from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.accounts.models import ORGANIZER
-from wildscav_leaderboard.accounts.passwords import hashed, new_password
 from wildscav_leaderboard.accounts.service import add_account, known_account, set_password
 from wildscav_leaderboard.accounts.service import invite as new_invitation
 from wildscav_leaderboard.conductor import attempts
 from wildscav_leaderboard.matches import service as matches
 from wildscav_leaderboard.matches.models import FINAL, FINISHED, LADDER, VOID, WAITING, Match, MatchSeat
+from wildscav_leaderboard.organizing.arguments import (
+    AccountName,
+    Chosen,
+    Days,
+    Label,
+    MatchNumber,
+    NewKey,
+    NewPassword,
+    Number,
+    Reason,
+    ReasonForOwner,
+    Role,
+    Submissions,
+    TeamName,
+    Text,
+    Title,
+    Track,
+    Uses,
+)
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.acts import Act, Doing
 from wildscav_leaderboard.seasons.in_force import edition_numbers
 from wildscav_leaderboard.seasons.models import Announcement
-from wildscav_leaderboard.seasons.names import checked_line
-from wildscav_leaderboard.seasons.refusals import InvalidError, RefusalError
+from wildscav_leaderboard.seasons.refusals import RefusalError
 from wildscav_leaderboard.seasons.state import is_decided
 from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.models import Submission
@@ -30,7 +45,6 @@ from wildscav_leaderboard.submissions.service import DISQUALIFIED, find_submissi
 from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.teams.service import find_team
 
-LONGEST_REASON, LONGEST_TITLE, LONGEST_TEXT = 500, 100, 5000  # characters
 TEAM_DISQUALIFIED = "the team is disqualified: "  # begins why its submissions are disabled
 COMMAND_LINE = "command line"  # how the actor of an act begins that no account did
 ACTS: dict[str, Act] = {}  # by the names that forms use
@@ -62,97 +76,6 @@ def act(
         return one
 
     return made
-
-
-class Password(NamedTuple):
-    """A password that an account gets."""
-
-    text: str
-    secret: str  # what is stored
-    is_new: bool  # whether it was made here, and so must be shown
-
-
-class NewKey(BaseModel):
-    """The key of an invitation, which is shown once."""
-
-    key: str
-
-
-class NewPassword(BaseModel):
-    """A password that was made for an account, which is shown once."""
-
-    name: str
-    password: str | None  # None if it was given
-
-
-def _line(what: str, longest: int, text: str) -> str:
-    return checked_line(text, what, longest)
-
-
-def _password(given: str | None) -> Password:
-    text = given or new_password()
-    return Password(text, hashed(text), is_new=not given)
-
-
-def _long_text(text: str) -> str:
-    text = text.replace("\r\n", "\n").strip()
-    if len(text) > LONGEST_TEXT or not all(line.isprintable() for line in text.split("\n")):
-        raise InvalidError(f"an announcement may have {LONGEST_TEXT:,} printable characters at most")
-    return text
-
-
-_Reason = Annotated[
-    str,
-    AfterValidator(partial(_line, "reason", LONGEST_REASON)),
-    Field(min_length=1, max_length=LONGEST_REASON, title="Reason"),
-]
-Reason = Annotated[_Reason, Field(description="Why; everyone sees it.")]
-ReasonForOwner = Annotated[_Reason, Field(description="Why; its owner is told.")]
-Title = Annotated[
-    str,
-    AfterValidator(partial(_line, "title of an announcement", LONGEST_TITLE)),
-    Field(max_length=LONGEST_TITLE, title="Title", description="The title."),
-]
-Text = Annotated[
-    str, AfterValidator(_long_text), Field(max_length=LONGEST_TEXT, title="Text", description="The text.")
-]
-Label = Annotated[str, Field(max_length=LONGEST_TITLE, title="For whom", description="For whom it is.")]
-Uses = Annotated[
-    int | None,
-    Field(
-        ge=1,
-        le=1_000_000,
-        title="Registrations",
-        description="How many people may register with it; 0 or nothing for any number.",
-    ),
-]
-Days = Annotated[
-    int | None,
-    Field(ge=1, le=3650, title="Days", description="After how many days it expires; 0 or nothing for never."),
-]
-Role = Annotated[
-    Literal["competitor", "organizer"], Field(title="As", description="For organizers, not competitors.")
-]
-Track = Annotated[str, Field(max_length=40, title="Track", description="A track, or all.")]
-Submissions = Annotated[
-    str,
-    Field(
-        max_length=1000,
-        pattern=r"^(all|\d{1,15}( \d{1,15})*)$",
-        title="Submissions",
-        description='Numbers of submissions, such as "3 17", or all.',
-    ),
-]
-AccountName = Annotated[str, Field(title="Account", description="The name of the account.")]
-TeamName = Annotated[str, Field(title="Team", description="A team's name")]
-Number = Annotated[int, Field(ge=1, le=2**53, title="Submission", description="a submission's number")]
-MatchNumber = Annotated[int, Field(ge=1, le=2**53, title="Match", description="The number of a match.")]
-Chosen = Annotated[
-    Password,
-    BeforeValidator(_password),
-    # Excluded: what a person types on a page or sends to the API would be seen by others on the way.
-    Field(validate_default=True, exclude=True, description="Its password; a new one is made without it."),
-]
 
 
 @act("season", "Pause the season", says="paused")

@@ -37,7 +37,7 @@ from wildscav_leaderboard.matches.models import (
     MatchSeat,
 )
 from wildscav_leaderboard.matches.service import WITHDRAWN, add_suite_matches
-from wildscav_leaderboard.organizing.acts import LONGEST_REASON
+from wildscav_leaderboard.organizing.arguments import LONGEST_REASON
 from wildscav_leaderboard.organizing.checking import wrong_secrets
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE, Season

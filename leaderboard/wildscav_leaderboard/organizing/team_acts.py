@@ -6,7 +6,8 @@ from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.accounts.service import Caller
 from wildscav_leaderboard.matches.service import withdraw
-from wildscav_leaderboard.organizing.acts import TEAM_DISQUALIFIED, Number, take_part_again
+from wildscav_leaderboard.organizing.acts import TEAM_DISQUALIFIED, take_part_again
+from wildscav_leaderboard.organizing.arguments import Number
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.acts import Act, Doing
 from wildscav_leaderboard.seasons.folder import Season

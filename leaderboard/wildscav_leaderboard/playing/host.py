@@ -20,6 +20,7 @@ from wildscav.system.worker_processes import become_worker
 from wildscav_engine.specs.map_spec import MapSpec
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.tracks import TRACKS
+from wildscav_evaluator.bridge.process import bridged
 from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_evaluator.matches.agents import MatchAgents
 from wildscav_evaluator.matches.play import EXIT_TIME, launch_for
@@ -133,7 +134,7 @@ def plan_of(order: Order, submission: Submission, rules: Play) -> Plan:
         rules: What the organizer allows.
     """
     robots = ROBOTS.get(order.track, ())
-    opponent = Opponent(order.title, submission.folder, submission.manifest.sensors)
+    opponent = Opponent(order.title, submission.folder, submission.sensors)
     spec = MatchSpec(
         track=order.track,
         map=MapSpec(config=DEFAULT_MAP, seed=order.seed),
@@ -160,12 +161,18 @@ class SandboxedAgents:
         """Run it for as long as the block lasts."""
         agents = MatchAgents(hosted, self.sandbox)
         try:
-            for seat in folders:
-                token, log = hosted.tokens[seat], logs / LOG
-                launch = launch_for(self.submission, addresses[seat], token, log, self.limits, hosted)
-                await agents.start(seat, launch)
-            yield
-            await agents.leave(EXIT_TIME)
+            log = logs / LOG
+            launches = {
+                seat: launch_for(
+                    self.submission, addresses[seat], hosted.tokens[seat], log, self.limits, hosted
+                )
+                for seat in folders
+            }
+            async with bridged(launches, hosted) as behind:
+                for seat, launch in behind.items():
+                    await agents.start(seat, launch)
+                yield
+                await agents.leave(EXIT_TIME)
         finally:
             await agents.stop()
 

@@ -17,7 +17,7 @@ from wildscav_leaderboard.access.requests import (
     check_form,
 )
 from wildscav_leaderboard.access.same_site import SameSite, is_own_origin
-from wildscav_leaderboard.api.matches import titled
+from wildscav_leaderboard.api.match_views import titled
 from wildscav_leaderboard.database.connection import Database, DatabaseError
 from wildscav_leaderboard.playing.passing import OVER, pass_request, pass_socket, refuse
 from wildscav_leaderboard.playing.permission import refused_why

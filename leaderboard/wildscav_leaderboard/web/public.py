@@ -14,7 +14,7 @@ from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Now,
 from wildscav_leaderboard.accounts.service import Caller
 from wildscav_leaderboard.api.boards import opponent_views
 from wildscav_leaderboard.api.documents import MatchView, OpponentView, SubmissionView
-from wildscav_leaderboard.api.matches import match_views
+from wildscav_leaderboard.api.match_views import match_views
 from wildscav_leaderboard.api.season import counts_view, season_view
 from wildscav_leaderboard.api.submissions import submission_view, submission_views
 from wildscav_leaderboard.api.teams import team_view

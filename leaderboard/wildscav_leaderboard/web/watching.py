@@ -13,7 +13,8 @@ from wildscav.errors import UserError
 from wildscav_evaluator.output.results import metric_infos
 from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Now, Number, Reading, Renders
 from wildscav_leaderboard.api.documents import MatchView, SeatView
-from wildscav_leaderboard.api.matches import map_spec_of, match_views
+from wildscav_leaderboard.api.match_views import match_views
+from wildscav_leaderboard.api.matches import map_spec_of
 from wildscav_leaderboard.matches.models import FINISHED, PLAYING, VOID, WAITING, Match
 from wildscav_leaderboard.matches.service import find_match, list_matches
 from wildscav_leaderboard.playing.permission import open_tracks, refused_why

@@ -27,7 +27,7 @@ GROUP = "wildscav.commands"
 # The panels of the help, each in the order of its commands: first what a newcomer needs.
 PANELS = {
     "Agents": ("init", "play", "human", "mcp", "check", "build", "train", "dataset"),
-    "Evaluations": ("evaluate", "baselines", "compare", "tournament", "leaderboard", "verify"),
+    "Evaluations": ("evaluate", "baselines", "compare", "price", "tournament", "leaderboard", "verify"),
     "Matches": ("watch", "replay"),
     "Seasons": ("login", "submit", "team", "season"),
     "Machines and maps": ("serve", "doctor", "map"),
@@ -35,6 +35,7 @@ PANELS = {
 OTHERS = "Others"
 HIDDEN = {"legacy"}  # works for one more release
 HELP_ORDER = tuple(name for names in PANELS.values() for name in names)
+UNIX_MODULES = ("fcntl", "resource")  # of Python, but not on Windows
 # The extra that all commands of a package need.
 PACKAGE_EXTRAS = {
     "wildscav_leaderboard": "leaderboard",
@@ -168,6 +169,8 @@ def _remedy(error: BaseException) -> str | None:
     if not isinstance(error, ModuleNotFoundError):
         return None
     missing = (error.name or "").partition(".")[0]
+    if missing in UNIX_MODULES:
+        return f"it needs Linux, or another Unix: Python has no module {missing} on this system"
     if missing not in EXTRAS:
         return None
     running = {

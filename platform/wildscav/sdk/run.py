@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 from wildscav.agent import Agent, check_action
 from wildscav.errors import AgentError, UserError
 from wildscav.notes import begin_step
+from wildscav.sdk.bridged import play_at_bridge
 from wildscav.sdk.watchdog import StepWatchdog, end_watch
 
 if TYPE_CHECKING:
@@ -17,18 +18,21 @@ if TYPE_CHECKING:
 Result = TypeVar("Result")
 ADDRESS_VARIABLE = "WILDSCAV_ADDRESS"
 TOKEN_VARIABLE = "WILDSCAV_TOKEN"  # noqa: S105 - the name of a variable, no secret
+INTERFACE_VARIABLE = "WILDSCAV_INTERFACE"
 
 
-def run(agent_class_or_factory: Callable[[], Agent]) -> None:
+def run(agent_class_or_factory: Callable[[], object]) -> None:
     """Play one match, and return when it is over.
 
     The server's address and the seat's token come from the environment: ``WILDSCAV_ADDRESS`` (``host:port``
     or ``unix:/path``) and ``WILDSCAV_TOKEN``; for TLS, also ``WILDSCAV_CA``, and ``WILDSCAV_CERT`` and
-    ``WILDSCAV_KEY`` if the server requires a client's certificate. On Linux the process changes its
+    ``WILDSCAV_KEY`` if the server requires a client's certificate. For a seat that plays by words or keys,
+    ``WILDSCAV_INTERFACE`` says so, and the address is that of its bridge. On Linux the process changes its
     scheduling policy to ``SCHED_BATCH``, unless another policy than the default was chosen.
 
     Args:
-        agent_class_or_factory: A subclass of ``Agent``, or a function that returns an agent.
+        agent_class_or_factory: A subclass of ``Agent``, ``WordsPlayer`` or ``KeysPlayer``, or a function that
+            returns an agent.
 
     Raises:
         UserError: Address or token is missing, or a certificate cannot be read.
@@ -37,9 +41,13 @@ def run(agent_class_or_factory: Callable[[], Agent]) -> None:
         RefusedError: The server refuses the seat.
     """
     address, token = _from_environment(ADDRESS_VARIABLE), _from_environment(TOKEN_VARIABLE)
+    interface = os.environ.get(INTERFACE_VARIABLE, "numbers")
     # The agent is made before the seat is taken, so that one that cannot be made takes no seat.
-    agent = make_agent(agent_class_or_factory)
-    play(agent, address, token)
+    if interface == "numbers":
+        play(make_agent(agent_class_or_factory), address, token)
+    else:
+        use_batch_scheduling()
+        play_at_bridge(interface, agent_class_or_factory, address, token)
 
 
 def _from_environment(name: str) -> str:
@@ -52,18 +60,22 @@ def _from_environment(name: str) -> str:
     return value
 
 
-def make_agent(factory: Callable[[], Agent]) -> Agent:
+def make_agent(factory: Callable[[], object]) -> Agent:
     """Make an agent.
 
     Raises:
         AgentError: The object has no ``act`` or no ``reset``.
     """
-    agent = factory()
+    agent: Any = factory()
     for method in ("reset", "act"):
         if not callable(getattr(agent, method, None)):
             name = getattr(factory, "__name__", repr(factory))
-            raise AgentError(f"{name} has no method {method}(): an agent is a subclass of wildscav.Agent")
-    return agent
+            raise AgentError(
+                f"{name} has no method {method}(): an agent is a subclass of wildscav.Agent, unless its "
+                'submission.toml says interface = "words" or "keys"'
+            )
+    made: Agent = agent
+    return made
 
 
 def play(agent: Agent, address: str, token: str) -> "MatchOver":

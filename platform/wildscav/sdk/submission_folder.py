@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from wildscav.agent import Agent
 from wildscav.errors import UserError
 
 MANIFEST = "submission.toml"
@@ -39,7 +38,7 @@ def entry_point_of(manifest: Mapping[str, Any]) -> str:
     return entry_point
 
 
-def load_agent_class(entry_point: str) -> Callable[[], Agent]:
+def load_agent_class(entry_point: str) -> Callable[[], Any]:
     """Import the agent's class. Exceptions of its module are passed on.
 
     Raises:

@@ -13,10 +13,12 @@ from wildscav.errors import WildscavError
 from wildscav.proto.match_pb2 import Action, Join, MatchOver, ServerMessage
 from wildscav.wire.errors import RefusalError
 from wildscav.wire.matches import decode_sdk, encode_match_info, encode_seat_result
-from wildscav_server.hosting.lockstep import LAG, Lockstep
+from wildscav_server.hosting.lockstep import LAG
 from wildscav_server.hosting.observations import match_info
 from wildscav_server.hosting.reports import MatchOutcome, SeatStatus
 from wildscav_server.hosting.seat import Seat
+from wildscav_server.hosting.thinking_clocks import lockstep_of, thinking_of
+from wildscav_server.thinking import Spending
 from wildscav_server.time_limits import Clock, SeatClock, WaitMeter
 
 if TYPE_CHECKING:
@@ -56,7 +58,7 @@ class HostedMatch:
         self.names = tuple(names)
         self.seats = {seat.number: seat for seat in seats}  # of submissions
         self.clock = clock
-        self._lockstep = Lockstep(match, seats, clock, seat_time)
+        self._lockstep = lockstep_of(match.spec)(match, seats, clock, seat_time)
         self._launched = dict.fromkeys(() if starting else self.seats, time.perf_counter())  # when, s
         self._all_launched = asyncio.Event()
         if len(self._launched) == len(self.seats):
@@ -76,6 +78,10 @@ class HostedMatch:
     def measure(self, seat: int, meter: WaitMeter) -> None:
         """Credit a seat's bank from now on with its agent's waits for a processor."""
         self.seats[seat].meter = meter
+
+    def charge_by(self, seat: int, spending: Spending) -> None:
+        """Count from now on what a seat spends, and charge it where the clock is ``tokens``."""
+        self.seats[seat].purse.count(spending)
 
     def launched(self, seat: int) -> None:
         """Note that a seat's agent has been started. Its start-up time begins now."""
@@ -227,6 +233,7 @@ class HostedMatch:
         seconds = time.perf_counter() - started
         await self._send_final_messages()
         reports = {number: seat.report() for number, seat in self.seats.items()}
+        self.match.thinking = thinking_of(self.match.spec, reports.values(), self._lockstep.charges)
         return MatchOutcome(self.match, reports, seconds)
 
     async def _send_final_messages(self) -> None:

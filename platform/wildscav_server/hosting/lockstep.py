@@ -3,7 +3,8 @@
 A step opens with an observation to every seat that owes no answer. It closes as soon as every seat in the
 match has answered, or when the time of all seats that have not is up; where the clock is paused, those seats
 are closed. A seat that has not answered gets no further observation until it does; then it gets that of the
-step that is open. So no messages pile up for a slow agent, and a stalled one blocks no buffer.
+step that is open. So no messages pile up for a slow agent, and a stalled one blocks no buffer. What differs
+by the clocks ``running`` and ``tokens`` is in ``thinking_clocks.py``.
 
 The stream that receives the last answer closes the step: where the answer is read, the step is played, the
 next one is opened, and the stream sends its observation, because another turn of the event loop would cost as
@@ -26,7 +27,7 @@ from wildscav.wire.observations import encode_observation
 from wildscav_server.hosting.observations import SeatObservations
 from wildscav_server.hosting.reports import SeatStatus
 from wildscav_server.hosting.seat import Seat
-from wildscav_server.time_limits import Clock, SeatClock
+from wildscav_server.time_limits import STANDING_STILL, Clock, SeatClock
 
 if TYPE_CHECKING:
     from wildscav_engine.simulation.match import Match
@@ -61,12 +62,17 @@ class Lockstep:
         self._step: int | None = None  # its number; None: no step is open
         self._rows: NDArray[np.float32] = np.zeros((match.seats, len(ACTION_FIELDS)), np.float32)
         self._pending: set[Seat] = set()  # the seats that have not answered yet
+        self.charges: list[tuple[int, ...]] = []  # what seats were charged for thinking, as records have it
 
     async def play(self) -> None:
         """Play the match to its end."""
+        for seat in self._seats:
+            seat.purse.begin()
         if not self._done.done():
             self._open()
         await self._done
+        for seat in self._seats:
+            seat.purse.take()
         yielded = self._loop.time()
         while not self._match.over:
             self._match.step(np.zeros_like(self._rows))
@@ -138,11 +144,11 @@ class Lockstep:
         return in_time
 
     def _miss(self, seat: Seat, now: float) -> None:
-        """Count that the open step is played without a seat's answer; where the clock is paused, close it."""
+        """Count that the open step is played without a seat's answer; where the match waits, close it."""
         seat.conduct.late_steps += 1
         if seat.first_late is None:
             seat.first_late = self._step
-        if self._match.spec.clock == "paused":
+        if self._match.spec.clock in STANDING_STILL:
             limit, bank = self._clock.answer_limit, self._clock.time_bank
             is_idle = now - self._asked_at(seat) >= limit - LAG
             reason = (
@@ -181,13 +187,18 @@ class Lockstep:
         self._step = self._match.step_number
         self._observations.encode(seat.bank.left for seat in self._seats)
         self._rows.fill(0.0)
-        self._pending = set(present)
+        asked = self._asked(present)
+        self._pending = set(asked)
         self._opened = self._time.now()
-        for seat in present:
+        for seat in asked:
             seat.notify()
         self._lag_refunded = False
         # No seat's time can be up before the budget is.
         self._arm(self._opened + self._clock.step_budget)
+
+    def _asked(self, present: list[Seat]) -> list[Seat]:
+        """Return who is asked in the step that opens, of the seats that are present."""
+        return present
 
     def _settle(self) -> None:
         """Close the step if no other seat is pending, or none of them has time left."""

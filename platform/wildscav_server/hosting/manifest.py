@@ -6,7 +6,7 @@
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
@@ -23,6 +23,8 @@ _HINTS = {
     "version": 'text of 1 to 40 of A-Z, a-z, 0-9 and . + - _, a letter or digit first, such as "1.0.0"',
     "entry_point": 'text of the form "module:Class", such as "agent:MyAgent"',
     "command": 'a list of texts, such as ["node", "agent.js"]',
+    "interface": '"numbers" (the default), "words" or "keys"',
+    "pictures": "true or false",
     "author": "text of at most 200 characters",
     "authors": "a list of 1 to 50 texts of at most 200 characters",
     "description": "text of at most 2,000 characters",
@@ -30,6 +32,9 @@ _HINTS = {
     "url": "text of at most 500 characters that begins with https:// or http://",
 }
 
+
+Interface = Literal["numbers", "words", "keys"]
+DRAWN_BY = ("width", "height", "shadows", "quality")  # options of a screen that do not widen what it shows
 
 _Name = Annotated[str, Field(max_length=200)]
 _Word = Annotated[str, Field(max_length=4096, pattern=r"^[^\x00]*$")]
@@ -45,6 +50,8 @@ class Manifest(BaseModel):
     entry_point: Annotated[str | None, Field(pattern=_ENTRY_POINT)] = None  # for an agent in Python
     command: Annotated[tuple[_Word, ...] | None, Field(min_length=1, max_length=100)] = None  # for any other
     tracks: Annotated[tuple[str, ...], Field(min_length=1)]
+    interface: Interface = "numbers"
+    pictures: bool = False  # whether a seat of words has a camera
     sensors: dict[str, dict[str, Any]] = {}
     # Fields for people only.
     author: Annotated[str | None, Field(max_length=200)] = None
@@ -90,6 +97,19 @@ def read_manifest(path: Path) -> Manifest:
     return _parse(path, _read_toml(path))
 
 
+def check_plays_numbers(path: Path, manifest: Manifest) -> None:
+    """Refuse a submission that needs a bridge, where there is none.
+
+    Raises:
+        SubmissionError: It plays by words or keys.
+    """
+    if manifest.interface != "numbers":
+        raise SubmissionError(
+            f"{path}: interface: is {manifest.interface!r}; here, agents must play by numbers (`wildscav "
+            "play` and evaluations take all)"
+        )
+
+
 def _read_toml(path: Path) -> dict[str, Any]:
     try:
         size = path.stat().st_size
@@ -121,7 +141,26 @@ def _parse(path: Path, content: Mapping[str, Any]) -> Manifest:
             f"{path}: command: excludes entry_point: give entry_point for an agent in Python, or "
             "command for any other program"
         )
+    if problem := _problem_of_interface(manifest):
+        raise SubmissionError(f"{path}: {problem}")
     return manifest
+
+
+def _problem_of_interface(manifest: Manifest) -> str:
+    """Return what a manifest asks for that its interface does not have; an empty text if nothing."""
+    if manifest.pictures and manifest.interface != "words":
+        return 'pictures: is for interface = "words"; others name a sensor'
+    if manifest.interface == "words" and manifest.sensors:
+        return "sensors: a seat of words has its own; it may only have a camera: pictures = true"
+    if manifest.interface != "keys":
+        return ""
+    others = [name for name in manifest.sensors if name != "screen"]
+    if others:
+        return f"sensors.{others[0]}: a seat of keys has its screen alone"
+    wide = [option for option in manifest.sensors.get("screen", ()) if option not in DRAWN_BY]
+    if wide:
+        return f"sensors.screen.{wide[0]}: of a seat of keys, only {', '.join(DRAWN_BY)} may be chosen"
+    return ""
 
 
 def _explain(error: Any) -> str:

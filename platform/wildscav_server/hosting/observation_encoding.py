@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 
 from wildscav.proto.match_pb2 import Observation, SupplyBox, Vector, VisibleAgent
 from wildscav_engine.arithmetic.random_numbers import Word
-from wildscav_engine.compilation.array_tables import Addresses, values_reader
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
+from wildscav_engine.compilation.tables.array_tables import Addresses, values_reader
 from wildscav_engine.simulation.batch_kernels import agents_of, seen_of, supplies_of
 from wildscav_engine.simulation.state import Agents, Matches, Supplies, allocate_state, matches_at
 from wildscav_engine.simulation.systems.supplies import team_supplies

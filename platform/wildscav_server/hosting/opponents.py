@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from wildscav.errors import UserError
 from wildscav.sdk.run import ADDRESS_VARIABLE, TOKEN_VARIABLE
 from wildscav.sdk.submission_folder import MANIFEST
-from wildscav_server.hosting.manifest import read_manifest
+from wildscav_server.hosting.manifest import check_plays_numbers, read_manifest
 
 if TYPE_CHECKING:
     from wildscav_server.hosting.hosted_match import HostedMatch
@@ -33,13 +33,14 @@ def submission_opponent(folder: Path, track: str) -> Opponent:
     """Return the opponent that plays from a submission's folder.
 
     Raises:
-        UserError: It cannot be read, or does not play the track.
+        UserError: It cannot be read, does not play the track, or plays by another interface than numbers.
     """
     manifest = read_manifest(folder / MANIFEST)
     if track not in manifest.tracks:
         raise UserError(
             f"{manifest.name} does not play {track}; it plays {', '.join(manifest.tracks)}", exit_code=2
         )
+    check_plays_numbers(folder / MANIFEST, manifest)
     return Opponent(manifest.name, folder.absolute(), manifest.sensors)
 
 

@@ -88,6 +88,10 @@ class SeatReport:
     time_bank: float = 0.0  # remaining time bank, s
     start_up: float | None = None  # s from its start until it was ready; None if it never was
     credited: float | None = None  # s of waiting for a processor that its bank did not pay; None if unknown
+    tokens: int = 0  # that its model wrote
+    processor: float = 0.0  # s that its threads ran in the match, as far as its host counts them
+    held_steps: int = 0  # steps that were played with its last action, because it thought
+    charged_steps: int = 0  # of those, the steps that its thoughts cost
 
 
 @dataclass(frozen=True, slots=True)

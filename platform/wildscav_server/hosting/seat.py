@@ -14,6 +14,7 @@ from wildscav.proto.match_pb2 import SeatConduct
 from wildscav.wire.errors import RefusalError
 from wildscav.wire.matches import encode_conduct
 from wildscav_server.hosting.reports import Conduct, SeatReport, SeatStatus, ThinkTime
+from wildscav_server.thinking import Purse
 from wildscav_server.time_limits import TimeBank, WaitMeter
 
 if TYPE_CHECKING:
@@ -49,6 +50,9 @@ class Seat:
         self.conduct = Conduct()
         self.first_late: int | None = None  # the first step that was played without its answer
         self.meter: WaitMeter | None = None  # of its agent's waits for a processor, if its host has one
+        self.purse = Purse()  # what its thinking has cost
+        self.held_steps = 0  # that were played with its last action, because it thought
+        self.charged_steps = 0  # of those, the steps that its thoughts cost
         self.times = array("d")  # s, for each step
         self.notified = False  # whether its stream is about to fetch an observation
         self.wakes: Callable[[], None] | None = None  # called when it is notified; None: it owes an answer
@@ -118,6 +122,10 @@ class Seat:
             time_bank=self.bank.left,
             start_up=self.start_up,
             credited=None if self.meter is None else self.bank.credited,
+            tokens=self.purse.tokens,
+            processor=self.purse.processor / 1e9,
+            held_steps=self.held_steps,
+            charged_steps=self.charged_steps,
             **asdict(self.conduct),
         )
 

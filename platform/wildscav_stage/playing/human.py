@@ -2,9 +2,13 @@
 
 import asyncio
 import contextlib
+import re
 import webbrowser
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from importlib.metadata import entry_points
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
@@ -15,9 +19,26 @@ from wildscav.system.output_folders import check_folder
 if TYPE_CHECKING:
     from wildscav_stage.playing.plan import Plan
 
+SUITES = "wildscav.people_suites"  # entry points: functions that let a person play the matches of a suite
+RECORDS = Path("out/human")
+NAME = r"[a-z0-9][a-z0-9-]{1,39}"
+
 
 def human(
-    track: Annotated[str, typer.Option(help="Track to play.")] = "battle",
+    track: Annotated[
+        str | None,
+        typer.Option(help="Track to play. Default: battle, or all of --suite.", show_default=False),
+    ] = None,
+    suite: Annotated[
+        str | None,
+        typer.Option(
+            help="Play the matches of this suite, such as reading, one after another and each once; the "
+            "results stand on the board beside those of agents.",
+            show_default=False,
+        ),
+    ] = None,
+    name: Annotated[str, typer.Option(help="With --suite: your name on the board.")] = "person",
+    fresh: Annotated[bool, typer.Option("--fresh", help="With --suite: play all matches again.")] = False,
     at_range: Annotated[
         bool,
         typer.Option("--range", help="Practise shooting, at targets that stand, walk and strafe."),
@@ -69,52 +90,96 @@ def human(
         ),
     ] = None,
     browser: Annotated[bool, typer.Option(help="Open the page in a browser.")] = True,
-    records: Annotated[Path, typer.Option(help="Folder for the records of the matches.")] = Path("out/human"),
+    records: Annotated[
+        Path | None,
+        typer.Option(
+            help="Folder for the records of the matches. Default: out/human, or with --suite a new one in "
+            "out/evaluations.",
+            show_default=False,
+        ),
+    ] = None,
 ) -> None:
     """Play yourself, in the browser, against other people, robots and submissions; Ctrl-C ends it.
 
     Submissions run without a sandbox, so name only those whose code you trust.
     """
-    from wildscav.terminal.console import console
-    from wildscav_engine.compilation.engine_progress import preparing
     from wildscav_stage.playing.links import checked_public_url
     from wildscav_stage.playing.plan import make_plan, make_range
-    from wildscav_stage.playing.site.serve import prepare
     from wildscav_stage.viewer_files import viewer_file
 
     viewer_file("play.js")
-    check_folder("--records", records)
+    check_folder("--records", records or RECORDS)
     public = None if public_url is None else checked_public_url(public_url)
+    serving = Serving(host, port, public, spectator_delay, browser)
     names = None if opponents is None else [name.strip() for name in opponents.split(",") if name.strip()]
+    is_usual = map_id is None and names is None and people == 1
+    if suite is not None:
+        if at_range or not is_usual or time_limit is not None or rules != "original":
+            raise UserError("--suite says what is played, by one person against its robots", exit_code=2)
+        with _suites()(_checked_name(name), suite, seed, track, records, fresh=fresh) as first:
+            if first is not None and first.given is not None:
+                _play(first, first.given.record.parent, serving)
+        return
     if at_range:
-        if track != "battle" or map_id is not None or names is not None or people > 1:
+        if track not in (None, "battle") or not is_usual:
             raise UserError("--range has a map and targets of its own, for one person", exit_code=2)
         plan = make_range(seed, time_limit, rules)
     else:
-        plan = make_plan(track, map_id, seed, names, time_limit, people, rules)
+        plan = make_plan(track or "battle", map_id, seed, names, time_limit, people, rules)
+    _play(plan, records or RECORDS, serving)
+
+
+class Serving(NamedTuple):
+    """How the page is served."""
+
+    host: str
+    port: int
+    public_url: str | None
+    delay: float | None  # s after which spectators see a match
+    browser: bool  # whether to open the page
+
+
+def _suites() -> "Callable[..., AbstractContextManager[Plan | None]]":
+    """Return what lets a person play the matches of a suite.
+
+    Raises:
+        UserError: The package that does is not installed.
+    """
+    for point in entry_points(group=SUITES):
+        found: Callable[..., AbstractContextManager[Plan | None]] = point.load()
+        return found
+    raise UserError("--suite needs the evaluator: pip install 'wildscav[evaluator]'", exit_code=2)
+
+
+def _checked_name(name: str) -> str:
+    if not re.fullmatch(NAME, name):
+        raise UserError(
+            f"--name is {name!r}, must be 2 to 40 of a-z, 0-9 and -, a letter or digit first", exit_code=2
+        )
+    return name
+
+
+def _play(plan: "Plan", records: Path, serving: Serving) -> None:
+    """Serve a table until Ctrl-C."""
+    from wildscav.terminal.console import console
+    from wildscav_engine.compilation.engine_progress import preparing
+    from wildscav_stage.playing.site.serve import prepare
+
     with preparing(console):
         prepare(plan)
     with contextlib.suppress(KeyboardInterrupt):
-        asyncio.run(_serve(plan, records, host, port, public, spectator_delay, browser=browser))
+        asyncio.run(_serve(plan, records, serving))
 
 
-async def _serve(
-    plan: "Plan",
-    records: Path,
-    host: str,
-    port: int,
-    public_url: str | None,
-    delay: float | None,
-    *,
-    browser: bool,
-) -> None:
+async def _serve(plan: "Plan", records: Path, serving: Serving) -> None:
     from wildscav.terminal.console import console
     from wildscav_stage.playing.site.serve import served
 
     def say(line: str) -> None:
         console.print(line)
 
-    async with served(plan, records, host, port, say, public_url=public_url, delay=delay) as (links, serving):
+    host, port, public_url, delay, browser = serving
+    async with served(plan, records, host, port, say, public_url=public_url, delay=delay) as (links, web):
         say(f"play at {links.host}")
         for number, link in enumerate(links.guests, start=2):
             say(f"person {number} plays at {link}")
@@ -123,4 +188,4 @@ async def _serve(
         say(f"spectators watch at {links.watch}")
         if browser:
             await asyncio.to_thread(webbrowser.open, links.host)
-        await serving
+        await web

@@ -252,11 +252,15 @@ class Lobby:
         return bool(here) and all(player.is_ready and player.seat != HOST for player in here)
 
     def absent(self) -> tuple[int, ...]:
-        """Return the seats of the people who are not here."""
+        """Return the seats of the people who are not here, and for whom robots play."""
+        if self.plan.given is not None:
+            return ()  # the match waits
         return tuple(player.seat for player in self.seats if player.page is None)
 
     def names(self, absent: Sequence[int]) -> tuple[str, ...]:
         """Return the display name of every seat, with robots in the seats of those who are absent."""
+        if self.plan.given is not None:
+            return self.plan.names
         people = [self.plan.stand_in if player.seat in absent else player.name for player in self.seats]
         return numbered([*people, *(opponent.name for opponent in self.plan.opponents)])
 

@@ -3,7 +3,7 @@
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from pydantic import ValidationError
 
@@ -20,6 +20,9 @@ from wildscav_engine.specs.validation import one_line
 from wildscav_engine.tracks import TRACKS
 from wildscav_server.hosting.opponents import Opponent, numbered, submission_opponent
 from wildscav_stage.playing.shooting_range import TARGETS, Target, range_spec
+
+if TYPE_CHECKING:
+    from wildscav_server.hosting.reports import MatchOutcome
 
 PERSON = "person"
 SPECTATOR_DELAY = 3.0  # s
@@ -42,17 +45,35 @@ class RangeTarget(Opponent):
     target: Target | None = None
 
 
+class Given(Protocol):
+    """One of several given matches, which one person plays once each and as they are, against robots."""
+
+    title: str  # which of them it is
+    names: tuple[str, ...]  # the display name of every seat
+    seed: int  # the private seed of the person's seat
+    record: Path  # where its record goes
+
+    def begin(self) -> None:
+        """Note that it begins, or begins again."""
+
+    def end(self, outcome: "MatchOutcome") -> "Plan | None":
+        """Keep how it ended, and return the plan of the next match; None if it was the last one."""
+
+
 @dataclass(frozen=True)
 class Plan:
-    """A match that can be played several times, each time with another seed."""
+    """A match that can be played several times, each time with another seed, unless it is a given one."""
 
     spec: MatchSpec
     opponents: tuple[Opponent, ...]
     people: int = 1  # who have the first seats; submissions have the next ones, and robots the last
+    given: Given | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
         """The display name of every seat, different ones for people and for opponents of the same kind."""
+        if self.given is not None:
+            return self.given.names
         return numbered([PERSON] * self.people + [opponent.name for opponent in self.opponents])
 
     @property
@@ -69,6 +90,11 @@ class Plan:
     def may_pause(self) -> bool:
         """Whether nobody but one person needs time to think."""
         return self.people == 1 and all(opponent.folder is None for opponent in self.opponents)
+
+    @property
+    def may_change(self) -> bool:
+        """Whether the host may choose other robots and maps."""
+        return not self.targets and self.given is None
 
     @property
     def delay(self) -> float:
@@ -100,10 +126,10 @@ class Plan:
 
         Raises:
             UserError: There is no such robot, such a match is not possible or cannot be recorded, or this is
-                a shooting range.
+                a shooting range or a given match.
         """
-        if self.targets:
-            raise UserError("the shooting range has targets and a lawn of its own")
+        if not self.may_change:
+            raise UserError("this match is played as it is")
         for name in robots:
             if name not in ROBOTS:
                 raise UserError(f"there is no robot {name!r}{did_you_mean(name, ROBOTS)}")
@@ -127,6 +153,8 @@ class Plan:
             times: How often.
             absent: The seats of people who are not here.
         """
+        if self.given is not None:
+            return self.spec
         seats = (self.stand_in if seat in absent else who for seat, who in enumerate(self.spec.seats))
         return self.spec.model_copy(update={"seed": (self.spec.seed + times) % 2**64, "seats": tuple(seats)})
 
@@ -177,6 +205,11 @@ def make_plan(
     except (MapError, RecordError) as error:
         raise UserError(str(error), exit_code=2) from None
     return Plan(spec, chosen, people)
+
+
+def given_plan(spec: MatchSpec, given: Given) -> Plan:
+    """Return the plan of a given match, in which the person has the first seat and robots have the others."""
+    return Plan(spec, tuple(map(Opponent, spec.seats[1:])), given=given)
 
 
 def make_range(seed: int, time_limit: float | None, rules: str = "original") -> Plan:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from wildscav_server.hosting.hosted_match import HostedMatch
 
 LONGEST_PAUSE = 86_400.0  # s, of a match against robots alone, which wait for the person
-ROBOT_CLOCK = Clock(time_bank=LONGEST_PAUSE)
+ROBOT_CLOCK = Clock(time_bank=LONGEST_PAUSE, idle_limit=LONGEST_PAUSE, paused_bank=LONGEST_PAUSE)
 
 
 class Agents(Protocol):
@@ -59,6 +59,7 @@ async def hosted_match(
         spec,
         names=names,
         sensors={seat: each.sensors for seat, each in opponents.items() if each.sensors},
+        seeds=None if plan.given is None else {0: plan.given.seed},
         clock=ROBOT_CLOCK if plan.may_pause else Clock(),
         addresses=hosting.seats,
     )
@@ -75,7 +76,11 @@ async def hosted_match(
 
 
 async def play_out(
-    hosting: MatchHosting, hosted: "HostedMatch", people: Mapping[int, Person], noted: Callable[[], None]
+    hosting: MatchHosting,
+    hosted: "HostedMatch",
+    people: Mapping[int, Person],
+    noted: Callable[[], None],
+    path: Path | None = None,
 ) -> Path:
     """Let people play a match to its end, and return its record.
 
@@ -84,6 +89,7 @@ async def play_out(
         hosted: The match.
         people: The person of each seat that one has.
         noted: Called after each frame.
+        path: Where the record goes; None for a path that is free.
     """
     # The seats are joined at the same time, because the match begins when all are.
     joined = (
@@ -92,7 +98,7 @@ async def play_out(
     )
     await asyncio.gather(*joined)
     match = (await hosted.finished()).match
-    path = _free_path(hosting.folder, match.spec.track)
+    path = path or _free_path(hosting.folder, match.spec.track)
     await asyncio.to_thread(write_record, path, match, hosted.names)
     return path
 

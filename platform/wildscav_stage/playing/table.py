@@ -88,6 +88,7 @@ class Table:
         self._match: asyncio.Task[None] | None = None
         self._is_wanted = False  # whether another match starts when the present one has left
         self._played = 0
+        self._is_complete = False  # whether the last of the given matches was played
         self._drawn: MapSpec | None = None  # the map in ``map_file``
 
     @property
@@ -130,6 +131,8 @@ class Table:
             LobbyError: Somebody else than the host asks for it.
         """
         only_host(seat, "starts matches")
+        if self._is_complete:
+            raise lobby.LobbyError("all matches were played")
         self._start()
 
     def vote(self, seat: int, *, ready: bool) -> None:
@@ -247,6 +250,10 @@ class Table:
         absent, plan = self.lobby.absent(), self.lobby.begin()
         spec, names = plan.played(self._played, absent), self.lobby.names(absent)
         self._played += 1
+        if plan.given is not None:
+            plan.given.begin()
+        for page, player in self._people():
+            page.tell(self._introduction(player))  # another match may be on another track
         self.tell_people()
         people = {player.seat: player.person for player in self.lobby.seats if player.seat not in absent}
         async with hosted_match(self._hosting, plan, spec, names) as hosted:
@@ -264,7 +271,12 @@ class Table:
                 fights.note()
 
             async with beside(self._tell_scores(hosted)):
-                path = await play_out(self._hosting, hosted, people, note)
+                record = None if plan.given is None else plan.given.record
+                path = await play_out(self._hosting, hosted, people, note, record)
+            if plan.given is not None:
+                following = plan.given.end(await hosted.finished())
+                self._is_complete = following is None
+                self.lobby.plan = following or plan
             self._finish(hosted, path, fights)
 
     async def _count_down(self) -> None:
@@ -286,6 +298,7 @@ class Table:
                 "metrics": metric_titles(hosted.match),
                 "seats": [seat.model_dump() for seat in seats_shown(spec, hosted.names, None)],
                 "frame_limit": spec.frame_limit,
+                "frames_per_action": spec.frames_per_action,
                 "rules": {name: getattr(spec.rules, name) for name in TOLD_RULES},
             }
         )
@@ -318,10 +331,16 @@ class Table:
                 "rows": rows,
                 "played": sorted(self._playing),
                 "match": {"secret": secret, "record": path.name if self.at_home else None},
+                "next": self._next(),
                 "record": str(path.absolute()),
                 "commands": [command("wildscav", verb, path) for verb in ("replay", "verify")],
             }
         )
+
+    def _next(self) -> str:
+        """Return what the button says that starts the next match; an empty text if there is none."""
+        given = self._plan.given
+        return "" if self._is_complete else "Play again" if given is None else f"Play {given.title}"
 
     # What pages are told.
 
@@ -330,13 +349,14 @@ class Table:
         return {
             "kind": "table",
             "track": spec.track,
+            "title": spec.track if self._plan.given is None else self._plan.given.title,
             "names": [each.name for each in self.lobby.seats] + list(self._plan.names[self._plan.people :]),
             "people": self._plan.people,
             "seat": None if player is None else player.seat,
             "may_pause": self._plan.may_pause,
             "stand_in": self._plan.stand_in,
             "is_range": bool(self._plan.targets),
-            "kinds": [] if self._plan.targets else list(ROBOTS),
+            "kinds": list(ROBOTS) if self._plan.may_change else [],
             "delay": self.audience.delay,
         }
 

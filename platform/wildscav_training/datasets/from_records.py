@@ -12,7 +12,7 @@ from wildscav_engine.record import Record, RecordError, read_record
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.simulation.setup.match_setup import MatchSetupError
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
-from wildscav_engine.version import SIMULATION_VERSION
+from wildscav_engine.version import SIMULATION_VERSION, advice
 from wildscav_training.datasets.episodes import Episode, Spaces, Watcher, spaces_of
 
 # The options of an environment that say what learners see, do and get; the record says all others.
@@ -184,8 +184,8 @@ def _check_versions(path: Path, record: Record) -> None:
     ):
         if then != now:
             raise UserError(
-                f"{path} was played with {what} version {then}, but this engine has version {now}: use the "
-                f"engine that made it ({record.engine_version})"
+                f"{path} was played with {what} version {then}, but this engine has version {now}: "
+                f"{advice(record.engine_version)}"
             )
 
 

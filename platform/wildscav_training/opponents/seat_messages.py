@@ -9,8 +9,8 @@ from wildscav.agent import MatchInfo, Observation
 from wildscav.proto.match_pb2 import ServerMessage
 from wildscav.wire.matches import decode_match_info, encode_match_info
 from wildscav.wire.observations import decode_observation, encode_observation
-from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.compilation.tables.array_tables import Addresses
 from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
 from wildscav_engine.simulation.batch_kernels import agents_of, seen_of, supplies_of
 from wildscav_engine.simulation.match import start_info

@@ -20,7 +20,7 @@ from wildscav.terminal.suggestions import did_you_mean
 from wildscav.wire.actions import decode_action, encode_action
 from wildscav_engine.envs import SeatController
 from wildscav_engine.sensors import allowed_sensors, parse_sensors
-from wildscav_server.hosting.manifest import Manifest, read_manifest
+from wildscav_server.hosting.manifest import Manifest, check_plays_numbers, read_manifest
 from wildscav_server.time_limits import Clock
 from wildscav_training.opponents.seat_messages import Indices, decode_for_agent, seat_info, seat_observations
 
@@ -44,7 +44,8 @@ class SubmissionOpponent(SeatController):
                 all rights of this process.
 
         Raises:
-            UserError: The folder is not a submission in Python, or its code cannot be imported.
+            UserError: The folder is not a submission in Python that plays by numbers, or its code cannot be
+                imported.
         """
         self.folder = _checked_folder(folder)
         manifest = read_manifest(self.folder / MANIFEST)
@@ -61,6 +62,11 @@ class SubmissionOpponent(SeatController):
         return type(self), (self.folder,)
 
     def _load(self, manifest: Manifest) -> Callable[[], Agent]:
+        check_plays_numbers(self.folder / MANIFEST, manifest)
+        return self._class_in(manifest)
+
+    def _class_in(self, manifest: Manifest) -> Callable[[], Any]:
+        """Import the class of an entry point."""
         if manifest.entry_point is None:
             raise UserError(
                 f"{self.folder / MANIFEST} has a command, so the agent is a program of its own; "

@@ -10,9 +10,9 @@ from typing import Any
 
 import pytest
 
+from wildscav_engine.compilation.caching.levels import CHOICE, LEVELS, levels, processor_of
+from wildscav_engine.compilation.caching.sources import PACKAGE
 from wildscav_engine.compilation.kernel import PLAIN
-from wildscav_engine.compilation.levels import CHOICE, LEVELS, levels, processor_of
-from wildscav_engine.compilation.sources import PACKAGE
 
 pytestmark = pytest.mark.skipif(PLAIN, reason="nothing is compiled")
 

@@ -6,7 +6,6 @@ from wildscav_engine.maps import MapError, generate_map
 from wildscav_engine.specs.map_spec import MapConfig, Placement
 
 SMALL = MapConfig(size=60, houses=3, storeys=(1, 3), water=0.15, vegetation=0.6)
-STREET = MapConfig(size=80, houses=6, density="high")
 
 
 def test_one_seed_is_one_map() -> None:

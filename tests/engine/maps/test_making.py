@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 from wildscav_engine.compilation import notice
-from wildscav_engine.compilation.cache_root import cache_root
-from wildscav_engine.compilation.locks import Lock
+from wildscav_engine.compilation.caching.cache_root import cache_root
+from wildscav_engine.compilation.caching.locks import Lock
 from wildscav_engine.maps import MapError, cache, generate_map, making
 from wildscav_engine.maps.pools import MapPool
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec

@@ -35,6 +35,7 @@ from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.map_spec import MapConfig
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.storage.binary_format import PREAMBLE, canonical_json, pack, unpack
+from wildscav_engine.version import advice
 
 
 @pytest.fixture(scope="module")
@@ -133,7 +134,7 @@ def test_a_map_of_another_generator_is_named_before_it_is_made(
     assert not verification.holds
     assert verification.message == (
         "played on a map of generator version 1, but this engine has version "
-        f"{GENERATOR_VERSION}: play it with the engine that made it (0.0.9)"
+        f"{GENERATOR_VERSION}: {advice('0.0.9')}"
     )
 
 
@@ -143,7 +144,7 @@ def test_a_record_of_other_rules_says_so(record: Record) -> None:
     assert not verification.holds
     assert verification.message == (
         f"played with simulation version 1, but this engine has version {SIMULATION_VERSION}: "
-        "play it with the engine that made it (0.0.9)"
+        f"{advice('0.0.9')}"
     )
 
 

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from tests.builders import act, box, flat_world, make_match, place
 
-from wildscav_engine.sensors import NearbySupplies, VisibleAgents
+from wildscav_engine.sensors import NearbySupplies, Sights, VisibleAgents
 from wildscav_engine.simulation.match import Match
+from wildscav_engine.specs.body import BODY_RADIUS
 from wildscav_engine.specs.rules import Rules
 
 
@@ -93,3 +94,18 @@ def test_the_dead_have_nothing_in_sight() -> None:
     place(match, 1, (0, 0, 10), yaw=180)
     act(match, 1, seat_0={"shoot": 1})
     assert not VisibleAgents().read(match, [0, 1]).any()
+
+
+def test_an_enemy_in_sight_is_told_of_by_the_turn_that_aims_at_it_now_and_where_it_goes() -> None:
+    match = make_match("battle", seats=3, teams=(0, 0, 1), world=flat_world(80))
+    place(match, 0, (0, 0, 0), yaw=10, pitch=-2)
+    place(match, 1, (0, 0, 3))  # a teammate
+    place(match, 2, (3, 0, 4), yaw=60 + np.degrees(np.arctan2(-3, -4)))  # half turned to the reader
+    act(match, 1)
+    match.state.agents.velocity[0, [0, 2]] = (0, 0, 2), (-6, 0, 0)  # in half a second it is 3 m ahead
+    turns = np.degrees(np.arctan2((3, 0.4, 0, 0.4), (4, 5, 3, 3))) - (10, -2, 10, -2)
+    wide = np.degrees(np.arctan2(BODY_RADIUS, 5))
+    row, unused = Sights(limit=2, lead=0.5).read(match, [0])[0]
+    logarithms = np.sign(turns) * np.log1p(np.abs(turns))
+    assert row == pytest.approx([1, *logarithms, np.log1p(wide), 0.5, np.log(6), 100, 0], abs=1e-5)
+    assert not unused.any()

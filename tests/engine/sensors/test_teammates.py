@@ -11,11 +11,11 @@ def test_teammates_are_listed_nearest_first_in_sight_or_not() -> None:
     match = make_match("battle", seats=5, teams=(0, 0, 1, 0, 1))
     for seat, spot in enumerate(((0, 0, 0), (0, 0, -9), (1, 0, 0), (3, 0, 4), (0, 0, 2))):
         place(match, seat, spot)
-    match.state.agents.supplies[0, 3] = 12
-    match.state.agents.health[0, 1] = 0
+    agents = match.state.agents
+    agents.velocity[0, 3], agents.yaw[0, 3] = (1, 2, 3), 50
+    agents.supplies[0, 3], agents.invincible_left[0, 3], agents.health[0, 1] = 12, 5, 0
     near, far, *unused = Teammates().read(match, [0])[0]
-    assert near[[0, 1, 2, 3, 4, 5]].tolist() == [1, 3, 3, 0, 4, 5]
-    assert near[[10, 12]].tolist() == [100, 12]
+    assert near.tolist() == [1, 3, 3, 0, 4, 5, 1, 2, 3, 50, 100, 1, 12]
     assert far[[1, 4, 10]].tolist() == [1, -9, 0]
     assert not np.any(unused)
 

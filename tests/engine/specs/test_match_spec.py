@@ -35,7 +35,10 @@ from wildscav_engine.specs.validation import one_line
         ({"track": "battle", "rules": {"spread": -1}}, "rules.spread: Input should be greater than"),
         ({"track": "battle", "map": {"config": {"size": 41}}}, "map.config.size"),
         ({"track": "battle", "map": {"config": {"storeys": [3, 1]}}}, "storeys is (3, 1)"),
-        ({"track": "battle", "clock": "stopped"}, "clock: Input should be 'bank' or 'paused'"),
+        (
+            {"track": "battle", "clock": "stopped"},
+            "clock: Input should be 'bank', 'paused', 'running' or 'tokens'",
+        ),
         ({"track": "battle", "speed": 3}, "speed: Extra inputs are not permitted"),
         ({"track": "battle", "start": [0, 0, float("nan")]}, "start.2"),
     ],

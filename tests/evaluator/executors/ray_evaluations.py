@@ -21,12 +21,12 @@ houses = 0
 [tracks.navigation]
 maps = 2
 episodes = 2
-match = { time_limit = 4 }
+match = { time_limit = 2 }
 
 [tracks.battle]
 maps = 1
 episodes = 1
-match = { time_limit = 4, seats = ["submission", "fighter", "submission"] }
+match = { time_limit = 2, seats = ["submission", "fighter", "submission"] }
 """
 MATCHES = 5
 PATIENCE = 900.0  # s, of a busy machine: nodes that were lost take their time to be replaced

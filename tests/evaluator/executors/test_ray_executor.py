@@ -20,7 +20,6 @@ from tests.evaluator.sandbox.sandbox_runs import processes_with, wait_until
 from wildscav_engine.maps import cache
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.cli.sessions.rescore import run_rescore
 from wildscav_evaluator.executors import ExecutorError
 from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_evaluator.executors.ray_executor import RayExecutor
@@ -30,7 +29,7 @@ from wildscav_evaluator.matches.workers import Workers
 from wildscav_evaluator.output.layout import LOGS, RECORDS, REPLAYS
 from wildscav_evaluator.sandbox.process import WARNING
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 SPEC = MatchSpec(track="navigation", map=MapSpec(config=MapConfig(size=40, houses=0)), time_limit=2.0)
 
 
@@ -90,12 +89,12 @@ def test_another_token_is_refused_in_one_line(
 def test_matches_are_those_of_this_machine_and_a_process_that_is_killed_costs_an_attempt(
     executor: RayExecutor, submit: Submit, tmp_path: Path, out: Path
 ) -> None:
-    """One of ours and one of Ray's is killed once; of four matches, the last kills each that plays it."""
+    """One process of ours and one of Ray's are killed once, one match kills each, and one is not begun."""
     # Outside of its folder, because a node does not use a submission again that was changed there.
     worker = KILLS_ITS_FIRST_WORKER.replace('"was_here"', repr(str(tmp_path / "worker was here")))
     host = KILLS_RAYS_PROCESS.replace('"was_here"', repr(str(tmp_path / "host was here")))
     killer = KILLS_RAYS_PROCESS.replace(' and not os.path.exists("was_here")', "")
-    bodies = {"talker": TALKER, "worker": worker, "host": host, "killer": killer}
+    bodies = {"talker": TALKER, "worker": worker, "host": host, "killer": killer, "withheld": TALKER}
     submissions = [submit(name, body) for name, body in bodies.items()]
     jobs = [Job.of_one(one, "navigation", 0, SPEC, out, replay=False) for one in submissions]
     lost: dict[str, list[str]] = {}
@@ -104,13 +103,18 @@ def test_matches_are_those_of_this_machine_and_a_process_that_is_killed_costs_an
         if isinstance(event, AttemptFailed):
             lost.setdefault(job.evaluated, []).append(event.reason)
 
+    def is_begun(job: Job) -> bool:
+        return job.evaluated != "withheld"
+
     choice, _ = executor.choose_sandbox("process", submissions)
     with executor.players(jobs) as players:
-        results = {result.job.evaluated: result for result in players.run(jobs, on_event=note)}
+        results = {result.job.evaluated: result for result in players.run(jobs, is_begun, note)}
 
     there = contents(out)
     assert choice.warnings == (WARNING,)
-    assert {name: len(reasons) for name, reasons in lost.items()} == {"worker": 1, "host": 1, "killer": 2}
+    assert {name: len(reasons) for name, reasons in lost.items()} == {"worker": 1, "host": 1, "killer": 2}, (
+        lost
+    )
     assert "SIGKILL" in lost["worker"][0]
     assert all(
         reason.startswith(("a process on east was lost", "a process on west was lost"))
@@ -130,7 +134,7 @@ def test_matches_are_those_of_this_machine_and_a_process_that_is_killed_costs_an
     assert {name: one.row for name, one in results.items()} == {name: one.row for name, one in here.items()}
 
 
-def test_a_command_that_is_killed_or_interrupted_leaves_nothing_running_and_goes_on_where_it_was(
+def test_a_command_that_is_interrupted_leaves_nothing_running_and_goes_on_where_it_was(
     plodder: Path, plodder_here: Path, suite: Path, two_nodes: RayCluster, tmp_path: Path
 ) -> None:
     """In a sandbox, in which the logs are those of this machine, too."""
@@ -138,16 +142,15 @@ def test_a_command_that_is_killed_or_interrupted_leaves_nothing_running_and_goes
         pytest.skip(f"bubblewrap does not work here: {why}")
     there = tmp_path / "there"
     arguments = (plodder, *options(two_nodes, suite, "bubblewrap"), "--workers=2")
-    Sitting(there, *arguments).kill_at(1)
-    kept = entered(there)
     interrupted = Sitting(there, *arguments)
-    interrupted.await_begin()
+    interrupted.await_matches(1)
     wait_until(lambda: bool(agents_of(two_nodes)), PATIENCE)
     agents = agents_of(two_nodes)
     interrupted.interrupt()
     assert interrupted.process.wait(60) == 130
     assert "interrupted" in interrupted.errors
     wait_until(lambda: not any(Path(f"/proc/{one}").exists() for one in agents))
+    kept = entered(there)
 
     last = Sitting(there, *arguments)
     assert last.process.wait(PATIENCE) == 0, last.errors
@@ -155,9 +158,8 @@ def test_a_command_that_is_killed_or_interrupted_leaves_nothing_running_and_goes
     assert last.errors == ""
     check_equal(there, plodder_here)
     assert files(there, "logs") == files(plodder_here, "logs")
+    assert kept
     assert {stem: entered(there)[stem] for stem in kept} == kept
-    with RayExecutor(1, two_nodes.address) as executor:
-        run_rescore(there, executor)
 
 
 def agents_of(cluster: RayCluster) -> list[int]:

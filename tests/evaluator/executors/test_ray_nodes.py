@@ -16,7 +16,7 @@ from tests.evaluator.sandbox.available import missing
 
 import wildscav_engine
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 
 @pytest.fixture

@@ -63,6 +63,11 @@ def excuse(forgery: Forgery) -> None:
     forgery.change_matches("bob", late)
 
 
+def read_words(forgery: Forgery) -> None:
+    ada, bob = forgery.results.evaluations
+    forgery.tell(evaluations=(ada.model_copy(update={"interface": "words"}), bob))
+
+
 def answer_faster(forgery: Forgery) -> None:
     timings = forgery.results.timings
     quick = tuple(one.model_copy(update={"wall": 0.001}) for one in timings.matches)
@@ -123,7 +128,11 @@ FORGERIES = {
     ),
     "another submission": (
         other_files,
-        "ada on navigation: results.json and evaluation.json name different versions or files of it",
+        "ada on navigation: results.json and evaluation.json name another version, files or interface",
+    ),
+    "another interface": (
+        read_words,
+        "ada on navigation: results.json and evaluation.json name another version, files or interface",
     ),
     "another sandbox": (shut_in, "results.json says sandbox oci, evaluation.json process"),
     "agents that crashed": (excuse, "navigation-000-bob: results.json and ledger.jsonl disagree about it"),

@@ -21,7 +21,7 @@ maps = 2
 match = { time_limit = 2.0 }
 """
 MATCHES = 4  # of both
-KILLS = 3  # at random moments; WILDSCAV_TEST_KILLS asks for more
+KILLS = 2  # at random moments; WILDSCAV_TEST_KILLS asks for more
 
 
 @pytest.fixture

@@ -73,6 +73,18 @@ def test_one_that_is_asked_for_and_breaks_a_promise_is_refused() -> None:
         choose("bubblewrap", sandboxes, DEFAULT_LIMITS)
 
 
+def test_sandboxes_that_build_on_linux_are_not_tried_elsewhere(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.platform", "darwin")
+    sandboxes = [OneThat("oci", keeps=True), OneThat("bubblewrap", keeps=True), PROCESS]
+
+    choice = choose(None, sandboxes, DEFAULT_LIMITS)
+
+    assert choice.sandbox.name == "process"
+    assert choice.warnings[1] == "oci does not work here: it needs Linux, and this system is darwin"
+    with pytest.raises(SandboxError, match="bubblewrap cannot be kept here: it needs Linux"):
+        choose("bubblewrap", sandboxes, DEFAULT_LIMITS)
+
+
 def test_a_plain_process_comes_with_a_warning_always() -> None:
     assert choose("process", [PROCESS], DEFAULT_LIMITS).warnings == (WARNING,)
 

@@ -18,7 +18,7 @@ from wildscav_evaluator.output.results import (
     Results,
     Timings,
 )
-from wildscav_evaluator.scores.compare import Comparison, compare, judge
+from wildscav_evaluator.scores.compare import Comparison, compare, compare_evaluations, judge
 from wildscav_evaluator.scores.score import summary
 from wildscav_evaluator.submissions.submission import Submission
 
@@ -126,6 +126,16 @@ def test_a_match_that_the_platform_lost_is_left_out_for_both() -> None:
     assert (nothing.pairs, nothing.verdict, nothing.differences) == (0, "too few", ())
     assert "0 matches are too few to decide: at least 6 needed" in verdict_line(nothing).plain
     assert comparison_table(nothing).row_count == 0
+
+
+def test_it_is_said_that_two_play_by_different_interfaces() -> None:
+    one, other = evaluation("ada", HARD_AND_EASY), evaluation("bob", HARD_AND_EASY)
+    reads = other.model_copy(update={"interface": "words"})
+
+    assert "interfaces" not in compare_evaluations(one, other).model_dump()
+    assert verdict_line(compare_evaluations(one, reads)).plain.endswith(
+        "(ada plays by numbers, bob by words)"
+    )
 
 
 def test_two_versions_of_one_submission_are_with_distinct_names(submit: Callable[..., Submission]) -> None:

@@ -7,6 +7,7 @@ import pytest
 from tests.evaluator.results_by_hand import saved, scored_results
 
 from wildscav.errors import UserError
+from wildscav_evaluator.cli.sessions.leaderboard import show_standings
 from wildscav_evaluator.output.results import CURRENT_VERSIONS, Results
 from wildscav_evaluator.scores.leaderboard import document, find_results, standings
 
@@ -82,6 +83,23 @@ def test_a_track_or_a_suite_can_be_asked_for_alone() -> None:
     assert tracks(track="gath") == ["gathering"]
     assert tracks(suite="quick") == ["navigation", "gathering"], "in the order of the engine's tracks"
     assert tracks(suite="official") == []
+
+
+def test_all_interfaces_share_a_ranking_which_says_by_which_each_plays(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    results = scored_results({("ada", "gathering"): [1.0], ("bob", "gathering"): [2.0]})
+    ada, bob = results.evaluations
+    reads = results.model_copy(update={"evaluations": (ada, bob.model_copy(update={"interface": "words"}))})
+
+    (one,) = standings([reads])
+    assert [(row["submission"], row["interface"]) for row in document(one)["rows"]] == [
+        ("bob", "words"),
+        ("ada", "numbers"),
+    ]
+    show_standings([saved(reads, tmp_path / "out")])
+    assert "bob 1.0.0 (words)" in capsys.readouterr().out
+    assert '"interface"' not in results.model_dump_json()
 
 
 def test_a_match_without_a_result_and_a_limit_stand_in_the_document() -> None:

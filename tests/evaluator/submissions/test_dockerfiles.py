@@ -17,7 +17,7 @@ from wildscav_evaluator.submissions import images
 from wildscav_evaluator.submissions.images import base_name, build_image, with_images
 from wildscav_evaluator.submissions.submission import Submission, load_submission
 
-pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("python")]
+pytestmark = [pytest.mark.slow, pytest.mark.long, pytest.mark.usefixtures("python")]
 Submit = Callable[..., Submission]
 SUBMISSION = "localhost/wildscav/builds-and-walks"
 BODY = """

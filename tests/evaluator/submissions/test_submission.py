@@ -33,6 +33,23 @@ def test_a_good_folder_is_read_whole(tmp_path: Path) -> None:
     assert submission.folder.is_absolute()
 
 
+@pytest.mark.parametrize(
+    ("more", "seated"),
+    [
+        ('interface = "words"', {"zone", "teammates", "lidar", "segmentation", "depth"}),
+        (
+            'interface = "words"\npictures = true',
+            {"zone", "teammates", "lidar", "segmentation", "depth", "camera"},
+        ),
+        ('interface = "keys"', {"screen"}),
+        ('interface = "keys"\n[sensors.screen]\nwidth = 64\nquality = "fast"', {"screen"}),
+        ("[sensors.depth]", {"depth"}),
+    ],
+)
+def test_the_interface_gives_a_seat_its_sensors(tmp_path: Path, more: str, seated: set[str]) -> None:
+    assert load_submission(make(tmp_path, GOOD + more)).sensors.keys() == seated
+
+
 def test_a_manifest_may_say_who_made_it_and_where_it_comes_from(tmp_path: Path) -> None:
     more = """
 author = "Ann"
@@ -103,6 +120,24 @@ def test_a_program_in_any_language_may_be_the_agent(tmp_path: Path) -> None:
             "sensors: .*widht.*options are width",
         ),
         ('["navigation"]', '["navigation"]\n[sensors.depth]\nwidth = -5', "sensors: .*width"),
+        ("\n", "\ninterface = 'ears'\n", 'interface: is \'ears\', must be "numbers" .*, "words" or "keys"'),
+        ("\n", "\npictures = 'many'\n", "pictures: is 'many', must be true or false"),
+        ("\n", "\npictures = true\n", 'pictures: is for interface = "words"'),
+        (
+            '["navigation"]',
+            '["navigation"]\ninterface = "words"\n[sensors.depth]',
+            "sensors: a seat of words has its own; it may only have a camera: pictures = true",
+        ),
+        (
+            '["navigation"]',
+            '["navigation"]\ninterface = "keys"\n[sensors.depth]',
+            "sensors.depth: a seat of keys has its screen alone",
+        ),
+        (
+            '["navigation"]',
+            '["navigation"]\ninterface = "keys"\n[sensors.screen]\nfield_of_view = 170',
+            "sensors.screen.field_of_view: of a seat of keys, only width, height, shadows, quality may be",
+        ),
         ('name = "walker"', "name = walker", "is not valid TOML: .*line 2"),
     ],
 )

@@ -53,6 +53,13 @@ FROZEN = {
         "royale": "2d9bbac9",
     },
     "fair": {"gathering": "7506cc1d", "battle": "be6b623b", "royale": "338443c1"},
+    "reading": {
+        "navigation": "959864b9",
+        "gathering": "9c5247bf",
+        "capture": "4cd89ddd",
+        "battle": "7c03bdc6",
+        "royale": "33c5591d",
+    },
 }
 
 
@@ -182,7 +189,9 @@ def test_wild_ways_lead_through_mazes_to_hidden_targets(track: str) -> None:
 
 
 def test_an_unknown_suite_or_track_is_named_with_those_that_there_are() -> None:
-    with pytest.raises(ValueError, match="no suite 'slow'; the suites are quick, official, wild, fair"):
+    with pytest.raises(
+        ValueError, match="no suite 'slow'; the suites are quick, official, wild, fair, reading"
+    ):
         suite("navigation", "slow", 0)
     with pytest.raises(ValueError, match="no track 'fishing'; it has navigation"):
         suite("fishing", "quick", 0)

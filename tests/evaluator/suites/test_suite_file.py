@@ -160,7 +160,8 @@ def test_suites_are_found_by_name_or_file(write: Callable[[str], Path]) -> None:
     assert find_suite("quick") is SUITES["quick"]
     assert find_suite(str(write(SPRING))).name == "spring"
     with pytest.raises(
-        UserError, match="no suite 'slow'; the suites are quick, official, wild, fair, or name a file"
+        UserError,
+        match="no suite 'slow'; the suites are quick, official, wild, fair, reading, or name a file",
     ):
         find_suite("slow")
     with pytest.raises(UserError, match=r"nowhere\.toml: No such file"):

@@ -40,6 +40,14 @@ def test_it_counts_matches_and_tells_who_is_ahead(results: Results) -> None:
     assert {one.name: one.score.mean for one in found.entrants if one.score} == {"ada": 3.0, "bob": 0.5}
 
 
+def test_it_tells_by_which_interface_an_entrant_plays(results: Results) -> None:
+    ada, bob = results.evaluations
+    reads = results.model_copy(update={"evaluations": (ada.model_copy(update={"interface": "words"}), bob)})
+
+    assert [one.interface for one in tournament_of(reads).entrants] == ["words", None]
+    assert '"interface"' not in tournament_of(results).model_dump_json()
+
+
 def test_a_schedule_of_a_later_version_is_checked_by_the_wildscav_that_made_it(
     results: Results, tmp_path: Path
 ) -> None:

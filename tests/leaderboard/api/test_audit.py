@@ -69,23 +69,6 @@ def test_a_season_is_audited_before_and_after_its_end(site: str, played: tuple[S
     assert not any(check.unchecked for check in report.checks)
 
 
-def test_a_digit_that_was_changed_in_the_database_is_found(
-    site: str, played: tuple[Season, Database]
-) -> None:
-    season, database = played
-    with database.writing() as session:
-        board = session.get_one(Board, ("battle", PUBLIC))
-        right = board.document
-        rows = [{**right["rows"][0], "rating": 1999.99}, *right["rows"][1:]]
-        board.document = {**right, "rows": rows}
-        board.updated += timedelta(microseconds=1)  # as whenever a board is stored
-    (finding,) = audited(site, season, track="battle", records=0).findings
-    assert (finding.field, finding.published) == ("rating", 1999.99)
-    with database.writing() as session:
-        board = session.get_one(Board, ("battle", PUBLIC))
-        board.document, board.updated = right, board.updated + timedelta(microseconds=1)
-
-
 def test_a_past_that_moves_is_noticed_by_the_next_audit(site: str, played: tuple[Season, Database]) -> None:
     season, database = played
     before = audited(site, season, track="battle", records=0)

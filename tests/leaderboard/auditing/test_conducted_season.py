@@ -34,7 +34,7 @@ from wildscav_leaderboard.seasons.models import AuditEntry
 from wildscav_leaderboard.seasons.state import FINALIZED, read_state
 from wildscav_leaderboard.spectating.live import LiveMatches, key_of
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 SUITE_MATCHES = 4
 SEEN = "seen.json"  # of each match that was seen while it was played: how many moments
 TEAMS = ("foxes", "owls")

@@ -1,34 +1,31 @@
 """A real conductor builds, validates and plays real submissions in real sandboxes."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 from sqlalchemy import select
 from sqlalchemy.orm import Session
-from tests.evaluator.executors.ray_clusters import ray_cluster
 from tests.evaluator.sample_agents import CRASHER, WALKER
 from tests.leaderboard.agents import write_agent
 from tests.leaderboard.real_conductor import conduct
 from tests.leaderboard.seasons_made import make_season, submitted, team_with_member
 
 from wildscav_engine.record import read_record
-from wildscav_leaderboard.conductor.attempts import RETURNED
-from wildscav_leaderboard.conductor.models import Attempt
 from wildscav_leaderboard.conductor.validators import now
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import (
     FINISHED,
     LADDER,
     SUITE,
-    WAITING,
     Match,
     MatchResult,
 )
 from wildscav_leaderboard.matches.record_files import record_digest
 from wildscav_leaderboard.seasons.folder import Season
-from wildscav_leaderboard.seasons.state import PAUSED, write_state
+from wildscav_leaderboard.seasons.state import FAILED, read_state
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.service import history_of
 
@@ -183,57 +180,15 @@ def test_what_fails_says_whose_fault_it_was(sqlite: Database, season: Season, tm
         assert one.command == f"wildscav check DIR --season {season.settings.web.address}"
 
 
-def attempts_at_matches(session: Session) -> list[Attempt]:
-    return list(session.scalars(select(Attempt).where(Attempt.match_id.is_not(None))))
+def test_a_season_on_a_cluster_says_why_it_cannot_play(season: Season, sqlite: Database) -> None:
+    execution = season.settings.execution.model_copy(update={"executor": "ray", "address": "127.0.0.1:1"})
+    settings = season.settings.model_copy(update={"execution": execution})
 
+    conduct(
+        sqlite, replace(season, settings=settings), lambda session: read_state(session, FAILED) is not None
+    )
 
-@pytest.mark.slow
-def test_a_pause_on_ray_ends_what_is_played_and_begins_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    made = make_season(tmp_path / "season", current=True)
-    suite = made.folder / "tiny.toml"
-    suite.write_text(suite.read_text().replace("maps = 2", "maps = 9"))
-    before_the_pause: set[int] = set()
-    with ray_cluster("node") as cluster:
-        for name, value in cluster.environment.items():
-            if name.startswith("RAY_"):
-                monkeypatch.setenv(name, value)
-        settings = made.folder / "season.toml"
-        on_ray = f'[execution]\nexecutor = "ray"\naddress = "{cluster.address}"'
-        settings.write_text(settings.read_text().replace("[execution]", on_ray))
-        season = Season.open(made.folder)
-        database = season.database()
-        database.upgrade()
-        with database.writing() as session:
-            team_with_member(session, "foxes")
-        hand_in(database, season, write_agent(tmp_path, "slow", SLOW))
-        late: list[int] = []
-
-        def until(session: Session) -> bool:
-            """Pause during a match, and wait until the conductor has gone on twice after its end."""
-            if not any(one.begun for one in attempts_at_matches(session)):
-                return False
-            if not before_the_pause:
-                with database.writing() as pausing:
-                    write_state(pausing, PAUSED, {"reason": "the machine moves"}, now())
-                    before_the_pause.update(one.id for one in attempts_at_matches(pausing) if one.begun)
-                return False
-            over = all(one.ended for one in attempts_at_matches(session))
-            if over and all(submission_of(session, number).state == "queued" for number in late):
-                if len(late) == 2:
-                    return True
-                body = (WALKER, CRASHER)[len(late)]
-                late.append(hand_in(database, season, write_agent(tmp_path, f"late-{len(late)}", body)))
-            return False
-
-        conduct(database, season, until)
-
-    with database.reading() as session:
-        attempts = attempts_at_matches(session)
-        assert {one.id for one in attempts if one.begun} == before_the_pause
-        assert {one.outcome for one in attempts if not one.begun} == {RETURNED}
-        played = {match.id for match in finished(session)}
-        assert played == {one.match_id for one in attempts if one.begun}
-        assert set(session.scalars(select(Match.state).where(Match.id.not_in(played)))) == {WAITING}
-    database.close()
+    with sqlite.reading() as session:
+        assert read_state(session, FAILED) == {
+            "reason": "there is no Ray cluster at 127.0.0.1:1: Connection refused"
+        }

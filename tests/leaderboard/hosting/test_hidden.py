@@ -34,7 +34,7 @@ from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.teams.models import Team
 
-pytestmark = pytest.mark.slow  # thousands of requests
+pytestmark = [pytest.mark.slow, pytest.mark.long]  # thousands of requests
 ASKERS = ("visitor", "opponent", "owner", "organizer")
 STATES = ("open", "frozen", "finalized")
 LONG_AGO = datetime(2001, 2, 3, 4, 5, 6, tzinfo=UTC)  # when the match of the suite is said to have ended

@@ -7,8 +7,8 @@ import pytest
 from tests.leaderboard.hosting.killed_season import KilledSeason
 from tests.leaderboard.postgresql import PostgreSQL, missing, postgresql_server
 
-pytestmark = pytest.mark.slow
-SUBMISSIONS = 2
+pytestmark = [pytest.mark.slow, pytest.mark.long]
+SUBMISSIONS = 1
 
 
 def storm(folder: Path, server: PostgreSQL | None, seed: int, rounds: int) -> None:

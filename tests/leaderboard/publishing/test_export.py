@@ -13,7 +13,7 @@ from tests.leaderboard.played_seasons import enter, play_everything
 from tests.leaderboard.seasons_made import NOON, team_with_member
 
 from wildscav.errors import UserError
-from wildscav_leaderboard.api.matches import match_views
+from wildscav_leaderboard.api.match_views import match_views
 from wildscav_leaderboard.boards.documents import SuiteBoard
 from wildscav_leaderboard.boards.history import history
 from wildscav_leaderboard.boards.kept import read_board

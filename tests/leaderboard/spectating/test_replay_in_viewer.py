@@ -19,7 +19,7 @@ from wildscav_leaderboard.api.matches import file_response
 from wildscav_leaderboard.spectating.render_cache import RenderCache
 from wildscav_leaderboard.spectating.rerun_viewer import address_of, router
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 PATIENCE = 300.0  # s, on a busy machine without a graphics card
 FEWEST_COLORS = 500  # in the picture of a match; the page alone has some ten
 FRAME = (
@@ -60,7 +60,7 @@ def test_a_browser_shows_the_match_and_asks_nobody_else(
             time.sleep(0.2)
         app = application(cache, record, tmp_path / "viewer")
         with served(app) as address, chromium(*IN_3D) as browser:
-            page = browser.new_page()
+            page = browser.new_page(viewport={"width": 640, "height": 400})  # every pixel costs the processor
             answered: dict[str, int] = {}
             page.on("response", lambda answer: answered.update({answer.url: answer.status}))
             page.goto(address)

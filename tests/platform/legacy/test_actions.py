@@ -3,12 +3,10 @@
 import math
 
 import pytest
-from tests.platform.legacy.helpers.commands import MAP, command, far_target, open_way, setup
+from tests.platform.legacy.helpers.commands import command, far_target, open_way, setup
 from tests.platform.legacy.helpers.competitor import Competitor
 
-from wildscav_engine.geometry.terrain import ground_at, water_at
-from wildscav_engine.maps import load_map
-from wildscav_legacy.commander_pb2 import AgentCommand, GameState, GMCommand
+from wildscav_legacy.commander_pb2 import AgentCommand, GameMode, GameState, GMCommand
 
 
 def walk_from(start: list[float], **fields: float) -> GMCommand:
@@ -40,30 +38,6 @@ def test_a_jump_leaves_the_ground_and_ends_on_it(competitor: Competitor) -> None
     assert competitor.seen_by(0).on_ground
 
 
-def in_water() -> list[float]:
-    """A place in a lake, with water for 3 m northwards."""
-    world = load_map(MAP).world
-    for x in range(-45, 46):
-        for z in range(-45, 42):
-            grounds = [ground_at(world, float(x), z + metres).height for metres in (0.0, 1.0, 2.0, 3.0)]
-            depths = [
-                water_at(world, float(x), z + metres) - ground
-                for metres, ground in zip((0.0, 1.0, 2.0, 3.0), grounds, strict=True)
-            ]
-            if min(depths) > 0.3 and max(depths) < 1.0:
-                return [x, grounds[0], z]
-    raise AssertionError("no lake on the map")
-
-
-@pytest.mark.parametrize(("decay", "speed"), [(0.5, 4.0), (0.25, 2.0), (1.0, 8.0)])
-def test_water_slows_down_by_its_factor(competitor: Competitor, decay: float, speed: float) -> None:
-    start = in_water()
-    competitor.begin(walk_from(start, water_speed_decay=decay))
-    competitor.act({0: {"walk_dir": 0, "walk_speed": 8}}, times=3)
-    place = competitor.seen_by(0).location
-    assert place.z - start[2] == pytest.approx(0.3 * speed, abs=0.05)
-
-
 @pytest.mark.parametrize("field", ["walk_dir", "walk_speed", "turn_left_right_delta", "look_up_down_delta"])
 def test_an_action_that_is_not_finite_does_nothing(competitor: Competitor, field: str) -> None:
     competitor.begin(walk_from(open_way(12)))
@@ -75,8 +49,9 @@ def test_an_action_that_is_not_finite_does_nothing(competitor: Competitor, field
     assert (after.location, after.yaw, after.pitch) == (before.location, before.yaw, before.pitch)
 
 
-def test_nobody_shoots_in_navigation(competitor: Competitor) -> None:
-    competitor.begin(walk_from(open_way(12)))
+@pytest.mark.parametrize("mode", [GameMode.NAVIGATION_MODE, GameMode.SUP_GATHER_MODE])
+def test_nobody_shoots_in_navigation_and_gathering(competitor: Competitor, mode: GameMode) -> None:
+    competitor.begin(command(mode, supply_create_percent=0, supply_house_create_percent=0))
     competitor.act({0: {"shoot_gun": True, "collect": True}})
     seen = competitor.seen_by(0)
     assert (seen.num_gun_ammo, seen.is_fire, seen.can_pickup, seen.num_supply) == (15, False, False, 0)

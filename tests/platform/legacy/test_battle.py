@@ -1,8 +1,7 @@
 """Supply battle by the original's contract: shots, deaths, returns, and what each agent was given."""
 
-import pytest
 from tests.platform.legacy.helpers.commands import SHOOT, command, duel, face_to_face, setup
-from tests.platform.legacy.helpers.competitor import Competitor, begin_at_a_box
+from tests.platform.legacy.helpers.competitor import Competitor
 
 from wildscav_legacy.commander_pb2 import EnemyInfo, GameMode, Observation, Vector3
 
@@ -17,14 +16,6 @@ def test_a_hit_costs_20_and_both_are_told(competitor: Competitor) -> None:
     competitor.act()
     assert not competitor.seen_by(0).hit_enemy
     assert not competitor.seen_by(1).hit_by_enemy
-
-
-def test_each_agent_has_the_health_ammunition_and_power_of_its_own_set_up(competitor: Competitor) -> None:
-    competitor.begin(duel({"attack_power": 35, "gun_capacity": 2, "num_pack_ammo": 1}, {"hp": 90}))
-    competitor.act(SHOOT, times=10)
-    assert competitor.seen_by(1).hp == 90 - 2 * 35
-    assert (competitor.seen_by(0).num_gun_ammo, competitor.seen_by(0).num_pack_ammo) == (0, 1)
-    assert (competitor.seen_by(1).num_gun_ammo, competitor.seen_by(1).num_pack_ammo) == (15, 60)
 
 
 def test_a_reload_fills_the_clip_from_the_pack(competitor: Competitor) -> None:
@@ -51,39 +42,6 @@ def test_the_dead_wait_come_back_whole_and_are_invincible_for_a_while(competitor
     assert (enemy.hp, enemy.is_respawn, enemy.is_invincible) == (70, False, True)
     competitor.act(times=20)
     assert not competitor.seen_by(1).is_invincible
-
-
-@pytest.mark.parametrize(("is_random", "is_at_start"), [(False, True), (True, False), (None, True)])
-def test_the_dead_come_back_where_the_client_wants(
-    competitor: Competitor, is_random: bool | None, is_at_start: bool
-) -> None:
-    asked = duel({"attack_power": 100}, respawn_time=1, random_seed=3)
-    if is_random is not None:
-        asked.is_random_respawn_location = is_random
-    competitor.begin(asked)
-    start = competitor.seen_by(1).location
-    competitor.act(SHOOT)
-    competitor.act(times=11)
-    place = competitor.seen_by(1).location
-    far = abs(place.x - start.x) + abs(place.z - start.z)
-    assert (far < 0.1) == is_at_start
-
-
-@pytest.mark.parametrize(("percent", "kept"), [(50, 0.5), (100, 0.0), (0, 1.0)])
-def test_the_dead_leave_a_share_of_what_they_carry(competitor: Competitor, percent: int, kept: float) -> None:
-    begin_at_a_box(competitor, duel(None, {"attack_power": 100}, supply_loss_percent_when_dead=percent))
-    competitor.act({0: {"collect": True}, 1: {"turn_left_right_delta": 36}})
-    before = competitor.seen_by(0)
-    assert before.num_supply >= 10
-    competitor.act({1: {"shoot_gun": True}})
-    after = competitor.seen_by(0)
-    assert after.hp == 0
-    assert after.num_supply == kept * before.num_supply
-    known = {box.supply_id for box in before.supply_info_list}
-    dropped = [box for box in after.supply_info_list if box.supply_id not in known]
-    assert sum(box.supply_quantity for box in dropped) == before.num_supply - after.num_supply
-    for box in dropped:
-        assert box.supply_location.x == pytest.approx(before.location.x, abs=0.01)
 
 
 def test_ten_agents_are_told_of_all_others(competitor: Competitor) -> None:

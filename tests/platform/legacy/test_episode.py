@@ -25,6 +25,7 @@ def test_a_command_without_any_field_has_the_originals_defaults() -> None:
     assert (episode.spec.time_limit, episode.spec.frames_per_action) == (60, 5)
     assert episode.spec.map == map_spec(1)
     assert episode.spec.starts == (None,), "drawn from the seed"
+    assert episode.spec.respawn_at == "start"
     assert episode.ids == (0,)
     assert (episode.is_recorded, episode.has_events) == (False, False)
 

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.elementary_functions import cosine, exponential, logarithm, sine
-from wildscav_engine.compilation.array_tables import Addresses, reader, values_reader
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
+from wildscav_engine.compilation.tables.array_tables import Addresses, reader, values_reader
 from wildscav_engine.envs.spaces.columns import FACT_NAMES, FACT_PARTS, GROUPS, YES, Part
 from wildscav_engine.simulation.batch_kernels import batch_at
 from wildscav_engine.simulation.state import (

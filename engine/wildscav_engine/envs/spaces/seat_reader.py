@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.array_tables import ArrayTable
+from wildscav_engine.compilation.tables.array_tables import ArrayTable
 from wildscav_engine.envs.settings.config import EnvConfig
 from wildscav_engine.envs.spaces.columns import Part
 from wildscav_engine.envs.spaces.features import allocate_row_workspace, write_rows

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.array_tables import Addresses, addresses_of, reader
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
+from wildscav_engine.compilation.tables.array_tables import Addresses, addresses_of, reader
 from wildscav_engine.geometry.world import Kind, World, empty_world
 from wildscav_engine.rendering.palette import of_solids
 from wildscav_engine.rendering.shading.ground import ground_appearance, packed_ground

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.array_tables import Addresses, ArrayTable, reader
 from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.compilation.tables.array_tables import Addresses, ArrayTable, reader
 from wildscav_engine.parallel.turns import ALONE, Turns
 from wildscav_engine.rendering.cameras import TAKEN_ALREADY, Cameras, are_finite, item_at
 from wildscav_engine.rendering.dynamic_objects import ObjectSets, solids_between

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple, TypeVar, cast
 
 import numpy as np
 
-from wildscav_engine.compilation.array_tables import Addresses, addresses_of, reader
 from wildscav_engine.compilation.kernel import PLAIN, inlined_kernel
+from wildscav_engine.compilation.tables.array_tables import Addresses, addresses_of, reader
 from wildscav_engine.rendering.tracing.front_to_back import Scratch, allocate_scratch
 from wildscav_engine.rendering.tracing.hit_buffer import MOST_AT_ONCE, ImageArrays, allocate_image
 from wildscav_engine.rendering.tracing.scene_arrays import Blocks, SceneArrays, Shapes

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.array_tables import Addresses, bytes_at
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.compilation.passed_tables import ADDRESS, LENGTH
-from wildscav_engine.compilation.row_copy import row_size
+from wildscav_engine.compilation.tables.array_tables import Addresses, bytes_at
+from wildscav_engine.compilation.tables.row_copy import row_size
 from wildscav_engine.rendering.dynamic_objects import (
     DynamicObjects,
     ObjectArrays,

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.elementary_functions import arctangent, cosine, sine, wrap
-from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.compilation.tables.array_tables import Addresses
 from wildscav_engine.sensors.screen.letters import (
     ADVANCE,
     HEIGHT,

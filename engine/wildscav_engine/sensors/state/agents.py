@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.compilation.tables.array_tables import Addresses
 from wildscav_engine.sensors.base import Column, Sight, StateSensor, sensor
 from wildscav_engine.simulation.state import Agents, agents_at, matches_at
 from wildscav_engine.simulation.systems.visibility import AGENT_LIMIT, insert_nearest

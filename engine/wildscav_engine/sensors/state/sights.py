@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from wildscav_engine.arithmetic.elementary_functions import arctangent, cosine, logarithm, wrap
-from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.compilation.tables.array_tables import Addresses
 from wildscav_engine.sensors.base import Column, Sight, StateSensor, sensor
 from wildscav_engine.simulation.state import agents_at
 from wildscav_engine.simulation.systems.visibility import AGENT_LIMIT

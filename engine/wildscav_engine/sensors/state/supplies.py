@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from wildscav_engine.arithmetic.elementary_functions import logarithm
-from wildscav_engine.compilation.array_tables import Addresses
 from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.compilation.tables.array_tables import Addresses
 from wildscav_engine.sensors.base import Column, Sight, StateSensor, sensor
 from wildscav_engine.sensors.state.places import write_direction
 from wildscav_engine.simulation.state import agents_at, supplies_at

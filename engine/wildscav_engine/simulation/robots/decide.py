@@ -2,7 +2,7 @@
 
 It is a chain: each link handles one kind of robot, and calls the next link for all other kinds. Links are
 inlined, so the compiled code has one branch for each kind. With robots of another package, the code differs
-and has its own cache folder (see ``KERNELS_OF`` in ``compilation/sources.py``).
+and has its own cache folder (see ``KERNELS_OF`` in ``compilation/caching/sources.py``).
 """
 
 from collections.abc import Callable, Iterable

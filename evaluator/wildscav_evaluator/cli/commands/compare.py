@@ -38,9 +38,8 @@ def compare(
     from wildscav_evaluator.cli.sessions.compare import common_tracks, run_comparison, with_distinct_names
     from wildscav_evaluator.output.numbered_folders import COMPARISONS
     from wildscav_evaluator.plans.evaluation import EvaluationPlan
-    from wildscav_evaluator.suites.suite_file import find_suite
 
-    loaded, suite = with_distinct_names(load_submissions([first, second])), find_suite(options.suite)
+    loaded, suite = with_distinct_names(load_submissions([first, second])), options.find_suite()
     tracks = common_tracks(suite_tracks(loaded, track or [], suite), loaded)
     if not tracks:
         raise UserError(f"suite {suite.name} has no track that both {first} and {second} play", exit_code=2)

@@ -35,9 +35,8 @@ def evaluate(
     from wildscav_evaluator.cli.sessions.evaluate import run_session
     from wildscav_evaluator.output.numbered_folders import EVALUATIONS
     from wildscav_evaluator.plans.evaluation import EvaluationPlan
-    from wildscav_evaluator.suites.suite_file import find_suite
 
-    loaded, suite = load_submissions(submissions), find_suite(options.suite)
+    loaded, suite = load_submissions(submissions), options.find_suite()
     tracks = suite_tracks(loaded, track or [], suite)
     with options.planned(
         EvaluationPlan, loaded, EVALUATIONS, suite=suite, tracks=tracks, replays=replays

@@ -43,9 +43,8 @@ def tournament(
     from wildscav_evaluator.cli.sessions.tournament import run_tournament
     from wildscav_evaluator.output.numbered_folders import TOURNAMENTS
     from wildscav_evaluator.plans.tournament import TournamentPlan
-    from wildscav_evaluator.suites.suite_file import find_suite
 
-    chosen = find_suite(options.suite)
+    chosen = options.find_suite()
     check_track(track)
     check_suite_has(chosen, track)
     loaded, playing_robots = load_entrants(entrants, track, meet_own=options.meet_own)

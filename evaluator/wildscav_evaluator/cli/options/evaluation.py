@@ -5,9 +5,9 @@ The command line imports this module to show its help, so it imports nothing hea
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeVar
 
 import typer
 
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from wildscav_evaluator.monitoring.monitor import MonitorOptions
     from wildscav_evaluator.plans.plan import Plan
     from wildscav_evaluator.submissions.submission import Submission
+    from wildscav_evaluator.suites.suite import Suite
 
 AnyPlan = TypeVar("AnyPlan", bound="Plan")
 
@@ -50,7 +51,20 @@ SuiteOption = Annotated[
         "competition's, on large maps (100 of navigation, gathering and capture, 10 of battle and royale). "
         "wild: mazes that must be seen to be crossed (100 of navigation and capture), and agents that meet "
         "at a rich hot spot (20 of gathering, battle and royale). fair: the same meetings as eyes see them, "
-        "with bodies that turn and aim as a person can. Or the file of your own suite (.toml)."
+        "with bodies that turn and aim as a person can. reading: 6 short ones per track with few decisions, "
+        "rated across all tracks. Or the file of your own suite (.toml)."
+    ),
+]
+ClockOption = Annotated[
+    str | None,
+    typer.Option(
+        "--clock",
+        metavar="CLOCK[,NAME=NUMBER]",
+        help="What agents' time is, instead of the suite's clock. bank: a budget for each step, and a bank. "
+        "paused (or paused,budget=600): the match waits for all answers. running,pace=2: it goes on, 2 s of "
+        "game time a second. tokens,token_time=0.02,processor_time=1: a thought costs game time, by its "
+        "tokens and by its seconds of a processor.",
+        show_default=False,
     ),
 ]
 SeedOption = Annotated[
@@ -87,6 +101,7 @@ class PlayOptions:
     """The options of every command that plays the matches of a suite into an output folder."""
 
     suite: SuiteOption = "quick"
+    clock: ClockOption = None
     seed: SeedOption = None
     secret: SecretOption = None
     workers: Annotated[
@@ -112,6 +127,13 @@ class PlayOptions:
         ),
     ] = False
     sandbox: InSandbox = None
+    interface: Annotated[
+        Literal["numbers", "words", "keys"] | None,
+        typer.Option(
+            help="Take only submissions that play by this interface. Default: any; results say by which.",
+            show_default=False,
+        ),
+    ] = None
     executor: ExecutorOption = "local"
     address: AddressOption = None
     sign: SignOption = None
@@ -141,6 +163,18 @@ class PlayOptions:
 
         return MonitorOptions(self.log_format, self.metrics_port)
 
+    def find_suite(self) -> "Suite":
+        """Return the suite to play, with the clock that replaces its own."""
+        from wildscav_evaluator.cli.options.selection import clock_choice
+        from wildscav_evaluator.suites.suite_file import find_suite
+
+        suite = find_suite(self.suite)
+        return suite if self.clock is None else replace(suite, clock=clock_choice(self.clock))
+
+    def writing_to(self, out: Path) -> Self:
+        """Return these options with an output folder."""
+        return replace(self, out=out)
+
     @contextmanager
     def planned(
         self, make: "Callable[..., AnyPlan]", submissions: "tuple[Submission, ...]", parent: Path, **more: Any
@@ -151,8 +185,9 @@ class PlayOptions:
             parent: The folder of numbered output folders, for when no output folder is named.
             more: The fields of the plan that do not follow from these options.
         """
-        from wildscav_evaluator.cli.options.selection import suite_seed
+        from wildscav_evaluator.cli.options.selection import check_interface, suite_seed
 
+        check_interface(submissions, self.interface)
         seed, out = suite_seed(self.seed, self.secret), self.out or parent
         key, model = signing_key(self.sign, out, submissions), chosen_model(self.model)
         with executor_of(self.executor, self.address, self.workers) as machines:

@@ -2,9 +2,13 @@
 
 from pathlib import Path
 
+from pydantic import ValidationError
+
 from wildscav.baselines import NAMES, baseline_folder, is_baseline
 from wildscav.errors import UserError
 from wildscav.terminal.suggestions import did_you_mean
+from wildscav_engine.specs.thinking import ClockChoice
+from wildscav_engine.specs.validation import one_line
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.submissions.images import IMAGE, load_image
 from wildscav_evaluator.submissions.submission import Submission, load_submission
@@ -92,6 +96,23 @@ def suite_tracks(submissions: tuple[Submission, ...], asked: list[str], suite: S
     return played
 
 
+def clock_choice(text: str) -> ClockChoice:
+    """Return the clock that an option describes, such as ``running,pace=2``.
+
+    Raises:
+        UserError: There is no such clock, or it has no such price.
+    """
+    clock, *price = text.split(",")
+    try:
+        return ClockChoice.model_validate(
+            {"clock": clock, "thinking": dict(part.split("=", 1) for part in price)}
+        )
+    except ValidationError as error:
+        raise UserError(f"--clock {text}: {one_line(error)}", exit_code=2) from error
+    except ValueError:
+        raise UserError(f"--clock {text}: after the clock, every part must be NAME=NUMBER", 2) from None
+
+
 def suite_seed(seed: int | None, secret: Path | None) -> SuiteSeed:
     """Return the seed that the options select.
 
@@ -103,6 +124,21 @@ def suite_seed(seed: int | None, secret: Path | None) -> SuiteSeed:
     if seed is not None:
         raise UserError("--seed and --secret are given: the seed is public or hidden, not both", exit_code=2)
     return read_secret(secret)
+
+
+def check_interface(submissions: tuple[Submission, ...], asked: str | None) -> None:
+    """Refuse submissions that play by another interface than is asked for.
+
+    Raises:
+        UserError: One does.
+    """
+    for one in submissions:
+        if asked not in (None, one.manifest.interface):
+            raise UserError(
+                f"submission {one.name!r} plays by {one.manifest.interface}, as its submission.toml says, "
+                f"and --interface is {asked}",
+                exit_code=2,
+            )
 
 
 def check_plays(submission: Submission, track: str) -> None:

@@ -35,7 +35,7 @@ def run_check(
         UserError: A check failed that a submission must pass.
     """
     with preparing(console):
-        precompile_for([submission.manifest.sensors])
+        precompile_for([submission.sensors])
     with telling("playing") as tell:
         findings = list(run_checks(submission, sandbox, logs, trials, tell=tell))
     console.print(_table(submission, findings))

@@ -90,9 +90,17 @@ def comparison_table(one: Comparison) -> Table:
     return table
 
 
+def _said_of_interfaces(one: Comparison) -> str:
+    if one.interfaces is None:
+        return ""
+    first, second = (interface or "numbers" for interface in one.interfaces)
+    return f" ({one.first} plays by {first}, {one.second} by {second})"
+
+
 def verdict_line(one: Comparison) -> Text:
     """Return in words which submission is better on a track."""
-    dropped = f" ({counted(one.dropped, 'match')} left out: the platform failed)" if one.dropped else ""
+    dropped = _said_of_interfaces(one)
+    dropped += f" ({counted(one.dropped, 'match')} left out: the platform failed)" if one.dropped else ""
     if one.verdict == "too few":
         return Text(
             f"{counted(one.pairs, 'match')} are too few to decide: at least {FEWEST_PAIRS} needed{dropped}",

@@ -9,9 +9,11 @@ from rich.text import Text
 from wildscav.terminal.console import console, print_json
 from wildscav_evaluator.cli.result_tables import (
     LEGEND,
+    OVERALL_LEGEND,
     add_columns,
     evaluation_actions_note,
     evaluation_waits_note,
+    overall_table,
     plain_table,
     sandbox_and_limits,
     timing_table,
@@ -24,7 +26,7 @@ from wildscav_evaluator.output.numbered_folders import number_of
 from wildscav_evaluator.output.results import Evaluation, Results
 from wildscav_evaluator.plans.evaluation import EvaluationPlan
 from wildscav_evaluator.scores.compare import FEWEST_PAIRS, Change, Comparison, changes_since_last
-from wildscav_evaluator.scores.leaderboard import ranked
+from wildscav_evaluator.scores.leaderboard import ranked, ranked_overall
 from wildscav_evaluator.scores.number_format import number, signed
 
 DASHBOARD_ONLY = MonitorOptions()
@@ -88,15 +90,24 @@ def document(results: Results, out: Path, since: Sequence[Change]) -> dict[str, 
 
 def _show(results: Results, since: Sequence[Change] = ()) -> None:
     """Print the tables, notes on invalid actions and late steps, and the sandbox."""
-    for track in results.tracks:
-        console.print()
-        console.print(track_table(results, track))
-    console.print(f"\n{LEGEND}\n", style="dim")
+    show_scores(results)
     if since:
         console.print(changes_table(since))
         console.print()
     console.print(timing_table(results))
     show_notes(results)
+
+
+def show_scores(results: Results) -> None:
+    """Print the table of each track, and the one across tracks if there is any."""
+    for track in results.tracks:
+        console.print()
+        console.print(track_table(results, track))
+    console.print(f"\n{LEGEND}\n", style="dim")
+    if results.overall:
+        title = f"suite {results.suite} · seed {results.seed_label}"
+        console.print(overall_table(title, ranked_overall(results.overall)))
+        console.print(f"\n{OVERALL_LEGEND}\n", style="dim")
 
 
 def _replay_to_show(results: Results) -> str | None:

@@ -15,9 +15,11 @@ from wildscav_evaluator.scores.leaderboard import (
     Found,
     Standings,
     document,
+    document_of_overall,
     find_results,
     is_meant,
     latest_tournaments,
+    overall_standings,
     standings,
 )
 from wildscav_evaluator.tournaments.tournament_file import Tournament
@@ -39,13 +41,27 @@ def show_standings(
     rated = latest_tournaments(results, track, suite)
     if not ranked_tables and not rated:
         raise UserError(_nothing_found(results, track, suite, ", ".join(map(str, places))))
+    across = list(overall_standings(results.evaluations, suite)) if track is None else []
     if as_json:
-        documents = [document(one) for one in ranked_tables]
-        print_json({"standings": documents, "tournaments": [one.as_json() for one in rated]})
+        documents = {
+            "standings": [document(one) for one in ranked_tables],
+            "overall": [document_of_overall(one) for one in across],
+            "tournaments": [one.as_json() for one in rated],
+        }
+        print_json(documents)
     for one in ranked_tables:
         _show(one)
     if ranked_tables:
         console.print(result_tables.LEGEND, style="dim")
+    for each in across:
+        shared = each.conditions
+        title = f"suite {shared.suite} · seed {shared.seed_label}{_rounds(shared.rounds)}"
+        console.print()
+        console.print(result_tables.overall_table(title, each.rows))
+        for line in sandbox_and_limits(shared.sandbox, shared.limits):
+            console.print(f"played in {line}")
+        console.print(f"played by {shared.versions}\n")
+        console.print(result_tables.OVERALL_LEGEND, style="dim")
     for tournament in rated:
         _show_tournament(tournament)
 
@@ -74,8 +90,10 @@ def _show_tournament(one: Tournament) -> None:
 def evaluations_table(one: Standings) -> Table:
     """Return the table of comparable evaluations on one track: the submissions from best to worst."""
     shared = one.conditions
-    rounds = "" if shared.rounds == 1 else f" · {shared.rounds} rounds"
-    table = result_tables.ranking_table(f"{shared.track} · suite {shared.suite} · seed {shared.seed}{rounds}")
+    clock = "" if shared.clock is None else f" · clock {shared.clock}"
+    table = result_tables.ranking_table(
+        f"{shared.track} · suite {shared.suite} · seed {shared.seed}{_rounds(shared.rounds)}{clock}"
+    )
     result_tables.add_metrics(table, one.rows[0].evaluation.metrics)
     result_tables.add_columns(table, "matches\nfailed", "date")
     for row in one.rows:
@@ -83,6 +101,10 @@ def evaluations_table(one: Standings) -> Table:
             *result_tables.evaluation_cells(row.rank, row.evaluation), row.started[: len("2030-01-01")]
         )
     return table
+
+
+def _rounds(rounds: int) -> str:
+    return "" if rounds == 1 else f" · {rounds} rounds"
 
 
 def _signed(one: Standings) -> str:

@@ -161,7 +161,7 @@ def _logging(folder: Path, logs: Sequence[Path]) -> Iterator[None]:
 def _play(seating: MatchAssignment, sandbox: Sandbox) -> PlayedMatch:
     try:
         with preparing(console):
-            precompile_for([submission.manifest.sensors for submission in seating.submissions])
+            precompile_for([submission.sensors for submission in seating.submissions])
         return asyncio.run(_play_with_progress(seating, sandbox))
     except KeyboardInterrupt:
         raise UserError("interrupted: the match was not played to its end", INTERRUPTED) from None

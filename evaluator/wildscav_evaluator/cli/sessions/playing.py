@@ -94,7 +94,7 @@ def _play(
     kept = {result.job.stem: KeptMatch(result.row, result.timing) for result in done}
     waiting = [replace(job, kept=kept.get(job.stem)) for job in jobs if job.stem not in complete]
     if waiting:
-        longest = max(Clock(longest=job.limits.wall_clock).bound(job.spec) for job in waiting)
+        longest = _longest(waiting)
         console.print(f"a match lasts at most {duration(longest)} by its agents' time limits")
         with ExitStack() as stack:
             with preparing(console):
@@ -104,6 +104,18 @@ def _play(
                     ledger.end(result)
                     monitor.add(result)
     return list(monitor.tally.done.values())
+
+
+def _longest(jobs: Sequence[Job]) -> float:
+    """Return how long a match lasts at most by its agents' time limits, s.
+
+    Raises:
+        UserError: One cannot end within its longest time.
+    """
+    try:
+        return max(Clock(longest=job.limits.wall_clock).bound(job.spec) for job in jobs)
+    except ValueError as error:
+        raise UserError(str(error), exit_code=2) from error
 
 
 def _listeners(

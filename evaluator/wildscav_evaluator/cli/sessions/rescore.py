@@ -5,7 +5,8 @@ from pathlib import Path
 
 from wildscav.errors import UserError
 from wildscav.terminal.console import console, counted, print_json, progress_bar
-from wildscav_evaluator.cli.result_tables import LEGEND, sandbox_and_limits, track_table
+from wildscav_evaluator.cli.result_tables import sandbox_and_limits
+from wildscav_evaluator.cli.sessions.evaluate import show_scores
 from wildscav_evaluator.cli.sessions.playing import raise_errors
 from wildscav_evaluator.cli.sessions.tournament import show_ratings
 from wildscav_evaluator.executors import Executor
@@ -141,6 +142,7 @@ def recomputed(
         tournament=None if identity is None else identity.tournament,
         sandbox="unknown" if identity is None else identity.sandbox,
         limits={} if identity is None else identity.limits,
+        clock=None if identity is None else identity.clock,
         evaluations=evaluations,
         timings=nothing,
     )
@@ -175,10 +177,7 @@ def _show(results: Results) -> Iterator[str]:
         except ValueError as error:
             yield f"there are no ratings: {error}"
     else:
-        for track in results.tracks:
-            console.print(track_table(results, track))
-            console.print()
-        console.print(f"{LEGEND}\n", style="dim")
+        show_scores(results)
     if results.limits:
         for line in sandbox_and_limits(results.sandbox, results.limits):
             console.print(f"played in {line}")

@@ -84,6 +84,11 @@ def _verified_record(path: Path) -> Record:
         raise UserError(str(error), exit_code=2) from error
     if not verification.holds:
         raise UserError(f"{path} is not valid: {verification.message}", exit_code=2)
+    if record.spec.clock in ("running", "tokens"):
+        raise UserError(
+            f"{path}: its clock is {record.spec.clock}, so when it asked an agent depended on its thinking",
+            exit_code=2,
+        )
     return record
 
 
@@ -162,7 +167,7 @@ def _warn(text: str) -> None:
 def _play(seating: MatchAssignment, record: Record, compared: tuple[int, ...], sandbox: str) -> PlayedMatch:
     try:
         with preparing(console):
-            precompile_for([submission.manifest.sensors for submission in seating.submissions])
+            precompile_for([submission.sensors for submission in seating.submissions])
         with console.status(f"running the agent again, {counted(record.steps, 'step')}"):
             return asyncio.run(
                 play_match(

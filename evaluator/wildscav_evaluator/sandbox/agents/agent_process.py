@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Protocol
 
+from wildscav.sdk.run import INTERFACE_VARIABLE
 from wildscav_evaluator.sandbox.agents import host_python
 from wildscav_evaluator.sandbox.agents.capped_log import CappedLog
 from wildscav_evaluator.sandbox.agents.tracebacks import last_words, overdue_stack
@@ -50,6 +51,7 @@ def agent_variables(launch: Launch, address: str) -> dict[str, str]:
         "PYTHONDONTWRITEBYTECODE": "1",  # so that a submission's folder stays as it is
         "WILDSCAV_ADDRESS": address,
         "WILDSCAV_TOKEN": launch.token,
+        **({} if launch.interface == "numbers" else {INTERFACE_VARIABLE: launch.interface}),
         **({} if launch.model is None or model is None else {"WILDSCAV_MODEL": model}),
         **({} if launch.start_limit is None else {"WILDSCAV_START_LIMIT": f"{launch.start_limit:g}"}),
     }

@@ -104,7 +104,7 @@ const handlers: Handlers = {
       ? ""
       : " The host starts the match; without the host, it starts when all are ready.";
     const words = table.is_range ? RANGE : `${goal()}${fingers}${waits}`;
-    const title = `Wildscav: ${table.is_range ? "shooting range" : table.track}`;
+    const title = `Wildscav: ${table.is_range ? "shooting range" : table.title}`;
     if (canDraw) showPanel("lobby", title, words, startButton("Play"), true);
     else showPanel("lobby", title, `${NO_3D} Open the link in another one.`);
   },
@@ -263,7 +263,7 @@ function showEnd(message: Over): void {
     ? ""
     : " The host starts the next one; without the host, it starts when all are ready.";
   const title = practice?.summary ?? (table.is_range ? "The practice is over" : headline(message));
-  showPanel("over", title, `${ending}${waits}`, startButton("Play again"));
+  showPanel("over", title, `${ending}${waits}`, message.next && startButton(message.next));
   const rows = practice?.rows(names) ?? message.rows;
   const own = message.played.includes(table.seat as number) ? table.seat : null; // a robot may have had it
   fillTable(find("result"), titlesOf(practice ? METRICS : message.metrics), rows, own);

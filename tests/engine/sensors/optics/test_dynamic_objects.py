@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from tests.builders import act, box, make_match, place
 
-from wildscav_engine.compilation.array_tables import addresses_of
+from wildscav_engine.compilation.tables.array_tables import addresses_of
 from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
 from wildscav_engine.geometry.polyhedra import polyhedron
 from wildscav_engine.geometry.world import Kind

@@ -158,6 +158,7 @@ def test_a_record_with_one_action_changed_no_longer_holds(
         (["{walker}", "{walker}"], 2, "two submissions are called 'walker'"),
         (["{walker}", "--out", "{walker}"], 2, "walker is the folder of a submission"),
         (["{walker}", "--out", "{walker}/out/deep"], 2, "walker/out/deep is in the folder of a submission"),
+        (["{walker}", "--interface", "words"], 2, "'walker' plays by numbers, as its submission.toml says"),
         (["{walker}", "--out", "{other}/out"], 2, "other/out is in the folder of a submission"),
         (
             ["{walker}", "--out", "/dev/null/out"],

@@ -10,6 +10,7 @@ from tests.evaluator.sample_agents import Command, Submit
 
 from wildscav.errors import UserError
 from wildscav_engine.record import write_record
+from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.cli.sessions.run_again import run_again
@@ -45,6 +46,19 @@ OBSERVER = """
     def act(self, observation):
         return Action(walk_direction=observation.position[0] * 50.0, walk_speed=5.0)
 """
+
+
+@pytest.mark.parametrize("clock", ["running", "tokens"])
+def test_a_match_in_which_thinking_costs_game_time_is_not_played_again(
+    tmp_path: Path, submit: Submit, clock: str
+) -> None:
+    match = Match(MatchSpec(track="battle", map=MAP, time_limit=1.0, clock=clock))
+    match.play_out()
+    write_record(tmp_path / "match.wsr", match, ["circler"])
+    with pytest.raises(UserError, match=f"its clock is {clock}"):
+        run_again(
+            tmp_path / "match.wsr", submit("circler", CIRCLER), seats=(), logs=tmp_path, sandbox="process"
+        )
 
 
 def recorded(path: Path, *submissions: object, logs: Path) -> Path:

@@ -59,13 +59,6 @@ class ThinksInLoops(Walker):
         return super().act(observation)
 
 
-class NotANumber(Agent):
-    """Wants to walk at a speed that there is not."""
-
-    def act(self, observation: Observation) -> Action:
-        return Action(walk_speed=math.nan)
-
-
 class ReturnsThree(Agent):
     """Answers with something that is no action."""
 

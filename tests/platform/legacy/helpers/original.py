@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from tests.ports import free_ports
 
-from wildscav_engine.compilation.cache_root import cache_root
+from wildscav_engine.compilation.caching.cache_root import cache_root
 from wildscav_legacy.install import install_engine, write_map
 
 PACKAGES = (

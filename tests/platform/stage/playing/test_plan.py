@@ -10,6 +10,7 @@ from wildscav_server.hosting.opponents import numbered
 from wildscav_stage.playing.plan import make_plan
 
 HOMING = Path(__file__).parents[4] / "submissions" / "homing"
+READER = HOMING.parents[1] / "benchmarks" / "strength" / "reader"
 
 
 def test_the_person_has_the_first_seat_and_plays_fifty_steps_a_second() -> None:
@@ -99,6 +100,7 @@ def test_people_may_play_by_fair_rules() -> None:
         ("battle", None, ["figher"], "neither a robot .* nor a folder .*did you mean 'fighter'"),
         ("battle", None, [str(HOMING.parent)], "cannot read .*submission.toml"),
         ("navigation", None, [str(HOMING.parent / "commando")], "commando does not play navigation"),
+        ("navigation", None, [str(READER)], "interface: is 'words'; here, agents must play by numbers"),
     ],
 )
 def test_what_is_not_possible_is_said(

@@ -20,7 +20,7 @@ from wildscav_training.learning import run  # noqa: E402
 from wildscav_training.learning.checkpoints import RunFolder  # noqa: E402
 from wildscav_training.learning.ppo import PPO  # noqa: E402
 
-pytestmark = pytest.mark.slow  # PyTorch is installed for the slow tests alone
+pytestmark = [pytest.mark.slow, pytest.mark.long]  # PyTorch is installed for the slow tests alone
 
 
 class InterruptionError(Exception):

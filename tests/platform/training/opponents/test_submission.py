@@ -219,6 +219,7 @@ def test_what_is_not_a_submission_is_refused(folder: str, message: str) -> None:
         (MANIFEST.replace('version = "1.0.0"', ""), "", "version: is missing"),
         (MANIFEST, "import nothing_of_this_name", "cannot be imported: ModuleNotFoundError"),
         (MANIFEST, "", "has no class Own"),
+        (MANIFEST + 'interface = "words"\n', "class Own: ...", "here, agents must play by numbers"),
         (MANIFEST + "[sensors.sonar]\n", "class Own: ...", "sensors: "),
         ("name = \n", "", "is not valid TOML"),
     ],

@@ -217,7 +217,7 @@ def test_a_record_of_another_map_generator_says_so(record: Path, tmp_path: Path)
         done = wildscav(name, tmp_path / "old.wsr")
         assert (done.returncode, done.stderr.count("\n")) == (1, 1)
         assert "played on a map of generator version 1, but this engine has" in done.stderr
-        assert "play it with the engine that made it (0.0.9)" in done.stderr
+        assert "play it with release 0.0.9, which made it" in done.stderr
 
 
 @pytest.mark.parametrize(
@@ -227,6 +227,7 @@ def test_a_record_of_another_map_generator_says_so(record: Path, tmp_path: Path)
             ModuleNotFoundError("No module named 'sqlalchemy'", name="sqlalchemy"),
             "pip install 'wildscav[leaderboard]'",
         ),
+        (ModuleNotFoundError("No module named 'fcntl'", name="fcntl"), "it needs Linux, or another Unix"),
         (ValueError("it is broken"), "ValueError: it is broken"),
     ],
 )

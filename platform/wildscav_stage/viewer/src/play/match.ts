@@ -20,7 +20,7 @@ import type { Settings } from "./settings";
 import type { Sounds } from "./sounds";
 import { Weapon } from "./weapon";
 
-const BEHIND = 4; // frames that others are shown in the past
+const BEHIND = 3; // frames and one step that others are shown in the past
 const EXPECTED = 0.6; // s within which a shot is told that was shown already
 const ASPECT = 9 / 16; // how far agents see up and down, of how far they see across
 
@@ -30,7 +30,7 @@ export class Match {
   private readonly course: SeenCourse;
   private readonly prediction: Prediction;
   private readonly picture: Picture;
-  private readonly clock = new Clock(BEHIND);
+  private readonly clock: Clock;
   private readonly weapon = new Weapon();
   private readonly hits = new Hits();
   private readonly isCalm = matchMedia("(prefers-reduced-motion: reduce)").matches;
@@ -49,6 +49,7 @@ export class Match {
     private readonly sounds: Sounds,
     lose: () => void, // called if the browser no longer draws
   ) {
+    this.clock = new Clock(BEHIND + begin.frames_per_action);
     this.course = new SeenCourse(begin, table.track, seat);
     this.practice = new Practice(seat);
     this.prediction = new Prediction(begin.rules, (x, z) => heightAt(map.ground, x, z));

@@ -67,6 +67,7 @@ export interface People {
 export interface Table {
   kind: "table";
   track: string;
+  title: string;
   names: string[];
   people: number;
   seat: number | null;
@@ -106,6 +107,7 @@ export interface Begin {
   metrics: Metric[];
   seats: (Seat & { mark?: string })[]; // mark: how a person tells its team
   frame_limit: number;
+  frames_per_action: number; // of a step, after each of which moments are told
   rules: Rules;
 }
 
@@ -116,6 +118,7 @@ export interface Over {
   metrics: Metric[];
   rows: ScoreRow[];
   played: number[]; // the seats of people who took part
+  next: string; // what the button says that starts the next match; empty if there is none
   match: { secret: string; record: string | null }; // the name of its record, if it can be downloaded
   record?: string;
   commands?: string[];

@@ -1,0 +1,1 @@
+"""The cache of compiled code: its folders, locks and digests of sources."""

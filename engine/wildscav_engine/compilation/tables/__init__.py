@@ -1,0 +1,1 @@
+"""Tables of arrays, which kernels pass to each other in place of the arrays."""

@@ -1,0 +1,1 @@
+"""The adapter to OpenEnv, which is experimental: seats as environments, their server and its client."""

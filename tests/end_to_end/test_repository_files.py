@@ -1,0 +1,88 @@
+"""Files that hosts of repositories and tools read: each is valid and names what there is."""
+
+import json
+import re
+import shlex
+import shutil
+import subprocess
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+ROOT = Path(__file__).parents[2]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+FORMS = sorted((ROOT / ".github" / "ISSUE_TEMPLATE").glob("*.yml"))
+
+
+def read(name: str) -> Any:
+    return yaml.safe_load((ROOT / name).read_text("utf-8"))
+
+
+def test_the_hosted_checks_run_each_part_of_the_checks_once() -> None:
+    (job,) = read(".github/workflows/ci.yml")["jobs"].values()
+    command = next(step["run"] for step in job["steps"] if ".ci/run" in step.get("run", ""))
+    assert command == "bash .ci/run ${{ matrix.part }}"
+    known = re.search(r"in all \| ([\w |]+)\)", (ROOT / ".ci" / "run").read_text("utf-8"))
+    shares: dict[str, list[str]] = {}
+    for entry in job["strategy"]["matrix"]["include"]:
+        shares.setdefault(entry["part"], []).append(entry.get("share", "1/1"))
+    assert known
+    assert list(shares) == known[1].split(" | ")
+    for part in shares.values():
+        assert part == [f"{number + 1}/{len(part)}" for number in range(len(part))]
+
+
+@pytest.mark.parametrize("file", FORMS, ids=lambda file: file.name)
+def test_a_form_of_issues_asks_each_question_once(file: Path) -> None:
+    form = yaml.safe_load(file.read_text("utf-8"))
+    if file.name == "config.yml":
+        assert set(form) == {"blank_issues_enabled", "contact_links"}
+        return
+    assert {"name", "description", "body"} <= set(form)
+    questions = [entry for entry in form["body"] if entry["type"] != "markdown"]
+    names = [entry["id"] for entry in questions]
+    assert len(set(names)) == len(names) > 0
+    assert all(entry["attributes"]["label"] for entry in questions)
+
+
+def test_the_citation_is_of_the_project_and_names_the_paper() -> None:
+    citation = read("CITATION.cff")
+    assert citation["cff-version"] == "1.2.0"
+    assert {"message", "title", "authors"} <= set(citation), "what the format asks for"
+    assert (citation["version"], citation["license"]) == (PROJECT["version"], PROJECT["license"])
+    assert citation["abstract"] == PROJECT["description"]
+    assert re.fullmatch(r"\d{4}-\d\d-\d\d", citation["date-released"])
+    (paper,) = citation["references"]
+    assert all({"family-names", "given-names"} == set(author) for author in paper["authors"])
+    assert paper["title"] in (ROOT / "README.md").read_text("utf-8")
+
+
+def test_hooks_before_commits_run_the_programs_of_make_check() -> None:
+    makefile = (ROOT / "Makefile").read_text("utf-8")
+    (local,) = read(".pre-commit-config.yaml")["repos"]
+    for hook in local["hooks"]:
+        program, *words = shlex.split(hook["entry"])
+        command = " ".join([program.replace(".venv/bin", "$(BIN)"), *words[:1]])
+        assert command in makefile, hook["id"]
+    if shutil.which("pre-commit"):
+        subprocess.run(["pre-commit", "validate-config"], cwd=ROOT, check=True)
+
+
+def test_a_container_for_development_makes_what_the_makefile_makes() -> None:
+    container = json.loads((ROOT / ".devcontainer" / "devcontainer.json").read_text("utf-8"))
+    assert (ROOT / ".devcontainer" / container["build"]["dockerfile"]).is_file()
+    makefile = (ROOT / "Makefile").read_text("utf-8")
+    for target in container["postCreateCommand"].removeprefix("make ").split():
+        assert f"\n{target}:" in makefile
+
+
+@pytest.mark.parametrize("name", ["SECURITY.md", "CODE_OF_CONDUCT.md", ".github/pull_request_template.md"])
+def test_links_of_a_page_for_hosts_lead_to_files(name: str) -> None:
+    page = ROOT / name
+    text = page.read_text("utf-8")
+    for target in re.findall(r"\]\(([^)#]+)", text):
+        assert (page.parent / target).is_file(), target
+    assert "@" not in text, "nobody's address"

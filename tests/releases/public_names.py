@@ -1,0 +1,43 @@
+"""The names that others build on: those in public_names.json, and those that there are.
+
+``python -m tests.releases.public_names``, in the root of the repository, writes those that there are.
+"""
+
+import importlib
+import json
+from importlib.metadata import entry_points
+from pathlib import Path
+
+import gymnasium
+
+import wildscav_engine.envs  # noqa: F401 - registers the environments
+from wildscav.proto import match_pb2
+
+ROOT = Path(__file__).parents[2]
+FILE = Path(__file__).with_name("public_names.json")
+COMMAND = "python -m tests.releases.public_names"
+PARTS = ("engine", "platform", "evaluator", "leaderboard")
+
+
+def names_now() -> dict[str, list[str]]:
+    """Return the public names of packages and of the protocol, and what Gymnasium and the command know."""
+    files = [file for part in PARTS for file in (ROOT / part).rglob("__init__.py")]
+    packages = sorted(
+        ".".join(file.parent.relative_to(ROOT).parts[1:])
+        for file in files
+        if "__all__ = " in file.read_text("utf-8")
+    )
+    return {
+        **{package: sorted(importlib.import_module(package).__all__) for package in packages},
+        "environments": sorted(name for name in gymnasium.registry if name.startswith("WildScav/")),
+        "commands": sorted(point.name for point in entry_points(group="wildscav.commands")),
+        "protocol": sorted(
+            f"{message}.{field.name} = {field.number}"
+            for message, described in match_pb2.DESCRIPTOR.message_types_by_name.items()
+            for field in described.fields
+        ),
+    }
+
+
+if __name__ == "__main__":
+    FILE.write_text(json.dumps(names_now(), indent=1) + "\n", "utf-8")

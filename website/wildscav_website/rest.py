@@ -1,0 +1,126 @@
+"""The reference of a season's API: its routes, and its documents with the comments beside their fields."""
+
+import re
+import sys
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from fastapi import FastAPI
+from pydantic import BaseModel
+
+from wildscav_leaderboard.api.routers import api_router
+from wildscav_website.markdown import code, sentence, table
+from wildscav_website.sdk import fields_of
+
+HEAD = """# The API of seasons
+
+Every season answers these requests at its own address, and describes them at `/api/v1/openapi.json`.
+A request that needs an account has the header `Authorization: Bearer TOKEN` with a
+[token of the account](../competing.md#in-scripts). A request that is refused gets an [ErrorView](#errorview).
+"""
+LINKED = re.compile(r"\b[A-Z]\w+")  # the name of a document
+WEBHOOKS = """## Webhooks
+
+A team's webhook gets a `POST` with a JSON document when the state of one of its submissions changes: `type`
+(such as `submission.active`), `timestamp`, and `data`. Messages are signed as
+[Standard Webhooks](https://www.standardwebhooks.com) says, with the secret that is shown when the webhook
+is made. A message that does not arrive is sent up to eight times, over hours, with the same identifier. A
+webhook that loses three messages in a row is disabled.
+"""
+WORDS = ("get", "post", "put", "patch", "delete")
+
+
+def described() -> dict[str, Any]:
+    """Return the description of the API, as a season gives it."""
+    app = FastAPI()
+    app.include_router(api_router())
+    return app.openapi()
+
+
+def page() -> str:
+    """Return the page."""
+    api = described()
+    groups: dict[str, list[tuple[str, str, str]]] = {}
+    for path, operations in api["paths"].items():
+        for word in filter(operations.get, WORDS):
+            one = operations[word]
+            groups.setdefault(one["tags"][0], []).append(_route(path, word, one))
+    lines = [HEAD]
+    for tag, routes in groups.items():
+        lines += [f"## {tag.capitalize()}\n", table(("request", "what it does", "takes and answers"), routes)]
+    lines += [WEBHOOKS, "## Documents\n"]
+    models = _models()
+    for name, schema in api["components"]["schemas"].items():
+        lines += _document(name, schema, models.get(name))
+    return "\n".join(lines)
+
+
+def _route(path: str, word: str, one: Mapping[str, Any]) -> tuple[str, str, str]:
+    """Return a request, what it does, and what it takes and answers."""
+    taken = [code(parameter["name"]) for parameter in one.get("parameters", ()) if parameter["in"] == "query"]
+    taken += _named(one.get("requestBody", {}))
+    answers = [
+        name for status in one["responses"] if status[0] == "2" for name in _named(one["responses"][status])
+    ]
+    return (
+        code(f"{word.upper()} {path}"),
+        sentence(one.get("description", "").split("\n\n")[0].replace("``", "`")),
+        ", ".join(taken) + (f" → {', '.join(answers)}" if answers else ""),
+    )
+
+
+def _named(body: Mapping[str, Any]) -> list[str]:
+    """Return links to the documents of a request or of an answer."""
+    types = [_type(content.get("schema", {})) for content in body.get("content", {}).values()]
+    return [LINKED.sub(_link, kind) for kind in types if LINKED.search(kind)]
+
+
+def _link(name: re.Match[str]) -> str:
+    return f"[{name[0]}](#{name[0].lower()})"
+
+
+def _document(name: str, schema: Mapping[str, Any], model: type[BaseModel] | None) -> Iterator[str]:
+    """Describe a document: its fields, with what the code says beside them."""
+    meanings: dict[str, str] = {}
+    for kind in model.__mro__ if model else ():
+        if (
+            getattr(sys.modules[kind.__module__], kind.__name__, None) is kind
+            and "wildscav" in kind.__module__
+        ):
+            meanings = {field.name: field.meaning for field in fields_of(kind)} | meanings
+    yield f"### {name}\n"
+    yield sentence(schema.get("description", "").split("\n\n")[0].replace("``", "`")) + "\n"
+    fields = schema.get("properties", {})
+    yield table(
+        ("field", "type", ""),
+        [
+            (
+                code(field),
+                LINKED.sub(_link, _type(of)),
+                sentence(of.get("description") or meanings.get(field, "")),
+            )
+            for field, of in fields.items()
+        ],
+    )
+
+
+def _type(schema: Mapping[str, Any]) -> str:
+    """Return a type in a few words."""
+    if "$ref" in schema:
+        return str(schema["$ref"]).rpartition("/")[2]
+    if "anyOf" in schema:
+        return " or ".join(map(_type, schema["anyOf"]))
+    if schema.get("type") == "array":
+        return f"list of {_type(schema.get('items', {}))}"
+    return str(schema.get("format") or schema.get("type") or "any")
+
+
+def _models() -> dict[str, type[BaseModel]]:
+    """Return the classes of documents by their names."""
+    found: dict[str, type[BaseModel]] = {}
+    waiting: list[type[BaseModel]] = [BaseModel]
+    while waiting:
+        for kind in waiting.pop().__subclasses__():
+            found[kind.__name__] = kind
+            waiting.append(kind)
+    return found

@@ -1,0 +1,208 @@
+"""The reference of what an agent imports.
+
+Fields are described by the comments beside them, everything else by docstrings.
+"""
+
+import ast
+import importlib
+import inspect
+import io
+import re
+import sys
+import textwrap
+import tokenize
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+HEAD = """# The SDK
+
+Everything that an agent imports, with every field and its unit. [Submitting](../submitting.md) tells how an
+agent is packaged and judged, [sensors](../sensors.md) what each sensor reads, with shapes and dtypes.
+
+Units are metres, seconds and degrees. y is up, x east, z north; the middle of the map is (0, 0). Yaw 0 looks
+along +z and grows clockwise seen from above; positive pitch looks down.
+"""
+# What is described of each module, in the order of the page.
+MODULES = {
+    "wildscav": (
+        *("Agent", "Action", "Observation", "MatchInfo", "VisibleAgent", "SupplyBox", "SupplyWave", "Vector"),
+        *("run", "say", "mark", "plot", "WildscavError"),
+    ),
+    "wildscav.errors": ("AgentError", "RefusedError", "ServerUnreachableError", "UserError"),
+    "wildscav.words": ("WordsPlayer", "WordsSeat", "Tool", "Reply"),
+    "wildscav.keyboard": ("KeysPlayer", "KeysSeat", "Frame"),
+    "wildscav.policy": (
+        "PolicyAgent",
+        "Policy",
+        "Environment",
+        "Network",
+        "Choose",
+        "load_network",
+    ),
+    "wildscav.policy.keys": ("Keys", "Mouse"),
+    "wildscav.skills.gathering": ("Gathering",),
+    "wildscav.skills.supplies": ("BoxMemory", "Prospecting"),
+    "wildscav.skills.surroundings": ("Surroundings", "Rings"),
+    "wildscav.skills.paths": ("find_ways", "Ways", "Way"),
+    "wildscav.skills.walking": ("WayWalker", "Walk"),
+    "wildscav.skills.steering": ("Steering",),
+    "wildscav.skills.searching": ("Search", "Boxes", "effort"),
+    "wildscav.skills.patience": ("Patience",),
+    "wildscav.skills.trained_gathering": ("GatheringPolicyAgent",),
+    "wildscav.skills.trained_fighting": ("FightingPolicyAgent", "thinned"),
+    "wildscav.skills.scouting": ("Scouting",),
+    "wildscav.skills.aiming": (
+        "aim_at",
+        "will_hit",
+        "Aim",
+        "look_around",
+        "enemies_in_sight",
+        "Lookout",
+        "max_turn_of",
+        "threats_first",
+        "velocity_of",
+    ),
+    "wildscav.skills.fighting": (
+        "wants_reload",
+        "would_lose",
+        "has_much_to_lose",
+        "quiet_place",
+        "Dodging",
+        "steady",
+        "cover_from",
+        "is_hidden",
+    ),
+    "wildscav.skills.zone": ("safe_zone", "SafeZone", "Circle"),
+}
+SECTION = re.compile(r"^(Args|Returns|Raises|Yields|Attributes):$")
+
+
+class Field(NamedTuple):
+    """A field of a class."""
+
+    name: str
+    type: str
+    default: str
+    meaning: str
+
+
+def page() -> str:
+    """Return the page."""
+    lines = [HEAD]
+    for module, names in MODULES.items():
+        for name in names:
+            lines += [f"## {name}\n", f"`from {module} import {name}`\n", *_entry(module, name)]
+    return "\n".join(lines)
+
+
+def fields_of(kind: type) -> list[Field]:
+    """Return the public fields that the body of a class annotates, in their order."""
+    source = textwrap.dedent(inspect.getsource(kind))
+    comments = _comments(source)
+    (definition,) = ast.parse(source).body
+    assert isinstance(definition, ast.ClassDef)  # noqa: S101 - what a class's source is
+    return [
+        Field(
+            node.target.id,
+            ast.unparse(node.annotation),
+            _default(node.value),
+            comments.get(node.end_lineno or node.lineno, ""),
+        )
+        for node in definition.body
+        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and node.target.id[0] != "_"
+    ]
+
+
+def _entry(module: str, name: str) -> Iterator[str]:
+    thing = getattr(importlib.import_module(module), name)
+    if inspect.isclass(thing):
+        yield from _class(thing)
+    elif inspect.isfunction(thing):
+        yield f"```python\n{_signature(thing)}\n```\n"
+        yield _text(inspect.getdoc(thing) or "")
+    else:
+        yield from _alias(module, name)
+
+
+def _class(kind: type) -> Iterator[str]:
+    yield _text(inspect.getdoc(kind) or "")
+    fields = fields_of(kind)
+    if fields:
+        yield "| field | type | default | |\n|---|---|---|---|"
+        for field in fields:
+            default = f"`{field.default}`" if field.default else ""
+            kind_of_it = field.type.replace("|", "\\|")
+            yield f"| `{field.name}` | `{kind_of_it}` | {default} | {_cell(field.meaning)} |"
+        yield ""
+    for name, member in vars(kind).items():
+        if name.startswith("_") or not inspect.getdoc(member):
+            continue
+        if isinstance(member, property) and member.fget is not None:
+            returns = inspect.signature(member.fget).return_annotation
+            yield f"### {kind.__name__}.{name}\n\n`{_type(returns)}`\n\n{_text(inspect.getdoc(member) or '')}"
+        elif inspect.isfunction(member):
+            yield f"### {kind.__name__}.{name}\n\n```python\n{_signature(member)}\n```\n"
+            yield _text(inspect.getdoc(member) or "")
+
+
+def _alias(module: str, name: str) -> Iterator[str]:
+    """Describe a name for a type, by its line in the module that defines it."""
+    for place in (module, *(one for one in sys.modules if one.startswith("wildscav."))):
+        path = getattr(sys.modules.get(place), "__file__", None)
+        for line in Path(path).read_text("utf-8").splitlines() if path else ():
+            found = re.match(rf"{name}(?:: TypeAlias)? = (.+?)(?:  # (.+))?$", line)
+            if found:
+                yield f"`{found[1]}`\n\n{_sentence(found[2] or '')}\n"
+                return
+
+
+def _signature(function: object) -> str:
+    signature = inspect.signature(function)  # type: ignore[arg-type]
+    parts = str(signature.replace(return_annotation=signature.empty))
+    return f"{function.__name__}{_type(parts)} -> {_type(signature.return_annotation)}"  # type: ignore[attr-defined]
+
+
+def _type(annotation: object) -> str:
+    text = annotation if isinstance(annotation, str) else inspect.formatannotation(annotation)
+    text = re.sub(r"\b(?:[a-z_]+\.)+(?=[A-Za-z_])", "", text)
+    return re.sub(r"ndarray\[tuple\[Any, \.\.\.\], dtype\[(\w+)\]\]", r"NDArray[\1]", text)
+
+
+def _comments(source: str) -> dict[int, str]:
+    """Return the comment of each line that has one."""
+    tokens = tokenize.generate_tokens(io.StringIO(source).readline)
+    return {one.start[0]: one.string.lstrip("# ") for one in tokens if one.type == tokenize.COMMENT}
+
+
+def _default(value: ast.expr | None) -> str:
+    if value is None:
+        return ""
+    text = ast.unparse(value)
+    return {"field(default_factory=dict)": "{}"}.get(text, text)
+
+
+def _cell(text: str) -> str:
+    return text.replace("``", "`").replace("|", "\\|")
+
+
+def _sentence(text: str) -> str:
+    return text[:1].upper() + text[1:] + "." * bool(text)
+
+
+def _text(docstring: str) -> str:
+    """Return a docstring in Google's style as Markdown: its sections become lists."""
+    lines, section = [], ""
+    for line in docstring.replace("``", "`").splitlines():
+        found = SECTION.match(line)
+        if found:
+            section = found[1]
+            lines.append(f"{section}:\n")
+        elif section in ("Args", "Raises", "Attributes") and re.match(r" {4}\S", line):
+            name, _, meaning = line.strip().partition(": ")
+            lines.append(f"- `{name}`: {meaning}")
+        elif section and line.strip():
+            lines.append(f"  {line.strip()}" if section in ("Args", "Raises", "Attributes") else line.strip())
+        else:
+            lines.append(line)
+    return "\n".join(lines) + "\n"
