@@ -38,3 +38,19 @@ SLEEPER = """
         print(os.getpid(), flush=True)
         time.sleep(600)
 """
+# Asks its model at every step, as any program can, and prints what it gets.
+ASKER = """
+    def ask(self, step):
+        import http.client, json, socket
+        connection = http.client.HTTPConnection("model")
+        connection.sock = socket.socket(socket.AF_UNIX)
+        connection.sock.connect(os.environ["WILDSCAV_MODEL"].removeprefix("unix:"))
+        messages = [{"role": "user", "content": f"{os.path.basename(os.getcwd())} {step}"}]
+        connection.request("POST", "/v1/chat/completions", json.dumps({"messages": messages}))
+        response = connection.getresponse()
+        return response.status, response.read().decode()
+
+    def act(self, observation):
+        print(*self.ask(observation.step))
+        return Action(walk_speed=5.0)
+"""

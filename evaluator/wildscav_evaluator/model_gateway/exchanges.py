@@ -11,6 +11,8 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+from pydantic_core import to_json
+
 MOST = 64 << 20  # bytes of a seat's lines, before they are compressed
 SHORT = 16  # hexadecimal digits of a digest
 
@@ -56,7 +58,7 @@ class Exchanges:
 
     def _refer(self, seat: int, value: Any) -> str:
         """Return the digest of a value, which stands in the file from now on."""
-        name = sha256(json.dumps(value, sort_keys=True).encode()).hexdigest()[:SHORT]
+        name = sha256(to_json(value)).hexdigest()[:SHORT]
         known = self._known.setdefault(seat, set())
         if name not in known:
             known.add(name)

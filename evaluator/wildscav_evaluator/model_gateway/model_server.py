@@ -14,6 +14,8 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
 from urllib.parse import urlsplit
 
+from pydantic_core import to_json
+
 from wildscav_evaluator.model_gateway.chat import ChatAnswer, ChatError, read_answer
 from wildscav_evaluator.model_gateway.settings import ModelSettings
 
@@ -175,7 +177,7 @@ class ModelServer:
         """Return a request with the fields that only the gateway sets."""
         own = {"model": self._settings.name, self._settings.max_tokens_field: most}
         salted = {"cache_salt": salt} if salt else {}
-        return json.dumps({**fields, **self._settings.extra, **salted, **own}).encode()
+        return to_json({**fields, **self._settings.extra, **salted, **own})
 
     async def _post(self, body: bytes) -> ChatAnswer:
         """Try a request once.

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.evaluator.sample_agents import TALKER, Submit
+from tests.evaluator.sample_agents import ASKER, TALKER, Submit
 from tests.evaluator.sandbox.available import missing
 from tests.scripted_model import Answer, Failed, Messages, ScriptedModel, disturbed, in_turn, said
 
@@ -22,22 +22,6 @@ from wildscav_evaluator.submissions.submission import Submission
 pytestmark = pytest.mark.usefixtures("compiled")
 STEPS = 5
 KEY = "sk-the-organizers-own"
-# Asks its model at every step, as any program can, and prints what it gets.
-ASKER = """
-    def ask(self, step):
-        import http.client, json, socket
-        connection = http.client.HTTPConnection("model")
-        connection.sock = socket.socket(socket.AF_UNIX)
-        connection.sock.connect(os.environ["WILDSCAV_MODEL"].removeprefix("unix:"))
-        messages = [{"role": "user", "content": f"{os.path.basename(os.getcwd())} {step}"}]
-        connection.request("POST", "/v1/chat/completions", json.dumps({"messages": messages}))
-        response = connection.getresponse()
-        return response.status, response.read().decode()
-
-    def act(self, observation):
-        print(*self.ask(observation.step))
-        return Action(walk_speed=5.0)
-"""
 # Looks for the key and for other sockets.
 SPY = (
     ASKER

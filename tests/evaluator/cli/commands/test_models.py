@@ -5,13 +5,13 @@ import json
 from pathlib import Path
 
 import pytest
-from tests.evaluator.matches.test_models import ASKER, KEY
-from tests.evaluator.sample_agents import Command, Submit
+from tests.evaluator.sample_agents import ASKER, Command, Submit
 from tests.scripted_model import ScriptedModel, in_turn, said
 
 from wildscav_evaluator.output.results import read_results
 
 pytestmark = pytest.mark.usefixtures("compiled")
+KEY = "sk-the-organizers-own"
 SUITE = """
 name = "short"
 map = { size = 40, houses = 0 }
