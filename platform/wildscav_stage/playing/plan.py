@@ -92,11 +92,6 @@ class Plan:
         return self.people == 1 and all(opponent.folder is None for opponent in self.opponents)
 
     @property
-    def may_change(self) -> bool:
-        """Whether the host may choose other robots and maps."""
-        return not self.targets and self.given is None
-
-    @property
     def delay(self) -> float:
         """After how many s spectators see a match: where people meet, none may tell one where others are."""
         return SPECTATOR_DELAY if self.people > 1 else 0.0
@@ -128,8 +123,10 @@ class Plan:
             UserError: There is no such robot, such a match is not possible or cannot be recorded, or this is
                 a shooting range or a given match.
         """
-        if not self.may_change:
-            raise UserError("this match is played as it is")
+        if self.targets:
+            raise UserError("the shooting range has targets and a lawn of its own")
+        if self.given is not None:
+            raise UserError("a given match is played as it is")
         for name in robots:
             if name not in ROBOTS:
                 raise UserError(f"there is no robot {name!r}{did_you_mean(name, ROBOTS)}")

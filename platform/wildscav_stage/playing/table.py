@@ -356,7 +356,7 @@ class Table:
             "may_pause": self._plan.may_pause,
             "stand_in": self._plan.stand_in,
             "is_range": bool(self._plan.targets),
-            "kinds": list(ROBOTS) if self._plan.may_change else [],
+            "kinds": [] if self._plan.targets or self._plan.given else list(ROBOTS),
             "delay": self.audience.delay,
         }
 
