@@ -26,7 +26,7 @@ class ThinkingPrice(Spec):
     """The price of thinking; each clock has its own fields."""
 
     pace: Annotated[float, Field(gt=0, le=1000)] = 1.0  # running: game s per s
-    token_time: Annotated[float, Field(ge=0, le=3600)] = 0.02  # tokens: s of game time per token that a model writes
+    token_time: Annotated[float, Field(ge=0, le=3600)] = 0.02  # tokens: s of game time per written token
     processor_time: Annotated[float, Field(ge=0, le=1000)] = 1.0  # tokens: game s per s of a processor
     # paused and tokens: s for all answers of a seat beyond the step budgets; None: the organizer's limit
     budget: Annotated[float, Field(ge=0, le=86_400)] | None = None
