@@ -144,6 +144,8 @@ class MatchInfo:
     turning_sway: float = 0.0  # how many times more spread and recoil there are at a turn of 100 degrees/s
     bounty: int = 0  # supplies that a kill brings besides what the dead drops
     clock: str = "bank"  # what thinking costs: "bank" or "paused" (time), "running" or "tokens" (game time)
+    token_time: float = 0.0  # by the clock "tokens", s of game time for each token that a model writes
+    processor_time: float = 0.0  # by the clock "tokens", s of game time for each s of a processor
 
     @property
     def step_time(self) -> float:

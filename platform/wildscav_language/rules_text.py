@@ -14,7 +14,7 @@ GOALS = {
 STANDS_STILL = "The world stands still between calls."
 BETWEEN_CALLS = {
     "running": "The world goes on between calls, and you walk on as you last walked.",
-    "tokens": f"{STANDS_STILL} Then your thoughts cost game time, in which you walk on as you last walked.",
+    "tokens": f"{STANDS_STILL} Then each token that you write costs {{token:g}} s, in which you walk on.",
 }
 CALLS = " A call of a tool plays game time until the tool ends."
 SENSES = {
@@ -35,7 +35,7 @@ def rules(match: MatchInfo) -> str:
         "Bearings are compass degrees: 0 is north, 90 is east.",
         "Hours of the clock are relative to your view: 12 is ahead, 3 is to the right.",
         "You walk and run at up to 10 m/s, half as fast in water, and up steps of 0.5 m.",
-        BETWEEN_CALLS.get(match.clock, STANDS_STILL) + CALLS,
+        BETWEEN_CALLS.get(match.clock, STANDS_STILL).format(token=match.token_time) + CALLS,
         f"A bad call costs {REFUSAL_TIME:g} s, in which you stand still.",
         SENSES[match.senses].format(sight=match.supply_sight),
     ]

@@ -81,7 +81,7 @@ def overall_table(title: str, rows: Iterable[tuple[int, Overall]]) -> Table:
     for rank, one in ranked_rows:
         table.add_row(
             str(rank),
-            f"{one.submission} {one.version}",
+            with_interface(f"{one.submission} {one.version}", one.interface),
             Text(f"{one.mean.value:.2f}", "bold"),
             f"{one.mean.low:.2f} to {one.mean.high:.2f}",
             *(f"{each.value:.2f}" for each in (one.iqm, *one.tracks.values())),

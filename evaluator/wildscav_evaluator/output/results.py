@@ -210,11 +210,14 @@ class Estimate(FileModel):
     high: float
 
 
-class Overall(FileModel):
+class Overall(WithOptionalFields):
     """One submission across all tracks of a suite, by scores of which ``random`` has 0 and a reference 1."""
+
+    omitted = ("interface",)
 
     submission: str
     version: str
+    interface: OtherInterface | None = None  # by which it plays; omitted for numbers
     mean: Estimate  # of the tracks' means
     iqm: Estimate  # the mean of the middle half of all matches
     tracks: dict[str, Estimate]  # the mean on each

@@ -30,19 +30,25 @@ def overall_of(suite: Suite, evaluations: Iterable[Evaluation]) -> tuple[Overall
         if one.score is not None:
             played.setdefault((one.submission, one.version), {})[one.track] = one
     return tuple(
-        _overall(name, version, suite.references, on_tracks)
-        for (name, version), on_tracks in played.items()
+        _overall(suite.references, on_tracks)
+        for on_tracks in played.values()
         if on_tracks.keys() >= suite.references.keys()
     )
 
 
-def _overall(
-    name: str, version: str, references: Mapping[str, Reference], played: Mapping[str, Evaluation]
-) -> Overall:
+def _overall(references: Mapping[str, Reference], played: Mapping[str, Evaluation]) -> Overall:
     scores = [normalized_scores(reference, played[track]) for track, reference in references.items()]
     mean, iqm = across_tracks(scores)
     tracks = {track: _on_track(reference, played[track]) for track, reference in references.items()}
-    return Overall(submission=name, version=version, mean=mean, iqm=iqm, tracks=tracks)
+    one = next(iter(played.values()))
+    return Overall(
+        submission=one.submission,
+        version=one.version,
+        interface=one.interface,
+        mean=mean,
+        iqm=iqm,
+        tracks=tracks,
+    )
 
 
 def normalized_scores(reference: Reference, played: Evaluation) -> list[float]:

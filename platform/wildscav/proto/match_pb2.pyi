@@ -78,7 +78,7 @@ class Vector(_message.Message):
     def __init__(self, x: _Optional[float] = ..., y: _Optional[float] = ..., z: _Optional[float] = ...) -> None: ...
 
 class MatchInfo(_message.Message):
-    __slots__ = ("protocol_version", "track", "seat", "seats", "team", "time_limit", "frames_per_action", "frames_per_second", "map_size", "start", "target", "supply_waves", "seed", "step_budget", "time_bank", "target_distance", "pick_up_distance", "supply_sight", "clip_size", "start_health", "respawns", "supply_goal", "senses", "turn_speed", "spread", "recoil", "walking_sway", "turning_sway", "bounty", "clock")
+    __slots__ = ("protocol_version", "track", "seat", "seats", "team", "time_limit", "frames_per_action", "frames_per_second", "map_size", "start", "target", "supply_waves", "seed", "step_budget", "time_bank", "target_distance", "pick_up_distance", "supply_sight", "clip_size", "start_health", "respawns", "supply_goal", "senses", "turn_speed", "spread", "recoil", "walking_sway", "turning_sway", "bounty", "clock", "token_time", "processor_time")
     PROTOCOL_VERSION_FIELD_NUMBER: _ClassVar[int]
     TRACK_FIELD_NUMBER: _ClassVar[int]
     SEAT_FIELD_NUMBER: _ClassVar[int]
@@ -109,6 +109,8 @@ class MatchInfo(_message.Message):
     TURNING_SWAY_FIELD_NUMBER: _ClassVar[int]
     BOUNTY_FIELD_NUMBER: _ClassVar[int]
     CLOCK_FIELD_NUMBER: _ClassVar[int]
+    TOKEN_TIME_FIELD_NUMBER: _ClassVar[int]
+    PROCESSOR_TIME_FIELD_NUMBER: _ClassVar[int]
     protocol_version: int
     track: str
     seat: int
@@ -139,7 +141,9 @@ class MatchInfo(_message.Message):
     turning_sway: float
     bounty: int
     clock: str
-    def __init__(self, protocol_version: _Optional[int] = ..., track: _Optional[str] = ..., seat: _Optional[int] = ..., seats: _Optional[int] = ..., team: _Optional[int] = ..., time_limit: _Optional[float] = ..., frames_per_action: _Optional[int] = ..., frames_per_second: _Optional[int] = ..., map_size: _Optional[float] = ..., start: _Optional[_Union[Vector, _Mapping]] = ..., target: _Optional[_Union[Vector, _Mapping]] = ..., supply_waves: _Optional[_Iterable[_Union[SupplyWave, _Mapping]]] = ..., seed: _Optional[int] = ..., step_budget: _Optional[float] = ..., time_bank: _Optional[float] = ..., target_distance: _Optional[float] = ..., pick_up_distance: _Optional[float] = ..., supply_sight: _Optional[float] = ..., clip_size: _Optional[int] = ..., start_health: _Optional[int] = ..., respawns: _Optional[bool] = ..., supply_goal: _Optional[int] = ..., senses: _Optional[str] = ..., turn_speed: _Optional[float] = ..., spread: _Optional[float] = ..., recoil: _Optional[float] = ..., walking_sway: _Optional[float] = ..., turning_sway: _Optional[float] = ..., bounty: _Optional[int] = ..., clock: _Optional[str] = ...) -> None: ...
+    token_time: float
+    processor_time: float
+    def __init__(self, protocol_version: _Optional[int] = ..., track: _Optional[str] = ..., seat: _Optional[int] = ..., seats: _Optional[int] = ..., team: _Optional[int] = ..., time_limit: _Optional[float] = ..., frames_per_action: _Optional[int] = ..., frames_per_second: _Optional[int] = ..., map_size: _Optional[float] = ..., start: _Optional[_Union[Vector, _Mapping]] = ..., target: _Optional[_Union[Vector, _Mapping]] = ..., supply_waves: _Optional[_Iterable[_Union[SupplyWave, _Mapping]]] = ..., seed: _Optional[int] = ..., step_budget: _Optional[float] = ..., time_bank: _Optional[float] = ..., target_distance: _Optional[float] = ..., pick_up_distance: _Optional[float] = ..., supply_sight: _Optional[float] = ..., clip_size: _Optional[int] = ..., start_health: _Optional[int] = ..., respawns: _Optional[bool] = ..., supply_goal: _Optional[int] = ..., senses: _Optional[str] = ..., turn_speed: _Optional[float] = ..., spread: _Optional[float] = ..., recoil: _Optional[float] = ..., walking_sway: _Optional[float] = ..., turning_sway: _Optional[float] = ..., bounty: _Optional[int] = ..., clock: _Optional[str] = ..., token_time: _Optional[float] = ..., processor_time: _Optional[float] = ...) -> None: ...
 
 class SupplyWave(_message.Message):
     __slots__ = ("time", "center_x", "center_z", "radius")

@@ -69,6 +69,7 @@ _SAME = (
     *("respawns", "supply_goal"),
     *("clip_size", "start_health"),
     *("senses", "turn_speed", "spread", "recoil", "walking_sway", "turning_sway", "bounty", "clock"),
+    *("token_time", "processor_time"),
 )
 # What holds on a server that is too old to say so.
 _UNTOLD = {name: MatchInfo.__dataclass_fields__[name].default for name in ("senses", "turn_speed", "clock")}

@@ -89,4 +89,6 @@ def info_from(spec: "MatchSpec", start: "StartInfo", seat: int, clock: Clock) ->
         turning_sway=spec.rules.turning_sway,
         bounty=spec.rules.bounty,
         clock=spec.clock,
+        token_time=spec.thinking.token_time if spec.clock == "tokens" else 0.0,
+        processor_time=spec.thinking.processor_time if spec.clock == "tokens" else 0.0,
     )

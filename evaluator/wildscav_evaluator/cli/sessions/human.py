@@ -125,7 +125,7 @@ def person_in_suite(
     if track is not None:
         check_suite_has(suite, track)
     tracks = tuple(suite.tracks) if track is None else (track,)
-    manifest = Manifest(name=name, version="person", tracks=tracks)
+    manifest = Manifest(name=name, version="person", tracks=tracks, interface="keys")
     plan = PersonPlan(
         submissions=(Submission(Path(), manifest, digest=""),),
         suite=suite,
