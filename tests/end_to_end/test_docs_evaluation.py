@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from prometheus_client.core import CounterMetricFamily
 from tests.end_to_end.pages import blocks, run_line
+from tests.evaluator.warm_workers import WarmWorkers, playing_with
 
 from wildscav_evaluator.executors import Node
 from wildscav_evaluator.matches.play import MAX_ATTEMPTS
@@ -135,7 +136,8 @@ def test_the_commands_of_the_page_run_in_their_order(tmp_path: Path) -> None:
     here = [line for line in lines if not line.startswith(ELSEWHERE) and "--executor ray" not in line]
     evaluations = [line for line in here if line.startswith("wildscav evaluate")]
     shorter = dict.fromkeys(evaluations, ("--replays", "none")) | {lines[0]: ("--suite", "spring.toml")}
-    said = {line: run_line(line, tmp_path, *shorter.get(line, ())) for line in here}
+    with WarmWorkers() as workers, playing_with(workers):
+        said = {line: run_line(line, tmp_path, *shorter.get(line, ())) for line in here}
 
     assert len(here) >= 9
     assert "all agree with out/spring/results.json" in said["wildscav verify out/spring"]

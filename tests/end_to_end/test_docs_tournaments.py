@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from tests.end_to_end.pages import blocks, run_code, run_line
+from tests.evaluator.warm_workers import WarmWorkers, playing_with
 
 from wildscav_engine.record import read_record
 from wildscav_evaluator.bounds import FEWEST_ENTRANTS, MAX_ENTRANTS, MAX_MATCHES, MAX_PLAYERS
@@ -94,9 +95,10 @@ def test_the_commands_of_the_page_run_in_their_order(folder: Path) -> None:
     (folder / "short.toml").write_text('name = "short"\nmap = { size = 40, houses = 0 }\n' + "".join(tracks))
     shorter = ("--suite=short.toml", "--rounds=1", "--replays=none")
     printed = {}
-    for line in LINES:
-        is_long = line.startswith("wildscav tournament") and "--suite" not in line
-        printed[line] = run_line(line, folder, *(shorter if is_long else ()))
+    with WarmWorkers() as workers, playing_with(workers):
+        for line in LINES:
+            is_long = line.startswith("wildscav tournament") and "--suite" not in line
+            printed[line] = run_line(line, folder, *(shorter if is_long else ()))
 
     assert "all agree" in printed["wildscav verify out/arena"]
     assert any("is the one committed to" in text for line, text in printed.items() if "--commitment" in line)

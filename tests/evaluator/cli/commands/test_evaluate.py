@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 from tests.evaluator.results_by_hand import identity_of, results_of
 from tests.evaluator.sample_agents import WALKER, Command, Submit
+from tests.evaluator.warm_workers import WarmWorkers, playing_with
 
 from wildscav_engine.record import read_record, save, verify_record
 from wildscav_evaluator.cli.sessions.playing import saving_errors
@@ -25,6 +27,20 @@ map = { size = 40, houses = 1 }
 maps = 2
 match = { time_limit = 6 }
 """
+
+
+@pytest.fixture
+def one_worker(warm_workers: WarmWorkers) -> Iterator[None]:
+    """Evaluations share a worker."""
+    with playing_with(warm_workers):
+        yield
+
+
+@pytest.fixture
+def worker_of_one_folder() -> Iterator[None]:
+    """Evaluations of one working directory, in which the first of them starts it, share a worker."""
+    with WarmWorkers() as workers, playing_with(workers):
+        yield
 
 
 @pytest.fixture
@@ -55,6 +71,7 @@ def complaints(done: "subprocess.CompletedProcess[str]") -> list[str]:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("one_worker")
 def test_a_failing_agent_harms_nobody(
     wildscav: Command, pair: tuple[Path, Path], short: Path, tmp_path: Path
 ) -> None:
@@ -107,6 +124,7 @@ def check_table(output: str) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("one_worker")
 def test_invalid_actions_are_counted_and_told(
     wildscav: Command, submit: Submit, short: Path, tmp_path: Path
 ) -> None:
@@ -128,6 +146,7 @@ def test_invalid_actions_are_counted_and_told(
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("one_worker")
 def test_a_record_with_one_action_changed_no_longer_holds(
     wildscav: Command, submit: Submit, short: Path, tmp_path: Path
 ) -> None:
@@ -217,7 +236,7 @@ match = { time_limit = 2 }
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("compiled")
+@pytest.mark.usefixtures("worker_of_one_folder")
 def test_an_edited_agent_is_evaluated_beside_its_former_self(
     wildscav: Command, submit: Submit, tmp_path: Path
 ) -> None:
