@@ -66,6 +66,7 @@ class _Connection:
         self._http = kind(url.hostname or "", url.port, timeout=min(CONNECT_TIME, settings.timeout))
         self._path = f"{url.path.rstrip('/')}/chat/completions"
         self._timeout = settings.timeout
+        self._is_cut = False
         self._headers = {"Content-Type": "application/json", "User-Agent": "wildscav"}
         if key:
             self._headers["Authorization"] = f"Bearer {key}"
@@ -79,12 +80,16 @@ class _Connection:
         """
         is_used = self._http.sock is not None
         try:
-            return self._exchange(body)
-        except (ConnectionError, http.client.BadStatusLine):
-            if not is_used:
-                raise
+            try:
+                return self._exchange(body)
+            except (ConnectionError, http.client.BadStatusLine):
+                if not is_used or self._is_cut:
+                    raise
+                self.close()
+                return self._exchange(body)  # servers end connections that have been idle
+        except BaseException:
             self.close()
-            return self._exchange(body)  # servers end connections that have been idle
+            raise
 
     def _exchange(self, body: bytes) -> tuple[int, bytes, float]:
         if self._http.sock is None:
@@ -100,7 +105,8 @@ class _Connection:
         return response.status, content, float(after) if after.isdecimal() else 0.0
 
     def cut(self) -> None:
-        """Wake the thread that waits for an answer."""
+        """Wake the thread that waits for an answer; nothing is asked by this connection any more."""
+        self._is_cut = True
         with contextlib.suppress(OSError, AttributeError):
             self._http.sock.shutdown(socket.SHUT_RDWR)
 
@@ -119,7 +125,7 @@ class ModelServer:
     def __init__(self, settings: ModelSettings, key: str, at_once: int) -> None:
         self._settings, self._key = settings, key
         self._works = False  # whether it has answered a request
-        self._threads = ThreadPoolExecutor(at_once)
+        self._threads = ThreadPoolExecutor(2 * at_once)  # those whose time is up take a moment to end
         self._idle: list[_Connection] = []
         self._busy: set[_Connection] = set()
 
@@ -129,8 +135,8 @@ class ModelServer:
     def __exit__(self, *_: object) -> None:
         for connection in self._busy:
             connection.cut()
-        self._threads.shutdown(cancel_futures=True)
-        for connection in (*self._busy, *self._idle):
+        self._threads.shutdown(wait=False, cancel_futures=True)
+        for connection in self._idle:
             connection.close()
 
     async def ask(self, fields: dict[str, Any], most: int, salt: str = "") -> Answered:

@@ -184,6 +184,24 @@ def test_a_request_that_breaks_a_server_which_works_is_its_seats_fault(
         asyncio.run(ask())
 
 
+def test_an_answer_that_comes_too_late_is_not_asked_for_in_secret(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def ask() -> None:
+        async with served(model, tmp_path, monkeypatch, timeout=0.3, retries=0) as gateway:
+            assert [(await gateway.ask(said)).status_code for said in ("good", "evil", "good")] == [
+                200,
+                502,
+                200,
+            ]
+
+    with ScriptedModel(for_evil(Late(30.0))) as model:
+        asyncio.run(ask())
+
+    asked = [one.body["messages"][0]["content"] for one in model.requests]
+    assert asked == ["good", "evil", "Answer with the word yes.", "good"]
+
+
 def test_a_short_failure_of_the_server_is_nobodys_fault(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
