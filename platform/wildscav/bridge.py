@@ -56,7 +56,10 @@ class BridgedSeat:
 
     def ask(self, request: str, **arguments: object) -> tuple[dict[str, Any], bytes]:
         """Send a request, and return the answer and the bytes that follow it."""
-        line = json.dumps({"request": request, **arguments}).encode() + b"\n"
+        try:
+            line = json.dumps({"request": request, **arguments}, allow_nan=False).encode() + b"\n"
+        except (TypeError, ValueError, RecursionError) as error:
+            raise AgentError(f"a request must be JSON: {error}") from None
         if len(line) > LONGEST_REQUEST:
             raise AgentError(f"a request has {len(line):,} bytes, may have {LONGEST_REQUEST:,} at most")
         try:

@@ -15,7 +15,7 @@ from wildscav.harness.spending import Ending
 from wildscav.sdk.run import INTERFACE_VARIABLE
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.bridge.agent_end import MOST_IDLE
+from wildscav_evaluator.bridge.seat import MOST_IDLE
 from wildscav_evaluator.matches.play import MatchAssignment, play_match
 from wildscav_evaluator.submissions.submission import load_submission
 from wildscav_language.calls import Reason

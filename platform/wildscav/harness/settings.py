@@ -47,8 +47,8 @@ class ModelSettings:
     window: int = 8  # past answers that it sees as they were; of those before, a line each
     lines: int = 40  # such lines
     notes: int = 2_000  # characters that it may keep for itself
-    timeout: float = 120.0  # s for an answer
-    retries: int = 4  # of a request that failed
+    timeout: float = 120.0  # s for an answer; a gateway has its own
+    retries: int = 4  # of a request that failed, likewise
     pause: float = 0.5  # s before the first of them; each next one waits twice as long
     # What it may spend in a match; None: any amount.
     tokens: int | None = None  # of prompts and answers
@@ -74,6 +74,8 @@ class ModelSettings:
             raise UserError(f"the model's url is {self.url!r}, must begin with http://, https:// or unix:", 2)
         if not isinstance(self.request, Mapping):
             raise UserError("the model's request must be a table of further fields of requests", 2)
+        if self.log is not None and not isinstance(self.log, Path):
+            raise UserError(f"the model's log is {self.log!r}, must be the name of a file", 2)
         if own := sorted(OWN_FIELDS & self.request.keys()):
             raise UserError(f"the model's request has {', '.join(own)}, which every request has already", 2)
 

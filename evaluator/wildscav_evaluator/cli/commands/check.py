@@ -39,8 +39,8 @@ def check(
     """Check whether a submission keeps the rules, in the judge's sandbox with its clock and its limits.
 
     The submission plays the beginning of a match of the suite on each of its tracks, one in which it is often
-    late, and one that is cancelled. Every failure is explained, with advice on how to fix it. With --model, the
-    clock is paused while the agent thinks, unless --season names another.
+    late, and one that is cancelled. Every failure is explained, with advice on how to fix it. With --model,
+    the clock is paused while the agent thinks, except with --season.
     """
     from wildscav_evaluator.check.season import SeasonRules
     from wildscav_evaluator.check.trials import Trial
