@@ -38,9 +38,9 @@ NOTED, NO_NOTE = "Noted.", "A note has a text."
 class Course(NamedTuple):
     """How a model's play went."""
 
-    ending: Ending
+    ending: Ending  # why it ended
     detail: str  # what its server said last, if that ended it
-    spending: Spending
+    spending: Spending  # what it took
 
 
 class ModelPlayer:

@@ -39,7 +39,7 @@ class ModelSettings:
 
     url: str = "https://api.openai.com/v1"  # of the server, up to the version; or unix:/path of a gateway
     name: str = ""  # of the model there; none: the first that the server lists
-    key: str = field(default="", repr=False)
+    key: str = field(default="", repr=False)  # of the server, if it wants one
     request: Mapping[str, Any] = field(default_factory=lambda: {"max_tokens": 1024})  # further fields
     instructions: str = ""  # added to what the model is told of its task
     pictures: bool = False  # whether it sees what the seat's camera shows

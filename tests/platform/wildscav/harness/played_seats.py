@@ -30,7 +30,7 @@ class Reply(NamedTuple):
 class PlayedSeat:
     """A seat whose match is over after some calls. Each takes the seconds that it names."""
 
-    rules = "Reach the target."
+    match, rules = None, "Reach the target."
     tools = (Tool("go", "Walk.", {"type": "object"}), Tool("wait_until", "Wait.", {"type": "object"}))
 
     def __init__(self, calls: int = 3) -> None:
