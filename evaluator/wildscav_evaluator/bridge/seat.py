@@ -62,7 +62,7 @@ class SeatBridge:
         order = self._order
         async with Connection(order.address, order.match_token, __version__) as connection:
             desk = DESKS[order.interface](connection, order.names)
-            await agent.send({"match": facts_of(desk.match), **desk.told()})
+            await agent.send({"match": facts_of(desk.match), **desk.introduction()})
             while True:
                 steps = desk.steps
                 try:
