@@ -17,7 +17,7 @@ from wildscav.errors import AgentError, RefusedError, ServerUnreachableError
 from wildscav.notes import begin_step
 
 LONGEST_REQUEST = 65_536  # bytes, with the end of the line
-# Facts that these seats are not told, and what stands in their place.
+# Facts that these seats do not get, and what stands in their place.
 PLACES: dict[str, Any] = {"start": (math.nan,) * 3, "target": None, "supply_waves": ()}
 
 
@@ -49,34 +49,37 @@ class BridgedSeat:
             raise ServerUnreachableError(f"no bridge answers at {address}: {error.strerror}") from None
         self._file = self._socket.makefile("rwb")
         self.is_over = False
-        self.told, _ = self.ask("hello", token=token)  # of the match and the interface
+        self.introduction, _ = self.ask("hello", token=token)  # of the match and the interface
         known = {field.name for field in fields(MatchInfo)}
-        facts = {name: value for name, value in self.told["match"].items() if name in known}
+        facts = {name: value for name, value in self.introduction["match"].items() if name in known}
         self.match = MatchInfo(**facts, **PLACES)
 
     def ask(self, request: str, **arguments: object) -> tuple[dict[str, Any], bytes]:
         """Send a request, and return the answer and the bytes that follow it."""
-        line = json.dumps({"request": request, **arguments}).encode() + b"\n"
+        try:
+            line = json.dumps({"request": request, **arguments}, allow_nan=False).encode() + b"\n"
+        except (TypeError, ValueError, RecursionError) as error:
+            raise AgentError(f"a request must be JSON: {error}") from None
         if len(line) > LONGEST_REQUEST:
             raise AgentError(f"a request has {len(line):,} bytes, may have {LONGEST_REQUEST:,} at most")
         try:
             self._file.write(line)
             self._file.flush()
-            answer = self._file.readline()
-            told: dict[str, Any] = json.loads(answer) if answer else {}
-            content = self._file.read(told.get("bytes", 0))
+            line = self._file.readline()
+            answer: dict[str, Any] = json.loads(line) if line else {}
+            content = self._file.read(answer.get("bytes", 0))
         except OSError:
-            answer = b""
-        if not answer:
+            line = b""
+        if not line:
             raise ServerUnreachableError(f"{self._address} closed the connection before the match was over")
-        if "closed" in told:
-            raise RefusedError("", told["closed"])
-        if "error" in told:
-            raise AgentError(told["error"])
-        self.is_over = told.get("over", False)
-        if "step" in told:
-            begin_step(told["step"])
-        return told, content
+        if "closed" in answer:
+            raise RefusedError("", answer["closed"])
+        if "error" in answer:
+            raise AgentError(answer["error"])
+        self.is_over = answer.get("over", False)
+        if "step" in answer:
+            begin_step(answer["step"])
+        return answer, content
 
     def close(self) -> None:
         """Leave the seat."""

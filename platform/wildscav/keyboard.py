@@ -49,11 +49,11 @@ class KeysSeat(BridgedSeat):
         return _frame(*self.ask("press", **held))
 
 
-def _frame(told: dict[str, Any], content: bytes) -> Frame | None:
-    if told["over"]:
+def _frame(answer: dict[str, Any], content: bytes) -> Frame | None:
+    if answer["over"]:
         return None
-    shape = told["height"], told["width"], 3
-    return Frame(told["step"], np.frombuffer(content, np.uint8).reshape(shape))
+    shape = answer["height"], answer["width"], 3
+    return Frame(answer["step"], np.frombuffer(content, np.uint8).reshape(shape))
 
 
 class KeysPlayer:

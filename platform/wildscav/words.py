@@ -53,8 +53,8 @@ class WordsSeat(BridgedSeat):
 
     def __init__(self, address: str, token: str) -> None:
         super().__init__(address, token)
-        self.rules: str = self.told["rules"]
-        self.tools = tuple(Tool(**tool) for tool in self.told["tools"])
+        self.rules: str = self.introduction["rules"]
+        self.tools = tuple(Tool(**tool) for tool in self.introduction["tools"])
 
     def observe(self) -> str:
         """Return the text of now, 8,000 bytes at most."""
@@ -70,8 +70,8 @@ class WordsSeat(BridgedSeat):
         """
         given = dict(arguments or {})
         say(f"→ {name} {json.dumps(given)[:SHOWN]}")
-        told, _ = self.ask("call", tool=name, arguments=given)
-        reply = Reply(told["text"], told["ended"], told["steps"], self.is_over)
+        answer, _ = self.ask("call", tool=name, arguments=given)
+        reply = Reply(answer["text"], answer["ended"], answer["steps"], self.is_over)
         say(reply.text.partition("\n")[0])
         return reply
 

@@ -4,10 +4,13 @@ import asyncio
 import re
 from dataclasses import fields
 from pathlib import Path
+from typing import Any
 
 import pytest
 from tests.end_to_end.pages import ROOT, blocks, run_code
+from tests.platform.wildscav.harness.played_seats import PlayedSeat
 from tests.platform.wildscav.skills.observations import match_info
+from tests.scripted_model import ScriptedModel, called, in_turn
 
 from wildscav.bridge import LONGEST_REQUEST
 from wildscav.harness.settings import ModelSettings
@@ -15,7 +18,7 @@ from wildscav.harness.spending import Ending
 from wildscav.sdk.run import INTERFACE_VARIABLE
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.bridge.agent_end import MOST_IDLE
+from wildscav_evaluator.bridge.seat import MOST_IDLE
 from wildscav_evaluator.matches.play import MatchAssignment, play_match
 from wildscav_evaluator.submissions.submission import load_submission
 from wildscav_language.calls import Reason
@@ -39,7 +42,7 @@ def test_its_match_is_played(tmp_path: Path) -> None:
 @pytest.mark.usefixtures("compiled")
 @pytest.mark.parametrize("interface", ["words", "keys"])
 def test_its_submissions_play(interface: str, tmp_path: Path) -> None:
-    (manifest,), (_, words, keys) = blocks(PAGE, "toml"), blocks(PAGE, "python")
+    (manifest,), (_, words, keys, _) = blocks(PAGE, "toml"), blocks(PAGE, "python")
     (tmp_path / "agent.py").write_text(words if interface == "words" else keys)
     if interface == "keys":
         manifest = (
@@ -53,6 +56,16 @@ def test_its_submissions_play(interface: str, tmp_path: Path) -> None:
     played = asyncio.run(play_match(seating))
 
     assert played.seats[0].status == "finished", played.seats[0]
+
+
+def test_its_model_plays() -> None:
+    pytest.importorskip("openai")
+    *_, code = blocks(PAGE, "python")
+    with ScriptedModel(in_turn(called("go"))) as model:
+        names: dict[str, Any] = {"seat": PlayedSeat(), "rules": lambda _: PlayedSeat.rules}
+        exec(code.replace("http://127.0.0.1:8000/v1", model.url), names)  # noqa: S102
+
+    assert names["course"].ending == Ending.MATCH_OVER
 
 
 def test_it_tells_every_request_and_the_bounds() -> None:

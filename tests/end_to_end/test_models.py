@@ -1,4 +1,4 @@
-"""A scripted model plays all tracks in real sandboxes by ``talker``; its server misbehaves in all ways."""
+"""A scripted model plays all tracks in real sandboxes by ``talker``; its server misbehaves at first."""
 
 import asyncio
 import json
@@ -15,6 +15,7 @@ from tests.scripted_model import (
     Call,
     Endless,
     Failed,
+    Late,
     Messages,
     Raw,
     Reset,
@@ -27,6 +28,7 @@ from tests.scripted_model import (
     too_many,
 )
 
+from wildscav.notes import read_notes
 from wildscav_engine.record import read_record, verify_record, write_record
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
@@ -52,6 +54,8 @@ DISTURBANCES: list[Answer] = [
     too_many(0.1),
     called("fly", up=1),
     Endless(),
+    Endless(pause=0.05),
+    Late(60.0),
     NO_CHOICES,
     Said(calls=(Call("go", '{"bearing": 0, "seconds": 1}'), Call("note", '{"text": "I went north."}'))),
     Raw(b"<html>Bad gateway</html>", 502),
@@ -62,11 +66,11 @@ map = { size = 60, houses = 1 }
 
 [tracks.battle]
 maps = 1
-match = { time_limit = 10 }
+match = { time_limit = 10, clock = "paused" }
 """
 
 
-def aloud(messages: Messages, tools: list[dict[str, object]]) -> Answer:
+def aloud(messages: Messages, tools: list[dict[str, object]]) -> Said:
     answer = mind(messages, tools)
     return Said(f"I call {answer.calls[0].name}.", answer.calls)
 
@@ -78,16 +82,21 @@ def test_a_model_plays(track: str, sandbox: str, tmp_path: Path) -> None:
     if why := missing(sandbox):
         pytest.skip(why)
     small = MapSpec(config=MapConfig(size=60, houses=1), seed=3)
-    spec = MatchSpec(track=track, map=small, seed=1, seats=("submission", *OTHERS[track]), time_limit=20.0)
+    seats = ("submission", *OTHERS[track])
+    spec = MatchSpec(track=track, map=small, seed=1, seats=seats, time_limit=20.0, clock="paused")
 
     with ScriptedModel(disturbed(aloud, dict(enumerate(DISTURBANCES)))) as model:
-        asked = ModelSettings(url=model.url, name="scripted")
+        asked = ModelSettings(url=model.url, name="scripted", timeout=1.0, retries=10)
         seating = MatchAssignment(spec, (load_submission(TALKER),), (tmp_path / "log",), model=asked)
         played = asyncio.run(play_match(seating, sandbox=SANDBOXES[sandbox]))
 
     assert played.seats[0].status == "finished", played.seats[0]
     assert len(model.requests) > len(DISTURBANCES)
-    assert "I call " in (tmp_path / "log").read_text("utf-8")
+    notes = [note.text for note in read_notes((tmp_path / "log").read_text("utf-8").splitlines(), 0)]
+    last = model.requests[-1].body
+    answer = aloud(last["messages"], last["tools"])
+    ((tool, arguments),) = answer.calls
+    assert notes[-3:] == [answer.text, f"→ {tool} {arguments}", "The match is over."]
     write_record(tmp_path / "match.wsr", played.match, seating.names)
     assert verify_record(read_record(tmp_path / "match.wsr")).holds
 

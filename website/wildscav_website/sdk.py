@@ -31,6 +31,9 @@ MODULES = {
     ),
     "wildscav.errors": ("AgentError", "RefusedError", "ServerUnreachableError", "UserError"),
     "wildscav.words": ("WordsPlayer", "WordsSeat", "Tool", "Reply"),
+    "wildscav.harness.player": ("ModelPlayer", "Course"),
+    "wildscav.harness.settings": ("ModelSettings", "read_settings"),
+    "wildscav.harness.spending": ("Spending",),
     "wildscav.keyboard": ("KeysPlayer", "KeysSeat", "Frame"),
     "wildscav.policy": (
         "PolicyAgent",

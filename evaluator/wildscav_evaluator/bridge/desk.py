@@ -36,7 +36,7 @@ class Desk:
         """What is known of the match."""
         return self._connection.match
 
-    def told(self) -> dict[str, Any]:
+    def introduction(self) -> dict[str, Any]:
         """Return what the agent is told of the match besides its facts."""
         return {}
 

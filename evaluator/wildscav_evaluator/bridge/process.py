@@ -16,7 +16,8 @@ from wildscav_server.hosting.hosted_match import HostedMatch
 
 SOCKET = "bridge.sock"  # beside the match's
 BACKLOG = 16  # connections that wait to be accepted
-END_TIME = 3.0  # s for the process to end
+END_TIME = 3.0  # s for the process to end, before it is killed
+COMMAND = sys.executable, "-m", "wildscav_evaluator.bridge"
 
 
 class BridgeError(WildscavError):
@@ -37,42 +38,45 @@ async def bridged(launches: Mapping[int, Launch], hosted: HostedMatch) -> AsyncI
         BridgeError: The bridge failed.
         OSError: It could not be started.
     """
-    own = {seat: launch for seat, launch in launches.items() if launch.interface != "numbers"}
-    if not own:
+    bridged_launches = {seat: launch for seat, launch in launches.items() if launch.interface != "numbers"}
+    if not bridged_launches:
         yield dict(launches)
         return
     with ExitStack() as sockets:
-        orders, behind = [], {}
-        for seat, launch in own.items():
+        orders, served = [], {}
+        for seat, launch in bridged_launches.items():
             listener = sockets.enter_context(socket.socket(socket.AF_UNIX))
             address = f"{launch.address.rpartition('/')[0]}/{SOCKET}"
             listener.bind(address.removeprefix("unix:"))
             listener.listen(BACKLOG)
-            behind[seat] = replace(launch, address=address, token=secrets.token_urlsafe())
-            names = hosted.names
+            served[seat] = replace(launch, address=address, token=secrets.token_urlsafe())
             orders.append(
                 Order(
                     interface=launch.interface,
                     socket=listener.fileno(),
-                    token=behind[seat].token,
+                    token=served[seat].token,
                     address=launch.address,
                     match_token=launch.token,
-                    names=names,
+                    names=hosted.names,
                 )
             )
         process = await _start(orders)
     watching = asyncio.create_task(_watch(process, hosted))
+    is_cancelled = False
     try:
-        yield {**launches, **behind}
+        yield {**launches, **served}
+    except asyncio.CancelledError:
+        is_cancelled = True
+        raise
     finally:
         fault = await _end(process, watching)
-        if fault:
+        if fault and not is_cancelled:
             raise BridgeError(f"the bridge to seats of words and keys failed: {fault}")
 
 
 async def _start(orders: list[Order]) -> asyncio.subprocess.Process:
     process = await asyncio.create_subprocess_exec(
-        *(sys.executable, "-m", "wildscav_evaluator.bridge"),
+        *COMMAND,
         stdin=asyncio.subprocess.PIPE,
         stdout=asyncio.subprocess.DEVNULL,
         stderr=asyncio.subprocess.PIPE,
@@ -94,13 +98,13 @@ async def _watch(process: asyncio.subprocess.Process, hosted: HostedMatch) -> st
 
 
 async def _end(process: asyncio.subprocess.Process, watching: "asyncio.Task[str]") -> str:
-    """End the bridge, and return why it failed, in a line; an empty text if it did not."""
+    """End the bridge, and return in a line why it failed; an empty text if it did not, or only took long."""
     if process.stdin is not None:
         process.stdin.close()
-    done, _ = await asyncio.wait({watching}, timeout=END_TIME)
-    if not done:
+    ended_by_itself, _ = await asyncio.wait({watching}, timeout=END_TIME)
+    if not ended_by_itself:
         process.kill()
     said = (await watching).strip()
-    if done and process.returncode == 0:
+    if not ended_by_itself or process.returncode == 0:
         return ""
     return said.rpartition("\n")[2] or f"it ended with code {process.returncode}"

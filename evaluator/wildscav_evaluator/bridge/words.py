@@ -22,7 +22,7 @@ class WordsDesk(Desk):
         super().__init__(connection, names)
         self._player = Player(self.match, names)
 
-    def told(self) -> dict[str, Any]:
+    def introduction(self) -> dict[str, Any]:
         """Return the rules and the tools."""
         tools = [
             {"name": tool.name, "description": tool.description, "schema": tool.schema}

@@ -69,6 +69,11 @@ class Trial(NamedTuple):
             spec = spec.model_copy(update={"map": fresh})
         return cls(spec, limits, SuiteSeed(drawn))
 
+    def asking(self, model: ModelSettings, *, paused: bool) -> "Trial":
+        """Return the same match for agents that ask a model, and with a paused clock if that is asked for."""
+        changes = {"clock": "paused"} if paused else {}
+        return self._replace(model=model, spec=self.spec.model_copy(update=changes))
+
     def seating(self, submission: Submission, log: Path) -> MatchAssignment:
         """Return the match with a submission in all its seats, and empty logs of its agents."""
         seats = submission_seats(self.spec.seats)

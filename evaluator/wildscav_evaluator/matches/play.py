@@ -215,8 +215,8 @@ async def agents_at_play(
                     )
                     for seat, submission, log, address in entries
                 }
-                async with bridged(launches, hosted) as behind:
-                    for seat, launch in behind.items():
+                async with bridged(launches, hosted) as served:
+                    for seat, launch in served.items():
                         await agents.start(seat, launch)
                     yield hosted, agents
             finally:

@@ -168,8 +168,8 @@ class SandboxedAgents:
                 )
                 for seat in folders
             }
-            async with bridged(launches, hosted) as behind:
-                for seat, launch in behind.items():
+            async with bridged(launches, hosted) as served:
+                for seat, launch in served.items():
                     await agents.start(seat, launch)
                 yield
                 await agents.leave(EXIT_TIME)

@@ -18,6 +18,7 @@ LONGEST_ARGUMENTS = 8_000  # characters of JSON
 LONGEST_TEXT = 4_000  # characters of a text that are kept
 QUOTA = "insufficient_quota"  # the code of servers and gateways whose budget for us is spent
 NAME = re.compile(r"[^A-Za-z0-9_-]")  # what no name of a tool may have
+ID = re.compile(r"[A-Za-z0-9_-]{1,64}")
 
 
 class ModelError(WildscavError):
@@ -150,11 +151,11 @@ def _calls(written: object, number: int) -> tuple[Call, ...]:
         if not isinstance(function, dict):
             continue
         name = NAME.sub("_", str(function.get("name")))[:64] or "_"
-        own = one.get("id")
-        is_fit = isinstance(own, str) and 0 < len(own) <= 64 and all(own != call.id for call in found)
+        given = one.get("id")
+        is_fit = isinstance(given, str) and ID.fullmatch(given) and all(given != call.id for call in found)
         # Nine letters and digits, since some servers take no other ids.
-        given = own if is_fit else f"c{number % 10**6:06}{len(found):02}"
-        found.append(Call(str(given), name, _arguments(function.get("arguments"))))
+        id_kept = given if is_fit else f"c{number % 10**6:06}{len(found):02}"
+        found.append(Call(id_kept, name, _arguments(function.get("arguments"))))
     return tuple(found)
 
 
@@ -163,7 +164,7 @@ def _arguments(written: object) -> dict[str, Any] | None:
     try:
         if isinstance(written, str):
             written = json.loads(written or "{}", parse_constant=_refuse)
-        is_fit = isinstance(written, dict) and len(json.dumps(written)) <= LONGEST_ARGUMENTS
+        is_fit = isinstance(written, dict) and len(json.dumps(written, allow_nan=False)) <= LONGEST_ARGUMENTS
     except (ValueError, RecursionError):
         return None
     return written if is_fit and isinstance(written, dict) else None

@@ -6,6 +6,7 @@ import time
 from collections.abc import Mapping
 from contextlib import closing
 from http.client import HTTPConnection, HTTPException, HTTPResponse
+from math import isinf
 from typing import Any
 
 from wildscav.harness.answers import LARGEST_ANSWER, ModelError, refusal
@@ -57,8 +58,8 @@ class GatewayClient:
 class _SocketConnection(HTTPConnection):
     """A connection to a unix socket."""
 
-    def __init__(self, path: str, timeout: float) -> None:
-        super().__init__("model", timeout=timeout)
+    def __init__(self, path: str, seconds: float) -> None:
+        super().__init__("model", timeout=None if isinf(seconds) else seconds)
         self._path = path
 
     def connect(self) -> None:

@@ -13,6 +13,7 @@ Servers with a URL need a client that the extra ``language`` has; gateways need 
 from dataclasses import asdict
 from typing import Any, NamedTuple
 
+from wildscav.errors import AgentError
 from wildscav.harness.answers import QUOTA, Answer, ModelError
 from wildscav.harness.conversation import NOTE, Conversation, Exchange, tools_of
 from wildscav.harness.log import Log
@@ -37,9 +38,9 @@ NOTED, NO_NOTE = "Noted.", "A note has a text."
 class Course(NamedTuple):
     """How a model's play went."""
 
-    ending: Ending
+    ending: Ending  # why it ended
     detail: str  # what its server said last, if that ended it
-    spending: Spending
+    spending: Spending  # what it took
 
 
 class ModelPlayer:
@@ -131,11 +132,17 @@ class ModelPlayer:
                 results.append(NOTED if is_note else NO_NOTE)
                 self._conversation.note(str(text) if is_note else "")
                 continue
-            if is_first and call.arguments is not None:
-                now = self._seat.call(call.name, call.arguments).text
-                self.spending.calls += 1
-            results.append((now or BROKEN) if is_first else SECOND)
-            is_first = False
+            if not is_first:
+                results.append(SECOND)
+                continue
+            is_first, broken = False, BROKEN
+            if call.arguments is not None:
+                try:
+                    now = self._seat.call(call.name, call.arguments).text
+                    self.spending.calls += 1
+                except (AgentError, RecursionError) as error:
+                    broken = f"Nothing was played: {error}."
+            results.append(now or broken)
         return results, now
 
     def _charge(self) -> tuple[str, str]:

@@ -1,4 +1,7 @@
-"""Asks a model: again if its server fails, as long as there is time, and counts what that takes."""
+"""Asks a model: again if its server fails, as long as there is time, and counts what that takes.
+
+At a gateway, a request is waited for and made once, because the gateway has its own limit and tries again.
+"""
 
 import time
 from collections.abc import Sequence
@@ -33,6 +36,10 @@ class ModelServer:
     def __init__(self, settings: ModelSettings, spending: Spending, log: Log) -> None:
         self._settings, self._spending, self._log = settings, spending, log
         self._client = _client_of(settings)
+        is_gateway = settings.url.startswith(SOCKET)
+        self._retries, self._timeout = (
+            (0, float("inf")) if is_gateway else (settings.retries, settings.timeout)
+        )
         self._model = settings.name
 
     def ask(self, messages: Sequence[Any], tools: Sequence[Any]) -> Answer:
@@ -41,7 +48,7 @@ class ModelServer:
         Raises:
             ModelError: It gave none, however often it was asked.
         """
-        for attempt in range(self._settings.retries + 1):
+        for attempt in range(self._retries + 1):
             began = time.monotonic()
             try:
                 document = self._post(messages, tools)
@@ -71,7 +78,7 @@ class ModelServer:
         self._spending.failures += 1
         self._spending.seconds += seconds
         pause = max(min(error.after, LONGEST_WISH), min(LONGEST_PAUSE, self._settings.pause * 2**attempt))
-        if not error.may_pass or attempt >= self._settings.retries:
+        if not error.may_pass or attempt >= self._retries:
             raise error
         if pause >= self._left():
             self._spending.seconds += self._left()
@@ -86,7 +93,7 @@ class ModelServer:
 
     def _post(self, messages: Sequence[Any], tools: Sequence[Any]) -> object:
         """Ask once, and return the JSON that the server answers."""
-        seconds = min(self._settings.timeout, max(0.01, self._left()))
+        seconds = min(self._timeout, max(0.01, self._left()))
         self._model = self._model or _first_of(self._client.ask("/models", None, seconds))
         others = {"model": self._model, "tools": tools, **self._settings.request}
         self._log.asked(messages, others)

@@ -39,7 +39,7 @@ class ModelSettings:
 
     url: str = "https://api.openai.com/v1"  # of the server, up to the version; or unix:/path of a gateway
     name: str = ""  # of the model there; none: the first that the server lists
-    key: str = field(default="", repr=False)
+    key: str = field(default="", repr=False)  # of the server, if it wants one
     request: Mapping[str, Any] = field(default_factory=lambda: {"max_tokens": 1024})  # further fields
     instructions: str = ""  # added to what the model is told of its task
     pictures: bool = False  # whether it sees what the seat's camera shows
@@ -47,8 +47,8 @@ class ModelSettings:
     window: int = 8  # past answers that it sees as they were; of those before, a line each
     lines: int = 40  # such lines
     notes: int = 2_000  # characters that it may keep for itself
-    timeout: float = 120.0  # s for an answer
-    retries: int = 4  # of a request that failed
+    timeout: float = 120.0  # s for an answer; a gateway has its own
+    retries: int = 4  # of a request that failed, likewise
     pause: float = 0.5  # s before the first of them; each next one waits twice as long
     # What it may spend in a match; None: any amount.
     tokens: int | None = None  # of prompts and answers
@@ -74,6 +74,8 @@ class ModelSettings:
             raise UserError(f"the model's url is {self.url!r}, must begin with http://, https:// or unix:", 2)
         if not isinstance(self.request, Mapping):
             raise UserError("the model's request must be a table of further fields of requests", 2)
+        if self.log is not None and not isinstance(self.log, Path):
+            raise UserError(f"the model's log is {self.log!r}, must be the name of a file", 2)
         if own := sorted(OWN_FIELDS & self.request.keys()):
             raise UserError(f"the model's request has {', '.join(own)}, which every request has already", 2)
 

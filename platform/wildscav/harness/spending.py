@@ -26,8 +26,8 @@ class Spending:
 
     requests: int = 0  # that were answered
     failures: int = 0  # requests that were not
-    prompt_tokens: int = 0
-    answer_tokens: int = 0
+    prompt_tokens: int = 0  # of those that were answered
+    answer_tokens: int = 0  # of the answers
     seconds: float = 0.0  # s in which the model was waited for, pauses between tries included
     calls: int = 0  # that were played
     without_call: int = 0  # answers that no call could be played of

@@ -3,7 +3,11 @@
 import asyncio
 import os
 import signal
+import sys
+from contextlib import nullcontext
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from benchmarks.strength.words import READER
@@ -13,11 +17,13 @@ from tests.evaluator.sandbox.available import missing
 from wildscav.notes import read_notes
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_evaluator.bridge import process
+from wildscav_evaluator.bridge.process import BridgeError
 from wildscav_evaluator.matches.play import MatchAssignment, PlayedMatch, play_match
-from wildscav_evaluator.sandbox import SANDBOXES
+from wildscav_evaluator.sandbox import SANDBOXES, Launch
 from wildscav_evaluator.sandbox.processes import all_processes, read_file
 from wildscav_evaluator.submissions.submission import Submission, load_submission
-from wildscav_server.hosting.hosted_match import HostedMatch
+from wildscav_server.hosting.hosted_match import HostedMatch, MatchCancelledError
 
 pytestmark = [pytest.mark.usefixtures("compiled"), pytest.mark.slow]
 EVERYWHERE = pytest.mark.parametrize("sandbox", ["process", "bubblewrap", "oci"])
@@ -122,10 +128,10 @@ def test_a_bridge_that_dies_is_the_platforms_fault_and_the_match_is_played_again
     async def end_bridge(match: HostedMatch) -> None:
         while match.match.step_number == 0:  # noqa: ASYNC110
             await asyncio.sleep(0.005)
-        for process in all_processes():
-            own = b"wildscav_evaluator.bridge" in read_file(process, "cmdline")
-            if own and f" {os.getpid()} ".encode() in read_file(process, "stat"):
-                os.kill(process, signal.SIGKILL)
+        for number in all_processes():
+            is_bridge = b"wildscav_evaluator.bridge" in read_file(number, "cmdline")
+            if is_bridge and f" {os.getpid()} ".encode() in read_file(number, "stat"):
+                os.kill(number, signal.SIGKILL)
 
     def begin(match: HostedMatch) -> None:
         hosted.append(match)
@@ -137,3 +143,38 @@ def test_a_bridge_that_dies_is_the_platforms_fault_and_the_match_is_played_again
 
     assert success_of(match) == 1.0
     assert match.platform_faults == ("the bridge to seats of words and keys failed: it ended with code -9",)
+
+
+@pytest.mark.parametrize(
+    ("code", "in_match", "raised"),
+    [
+        (
+            "import time; time.sleep(60)",
+            None,
+            None,
+        ),  # a bridge that is slow to end is killed, which is no fault
+        ("exit(3)", None, BridgeError),
+        ("exit(3)", MatchCancelledError(), BridgeError),  # the match was cancelled for it
+        ("exit(3)", asyncio.CancelledError(), asyncio.CancelledError),
+    ],
+)
+def test_the_end_of_a_bridge_is_a_fault_only_if_it_fails_by_itself(
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    code: str,
+    in_match: BaseException | None,
+    raised: type[BaseException] | None,
+) -> None:
+    monkeypatch.setattr(process, "COMMAND", (sys.executable, "-c", code))
+    monkeypatch.setattr(process, "END_TIME", 10.0 if raised else 0.1)
+    hosted: Any = SimpleNamespace(names=["Ann"], cancel=lambda: None)
+    address = f"unix:{tmp_path / 'match.sock'}"
+    launch = Launch(tmp_path, "agent:A", address, "token", tmp_path / "log", interface="words")
+
+    async def whole() -> None:
+        async with process.bridged({0: launch}, hosted):
+            if in_match is not None:
+                raise in_match
+
+    with nullcontext() if raised is None else pytest.raises(raised):
+        asyncio.run(whole())

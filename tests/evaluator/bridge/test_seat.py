@@ -12,9 +12,8 @@ import pytest
 
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.bridge.agent_end import MOST_IDLE
 from wildscav_evaluator.bridge.orders import Order
-from wildscav_evaluator.bridge.seat import MOST_CONNECTIONS, SeatBridge
+from wildscav_evaluator.bridge.seat import MOST_CONNECTIONS, MOST_IDLE, SeatBridge
 from wildscav_language.senses import sensors
 from wildscav_server.hosting.hosted_match import HostedMatch
 from wildscav_server.match_server import MatchServer
@@ -45,8 +44,10 @@ class Asker:
 class Bridged:
     """A match whose only seat is behind a bridge."""
 
-    def __init__(self, hosted: HostedMatch, path: Path, failed: asyncio.Future[Any]) -> None:
-        self.hosted, self.path, self.failed = hosted, path, failed
+    def __init__(
+        self, hosted: HostedMatch, path: Path, failed: asyncio.Future[Any], bridge: SeatBridge
+    ) -> None:
+        self.hosted, self.path, self.failed, self.bridge = hosted, path, failed, bridge
         self.askers: list[Asker] = []
 
     async def connect(self) -> Asker:
@@ -64,6 +65,12 @@ class Bridged:
         return seat.status.value, seat.detail
 
 
+async def until(condition: Callable[[], bool]) -> None:
+    async with asyncio.timeout(30.0):
+        while not condition():  # noqa: ASYNC110
+            await asyncio.sleep(0.005)
+
+
 @asynccontextmanager
 async def bridge_to(interface: str, folder: Path) -> AsyncIterator[Bridged]:
     server = MatchServer()
@@ -75,8 +82,9 @@ async def bridge_to(interface: str, folder: Path) -> AsyncIterator[Bridged]:
         listener.bind(str(folder / "bridge.sock"))
         listener.listen()
         order = Order(interface, listener.detach(), TOKEN, address, hosted.tokens[0], hosted.names)
-    await SeatBridge(order, failed).listen()
-    bridged = Bridged(hosted, folder / "bridge.sock", failed)
+    bridge = SeatBridge(order, failed)
+    await bridge.listen()
+    bridged = Bridged(hosted, folder / "bridge.sock", failed, bridge)
     try:
         yield bridged
         assert not failed.done(), "the bridge itself failed"
@@ -84,7 +92,7 @@ async def bridge_to(interface: str, folder: Path) -> AsyncIterator[Bridged]:
         for asker in bridged.askers:
             asker.writer.close()
         hosted.cancel()
-        await asyncio.sleep(0.05)  # until the bridge has closed its ends
+        await until(lambda: not any("SeatBridge._serve" in repr(task) for task in asyncio.all_tasks()))
         await server.stop()
 
 
@@ -236,7 +244,7 @@ def test_connections_are_counted(behind: Behind) -> None:
         asker = await bridged.connect()
         for _ in range(MOST_CONNECTIONS - 1):
             (await bridged.connect()).writer.close()
-        await asyncio.sleep(0.05)
+        await until(lambda: bridged.bridge._connections == MOST_CONNECTIONS)
         with pytest.raises(ConnectionRefusedError):
             await bridged.connect()
         assert "match" in await asker.ask("hello", token=TOKEN)
@@ -249,8 +257,7 @@ def test_an_agent_that_reads_nothing_stops_nobody_else(behind: Behind) -> None:
         asker = await bridged.joined()
         line = b'{"request": "picture"}\n'
         asker.writer.write(line * 50)
-        await asyncio.sleep(0.2)
-        assert not bridged.failed.done()
+        await until(lambda: asker.reader._paused)  # type: ignore[attr-defined]
         bridged.hosted.give_up(0, "its process ended")
         assert (await bridged.report())[0] == "crashed"
 

@@ -39,7 +39,8 @@ def check(
     """Check whether a submission keeps the rules, in the judge's sandbox with its clock and its limits.
 
     The submission plays the beginning of a match of the suite on each of its tracks, one in which it is often
-    late, and one that is cancelled. Every failure is explained, with advice on how to fix it.
+    late, and one that is cancelled. Every failure is explained, with advice on how to fix it. With --model,
+    the clock is paused while the agent thinks, except with --season.
     """
     from wildscav_evaluator.check.season import SeasonRules
     from wildscav_evaluator.check.trials import Trial
@@ -59,7 +60,8 @@ def check(
         }
         trials = {track: Trial.of(chosen, track, limits[track], seed=0) for track in limits}
     asked = chosen_model(model)
-    trials = {track: trial._replace(model=asked) for track, trial in trials.items()}
+    if asked is not None:
+        trials = {track: trial.asking(asked, paused=season is None) for track, trial in trials.items()}
     name, (runs,) = chosen_sandbox(sandbox, loaded)
     try:
         run_check(runs, SANDBOXES[name], logs, trials, as_json=as_json)

@@ -47,7 +47,7 @@ def play(
     model: ModelOption = None,
     as_json: AsJson = False,
 ) -> None:
-    """Play one match, each agent in its own sandbox."""
+    """Play one match, each agent in its own sandbox. With --model, the clock is paused while agents think."""
     from wildscav_evaluator.cli.options.selection import check_plays, load_submissions, tracks_played
     from wildscav_evaluator.cli.sessions.play import make_spec, run_match
 
@@ -65,6 +65,7 @@ def play(
         seed=seed,
         time_limit=time_limit,
         rules=rules,
+        clock="bank" if model is None else "paused",  # models take longer than a bank lasts
     )
     asked = chosen_model(model)
     runs_in, loaded = chosen_sandbox(sandbox, loaded)

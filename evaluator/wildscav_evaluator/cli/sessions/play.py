@@ -21,6 +21,7 @@ from wildscav_engine.specs.actions import Field
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND, RULES
+from wildscav_engine.specs.thinking import ClockName
 from wildscav_engine.specs.validation import one_line
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.cli.options.tournament import MAX_SEATS, robots_asked
@@ -71,6 +72,7 @@ def make_spec(
     seed: int,
     time_limit: float,
     rules: str,
+    clock: ClockName = "bank",
 ) -> MatchSpec:
     """Return the spec of a match; the submissions have the first seats, robots the others.
 
@@ -91,6 +93,7 @@ def make_spec(
             seats=(SUBMISSION,) * submissions + filled_by,
             time_limit=time_limit,
             rules=RULES.validate_python(rules),
+            clock=clock,
         )
     except ValidationError as error:
         raise UserError(f"such a match is not possible: {one_line(error)}", exit_code=2) from error

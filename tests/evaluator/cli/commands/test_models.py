@@ -8,7 +8,12 @@ import pytest
 from tests.evaluator.sample_agents import ASKER, Command, Submit
 from tests.scripted_model import ScriptedModel, in_turn, said
 
+from wildscav_engine.record import read_record
+from wildscav_evaluator.check.trials import Trial
+from wildscav_evaluator.model_gateway.settings import read_model
 from wildscav_evaluator.output.results import read_results
+from wildscav_evaluator.sandbox import DEFAULT_LIMITS
+from wildscav_evaluator.suites.suite import SUITES
 
 pytestmark = pytest.mark.usefixtures("compiled")
 KEY = "sk-the-organizers-own"
@@ -53,6 +58,21 @@ def test_an_evaluation_names_its_model_and_its_ledger_what_was_asked(
     told = wildscav("verify", out)
     assert told.returncode == 1
     assert "what its agents asked a model is not what" in " ".join((told.stdout + told.stderr).split())
+
+
+def test_a_match_with_a_model_is_paused_while_agents_think(
+    submit: Submit, tmp_path: Path, wildscav: Command
+) -> None:
+    file, record = tmp_path / "model.toml", tmp_path / "match.wsr"
+    with ScriptedModel(in_turn(said("go on"))) as model:
+        file.write_text(f'url = "{model.url}"\nname = "tiny"\n')
+        options = ("--model", file, "--record", record, "--sandbox=process", "--time-limit=0.5", "--size=40")
+        done = wildscav("play", submit("asker", ASKER).folder, *options)
+
+    assert done.returncode == 0, done.stderr
+    assert read_record(record).spec.clock == "paused"
+    asked = Trial.of(SUITES["quick"], "navigation", DEFAULT_LIMITS).asking(read_model(file), paused=True)
+    assert asked.spec.clock == "paused"
 
 
 @pytest.mark.parametrize(

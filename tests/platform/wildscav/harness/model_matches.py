@@ -32,12 +32,12 @@ def model_match(spec: MatchSpec, script: Script, folder: Path, **settings: Any) 
     Args:
         spec: Of the match; the other seats are robots'.
         script: What the model answers.
-        folder: For the record, and for sockets.
+        folder: For the record, and for the match's socket.
         settings: Of the model, besides its address.
     """
 
     def ask(seat: Seat) -> Course:
-        with ScriptedModel(script, path=folder / "model.sock") as model:
+        with ScriptedModel(script) as model:
             return ModelPlayer(seat, ModelSettings(url=model.url, **settings), rules(seat.match)).play()
 
     async def play(server: MatchServer, address: str) -> ModelMatch:

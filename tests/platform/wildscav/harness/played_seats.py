@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import pytest
 from tests.scripted_model import Answer, Script, ScriptedModel, in_turn
 
+from wildscav.errors import AgentError
 from wildscav.harness.player import Course, ModelPlayer
 from wildscav.harness.settings import ModelSettings
 
@@ -29,7 +30,7 @@ class Reply(NamedTuple):
 class PlayedSeat:
     """A seat whose match is over after some calls. Each takes the seconds that it names."""
 
-    rules = "Reach the target."
+    match, rules = None, "Reach the target."
     tools = (Tool("go", "Walk.", {"type": "object"}), Tool("wait_until", "Wait.", {"type": "object"}))
 
     def __init__(self, calls: int = 3) -> None:
@@ -43,6 +44,8 @@ class PlayedSeat:
         return "Time: 0.0 s of 60 s, step 0."
 
     def call(self, name: str, arguments: Mapping[str, Any]) -> Reply:
+        if name == "refuse":
+            raise AgentError("the bridge refuses this")
         self.calls.append((name, dict(arguments)))
         self.left -= 1
         return Reply(f"{name} ended after 1.0 s: done.\n\nTime: {len(self.calls)}.0 s of 60 s, step 10.")

@@ -8,6 +8,7 @@ import pytest
 from tests.platform.wildscav.harness.played_seats import PlayedSeat, played
 from tests.scripted_model import Answer, Call, Failed, Late, Said, called, cut, disturbed, in_turn, said
 
+from wildscav.harness.answers import read_answer
 from wildscav.harness.spending import Ending
 from wildscav.notes import begin_step
 
@@ -58,6 +59,9 @@ def test_after_a_call_there_is_a_reminder_again() -> None:
         called("note", text="x"),
         cut("go", "[1]"),
         cut("go", '{"up": NaN}'),
+        cut("go", '{"seconds": 1e999}'),
+        cut("go", '{"up": %s}' % ("[" * 3_900 + "]" * 3_900)),
+        called("refuse"),
         called("go", up="é" * 2000),
     ],
 )
@@ -74,6 +78,13 @@ def test_half_a_call_goes_back_to_the_server_as_valid_json() -> None:
     call = went.requests[1]["messages"][2]["tool_calls"][0]
     assert json.loads(call["function"]["arguments"]) == {}
     assert "not a JSON object" in went.told(1)
+
+
+def test_ids_of_calls_that_no_server_takes_back_are_replaced() -> None:
+    calls = [{"id": given, "function": {"name": "go"}} for given in ("call_1", "call_1", "\ud800", 3)]
+    answer = read_answer({"choices": [{"message": {"tool_calls": calls}}]}, [], 7)
+
+    assert [call.id for call in answer.calls] == ["call_1", "c00000701", "c00000702", "c00000703"]
 
 
 def test_unknown_tools_and_wrong_arguments_are_for_the_seat_to_refuse() -> None:
@@ -148,7 +159,7 @@ def test_the_log_has_every_request_and_answer_and_never_the_key(tmp_path: Path) 
     log, key = tmp_path / "logs" / "model.jsonl", 'sk-"secret"'
     script = in_turn(Failed(500, f"your key is {key}"), Said(f"What is {key}?", calls=GO.calls))
 
-    went = played(script, PlayedSeat(3), key=key, log=log, pictures=True)
+    went = played(script, PlayedSeat(3), at_socket=False, key=key, log=log, pictures=True)
 
     text = log.read_text("utf-8")
     lines = [json.loads(line) for line in text.splitlines()]

@@ -42,38 +42,44 @@ FAILURES: dict[str, Answer] = {
 at_both = pytest.mark.parametrize("at_socket", [True, False], ids=["socket", "URL"])
 
 
-@at_both
 @pytest.mark.parametrize("failure", FAILURES)
-def test_what_may_pass_is_tried_again(failure: str, at_socket: bool) -> None:
+def test_what_may_pass_is_tried_again(failure: str) -> None:
     script = disturbed(lambda *_: GO, {1: FAILURES[failure]})
     patience = {"timeout": 0.3, "retries": 50} if failure in ("late", "drip") else {}
 
-    course, seat, *_ = played(script, PlayedSeat(3), at_socket=at_socket, **patience)
+    course, seat, *_ = played(script, PlayedSeat(3), at_socket=False, **patience)
 
     assert seat.calls == [("go", {"place": "target"})] * 3
     assert course.ending == Ending.MATCH_OVER
     assert course.spending.failures == 1 or patience  # a busy machine may be late as well
 
 
+@at_both
 @pytest.mark.parametrize("failure", ["500", "reset", "flood", "no choices"])
-def test_a_server_that_fails_to_the_end_ends_the_models_play(failure: str) -> None:
-    course, seat, requests, _ = played(in_turn(GO, FAILURES[failure]))
+def test_a_server_that_fails_to_the_end_ends_the_models_play(failure: str, at_socket: bool) -> None:
+    course, seat, requests, _ = played(in_turn(GO, FAILURES[failure]), at_socket=at_socket)
 
     assert course.ending == Ending.MODEL_FAILED
     assert course.detail
-    assert len(requests) == 4  # one, and three tries
+    assert len(requests) == (2 if at_socket else 4)  # one, and three tries, which a gateway makes itself
     assert seat.calls[1:] == [("wait_until", {"seconds": 60.0})] * 2
+
+
+def test_a_gateway_is_waited_for() -> None:
+    course, *_ = played(disturbed(lambda *_: GO, {1: Late(0.5, GO)}), timeout=0.1)
+
+    assert (course.ending, course.spending.failures) == (Ending.MATCH_OVER, 0)
 
 
 def test_a_server_is_given_the_time_that_it_asks_for() -> None:
     began = time.monotonic()
-    played(disturbed(lambda *_: GO, {0: too_many(0.2)}), PlayedSeat(1))
+    played(disturbed(lambda *_: GO, {0: too_many(0.2)}), PlayedSeat(1), at_socket=False)
 
     assert time.monotonic() - began >= 0.2
 
 
 def test_no_try_is_made_for_which_no_time_is_left() -> None:
-    course, _, requests, _ = played(too_many(60.0), seconds=5.0)
+    course, _, requests, _ = played(too_many(60.0), at_socket=False, seconds=5.0)
 
     assert (course.ending, len(requests)) == (Ending.OUT_OF_SECONDS, 1)
 

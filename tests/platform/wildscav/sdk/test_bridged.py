@@ -70,6 +70,8 @@ def test_what_cannot_be_asked_is_not_sent(serve: Serve) -> None:
     with KeysSeat(serve(), "token") as seat:
         with pytest.raises(AgentError, match="65,536 at most"):
             seat.ask("x" * LONGEST_REQUEST)
+        with pytest.raises(AgentError, match="must be JSON"):
+            seat.ask("call", arguments={"seconds": math.inf})
         for keys in (Keys(mouse_x=math.nan), {"forward": True}):
             with pytest.raises(AgentError, match="must be Keys"):
                 seat.press(keys)  # type: ignore[arg-type]
