@@ -13,7 +13,6 @@ from wildscav_engine.specs.actions import Field
 from wildscav_server.hosting.hosted_match import HostedMatch
 from wildscav_server.hosting.reports import SeatStatus
 from wildscav_server.match_server import MatchServer
-from wildscav_server.thinking import Spent
 from wildscav_server.time_limits import Clock
 
 STEP = 0.0625  # s that a step of 0.1 s lasts at this pace
@@ -25,13 +24,13 @@ class Meter:
     """Says that a seat has spent what a test says."""
 
     def __init__(self) -> None:
-        self.total = Spent(500, 3.0)  # before the match began, which costs nothing
+        self.total = 500, 3.0  # before the match began, which costs nothing
 
-    def spent(self) -> Spent:
+    def __call__(self) -> tuple[int, float]:
         return self.total
 
     def spend(self, tokens: int, processor: float = 0.0) -> None:
-        self.total = Spent(self.total.tokens + tokens, self.total.processor + processor)
+        self.total = self.total[0] + tokens, self.total[1] + processor
 
 
 async def answer(seat: HandPlayed, hosted: HostedMatch, number: int, **action: float) -> int:
