@@ -10,17 +10,18 @@ import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ValidationError
+from pydantic import Field, ValidationError
 
 from wildscav_engine.maps import GENERATOR_VERSION
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.setup.match_setup import seed_of_seat
 from wildscav_engine.specs.actions import FIELDS
-from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_engine.specs.base import Spec
+from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.specs.result import MatchResult
 from wildscav_engine.specs.thinking import CHARGE, SeatThinking, Thinking
 from wildscav_engine.specs.validation import one_line
@@ -42,6 +43,13 @@ SUFFIX = ".wsr"
 
 class RecordError(Exception):
     """A record cannot be read; the message says which file, what is wrong and where."""
+
+
+class _Thought(Spec):
+    """How much seats thought, as a header has it."""
+
+    seats: tuple[SeatThinking, ...]
+    charges: Annotated[int, Field(ge=0)]  # how many
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,12 +199,16 @@ def _assemble(header: dict[str, Any], packed: memoryview) -> Record:
         raise ValueError(f"{len(names)} names for {seats} seats")
     if not 0 <= steps <= spec.step_limit:
         raise ValueError(f"{steps} steps, but the match has at most {spec.step_limit}")
-    charges = _charges(header, steps * seats)
-    sizes = _array_bytes(steps, seats, charges)
+    told = _Thought.model_validate(header["thinking"]) if "thinking" in header else None
+    filled = [number for number, seat in enumerate(spec.seats) if seat == SUBMISSION]
+    if told is not None and [one.seat for one in told.seats] != filled:
+        raise ValueError(f"its thinking is not that of the seats {filled}, which agents fill")
+    sizes = _array_bytes(steps, seats, 0 if told is None else told.charges)
     if sum(sizes) > ARRAYS_LIMIT:
         raise ValueError(f"its arrays would have {sum(sizes)} bytes, {ARRAYS_LIMIT} are allowed")
     arrays, action_bytes = decompress(packed, sum(sizes)), sizes[0]
     actions = np.frombuffer(arrays, "<f4", action_bytes // 4).reshape(steps, seats, FIELDS)
+    charges = np.frombuffer(arrays, "<i8", offset=action_bytes + sizes[1]).reshape(-1, len(CHARGE))
     return Record(
         spec=spec,
         map_digest=str(header["map_digest"]),
@@ -208,33 +220,9 @@ def _assemble(header: dict[str, Any], packed: memoryview) -> Record:
         result=MatchResult.model_validate(header["result"]),
         actions=actions.astype(np.float32, copy=False),
         digests=np.frombuffer(arrays, "<u8", steps, action_bytes).astype(np.uint64, copy=False),
-        thinking=_thinking(header, seats, arrays, action_bytes + sizes[1]),
+        thinking=None if told is None else Thinking(told.seats, charges.astype(np.int64, copy=False)),
         version=version,
     )
-
-
-def _charges(header: dict[str, Any], most: int) -> int:
-    """Return how many charges a record has; a seat is charged at most once per step."""
-    charges = header["thinking"]["charges"] if "thinking" in header else 0
-    if type(charges) is not int or not 0 <= charges <= most:
-        raise ValueError(f"its charges are {charges!r}, must be a whole number from 0 to {most}")
-    return charges
-
-
-def _thinking(header: dict[str, Any], seats: int, arrays: bytearray, start: int) -> Thinking | None:
-    """Return how much the seats thought, whose charges begin somewhere in the arrays."""
-    if "thinking" not in header:
-        return None
-    if set(header["thinking"]) != {"seats", "charges"}:
-        raise ValueError(
-            f"its thinking has the keys {sorted(header['thinking'])}, must have charges and seats"
-        )
-    of_seats = tuple(SeatThinking.model_validate(one) for one in header["thinking"]["seats"])
-    numbers = [one.seat for one in of_seats]
-    if numbers != sorted(set(numbers)) or not all(number < seats for number in numbers):
-        raise ValueError(f"its thinking is of the seats {numbers}, must be different and below {seats}")
-    charges = np.frombuffer(arrays, "<i8", offset=start).reshape(-1, len(CHARGE))
-    return Thinking(of_seats, charges.astype(np.int64, copy=False))
 
 
 def _array_bytes(steps: int, seats: int, charges: int) -> tuple[int, int, int]:

@@ -25,7 +25,7 @@ CHARGE = ("seat", "step", "tokens", "processor", "steps")  # the columns of a re
 class ThinkingPrice(Spec):
     """The price of thinking; each clock has its own fields."""
 
-    pace: Annotated[float, Field(gt=0, le=1000)] = 1.0  # running: game s per s
+    pace: Annotated[float, Field(ge=0.001, le=1000)] = 1.0  # running: game s per s
     token_time: Annotated[float, Field(ge=0, le=3600)] = 0.02  # tokens: s of game time per written token
     processor_time: Annotated[float, Field(ge=0, le=1000)] = 1.0  # tokens: game s per s of a processor
     # paused and tokens: s for all answers of a seat beyond the step budgets; None: the organizer's limit

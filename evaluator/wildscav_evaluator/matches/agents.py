@@ -12,7 +12,6 @@ from wildscav_evaluator.sandbox.agents.agent_process import AgentProcess
 from wildscav_evaluator.sandbox.processor_waits import INTERVAL
 from wildscav_server.hosting.hosted_match import HostedMatch
 from wildscav_server.hosting.reports import SeatStatus
-from wildscav_server.thinking import Spent
 
 METER_TRIES = 40  # to find the processes of a container, which start a moment later
 
@@ -34,11 +33,11 @@ class AgentSpending:
         with contextlib.suppress(OSError):
             self._before, self._processor = processor(), processor
 
-    def spent(self) -> Spent:
+    def spent(self) -> tuple[int, float]:
         """Return what it has spent so far."""
         with contextlib.suppress(OSError):  # it has ended
             self._ran = max(self._ran, self._processor() - self._before)
-        return Spent(self._tokens(), self._ran)
+        return self._tokens(), self._ran
 
 
 def process_time(process: int) -> float:
@@ -75,7 +74,7 @@ class MatchAgents:
         self._running[seat] = agent
         self._watchers[seat] = asyncio.create_task(self._watch(seat, agent))
         spending = AgentSpending() if self.model is None else AgentSpending(partial(self.model.written, seat))
-        self._hosted.charge_by(seat, spending)
+        self._hosted.charge_by(seat, spending.spent)
         if isinstance(agent, AgentProcess) and not self._sandbox.isolated:
             spending.measure(partial(process_time, agent.pid))
         self._metering.append(asyncio.create_task(self._measure(seat, agent, spending)))

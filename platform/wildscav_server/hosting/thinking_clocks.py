@@ -53,13 +53,16 @@ class RunningLockstep(HoldingLockstep):
     def __init__(self, match: "Match", seats: Sequence[Seat], clock: Clock, time: SeatClock) -> None:
         super().__init__(match, seats, clock, time)
         self._answered: set[Seat] = set()  # in the open step
+        self._began = 0.0  # when the first step opened, from which all ends count: no delay adds up
 
     def _open(self) -> None:
-        due = self._due
         super()._open()
-        if self._step:  # it counts from when the last one was due, so that the server's delays do not add up
-            budget = self._clock.step_budget
-            self._arm(max(due + budget, self._opened + SHORTEST_STEP * budget))
+        if self._step is None:
+            return
+        if self._step == 0:
+            self._began = self._opened
+        budget = self._clock.step_budget
+        self._arm(max(self._began + (self._step + 1) * budget, self._opened + SHORTEST_STEP * budget))
 
     def _asked(self, present: list[Seat]) -> list[Seat]:
         self._answered.clear()

@@ -76,12 +76,28 @@ def test_by_another_clock_nothing_may_be_charged(record: Record) -> None:
     assert "but the clock is paused" in verify_record(paused).message
 
 
+@pytest.mark.parametrize(
+    ("said", "fault"),
+    [
+        ({"tokens": 49}, "seat 0 is charged for 50 tokens, but wrote 49"),
+        ({"held": 6}, "seat 0 is said to have held 6 steps, but held 5"),
+        ({"held": 4}, "seat 0 is said to have held 4 steps, but held 5"),
+        (None, "how much agents thought is missing"),
+    ],
+)
+def test_what_is_said_of_thinking_must_agree_with_the_charges(
+    record: Record, said: dict[str, int] | None, fault: str
+) -> None:
+    assert record.thinking is not None
+    (seat,), charges = record.thinking
+    told = None if said is None else Thinking((seat.model_copy(update=said),), charges)
+    verification = verify_record(replace(record, thinking=told))
+    assert (verification.holds, verification.message) == (False, fault)
+
+
 @pytest.mark.parametrize("seats", [[], [1], [0, 0], [7]], ids=str)
-def test_how_much_seats_thought_is_of_seats_of_the_match(record: Record, seats: list[int]) -> None:
+def test_how_much_seats_thought_is_of_the_seats_that_agents_fill(record: Record, seats: list[int]) -> None:
     of_seats = tuple(SeatThinking(seat=seat, decisions=0, seconds=0.0) for seat in seats)
     written = replace(record, thinking=Thinking(of_seats, np.zeros((0, 5), np.int64)))
-    if seats in ([], [1]):
-        assert decode(encode(written)).thinking is not None
-        return
-    with pytest.raises(RecordError, match="its thinking is of the seats"):
+    with pytest.raises(RecordError, match=r"its thinking is not that of the seats \[0\]"):
         decode(encode(written))

@@ -3,6 +3,7 @@
 from fractions import Fraction
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -35,3 +36,8 @@ def test_a_clock_says_its_price() -> None:
     assert str(ClockChoice()) == "bank"
     priced = ClockChoice.model_validate({"clock": "tokens", "thinking": {"budget": 60}})
     assert str(priced) == "tokens (0.02 s per token, 1 s per processor s, budget 60 s)"
+
+
+def test_a_pace_that_would_never_end_a_step_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"thinking\.pace"):
+        ClockChoice.model_validate({"clock": "running", "thinking": {"pace": 1e-310}})

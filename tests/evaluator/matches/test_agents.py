@@ -7,13 +7,13 @@ import time
 import pytest
 
 from wildscav_evaluator.matches.agents import AgentSpending, process_time
-from wildscav_server.thinking import Purse, Spent
+from wildscav_server.thinking import Purse
 
 
 def test_spending_counts_from_the_first_reading_and_outlives_the_agent() -> None:
     ran, tokens = [3.0], [100]
     spending = AgentSpending(lambda: tokens[0])
-    assert spending.spent() == Spent(100, 0.0)
+    assert spending.spent() == (100, 0.0)
 
     def processor() -> float:
         if not ran:
@@ -21,31 +21,26 @@ def test_spending_counts_from_the_first_reading_and_outlives_the_agent() -> None
         return ran[-1]
 
     spending.measure(processor)
-    assert spending.spent() == Spent(100, 0.0)
+    assert spending.spent() == (100, 0.0)
     ran.append(3.5)
     tokens[0] = 120
-    assert spending.spent() == Spent(120, 0.5)
+    assert spending.spent() == (120, 0.5)
     ran.clear()
-    assert spending.spent() == Spent(120, 0.5)
+    assert spending.spent() == (120, 0.5)
 
 
 def test_a_purse_leaves_out_what_was_spent_before_the_match_and_takes_everything_once() -> None:
-    total = [Spent(7, 1.0)]
-
-    class Counted:
-        def spent(self) -> Spent:
-            return total[-1]
-
+    total = [(7, 1.0)]
     purse = Purse()
     purse.begin()
     assert purse.take() == (0, 0)  # nothing counts
-    purse.count(Counted())
+    purse.count(lambda: total[-1])
     assert purse.take() == (0, 0)
-    total.append(Spent(10, 1.000000001))
+    total.append((10, 1.000000001))
     assert purse.take() == (3, 1)
-    total.append(Spent(5, 0.5))  # a count that falls gives nothing back, and is not paid twice
+    total.append((5, 0.5))  # a count that falls gives nothing back, and is not paid twice
     assert purse.take() == (0, 0)
-    total.append(Spent(11, 1.000000001))
+    total.append((11, 1.000000001))
     assert purse.take() == (1, 0)
     assert (purse.tokens, purse.processor) == (4, 1)
 

@@ -27,6 +27,7 @@ from wildscav_evaluator.matches.workers import COMPILE_TIME
 
 TICK = 1.0  # s, at most, between two looks at everything
 SILENCE = 120.0  # s in which a process may not answer before it counts as lost
+START_TIME = 900.0  # s for its first answer on a match, for which it may have to start a worker
 STOP_TIME = 10.0  # s for all matches to be stopped
 
 
@@ -41,16 +42,12 @@ class Host:
     is_ready: bool = False
     number: int | None = None  # of the job that it is playing
     silent: float = 0.0  # s without an answer
+    timeout: float = COMPILE_TIME  # s in which it may not answer
 
     @property
     def is_idle(self) -> bool:
         """Whether it waits for a match."""
         return self.is_ready and self.answer is None
-
-    @property
-    def timeout(self) -> float:
-        """How long it may not answer, s."""
-        return SILENCE if self.is_ready else COMPILE_TIME
 
 
 class MatchSchedule:
@@ -129,7 +126,7 @@ class MatchSchedule:
                 continue
             folders = {one.folder for one in self._jobs[number].submissions}
             shipments = {folder: self._shipments[folder] for folder in folders}
-            host.number, host.silent = number, 0.0
+            host.number, host.silent, host.timeout = number, 0.0, START_TIME
             host.answer = host.actor.play.remote(self._jobs[number], shipments, files)
             host.node.running += 1
 
@@ -192,7 +189,7 @@ class MatchSchedule:
             report: Report | None = ray.get(answer)
         except RayError as error:
             return Broken(f"a process on {host.node.name} was lost: {_cause(error)}")
-        host.is_ready, host.node.failures = True, 0
+        host.is_ready, host.timeout, host.node.failures = True, SILENCE, 0
         return report or Report()
 
     def _hear(self, host: Host, report: Report | Broken) -> Generator[Message, Any, None]:
