@@ -21,7 +21,7 @@ BENCHMARKS := speed.compile speed.environments speed.legacy speed.maps speed.pro
 # Without its cache of bytecode, each process of ours would compile the sources again, for up to three seconds.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help demo test test-slow test-with test-oldest test-newest check format bench docs docs-serve viewer wheel release proto clean
+.PHONY: help demo test test-slow test-with test-oldest test-newest test-openenv check format bench docs docs-serve viewer wheel release proto clean
 
 help: ## Show this list.
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1|\2/' | column -t -s '|'

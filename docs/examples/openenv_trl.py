@@ -4,14 +4,14 @@ By default the model is a toy, so that the example needs no download and no grap
 weights, each of whose words is a whole call of a tool. It learns which call leads to the target. With
 ``--model Qwen/Qwen3-0.6B``, or any other model that calls tools, the same lines train that model.
 
-It needs an environment of its own: ``pip install -e '.[openenv]' 'trl>=1.16' 'transformers>=5.13' torch``.
+It needs an environment of its own, and a server that runs there:
+
+    pip install -e '.[openenv]' 'trl>=1.16' 'transformers>=5.13' torch
+    python -m wildscav_language.openenv.app
 """
 
 import argparse
 import json
-import re
-import subprocess
-import sys
 from typing import Any
 
 from wildscav_language.openenv.client import WildscavEnv
@@ -180,26 +180,21 @@ def train(url: str, model: str | None, steps: int, matches: int) -> None:
 
 
 def main() -> None:
-    """Train at a server, or at one that is started for it."""
+    """Train at a server."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--url", help="of a server; by default, one is started")
+    parser.add_argument("--url", default="http://127.0.0.1:8000", help="of the server")
     parser.add_argument("--model", help="name or folder of a model that calls tools; by default, a toy")
     parser.add_argument("--steps", type=int, default=20, help="of the trainer")
-    parser.add_argument("--matches", type=int, default=16, help="in each step, an even number")
+    parser.add_argument(
+        "--matches",
+        type=int,
+        default=16,
+        help="in each step, an even number up to the server's sessions",
+    )
     chosen = parser.parse_args()
-    if chosen.url:
-        train(chosen.url, chosen.model, chosen.steps, chosen.matches)
-        return
-    command = [sys.executable, "-m", "wildscav_language.openenv.app", "--port", "0"]
-    command += ["--sessions", str(chosen.matches)]
-    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as server:
-        try:
-            url = next(found[0] for line in server.stderr or () if (found := re.search(r"http://\S+", line)))
-            train(url, chosen.model, chosen.steps, chosen.matches)
-        finally:
-            server.terminate()
+    train(chosen.url, chosen.model, chosen.steps, chosen.matches)
 
 
 if __name__ == "__main__":

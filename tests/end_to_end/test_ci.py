@@ -159,14 +159,21 @@ def test_a_part_that_there_is_not_is_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    ("changed", "kept", "said"),
+    ("changed", "kept", "folders", "said"),
     [
-        ("agent.py", "", "commit these changes first, or nobody can make the same release:\n?? agent.py"),
-        ("", "dist/old.whl", "has files of another release: move them away"),
+        ("", "", (), "Usage: PYTHON .ci/release FOLDER"),
+        ("", "", ("dist",), "-m hatchling build -t sdist -d"),  # there is nothing to build
+        (
+            "agent.py",
+            "",
+            ("dist",),
+            "commit these changes first, or nobody can make the same release:\n?? agent.py",
+        ),
+        ("", "dist/old.whl", ("dist",), "has files of another release: move them away"),
     ],
 )
 def test_a_release_is_of_a_commit_and_in_a_folder_of_its_own(
-    changed: str, kept: str, said: str, tmp_path: Path
+    changed: str, kept: str, folders: tuple[str, ...], said: str, tmp_path: Path
 ) -> None:
     (tmp_path / ".ci").mkdir()
     (tmp_path / "dist").mkdir()
@@ -182,8 +189,9 @@ def test_a_release_is_of_a_commit_and_in_a_folder_of_its_own(
         (tmp_path / name).touch()
 
     done = subprocess.run(
-        [sys.executable, tmp_path / ".ci" / "release", "dist"], capture_output=True, cwd=tmp_path, text=True
+        [sys.executable, tmp_path / ".ci" / "release", *folders], capture_output=True, cwd=tmp_path, text=True
     )
 
     assert done.returncode == 1
     assert said in done.stderr
+    assert '.ci/release", line' not in done.stderr, "no traceback"

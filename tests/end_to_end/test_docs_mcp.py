@@ -12,7 +12,7 @@ pytest.importorskip("mcp")
 from tests.end_to_end.pages import blocks, run_code
 
 from wildscav_engine.record import read_record
-from wildscav_language.mcp_server import matches, protocol, requests
+from wildscav_language.mcp_server import hosting, matches, protocol, requests
 from wildscav_language.mcp_server.matches import Bounds
 
 PAGE = Path(__file__).parents[2] / "docs" / "mcp.md"
@@ -39,7 +39,7 @@ def test_the_page_tells_the_limits() -> None:
     assert limits["notes of a seat for replays"] == f"{matches.MOST_NOTES:,} bytes"
     assert f"({Bounds().idle_limit / 60:g} minutes;" in TEXT
     assert f"can end within {matches.CLOSING_TIME:g} s" in TEXT
-    assert matches.IDLE_LIMITS == 6, "as the page says"
+    assert hosting.IDLE_LIMITS == 6, "as the page says"
 
 
 def test_the_assistants_config_starts_the_command() -> None:

@@ -60,6 +60,10 @@ def test_the_citation_is_of_the_project_and_names_the_paper() -> None:
     assert paper["title"] in (ROOT / "README.md").read_text("utf-8")
 
 
+def test_the_manifest_for_openenv_has_the_projects_version() -> None:
+    assert read("platform/wildscav_language/openenv/openenv.yaml")["version"] == PROJECT["version"]
+
+
 def test_hooks_before_commits_run_the_programs_of_make_check() -> None:
     makefile = (ROOT / "Makefile").read_text("utf-8")
     (local,) = read(".pre-commit-config.yaml")["repos"]

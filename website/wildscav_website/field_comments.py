@@ -4,6 +4,7 @@ The project describes fields once, in the comment at the end of their line, with
 """
 
 import io
+import re
 import tokenize
 from typing import Any
 
@@ -23,13 +24,14 @@ class FieldComments(griffe.Extension):
 
 def _comment(source: str) -> str:
     """Return the comment in the last line of some source code, or an empty string."""
-    last = len(source.splitlines())
     try:
-        tokens = list(tokenize.generate_tokens(io.StringIO(source + "\n").readline))
+        return comments_of(source).get(len(source.splitlines()), "")
     except tokenize.TokenError:  # not a complete statement
         return ""
-    for token in tokens:
-        if token.type == tokenize.COMMENT and token.start[0] == last:
-            comment = token.string.lstrip("# ").partition("# noqa")[0].partition("# type:")[0]
-            return "" if comment.startswith(("noqa", "type:")) else comment.strip()
-    return ""
+
+
+def comments_of(source: str) -> dict[int, str]:
+    """Return the comment of each line that has one, without what is said to tools."""
+    tokens = tokenize.generate_tokens(io.StringIO(source + "\n").readline)
+    comments = {one.start[0]: one.string.lstrip("# ") for one in tokens if one.type == tokenize.COMMENT}
+    return {line: re.split(r"(?:^|# )(?:noqa|type:)", said)[0].strip() for line, said in comments.items()}

@@ -9,6 +9,7 @@ from fastapi import FastAPI
 from pydantic import BaseModel
 
 from wildscav_leaderboard.api.routers import api_router
+from wildscav_leaderboard.webhooks.delivery import MAX_ATTEMPTS, MAX_LOST
 from wildscav_website.markdown import code, sentence, table
 from wildscav_website.sdk import fields_of
 
@@ -19,13 +20,13 @@ A request that needs an account has the header `Authorization: Bearer TOKEN` wit
 [token of the account](../competing.md#in-scripts). A request that is refused gets an [ErrorView](#errorview).
 """
 LINKED = re.compile(r"\b[A-Z]\w+")  # the name of a document
-WEBHOOKS = """## Webhooks
+WEBHOOKS = f"""## Webhooks
 
 A team's webhook gets a `POST` with a JSON document when the state of one of its submissions changes: `type`
 (such as `submission.active`), `timestamp`, and `data`. Messages are signed as
 [Standard Webhooks](https://www.standardwebhooks.com) says, with the secret that is shown when the webhook
-is made. A message that does not arrive is sent up to eight times, over hours, with the same identifier. A
-webhook that loses three messages in a row is disabled.
+is made. A message that does not arrive is sent up to {MAX_ATTEMPTS} times, over hours, with the same
+identifier. A webhook that loses {MAX_LOST} messages in a row is disabled.
 """
 WORDS = ("get", "post", "put", "patch", "delete")
 

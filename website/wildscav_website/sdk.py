@@ -6,19 +6,21 @@ Fields are described by the comments beside them, everything else by docstrings.
 import ast
 import importlib
 import inspect
-import io
 import re
 import sys
 import textwrap
-import tokenize
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
+from wildscav_website.field_comments import comments_of
+from wildscav_website.markdown import code, sentence, table
+
 HEAD = """# The SDK
 
-Everything that an agent imports, with every field and its unit. [Submitting](../submitting.md) tells how an
-agent is packaged and judged, [sensors](../sensors.md) what each sensor reads, with shapes and dtypes.
+Everything that an agent imports, with every field and its unit. [Submitting](../submitting.md) says how you
+package an agent and how it is judged, [sensors](../sensors.md) what each sensor reads, with shapes and
+dtypes.
 
 Units are metres, seconds and degrees. y is up, x east, z north; the middle of the map is (0, 0). Yaw 0 looks
 along +z and grows clockwise seen from above; positive pitch looks down.
@@ -102,7 +104,7 @@ def page() -> str:
 def fields_of(kind: type) -> list[Field]:
     """Return the public fields that the body of a class annotates, in their order."""
     source = textwrap.dedent(inspect.getsource(kind))
-    comments = _comments(source)
+    comments = comments_of(source)
     (definition,) = ast.parse(source).body
     assert isinstance(definition, ast.ClassDef)  # noqa: S101 - what a class's source is
     return [
@@ -130,14 +132,13 @@ def _entry(module: str, name: str) -> Iterator[str]:
 
 def _class(kind: type) -> Iterator[str]:
     yield _text(inspect.getdoc(kind) or "")
-    fields = fields_of(kind)
-    if fields:
-        yield "| field | type | default | |\n|---|---|---|---|"
-        for field in fields:
-            default = f"`{field.default}`" if field.default else ""
-            kind_of_it = field.type.replace("|", "\\|")
-            yield f"| `{field.name}` | `{kind_of_it}` | {default} | {_cell(field.meaning)} |"
-        yield ""
+    yield table(
+        ("field", "type", "default", ""),
+        [
+            (code(field.name), code(field.type), code(field.default), field.meaning.replace("``", "`"))
+            for field in fields_of(kind)
+        ],
+    )
     for name, member in vars(kind).items():
         if name.startswith("_") or not inspect.getdoc(member):
             continue
@@ -156,7 +157,7 @@ def _alias(module: str, name: str) -> Iterator[str]:
         for line in Path(path).read_text("utf-8").splitlines() if path else ():
             found = re.match(rf"{name}(?:: TypeAlias)? = (.+?)(?:  # (.+))?$", line)
             if found:
-                yield f"`{found[1]}`\n\n{_sentence(found[2] or '')}\n"
+                yield f"`{found[1]}`\n\n{sentence(found[2] or '')}\n"
                 return
 
 
@@ -172,25 +173,11 @@ def _type(annotation: object) -> str:
     return re.sub(r"ndarray\[tuple\[Any, \.\.\.\], dtype\[(\w+)\]\]", r"NDArray[\1]", text)
 
 
-def _comments(source: str) -> dict[int, str]:
-    """Return the comment of each line that has one."""
-    tokens = tokenize.generate_tokens(io.StringIO(source).readline)
-    return {one.start[0]: one.string.lstrip("# ") for one in tokens if one.type == tokenize.COMMENT}
-
-
 def _default(value: ast.expr | None) -> str:
     if value is None:
         return ""
     text = ast.unparse(value)
     return {"field(default_factory=dict)": "{}"}.get(text, text)
-
-
-def _cell(text: str) -> str:
-    return text.replace("``", "`").replace("|", "\\|")
-
-
-def _sentence(text: str) -> str:
-    return text[:1].upper() + text[1:] + "." * bool(text)
 
 
 def _text(docstring: str) -> str:

@@ -14,6 +14,7 @@ from wildscav.errors import UserError
 from wildscav_engine.specs.validation import one_line
 from wildscav_language.calls import Reason
 from wildscav_language.mcp_server import reports, requests
+from wildscav_language.mcp_server.hosting import image_of
 from wildscav_language.mcp_server.matches import ClientSeat, ClientsMatch, Matches
 from wildscav_language.player import Reply
 from wildscav_language.rules_text import rules
@@ -170,7 +171,7 @@ class Desk:
             if seat.is_busy:
                 raise UserError(STILL)
             await self._in_thread(match, seat, lambda: seat.words.begun(WAIT))
-            picture = seat.words.picture(match.image_of(seat), marks=request.marks)
+            picture = seat.words.picture(image_of(match.hosted.match, seat.number), marks=request.marks)
         return Answer(f"What seat {seat.number} sees now.", picture)
 
     async def score(self, request: requests.OfSeat) -> str:

@@ -8,32 +8,25 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from numpy.typing import NDArray
-
 from wildscav.errors import UserError, WildscavError
 from wildscav.notes import LONGEST_TEXT, note_line
 from wildscav.sdk.connection import Connection
 from wildscav.terminal.console import error_console
 from wildscav.version import __version__
-from wildscav_engine.record import SUFFIX, RecordError, check_recordable, write_record
-from wildscav_engine.sensors import allowed_sensors, parse_sensors
-from wildscav_engine.simulation.match import MatchSetupError
-from wildscav_language.mcp_server.requests import StartMatch, opponents_of, spec_of
+from wildscav_engine.record import SUFFIX, write_record
+from wildscav_language.mcp_server.hosting import host
+from wildscav_language.mcp_server.requests import StartMatch
 from wildscav_language.seat import Seat
-from wildscav_language.senses import PICTURE, sensors
 from wildscav_server.hosting.hosted_match import HostedMatch
-from wildscav_server.hosting.opponents import numbered, playing
+from wildscav_server.hosting.opponents import playing
 from wildscav_server.leftovers import temporary_folder
 from wildscav_server.match_server import MatchServer
-from wildscav_server.time_limits import Clock
 
 if TYPE_CHECKING:
     from wildscav_engine.specs.result import MatchResult
 
-JOIN_TIME = 60.0  # s for baselines to start
 KEPT = 20  # matches that are over, whose score and record can be asked for, and whose maps stay in memory
 MOST_NOTES = 1_000_000  # bytes of notes of a seat
-IDLE_LIMITS = 6  # that all actions of a seat may take together
 CLOSING_TIME = 1.5  # s that matches have to end when the server does; clients kill it after two
 
 
@@ -149,17 +142,6 @@ class ClientsMatch:
             if isinstance(ended, Exception) and not isinstance(ended, WildscavError):
                 error_console.print(f"{self.id}: a seat failed: {ended!r}", markup=False)
 
-    def image_of(self, seat: ClientSeat) -> NDArray[Any]:
-        """Return what the camera of a seat shows now, as far as the match's senses allow.
-
-        It is read for those who ask, since a camera in every step would take longer than all else.
-        """
-        match = self.hosted.match
-        camera = allowed_sensors(parse_sensors({"camera": PICTURE}), match.spec.rules)["camera"]
-        camera.prepare(match.game_map)
-        image: NDArray[Any] = camera.read(match, [seat.number])[0]
-        return image
-
     def next_seat(self) -> ClientSeat:
         """Take the next free seat.
 
@@ -221,8 +203,6 @@ class Matches:
         except asyncio.CancelledError:  # nobody will play it
             starting.add_done_callback(_leave_all)
             raise
-        except (MatchSetupError, RecordError, ValueError) as error:
-            raise UserError(f"such a match is not possible: {error}") from None
 
     def _keep(self, starting: asyncio.Future[ClientsMatch]) -> None:
         """Add a match that has been set up, unless it could not be."""
@@ -235,31 +215,17 @@ class Matches:
             del self._matches[old]
 
     async def _started(self, request: StartMatch) -> ClientsMatch:
-        opponents = opponents_of(request)
-        spec = spec_of(request, opponents)
-        check_recordable(spec)
-        names = numbered([*[request.name] * request.clients, *(other.name for other in opponents)])
-        others = dict(enumerate(opponents, start=request.clients))
+        hosted, folders = await host(self._server, request, self._bounds.idle_limit)
         self._numbers += 1
         number = self._numbers
-        folder = self._folder / f"{spec.track}-{self._run}-{number}"
+        folder = self._folder / f"{request.track}-{self._run}-{number}"
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
+            hosted.cancel()
             raise UserError(f"the match has no folder for its record: {error.strerror}") from None
-        limit = self._bounds.idle_limit
-        hosted = await self._server.host(
-            spec,
-            names=names,
-            sensors={
-                **dict.fromkeys(range(request.clients), sensors()),
-                **{seat: other.sensors for seat, other in others.items() if other.sensors},
-            },
-            clock=Clock(join_timeout=JOIN_TIME, idle_limit=limit, paused_bank=IDLE_LIMITS * limit),
-        )
-        seats = [ClientSeat(seat, names) for seat in range(request.clients)]
+        seats = [ClientSeat(seat, hosted.names) for seat in range(request.clients)]
         match = ClientsMatch(number, hosted, seats, folder)
-        folders = {seat: other.folder for seat, other in others.items() if other.folder is not None}
         match.task = asyncio.create_task(match.play(folders, self._address))
         return match
 

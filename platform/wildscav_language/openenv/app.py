@@ -1,5 +1,6 @@
 """The server of environments of OpenEnv: ``python -m wildscav_language.openenv.app``."""
 
+import asyncio
 import functools
 from pathlib import Path
 from typing import Annotated
@@ -8,6 +9,7 @@ import typer
 import uvicorn
 from fastapi import FastAPI
 from openenv.core.env_server.http_server import create_app
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from wildscav_language.openenv.environment import WildscavEnvironment
 from wildscav_language.openenv.host import IDLE_LIMIT, Host
@@ -15,6 +17,30 @@ from wildscav_language.openenv.models import WildscavAction, WildscavObservation
 
 SESSIONS = 16
 LARGEST_MESSAGE = 64 << 10  # bytes
+KEPT = ("/ws", "/health", "/metadata", "/schema")  # OpenEnv's others start matches that no session holds
+
+
+class QuietDisconnected:
+    """Takes clients of WebSockets that send nothing for long for gone.
+
+    Args:
+        app: Which they talk to.
+        limit: s.
+    """
+
+    def __init__(self, app: ASGIApp, limit: float) -> None:
+        self._app, self._limit = app, limit
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve a connection."""
+
+        async def received() -> Message:
+            try:
+                return await asyncio.wait_for(receive(), self._limit)
+            except TimeoutError:
+                return {"type": "websocket.disconnect", "code": 1001}
+
+        await self._app(scope, received if scope["type"] == "websocket" else receive, send)
 
 
 def make_app(
@@ -25,7 +51,8 @@ def make_app(
     Args:
         sessions: That may be open at one time; each plays a match of its own.
         records: The folder for records of matches; None keeps none.
-        idle_limit: s that a match waits for a call, after which its seat is closed.
+        idle_limit: s that a match waits for a call, after which its seat is closed; a connection waits twice
+            as long, and all calls of a match may wait six times as long together.
     """
     host = Host(records, idle_limit)
     app: FastAPI = create_app(
@@ -36,6 +63,8 @@ def make_app(
         max_concurrent_envs=sessions,
         state_cls=WildscavState,
     )
+    app.router.routes[:] = [route for route in app.routes if getattr(route, "path", "") in KEPT]
+    app.add_middleware(QuietDisconnected, limit=2 * idle_limit)
     app.router.on_shutdown.append(host.close)
     return app
 
@@ -48,7 +77,11 @@ def serve(
     sessions: Annotated[int, typer.Option(help="Sessions at one time.", min=1)] = SESSIONS,
     records: Annotated[Path | None, typer.Option(help="Folder for the records of matches.")] = None,
     idle_limit: Annotated[
-        float, typer.Option(help="Seconds that a match waits for a call, before its seat is closed.", min=1)
+        float,
+        typer.Option(
+            help="Seconds to wait for a call, and six times as long for all calls, before a seat is closed.",
+            min=1,
+        ),
     ] = IDLE_LIMIT,
 ) -> None:
     """Serve environments over WebSockets."""

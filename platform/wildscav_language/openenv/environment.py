@@ -27,7 +27,7 @@ class Episode(StartMatch):
 
     clients: Annotated[int, Field(ge=1, le=1)] = 1  # an environment plays one seat
     pictures: bool = False  # whether observations have one
-    episode_id: Annotated[str, Field(pattern=r"^[\w-]{1,64}$")]  # the name of the record, too
+    episode_id: Annotated[str, Field(pattern=r"^[\w-]{1,64}$")]  # the name of the record begins with it
 
 
 class WildscavEnvironment(Environment[WildscavAction, WildscavObservation, WildscavState]):
@@ -53,7 +53,7 @@ class WildscavEnvironment(Environment[WildscavAction, WildscavObservation, Wilds
 
         Args:
             seed: Of the map, the starts and the goals: the same seed and the same calls give the same match.
-            episode_id: Names the episode and its record; by default, a random one.
+            episode_id: Names the episode, and begins the name of its record; by default, a random one.
             kwargs: See ``Episode``.
 
         Raises:
@@ -99,7 +99,7 @@ class WildscavEnvironment(Environment[WildscavAction, WildscavObservation, Wilds
             return self._told(episode, reply.text, reply.ended, reply.steps)
         steps = episode.seat.counts.steps - before
         self._state.ending = self._host.ending(episode)
-        self._state.record = str(episode.record) if episode.record and episode.record.exists() else None
+        self._state.record = episode.record.name if episode.record and episode.record.exists() else None
         told = self._told(episode, self._state.ending, Reason.MATCH_OVER, steps, done=True)
         self.close()
         return told

@@ -9,22 +9,20 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeVar
 
-from wildscav.errors import UserError, WildscavError
-from wildscav_engine.record import SUFFIX, RecordError, check_recordable, write_record
-from wildscav_engine.sensors import allowed_sensors, parse_sensors
-from wildscav_engine.simulation.match import MatchSetupError
-from wildscav_language.mcp_server.requests import StartMatch, opponents_of, spec_of
+from wildscav.errors import WildscavError
+from wildscav_engine.record import SUFFIX, write_record
+from wildscav_engine.sensors import parse_sensors
+from wildscav_language.mcp_server import hosting
+from wildscav_language.mcp_server.requests import StartMatch
 from wildscav_language.seat import Seat
-from wildscav_language.senses import PICTURE, sensors
-from wildscav_server.hosting.hosted_match import HostedMatch, MatchCancelledError
-from wildscav_server.hosting.opponents import numbered, playing
+from wildscav_language.senses import sensors
+from wildscav_server.hosting.hosted_match import HostedMatch
+from wildscav_server.hosting.opponents import playing
 from wildscav_server.hosting.precompile import precompile
 from wildscav_server.leftovers import own_folder, temporary_folder
 from wildscav_server.match_server import MatchServer
-from wildscav_server.time_limits import Clock
 
 IDLE_LIMIT = 600.0  # s that a match waits for a call, after which its seat is closed
-IDLE_LIMITS = 6  # that all calls of a match may take together
 END_TIME = 60.0  # s for the result and the record of a match that is over
 
 Value = TypeVar("Value")
@@ -36,6 +34,7 @@ class HostedEpisode:
     def __init__(self, hosted: HostedMatch, record: Path | None) -> None:
         self.hosted, self.record = hosted, record
         self.seat = Seat(hosted.names)
+        self.failure = ""  # why it has no result or no record
         self.task: asyncio.Task[None]  # which plays it
 
     @property
@@ -47,11 +46,8 @@ class HostedEpisode:
         return -value if first.lower_is_better else value
 
     def picture(self) -> bytes:
-        """Return what the seat sees now, as a PNG file. It is read for those who ask, as it takes long."""
-        match = self.hosted.match
-        camera = allowed_sensors(parse_sensors({"camera": PICTURE}), match.spec.rules)["camera"]
-        camera.prepare(match.game_map)
-        return self.seat.picture(camera.read(match, [0])[0])
+        """Return what the seat sees now, as a PNG file."""
+        return self.seat.picture(hosting.image_of(self.hosted.match, 0))
 
     async def play(self, folders: Mapping[int, Path], address: str) -> None:
         """Play it to its end, and write its record.
@@ -62,8 +58,9 @@ class HostedEpisode:
         """
         try:
             await self._played(folders, address)
-        except MatchCancelledError:
-            pass  # its environment was reset or closed
+        except Exception as error:  # noqa: BLE001 - the client is told
+            # Without paths of the server.
+            self.failure = getattr(error, "strerror", None) or str(error) or type(error).__name__
         finally:
             self.hosted.cancel()  # does nothing after its end
             self.seat.leave()
@@ -96,7 +93,8 @@ class Host:
         if records is not None:
             records.mkdir(parents=True, exist_ok=True)
         self._records = records
-        self._clock = Clock(idle_limit=idle_limit, paused_bank=IDLE_LIMITS * idle_limit)
+        self._idle_limit = idle_limit
+        self._playing: set[asyncio.Task[None]] = set()
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, name="openenv-host", daemon=True)
         self._thread.start()
@@ -108,35 +106,33 @@ class Host:
 
         Args:
             request: What it is.
-            name: Of its record, without a suffix.
+            name: What the name of its record begins with.
 
         Raises:
             UserError: It cannot be played.
         """
-        try:
-            return self._do(self._start(request, name))
-        except (MatchSetupError, RecordError, ValueError) as error:
-            raise UserError(f"such a match is not possible: {error}") from None
+        return self._do(self._start(request, name))
 
     def ending(self, episode: HostedEpisode) -> str:
         """Return how a seat's part in its match has ended; waits for the record of a match that is over."""
         match, closed = episode.hosted.match, episode.hosted.seats[0].conduct.detail
         if not match.over:
-            return f"Your seat is closed: {closed or 'the match has failed'}."
+            return f"Your seat is closed: {closed or episode.failure or 'the match has failed'}."
         self._do(_ended(episode))
         over = f"The match is over, because of {match.result().ending.replace('_', ' ')}."
-        return f"{over} Your seat was closed: {closed}." if closed else over
+        over += f" Your seat was closed: {closed}." if closed else ""
+        return f"{over} It has no record: {episode.failure}." if episode.failure else over
 
     def abandon(self, episode: HostedEpisode) -> None:
         """End a match without a result, unless it is over."""
-        self._loop.call_soon_threadsafe(episode.hosted.cancel)
+        with suppress(RuntimeError):  # the host is closed, and its matches have ended
+            self._loop.call_soon_threadsafe(episode.hosted.cancel)
 
     def close(self) -> None:
         """End all matches and the server; does nothing the second time."""
         atexit.unregister(self.close)
         if self._loop.is_running():
-            self._do(self._server.stop())
-            self._do(self._loop.shutdown_default_executor())
+            self._do(self._stop())
             self._loop.call_soon_threadsafe(self._loop.stop)
             self._thread.join()
             self._loop.close()
@@ -149,21 +145,19 @@ class Host:
         return server, await server.start([f"unix:{own_folder()}/{secrets.token_hex(4)}"])
 
     async def _start(self, request: StartMatch, name: str) -> HostedEpisode:
-        opponents = opponents_of(request)
-        spec = spec_of(request, opponents)
-        check_recordable(spec)
-        others = dict(enumerate(opponents, start=1))
-        of_others = {number: other.sensors for number, other in others.items() if other.sensors}
-        hosted = await self._server.host(
-            spec,
-            names=numbered([request.name, *(other.name for other in opponents)]),
-            sensors={0: sensors(), **of_others},
-            clock=self._clock,
-        )
-        episode = HostedEpisode(hosted, self._records and self._records / f"{name}{SUFFIX}")
-        folders = {number: other.folder for number, other in others.items() if other.folder is not None}
+        hosted, folders = await hosting.host(self._server, request, self._idle_limit)
+        # Clients choose names, and several may choose the same.
+        file = f"{name}-{secrets.token_hex(4)}{SUFFIX}"
+        episode = HostedEpisode(hosted, self._records and self._records / file)
         episode.task = asyncio.create_task(episode.play(folders, self._address))
+        self._playing.add(episode.task)
+        episode.task.add_done_callback(self._playing.discard)
         return episode
+
+    async def _stop(self) -> None:
+        await self._server.stop()
+        await asyncio.gather(*self._playing)
+        await self._loop.shutdown_default_executor()
 
 
 async def _ended(episode: HostedEpisode) -> None:

@@ -33,4 +33,4 @@ class WildscavState(State):
 
     options: dict[str, Any] = Field(default_factory=dict, description="of the reset, with the seed it had")
     ending: str = Field(default="", description="why the match is over, in words; empty before")
-    record: str | None = Field(default=None, description="the file of the match, if the server keeps records")
+    record: str | None = Field(default=None, description="the name of its file, if the server keeps records")

@@ -12,7 +12,10 @@ import pytest
 
 pytest.importorskip("openenv", reason="needs OpenEnv, in an environment of its own: make test-openenv")
 
+import httpx
 import uvicorn
+from starlette.testclient import TestClient
+from starlette.websockets import WebSocketDisconnect
 from tests.end_to_end.pages import ROOT, blocks, run_code
 
 from wildscav.errors import UserError
@@ -34,9 +37,14 @@ TO_TARGET = call("go", place="target", seconds=20.0)
 
 
 @pytest.fixture(scope="module")
-def url(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+def records(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("records")
+
+
+@pytest.fixture(scope="module")
+def url(records: Path) -> Iterator[str]:
     """A server that keeps records."""
-    app = make_app(records=tmp_path_factory.mktemp("records"))
+    app = make_app(records=records)
     server = uvicorn.Server(uvicorn.Config(app, port=0, log_level="warning"))
     thread = threading.Thread(target=server.run)
     thread.start()
@@ -74,14 +82,15 @@ def played(url: str, **options: Any) -> tuple[list[str], list[Any], Any]:
         return [*texts, result.observation.text], rewards, client.state()
 
 
-def test_the_official_client_reaches_the_target(url: str) -> None:
+def test_the_official_client_reaches_the_target(url: str, records: Path) -> None:
     texts, rewards, state = played(url, seed=3, episode_id="first")
 
     assert "Reach the target" in texts[0]
     assert "Target: " in texts[0]
     assert texts[-1] == state.ending == "The match is over, because of goal."
     assert state.options["seed"] == 3
-    record = read_record(Path(state.record))
+    assert state.record.startswith("first-")
+    record = read_record(records / state.record)
     assert record.spec.clock == "paused"
     assert verify_record(record).holds
     at_start = -record.result.seats[0].metrics["time"] - sum(rewards)
@@ -89,8 +98,9 @@ def test_the_official_client_reaches_the_target(url: str) -> None:
 
 
 def test_the_same_seed_and_calls_give_the_same_episode(url: str) -> None:
-    first, second = played(url, seed=5), played(url, seed=5)
+    first, second = (played(url, seed=5, episode_id="same") for _ in range(2))
     assert first[:2] == second[:2]
+    assert first[2].record != second[2].record, "neither has overwritten the other"
     assert played(url, seed=6)[0] != first[0]
 
 
@@ -119,7 +129,38 @@ def test_a_client_that_says_nothing_loses_its_own_seat(tmp_path: Path) -> None:
         host.close()
     assert ended.done
     assert ended.text.startswith("The match is over, because of time up. Your seat was closed: ")
-    assert read_record(tmp_path / "silent.wsr").result.ending == "time_up"
+    (record,) = tmp_path.glob("silent-*.wsr")
+    assert read_record(record).result.ending == "time_up"
+
+
+def test_a_connection_that_says_nothing_makes_room_for_another() -> None:
+    with TestClient(make_app(sessions=1, idle_limit=0.1)) as client:
+        for _ in range(2):
+            with client.websocket_connect("/ws") as socket, pytest.raises(WebSocketDisconnect) as closed:
+                socket.receive_text()  # not that the server has no room
+            assert closed.value.code == 1000
+
+
+@pytest.mark.parametrize("path", ["/reset", "/step", "/mcp"])
+def test_matches_are_played_over_websockets_alone(url: str, path: str) -> None:
+    assert httpx.get(f"{url}/health").json() == {"status": "healthy"}
+    assert httpx.post(url + path, json={}).status_code == 404
+
+
+def test_a_client_is_told_why_a_match_has_no_record_and_a_host_that_closes_ends_its_matches(
+    tmp_path: Path,
+) -> None:
+    host = Host(tmp_path / "records")
+    (tmp_path / "records").rmdir()
+    environment = WildscavEnvironment(host)
+    environment.reset(map=103, time_limit=1.0)
+    ended = environment.step(call("wait_until", seconds=9.0))
+    environment.reset(**SMALL)
+    task = environment._episode.task
+    host.close()
+    environment.close()
+    assert ended.text.endswith("because of time up. It has no record: No such file or directory.")
+    assert task.done()
 
 
 @pytest.mark.parametrize(
