@@ -1,8 +1,8 @@
 """What counts as a failure when `.ci/run` runs the tests, on a small folder of tests."""
 
 import os
-import shutil
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path

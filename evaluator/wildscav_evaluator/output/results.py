@@ -202,6 +202,11 @@ def with_interface(name: str, interface: OtherInterface | None) -> str:
     return name if interface is None else f"{name} ({interface})"
 
 
+def of_clock(clock: object) -> str:
+    """Return the end of a title, which names the clock that replaced a suite's own; empty without one."""
+    return "" if clock is None else f" · clock {clock}"
+
+
 class Estimate(FileModel):
     """A value with its bootstrap 95 % interval."""
 
