@@ -81,6 +81,14 @@ def test_what_people_cannot_play_is_refused(tmp_path: Path, suite: str) -> None:
         person_in_suite("ann", "quick", 0, "battle", tmp_path / "out", fresh=False),
     ):
         pass
+    hurried = tmp_path / "hurried.toml"
+    for clock in ('clock = "running"', 'clock = "paused", thinking = { budget = 60.0 }'):
+        hurried.write_text(SUITE.replace('clock = "paused"', clock).replace("short", "hurried"))
+        with (
+            pytest.raises(UserError, match="people can pause their matches, and those of navigation in"),
+            person_in_suite("ann", str(hurried), 0, None, tmp_path / "out", fresh=False),
+        ):
+            pass
     with (
         pytest.raises(UserError, match="suite short has no track royale"),
         person_in_suite("ann", suite, 0, "royale", tmp_path / "out", fresh=False),
