@@ -157,9 +157,8 @@ def recomputed(
 
 def _rated(out: Path, results: Results) -> Results:
     """Return results with the ratings across tracks that follow from their scores."""
-    if results.tournament is not None:
-        return results
-    rated = overall_of(played_suite(out, results), results.evaluations)
+    is_tournament = results.tournament is not None
+    rated = None if is_tournament else overall_of(played_suite(out, results), results.evaluations)
     return results.model_copy(update={"overall": rated})
 
 
