@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 import typer
 from tests.commands import run_command
-from tests.evaluator.results_by_hand import RESULTS
+from tests.evaluator.results_by_hand import MODEL, RESULTS
 
 from wildscav.cli import main
 from wildscav_evaluator.check.findings import Verdict
@@ -61,7 +61,8 @@ def test_the_documents_have_the_fields_told(tmp_path: Path) -> None:
     (tmp_path / "none.wsr").touch()
     assert names(document("verify", tmp_path / "none.wsr")) == TOLD["verify RECORD…"]
 
-    standings = document("leaderboard", write_results(RESULTS, tmp_path), "--track", "roy")
+    played = RESULTS.model_copy(update={"model": MODEL})
+    standings = document("leaderboard", write_results(played, tmp_path), "--track", "roy")
     assert TOLD["leaderboard"] <= names(standings)
     (one,) = standings["standings"]  # type: ignore[misc]
     assert [row["submission"] for row in one["rows"]] == ["homing", "my-agent"]

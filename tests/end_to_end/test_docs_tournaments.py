@@ -13,7 +13,7 @@ from wildscav_evaluator.bounds import FEWEST_ENTRANTS, MAX_ENTRANTS, MAX_MATCHES
 from wildscav_evaluator.cli.commands.tournament import tournament
 from wildscav_evaluator.cli.options.tournament import USUAL_SEATS, USUAL_TEAM
 from wildscav_evaluator.cli.result_tables import MAX_OPPONENTS
-from wildscav_evaluator.output.json_files import FileModel
+from wildscav_evaluator.output.json_files import FileModel, WithOptionalFields
 from wildscav_evaluator.output.layout import STANDINGS_PICTURE, TOURNAMENT_FILE
 from wildscav_evaluator.ratings import standings
 from wildscav_evaluator.ratings.bands import FEWEST_GAMES
@@ -68,7 +68,11 @@ def test_every_field_of_the_file_of_a_tournament_is_told() -> None:
     table = TEXT[TEXT.index("| in `tournament.json` |") :].split("\n\n")[0]
     told = set(re.findall(r"`(\w+)`", table))
     modules = {tournament_file.__name__, standings.__name__}
-    parts = [part for part in FileModel.__subclasses__() if part.__module__ in modules]
+    parts = [
+        part
+        for part in (*FileModel.__subclasses__(), *WithOptionalFields.__subclasses__())
+        if part.__module__ in modules
+    ]
 
     assert {Tournament, standings.Standing} <= set(parts)
     assert told == {name for part in parts for name in part.model_fields}

@@ -12,6 +12,7 @@ from wildscav_evaluator.output.results import (
     MatchRow,
     MatchTiming,
     MetricInfo,
+    ModelTerms,
     Results,
     SeatRow,
     SeatTiming,
@@ -25,6 +26,18 @@ from wildscav_evaluator.scores.score import summary
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_evaluator.suites.seeds import SuiteSeed
 from wildscav_evaluator.suites.suite import SUITES
+
+MODEL = ModelTerms(
+    host="localhost:8000",
+    name="reader-7b",
+    max_tokens=512,
+    extra={"seed": 1},
+    at_once=1,
+    timeout=60.0,
+    requests=100,
+    tokens=500_000,
+    seconds=600.0,
+)
 
 
 def results_of(text: str, *others: str) -> Results:

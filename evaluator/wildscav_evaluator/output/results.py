@@ -202,6 +202,11 @@ def with_interface(name: str, interface: OtherInterface | None) -> str:
     return name if interface is None else f"{name} ({interface})"
 
 
+def of_clock(clock: object) -> str:
+    """Return the end of a title, which names the clock that replaced a suite's own; empty without one."""
+    return "" if clock is None else f" · clock {clock}"
+
+
 class Estimate(FileModel):
     """A value with its bootstrap 95 % interval."""
 
@@ -235,7 +240,6 @@ class SeatTiming(FileModel):
     credited: float | None = None  # s of waiting for a processor that its bank did not pay; None if unknown
     dropped_actions: int = 0  # answers that arrived after their step was over
     held_steps: int = 0  # steps that were played with its last action, because it thought
-    charged_steps: int = 0  # of those, the steps that its thoughts cost
     tokens: int = 0  # that its model wrote
     processor: float = 0.0  # s that its threads ran, as far as its sandbox counts them
     time_used: float  # s, of all steps

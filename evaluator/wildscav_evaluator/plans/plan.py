@@ -23,6 +23,7 @@ from wildscav_evaluator.output.results import (
     ModelTerms,
     Results,
     Timings,
+    of_clock,
 )
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS, KEPT_ANYWHERE, Limits
@@ -74,8 +75,7 @@ class Plan(ABC):
     @property
     def matches_of(self) -> str:
         """The suite of its matches, with their clock if that is not the suite's, in a few words."""
-        clock = "" if self.suite.clock is None else f" · clock {self.suite.clock}"
-        return f"suite {self.suite.label}{clock}"
+        return f"suite {self.suite.label}{of_clock(self.suite.clock)}"
 
     @property
     def public_key(self) -> str | None:

@@ -29,9 +29,7 @@ from wildscav_evaluator.scores.expected_matches import (
     kind_of,
     known_seed,
     match_counts,
-    played_suite,
 )
-from wildscav_evaluator.scores.overall import overall_of
 from wildscav_evaluator.scores.rescore import Replayed, disagreements
 from wildscav_evaluator.seats import robot_entrant, submission_seats
 from wildscav_evaluator.tournaments.tournament_file import check_tournament
@@ -246,10 +244,8 @@ def _of_row(folder: AuditedFolder, evaluation: Evaluation, row: MatchRow) -> Ite
 
 def _of_overall(folder: AuditedFolder, recomputed: Results) -> Iterator[str]:
     """Compare the ratings across tracks with those that follow from the scores."""
-    if folder.reported.tournament is None:
-        suite = played_suite(folder.out, folder.reported)
-        if folder.reported.overall != overall_of(suite, recomputed.evaluations):
-            yield f"the ratings across tracks in {RESULTS_FILE} are not those that the records give"
+    if folder.reported.overall != recomputed.overall:
+        yield f"the ratings across tracks in {RESULTS_FILE} are not those that the records give"
 
 
 def _of_versions(reported: Results, replayed: Sequence[Replayed]) -> Iterator[str]:

@@ -16,6 +16,7 @@ from wildscav_evaluator.output.results import (
     Evaluation,
     KeptLimits,
     MetricInfo,
+    ModelTerms,
     OtherInterface,
     Results,
     Versions,
@@ -66,7 +67,7 @@ class Comparison(WithOptionalFields):
 class Comparisons(WithOptionalFields):
     """The file of a comparison."""
 
-    omitted = ("clock",)
+    omitted = ("clock", "model")
 
     format: Literal[2] = 2
     versions: Versions  # with which they were played
@@ -76,6 +77,7 @@ class Comparisons(WithOptionalFields):
     sandbox: str  # in which agents ran
     limits: dict[str, KeptLimits]  # of each agent in it, by track
     clock: ClockChoice | None = None  # of all matches; omitted if they had the suite's own
+    model: ModelTerms | None = None  # that agents could ask; omitted if there was none
     comparisons: tuple[Comparison, ...]
 
 

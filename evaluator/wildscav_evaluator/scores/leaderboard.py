@@ -1,10 +1,9 @@
 """Standings: the ranking on each track, from the latest evaluation of every submission in some folders."""
 
 import os
-from collections.abc import Iterable, Iterator, Sequence
-from itertools import groupby
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from wildscav.errors import UserError
 from wildscav_engine.tracks import TRACKS
@@ -16,12 +15,16 @@ from wildscav_evaluator.output.results import (
     ModelTerms,
     Overall,
     Results,
+    Timings,
     Versions,
     read_results,
 )
 
 if TYPE_CHECKING:  # loads SciPy, which most commands can do without
     from wildscav_evaluator.tournaments.tournament_file import Tournament
+
+Shared = TypeVar("Shared")  # the conditions of a table
+Placed = TypeVar("Placed")  # its rows
 
 
 class Conditions(NamedTuple):
@@ -115,63 +118,87 @@ def standings(
 ) -> Iterator[Standings]:
     """Yield the standings of each set of comparable evaluations on the requested tracks and suites.
 
-    A submission appears once, under its name, with its latest evaluation. A newer version replaces an older
-    one even if it is worse, since it is its author's current choice.
+    A submission appears once, under its name and interface, with its latest evaluation. A newer version
+    replaces an older one even if it is worse, since it is its author's current choice.
     """
-    # Sorting is stable: within a key the latest evaluation stays the last.
-    conditions_of_rows = [
-        (_conditions(results, one.track), Row(None, one, results.timings.started, results.key))
-        for results in sorted(evaluated, key=lambda results: results.timings.started)
+    rows = [
+        (
+            _conditions(results, one.track),
+            (one.submission, one.interface or ""),
+            Row(None, one, results.timings.started, results.key),
+        )
+        for results in _by_age(evaluated)
         for one in results.evaluations
         if is_meant(track, one.track) and is_meant(suite, results.suite)
     ]
-    placed = sorted(_with_people_beside_agents(conditions_of_rows), key=_sort_key)
-    for conditions, group in groupby(placed, lambda pair: pair[0]):
-        latest = {row.evaluation.submission: row for _, row in group}
-        ranks = ranked(latest[name].evaluation for name in sorted(latest))
-        rows = tuple(latest[one.submission]._replace(rank=rank) for rank, one in ranks)
-        yield Standings(conditions, rows)
+    for conditions, latest in sorted(_tables(rows, _of_a_person), key=_sort_key):
+        row_of = {id(row.evaluation): row for row in latest}
+        ranks = ranked(row.evaluation for row in latest)
+        yield Standings(conditions, tuple(row_of[id(one)]._replace(rank=rank) for rank, one in ranks))
 
 
 class OverallStandings(NamedTuple):
     """The ranking of comparable evaluations across all tracks of a suite."""
 
-    conditions: Results  # of which all but ``OWN`` is the same in each of them
+    conditions: Results  # without ``MAY_DIFFER``
     rows: tuple[tuple[int, Overall], ...]  # with ranks, best first
 
 
-OWN = {"format", "key", "evaluations", "overall", "timings"}  # what evaluations may differ in
+# What comparable evaluations may differ in, and what stands in its place.
+MAY_DIFFER: dict[str, Any] = {
+    "key": None,
+    "evaluations": (),
+    "overall": None,
+    "timings": Timings(started="", wall=0.0, jobs=0, matches=()),
+}
 
 
 def overall_standings(evaluated: Iterable[Results], suite: str | None = None) -> Iterator[OverallStandings]:
     """Yield the standings across tracks of each set of comparable evaluations; see ``standings``."""
-    rated = [one for one in evaluated if one.overall and is_meant(suite, one.suite)]
-    groups: dict[str, list[Results]] = {}
-    for results in sorted(rated, key=lambda results: results.timings.started):
-        groups.setdefault(results.model_dump_json(exclude=OWN), []).append(results)
-    people = [group for group in groups.values() if group[0].sandbox == BROWSER]
-    agents = [group for _, group in sorted(groups.items()) if group not in people]
-    alone = [group for group in people if not any(_alike(group[0], each[0]) for each in agents)]
-    for group in (*agents, *alone):
-        beside = [one for each in people if _alike(each[0], group[0]) for one in each]
-        latest = {one.submission: one for results in (*group, *beside) for one in results.overall or ()}
-        yield OverallStandings(group[0], ranked_overall(latest.values()))
+    rows = [
+        (results.model_copy(update=MAY_DIFFER), (one.submission, one.interface or ""), one)
+        for results in _by_age(evaluated)
+        for one in results.overall or ()
+        if is_meant(suite, results.suite)
+    ]
+    tables = _tables(rows, lambda agents: agents.model_copy(update=BY_PEOPLE | {"limits": {}}))
+    for conditions, latest in sorted(tables, key=lambda table: table[0].model_dump_json()):
+        yield OverallStandings(conditions, ranked_overall(latest))
 
 
-def _alike(person: Results, agents: Results) -> bool:
-    """Return whether a person played the same matches as agents did in a sandbox."""
-    without = OWN | {"sandbox", "limits"}
-    return person.model_dump_json(exclude=without) == agents.model_dump_json(exclude=without)
+def _by_age(evaluated: Iterable[Results]) -> list[Results]:
+    return sorted(evaluated, key=lambda results: results.timings.started)
 
 
-def _with_people_beside_agents(rows: Sequence[tuple[Conditions, Row]]) -> Iterator[tuple[Conditions, Row]]:
-    """Yield all rows, those of people in each table of agents that played the same matches in a sandbox."""
-    tables = dict.fromkeys(conditions for conditions, _ in rows if conditions.sandbox != BROWSER)
-    for conditions, row in rows:
-        beside = [
-            each for each in tables if each._replace(sandbox=BROWSER, limits=KeptLimits()) == conditions
-        ]
-        yield from ((each, row) for each in beside or (conditions,))
+BY_PEOPLE: dict[str, Any] = {"sandbox": BROWSER, "model": None}  # who have no limits, too
+
+
+def _of_a_person(agents: Conditions) -> Conditions:
+    return agents._replace(**BY_PEOPLE, limits=KeptLimits())
+
+
+def _tables(
+    rows: Sequence[tuple[Shared, tuple[str, str], Placed]], by_people: Callable[[Shared], Shared]
+) -> Iterator[tuple[Shared, list[Placed]]]:
+    """Yield the latest rows of each set of equal conditions, by name.
+
+    Rows of people stand in each table of agents that played the same matches, or else in one of their own.
+
+    Args:
+        rows: Conditions, name and interface, and the row itself; the earliest first.
+        by_people: Returns the conditions under which people play the matches that agents play.
+    """
+    distinct: list[Shared] = []  # they cannot be hashed: a model has a dictionary
+    for conditions, _, _ in rows:
+        if conditions not in distinct:
+            distinct.append(conditions)
+    beside_agents = [person for each in distinct if (person := by_people(each)) != each]
+    for table in distinct:
+        if table not in beside_agents:
+            compared = (table, by_people(table))
+            # A person and an agent may have the same name.
+            latest = {(*name, one == table): row for one, name, row in rows if one in compared}
+            yield table, [latest[key] for key in sorted(latest)]
 
 
 def ranked_overall(rows: Iterable[Overall]) -> tuple[tuple[int, Overall], ...]:
@@ -183,9 +210,9 @@ def ranked_overall(rows: Iterable[Overall]) -> tuple[tuple[int, Overall], ...]:
 def latest_tournaments(
     results: Found, track: str | None = None, suite: str | None = None
 ) -> "list[Tournament]":
-    """Return the latest tournament on each suite of each track by each clock, as far as requested."""
+    """Return the latest tournament on each suite of each track by each clock and model, if requested."""
     latest = {
-        (one.track, one.suite, str(one.clock)): one
+        (one.track, one.suite, str(one.clock), repr(one.model)): one
         for _, one in sorted(results.tournaments, key=lambda pair: pair[0])
         if is_meant(track, one.track) and is_meant(suite, one.suite)
     }
@@ -206,7 +233,7 @@ def _conditions(results: Results, track: str) -> Conditions:
     )
 
 
-def _sort_key(pair: tuple[Conditions, Row]) -> tuple[object, ...]:
+def _sort_key(pair: tuple[Conditions, object]) -> tuple[object, ...]:
     """Return the sort key of the standings: the engine's order of the tracks, then the conditions."""
     conditions, tracks = pair[0], list(TRACKS)
     place = tracks.index(conditions.track) if conditions.track in tracks else len(tracks)
@@ -254,7 +281,7 @@ def document(one: Standings) -> dict[str, Any]:
 
 def document_of_overall(one: OverallStandings) -> dict[str, Any]:
     """Return the standings across tracks as ``wildscav leaderboard --json`` prints them."""
-    shared = {name: value for name, value in one.conditions.as_json().items() if name not in OWN}
+    shared: dict[str, Any] = one.conditions.model_dump(mode="json", exclude={"format", *MAY_DIFFER})
     return shared | {"rows": [{"rank": rank, **row.as_json()} for rank, row in one.rows]}
 
 

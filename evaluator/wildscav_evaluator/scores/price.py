@@ -7,8 +7,17 @@ from typing import TYPE_CHECKING, Literal
 
 from wildscav_engine.specs.thinking import ClockChoice
 from wildscav_engine.storage.files import write_whole
-from wildscav_evaluator.output.json_files import FileModel
-from wildscav_evaluator.output.results import KeptLimits, MetricInfo, Results, Summary, Versions
+from wildscav_evaluator.output.json_files import FileModel, WithOptionalFields
+from wildscav_evaluator.output.results import (
+    KeptLimits,
+    MetricInfo,
+    ModelTerms,
+    OtherInterface,
+    Results,
+    Summary,
+    Versions,
+    with_interface,
+)
 from wildscav_evaluator.scores.number_format import unit_and_title
 
 if TYPE_CHECKING:
@@ -30,34 +39,44 @@ class Point(FileModel):
     faults: int  # matches in which something went wrong
 
 
-class Price(FileModel):
+class Price(WithOptionalFields):
     """The price of thinking of one agent on one track."""
+
+    omitted = ("interface", "model")
 
     format: Literal[1] = 1
     versions: Versions
     submission: str
     version: str
     digest: str
+    interface: OtherInterface | None = None  # by which it plays; omitted for numbers
+    think: float = 0.0  # s by which every decision was slowed down on purpose
     track: str
     suite: str
     seed: str  # or the beginning of the commitment, if it is hidden
     rounds: int
     sandbox: str
     limits: dict[str, KeptLimits]
+    model: ModelTerms | None = None  # that it could ask; omitted if there was none
     metric: MetricInfo
     points: tuple[Point, ...]  # the first is of matches that wait for all answers
 
     @property
     def title(self) -> str:
         """A short description of what was played."""
+        name = with_interface(f"{self.submission} {self.version}", self.interface)
+        slowed = f" · {self.think:g} s slower" if self.think else ""
         return (
-            f"{self.submission} {self.version} · {self.track} · suite {self.suite} · seed {self.seed} · "
+            f"{name}{slowed} · {self.track} · suite {self.suite} · seed {self.seed} · "
             f"{self.points[0].matches} matches a point"
         )
 
 
-def price_of(played: Sequence[Results]) -> Price:
+def price_of(played: Sequence[Results], think: float = 0.0) -> Price:
     """Return the price that follows from evaluations of one submission on one track, by several clocks.
+
+    Args:
+        think: Seconds by which every decision was slowed down on purpose.
 
     Raises:
         ValueError: By one clock no match was played.
@@ -69,6 +88,8 @@ def price_of(played: Sequence[Results]) -> Price:
         submission=evaluation.submission,
         version=evaluation.version,
         digest=evaluation.digest,
+        interface=evaluation.interface,
+        think=think,
         track=evaluation.track,
         seed=first.seed_label,
         metric=evaluation.metrics[0],
@@ -117,9 +138,9 @@ def _figure(price: Price) -> "Figure":
     axes = figure.add_subplot()
     points = sorted(price.points, key=lambda point: point.delay)
     delays, means = [point.delay for point in points], [point.score.mean for point in points]
-    spans = [
-        [one.score.mean - one.score.low for one in points],
-        [one.score.high - one.score.mean for one in points],
+    spans = [  # of equal scores, rounding puts a bound on the wrong side of the mean
+        [max(0.0, one.score.mean - one.score.low) for one in points],
+        [max(0.0, one.score.high - one.score.mean) for one in points],
     ]
     axes.errorbar(delays, means, spans, color=LINE, marker="o", markersize=5.0, ecolor=BAND, elinewidth=4.0)
     for point in points:

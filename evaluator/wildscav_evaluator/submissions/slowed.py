@@ -32,11 +32,15 @@ def slowed(submission: Submission, seconds: float, folder: Path) -> Submission:
         folder: Where to make the copy; it does not exist yet.
 
     Raises:
-        UserError: It is no folder with an agent in Python.
+        UserError: It is no folder with an agent in Python, or one that plays by words.
     """
     module, _, name = (submission.manifest.entry_point or "").partition(":")
     if submission.image is not None or not name:
         raise UserError(f"--think slows down agents in Python alone, and {submission.name} is none", 2)
+    if submission.manifest.interface == "words":
+        raise UserError(
+            f"--think slows down each step, and {submission.name} plays many of them by one call", 2
+        )
     shutil.copytree(submission.folder, folder)
     (folder / "slowed_down.py").write_text(CODE.format(module=module, name=name, seconds=seconds), "utf-8")
     manifest = folder / MANIFEST

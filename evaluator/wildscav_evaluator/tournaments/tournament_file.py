@@ -11,11 +11,13 @@ from wildscav_evaluator.output.layout import RESULTS_FILE, TOURNAMENT_FILE
 from wildscav_evaluator.output.results import (
     KeptLimits,
     MetricInfo,
+    ModelTerms,
     OtherInterface,
     Results,
     Summary,
     TournamentSettings,
     Versions,
+    of_clock,
 )
 from wildscav_evaluator.ratings.standings import Standings, rate
 from wildscav_evaluator.tournaments.rated_matches import placing_metric, rated_matches
@@ -37,7 +39,7 @@ class Entry(WithOptionalFields):
 class Tournament(WithOptionalFields):
     """The ratings of a tournament."""
 
-    omitted = ("clock",)
+    omitted = ("clock", "model")
 
     format: Literal[1] = 1
     versions: Versions  # with which it was played
@@ -49,6 +51,7 @@ class Tournament(WithOptionalFields):
     sandbox: str  # in which agents ran
     limits: KeptLimits  # of each agent in it
     clock: ClockChoice | None = None  # of all matches; omitted if they had the suite's own
+    model: ModelTerms | None = None  # that agents could ask; omitted if there was none
     placed_by: MetricInfo  # the metric by which the teams of a match are placed
     matches: int  # with a result
     failed: int  # without one, by the platform's fault
@@ -60,8 +63,7 @@ class Tournament(WithOptionalFields):
     def title(self) -> str:
         """A short description of what was played."""
         size = f"{counted(len(self.ratings.standings), 'entrant')} · {counted(self.matches, 'match')}"
-        clock = "" if self.clock is None else f" · clock {self.clock}"
-        return f"{self.track} · {size} · suite {self.suite} · seed {self.seed}{clock}"
+        return f"{self.track} · {size} · suite {self.suite} · seed {self.seed}{of_clock(self.clock)}"
 
 
 def tournament_of(results: Results) -> Tournament:

@@ -91,7 +91,6 @@ class SeatReport:
     tokens: int = 0  # that its model wrote
     processor: float = 0.0  # s that its threads ran in the match, as far as its host counts them
     held_steps: int = 0  # steps that were played with its last action, because it thought
-    charged_steps: int = 0  # of those, the steps that its thoughts cost
 
 
 @dataclass(frozen=True, slots=True)

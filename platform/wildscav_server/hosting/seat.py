@@ -52,7 +52,6 @@ class Seat:
         self.meter: WaitMeter | None = None  # of its agent's waits for a processor, if its host has one
         self.purse = Purse()  # what its thinking has cost
         self.held_steps = 0  # that were played with its last action, because it thought
-        self.charged_steps = 0  # of those, the steps that its thoughts cost
         self.times = array("d")  # s, for each step
         self.notified = False  # whether its stream is about to fetch an observation
         self.wakes: Callable[[], None] | None = None  # called when it is notified; None: it owes an answer
@@ -125,7 +124,6 @@ class Seat:
             tokens=self.purse.tokens,
             processor=self.purse.processor / 1e9,
             held_steps=self.held_steps,
-            charged_steps=self.charged_steps,
             **asdict(self.conduct),
         )
 

@@ -141,7 +141,6 @@ class TokensLockstep(HoldingLockstep):
             self._delayed[seat] = self._rows[seat.number].copy(), steps - 1
             self._rows[seat.number] = self._held[seat.number]
             seat.held_steps += 1
-            seat.charged_steps += steps
 
 
 def lockstep_of(spec: "MatchSpec") -> type[Lockstep]:

@@ -37,7 +37,10 @@ def human(
             show_default=False,
         ),
     ] = None,
-    name: Annotated[str, typer.Option(help="With --suite: your name on the board.")] = "person",
+    name: Annotated[
+        str | None,
+        typer.Option(help="With --suite: your name on the board. Default: person.", show_default=False),
+    ] = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="With --suite: play all matches again.")] = False,
     at_range: Annotated[
         bool,
@@ -104,7 +107,7 @@ def human(
     Submissions run without a sandbox, so name only those whose code you trust.
     """
     from wildscav_stage.playing.links import checked_public_url
-    from wildscav_stage.playing.plan import make_plan, make_range
+    from wildscav_stage.playing.plan import PERSON, make_plan, make_range
     from wildscav_stage.viewer_files import viewer_file
 
     viewer_file("play.js")
@@ -116,10 +119,12 @@ def human(
     if suite is not None:
         if at_range or not is_usual or time_limit is not None or rules != "original":
             raise UserError("--suite says what is played, by one person against its robots", exit_code=2)
-        with _suites()(_checked_name(name), suite, seed, track, records, fresh=fresh) as first:
+        with _suites()(_checked_name(name or PERSON), suite, seed, track, records, fresh=fresh) as first:
             if first is not None and first.given is not None:
                 _play(first, first.given.record.parent, serving)
         return
+    if name is not None or fresh:
+        raise UserError("--name and --fresh are for the matches of a --suite", exit_code=2)
     if at_range:
         if track not in (None, "battle") or not is_usual:
             raise UserError("--range has a map and targets of its own, for one person", exit_code=2)

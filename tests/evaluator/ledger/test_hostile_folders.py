@@ -61,7 +61,7 @@ def audit(out: Path, replayed: Sequence[Replayed]) -> list[str]:
     try:
         told = read_results(out / "results.json")
         checked = read_folder(out, told, None)
-        found = recomputed(replayed, told, read_identity(out))
+        found = recomputed(out, replayed, told, read_identity(out))
         return list(discrepancies(checked, replayed, found))
     except (UserError, OSError) as error:
         return [str(error)]

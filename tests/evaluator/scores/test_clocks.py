@@ -73,7 +73,7 @@ def test_verify_and_rescore_agree(
         assert timing.late_steps == 0
         return
     assert timing.processor >= 0.02 * (timing.steps - 1)
-    assert timing.charged_steps >= 2 * (timing.steps - 1)  # each thought costs 0.22 s of game time, or more
+    assert timing.held_steps >= 2 * (timing.steps - 1)  # each thought costs 0.22 s of game time, or more
     record.thinking.charges[0, 4] -= 1
     assert "its thought costs" in verify_record(record).message
 

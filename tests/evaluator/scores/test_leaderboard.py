@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.evaluator.results_by_hand import saved, scored_results
+from tests.evaluator.results_by_hand import MODEL, saved, scored_results
 
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.leaderboard import show_standings
@@ -60,6 +60,7 @@ def test_a_submission_stands_there_once_with_its_latest_evaluation(latest_first:
         # Developed without a sandbox, where all of the machine is an agent's, and later than it was judged.
         {"sandbox": "oci"},
         {"memory": 2**30},
+        {"model": MODEL},
         *(
             {"versions": CURRENT_VERSIONS.model_copy(update={part: "9" if part == "engine" else 99})}
             for part in ("engine", "simulation", "generator", "record")

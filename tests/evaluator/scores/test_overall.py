@@ -6,8 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.evaluator.results_by_hand import evaluation, scored_results
+from tests.evaluator.results_by_hand import MODEL, evaluation, saved, scored_results
 
+from wildscav_engine.specs.thinking import ClockChoice
+from wildscav_evaluator.cli.sessions.leaderboard import show_standings
 from wildscav_evaluator.output.results import Overall, Results
 from wildscav_evaluator.scores.audit import AuditedFolder, discrepancies
 from wildscav_evaluator.scores.leaderboard import document_of_overall, overall_standings
@@ -127,9 +129,27 @@ def test_standings_across_tracks_have_the_latest_rating_of_each_submission() -> 
 
 
 @pytest.mark.parametrize(
-    "changed", [{"seed": 1}, {"suite": "other"}, {"sandbox": "oci"}, {"memory": 2**30}], ids=str
+    "changed",
+    [{"seed": 1}, {"suite": "other"}, {"sandbox": "oci"}, {"memory": 2**30}, {"model": MODEL}],
+    ids=str,
 )
 def test_ratings_under_other_conditions_stand_in_another_table(changed: dict[str, object]) -> None:
     one = overall([20.0], [210.0])
 
     assert len(list(overall_standings([rated(one), rated(one, **changed)]))) == 2
+
+
+def test_a_person_stands_beside_agents_of_the_same_name_that_could_ask_a_model(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    agents = rated(overall([20.0], [210.0]), memory=2**30, model=MODEL, clock=ClockChoice(clock="paused"))
+    person = agents.model_copy(
+        update={"overall": (overall([100.0], [10.0]),), "sandbox": "browser", "limits": {}, "model": None}
+    )
+
+    (table,) = overall_standings([agents, person])
+    assert [(rank, one.mean.value) for rank, one in table.rows] == [(1, 1.0), (2, 0.0)]
+    show_standings([saved(agents, tmp_path / "agents")])
+    told = capsys.readouterr().out
+    assert told.count("model: reader-7b at localhost:8000") == 2, "of the track, and across tracks"
+    assert told.count("clock paused") == 2

@@ -61,9 +61,18 @@ def test_the_picture_is_a_png_and_equal_prices_give_equal_ones(price: Price, tmp
     assert first.startswith(b"\x89PNG")
 
 
+def test_equal_scores_are_drawn_although_their_interval_is_rounded(tmp_path: Path) -> None:
+    equal = price_of([played(ClockChoice(clock="paused"), (0.1, 0.1, 0.1, 0.1, 0.1, 0.1), 1.0)], think=0.2)
+    (point,) = equal.points
+    assert point.score.mean < point.score.low or point.score.high < point.score.mean
+
+    assert draw_price(equal, tmp_path / "equal.png").exists()
+    assert (equal.think, equal.title.partition(" · suite")[0]) == (0.2, "slow 1.0.0 · 0.2 s slower · battle")
+
+
 @pytest.mark.parametrize(
     ("paces", "fault"),
-    [("1,1.0", "twice"), ("0", "greater than 0"), ("1,,2", "valid number"), ("x", "number")],
+    [("1,1.0", "twice"), ("0", "greater than 0"), ("1,,2", "valid number"), ("x", "^--paces x: ")],
 )
 def test_paces_are_different_numbers(paces: str, fault: str) -> None:
     with pytest.raises(UserError, match=fault):
@@ -82,10 +91,13 @@ def test_an_agent_is_slowed_down_in_a_copy(submit: Submit) -> None:
         assert same is walker
 
 
-def test_an_agent_that_is_no_python_is_not_slowed_down(submit: Submit, tmp_path: Path) -> None:
+def test_an_agent_that_is_no_python_or_plays_by_words_is_not_slowed_down(submit: Submit) -> None:
     walker = submit("walker", WALKER)
     image = Submission(walker.folder, walker.manifest, walker.digest, image="walker:1")
     with pytest.raises(UserError, match="slows down agents in Python alone"), thinking_longer(image, 1.0):
+        pass
+    reader = submit("reader", WALKER, more='\ninterface = "words"\n')
+    with pytest.raises(UserError, match="plays many of them by one call"), thinking_longer(reader, 1.0):
         pass
 
 

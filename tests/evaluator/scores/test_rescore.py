@@ -5,13 +5,14 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
-from tests.evaluator.results_by_hand import plan_of
+from tests.evaluator.results_by_hand import MODEL, plan_of
 from tests.evaluator.warm_workers import WarmWorkers, playing_with
 
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.evaluate import run_session
 from wildscav_evaluator.cli.sessions.rescore import recomputed, run_rescore
 from wildscav_evaluator.executors.local import LocalExecutor
+from wildscav_evaluator.output.identity import read_identity
 from wildscav_evaluator.output.record_names import record_paths
 from wildscav_evaluator.output.results import Evaluation, Results, read_results, write_results
 from wildscav_evaluator.scores.expected_matches import expected_matches, judge_of
@@ -70,9 +71,14 @@ def faults(out: Path) -> Faults:
 
 
 def test_every_number_of_an_evaluation_comes_out_again(
-    replayed: list[Replayed], told: Results, faults: Faults
+    out: Path, replayed: list[Replayed], told: Results, faults: Faults
 ) -> None:
-    assert recomputed(replayed, told) == told
+    assert recomputed(out, replayed, told) == told
+    assert recomputed(out, replayed, told.model_copy(update={"overall": ()})) == told
+    identity = read_identity(out)
+    assert identity is not None
+    asked = identity.model_copy(update={"model": MODEL})
+    assert recomputed(out, replayed, None, asked).model == MODEL, "of an evaluation without results yet"
     assert faults(replayed, told) == ""
 
 

@@ -41,7 +41,7 @@ def test_the_scale_is_what_its_agents_reached(track: str) -> None:
 
 
 @pytest.mark.parametrize("track", READING.tracks)
-def test_a_reader_decides_at_most_60_times_in_a_match(track: str) -> None:
+def test_in_the_matches_on_file_the_reader_decided_at_most_60_times(track: str) -> None:
     assert max(PLAYED["decisions"][track]) <= 60
 
 

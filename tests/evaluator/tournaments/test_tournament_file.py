@@ -5,6 +5,7 @@ from itertools import permutations
 from pathlib import Path
 
 import pytest
+from tests.evaluator.results_by_hand import MODEL
 from tests.evaluator.sample_agents import WALKER, Submit
 from tests.evaluator.tournaments.results_by_hand import results_of, seat
 
@@ -13,6 +14,7 @@ from wildscav_evaluator.output.layout import TOURNAMENT_FILE
 from wildscav_evaluator.output.results import Results, TournamentSettings
 from wildscav_evaluator.ratings.matches import RatedMatch
 from wildscav_evaluator.scores.expected_matches import match_counts
+from wildscav_evaluator.scores.leaderboard import Found, latest_tournaments
 from wildscav_evaluator.submissions.images import built_name
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_evaluator.tournaments.names import groups_of, with_unique_names
@@ -38,6 +40,14 @@ def test_it_counts_matches_and_tells_who_is_ahead(results: Results) -> None:
     assert (other.entrant, other.wins) == ("bob", 2)
     assert best.rating > 1500 > other.rating
     assert {one.name: one.score.mean for one in found.entrants if one.score} == {"ada": 3.0, "bob": 0.5}
+
+
+def test_tournaments_with_and_without_a_model_both_stand_on_the_board(results: Results) -> None:
+    both = (tournament_of(results), tournament_of(results.model_copy(update={"model": MODEL})))
+
+    assert [one.model for one in both] == [None, MODEL]
+    found = Found((), tuple((f"2030-01-0{day}", one) for day, one in enumerate(both, 1)), ())
+    assert len(latest_tournaments(found)) == 2
 
 
 def test_it_tells_by_which_interface_an_entrant_plays(results: Results) -> None:

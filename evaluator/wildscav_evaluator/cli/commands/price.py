@@ -1,5 +1,6 @@
 """The command ``wildscav price``."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -50,7 +51,7 @@ def price(
     with thinking_longer(load_named(agent), think) as submission:
         tracks = suite_tracks((submission,), [track] if track else [], suite)[:1]
         out = options.out or OUT / "price" / f"{submission.name}-{tracks[0]}"
-        with options.writing_to(out).planned(
+        with replace(options, out=out).planned(
             EvaluationPlan, (submission,), out, suite=suite, tracks=tracks, rounds=rounds, replays="none"
         ) as (plan, machines):
-            run_price(plan, clocks, options.monitor, machines, as_json=options.as_json)
+            run_price(plan, clocks, options.monitor, machines, think=think, as_json=options.as_json)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
 import typer
 
@@ -170,10 +170,6 @@ class PlayOptions:
 
         suite = find_suite(self.suite)
         return suite if self.clock is None else replace(suite, clock=clock_choice(self.clock))
-
-    def writing_to(self, out: Path) -> Self:
-        """Return these options with an output folder."""
-        return replace(self, out=out)
 
     @contextmanager
     def planned(

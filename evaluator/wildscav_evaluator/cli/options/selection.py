@@ -96,21 +96,24 @@ def suite_tracks(submissions: tuple[Submission, ...], asked: list[str], suite: S
     return played
 
 
-def clock_choice(text: str) -> ClockChoice:
+def clock_choice(text: str, option: str = "") -> ClockChoice:
     """Return the clock that an option describes, such as ``running,pace=2``.
+
+    Args:
+        option: What was given, if it was not ``--clock`` with the text.
 
     Raises:
         UserError: There is no such clock, or it has no such price.
     """
-    clock, *price = text.split(",")
+    option, (clock, *price) = option or f"--clock {text}", text.split(",")
     try:
         return ClockChoice.model_validate(
             {"clock": clock, "thinking": dict(part.split("=", 1) for part in price)}
         )
     except ValidationError as error:
-        raise UserError(f"--clock {text}: {one_line(error)}", exit_code=2) from error
+        raise UserError(f"{option}: {one_line(error)}", exit_code=2) from error
     except ValueError:
-        raise UserError(f"--clock {text}: after the clock, every part must be NAME=NUMBER", 2) from None
+        raise UserError(f"{option}: after the clock, every part must be NAME=NUMBER", 2) from None
 
 
 def suite_seed(seed: int | None, secret: Path | None) -> SuiteSeed:

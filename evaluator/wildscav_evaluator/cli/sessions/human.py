@@ -139,7 +139,7 @@ def person_in_suite(
     )
     plan = plan if out else plan.in_own_folder()
     check_out(plan.out, ())
-    _check_seats(plan)
+    _check_matches(plan)
     with output_folder(plan.out, plan.identity(), fresh=plan.fresh):
         if suite.source is not None:
             write_whole(plan.out / SUITE_FILE, suite.source)
@@ -148,10 +148,16 @@ def person_in_suite(
         session.finish()
 
 
-def _check_seats(plan: PersonPlan) -> None:
-    """Check that a person can have the first seat of each match, and robots the others."""
+def _check_matches(plan: PersonPlan) -> None:
+    """Check that each match waits for its person, who has the first seat, and that robots have the others."""
     for track in plan.tracks:
         for spec in plan.matches(track):
+            if spec.clock == "running" or spec.thinking.budget is not None:
+                raise UserError(
+                    f"people can pause their matches, and those of {track} in suite {plan.suite.name} do not "
+                    "wait",
+                    exit_code=2,
+                )
             if spec.seats[0] != SUBMISSION or SUBMISSION in spec.seats[1:]:
                 raise UserError(
                     f"people play matches whose first seat alone is a submission's, and those of {track} in "

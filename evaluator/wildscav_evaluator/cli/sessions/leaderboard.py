@@ -1,6 +1,6 @@
 """What ``wildscav leaderboard`` shows of the results in folders."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from rich.table import Table
@@ -10,8 +10,9 @@ from wildscav.terminal.console import console, error_console, print_json
 from wildscav.terminal.suggestions import did_you_mean
 from wildscav_evaluator.cli import result_tables
 from wildscav_evaluator.cli.result_tables import legend, sandbox_and_limits, standings_table
-from wildscav_evaluator.output.results import KeptLimits
+from wildscav_evaluator.output.results import KeptLimits, Results, of_clock
 from wildscav_evaluator.scores.leaderboard import (
+    Conditions,
     Found,
     Standings,
     document,
@@ -55,12 +56,13 @@ def show_standings(
         console.print(result_tables.LEGEND, style="dim")
     for each in across:
         shared = each.conditions
-        title = f"suite {shared.suite} · seed {shared.seed_label}{_rounds(shared.rounds)}"
+        title = (
+            f"suite {shared.suite} · seed {shared.seed_label}{_rounds(shared.rounds)}{of_clock(shared.clock)}"
+        )
         console.print()
         console.print(result_tables.overall_table(title, each.rows))
-        for line in sandbox_and_limits(shared.sandbox, shared.limits):
-            console.print(f"played in {line}")
-        console.print(f"played by {shared.versions}\n")
+        _say_conditions(shared, shared.limits)
+        console.print()
         console.print(result_tables.OVERALL_LEGEND, style="dim")
     for tournament in rated:
         _show_tournament(tournament)
@@ -70,10 +72,7 @@ def _show(one: Standings) -> None:
     conditions = one.conditions
     kept = {} if conditions.limits == KeptLimits() else {conditions.track: conditions.limits}
     console.print(evaluations_table(one))
-    console.print(f"played in {''.join(sandbox_and_limits(conditions.sandbox, kept))}")
-    if conditions.model is not None:
-        console.print(f"model: {conditions.model}")
-    console.print(f"played by {conditions.versions}")
+    _say_conditions(conditions, kept)
     console.print(f"signed: {_signed(one) or 'none'}\n")
 
 
@@ -81,19 +80,25 @@ def _show_tournament(one: Tournament) -> None:
     """Print the standings of a tournament."""
     console.print()
     console.print(standings_table(one))
-    for line in sandbox_and_limits(one.sandbox, {one.track: one.limits}):
-        console.print(f"played in {line}")
-    console.print(f"played by {one.versions}\n")
+    _say_conditions(one, {one.track: one.limits})
+    console.print()
     console.print(legend(one), style="dim")
+
+
+def _say_conditions(shared: Conditions | Results | Tournament, limits: Mapping[str, KeptLimits]) -> None:
+    """Print where something was played, with which model, and by which versions."""
+    for line in sandbox_and_limits(shared.sandbox, limits):
+        console.print(f"played in {line}")
+    if shared.model is not None:
+        console.print(f"model: {shared.model}")
+    console.print(f"played by {shared.versions}")
 
 
 def evaluations_table(one: Standings) -> Table:
     """Return the table of comparable evaluations on one track: the submissions from best to worst."""
     shared = one.conditions
-    clock = "" if shared.clock is None else f" · clock {shared.clock}"
-    table = result_tables.ranking_table(
-        f"{shared.track} · suite {shared.suite} · seed {shared.seed}{_rounds(shared.rounds)}{clock}"
-    )
+    title = f"{shared.track} · suite {shared.suite} · seed {shared.seed}{_rounds(shared.rounds)}"
+    table = result_tables.ranking_table(f"{title}{of_clock(shared.clock)}")
     result_tables.add_metrics(table, one.rows[0].evaluation.metrics)
     result_tables.add_columns(table, "matches\nfailed", "date")
     for row in one.rows:

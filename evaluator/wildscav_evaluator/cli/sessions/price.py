@@ -29,7 +29,9 @@ def clocks_of(paces: str) -> tuple[ClockChoice, ...]:
     Raises:
         UserError: The text is not a list of different paces.
     """
-    clocks = tuple(clock_choice(f"running,pace={pace.strip()}") for pace in paces.split(","))
+    clocks = tuple(
+        clock_choice(f"running,pace={pace.strip()}", f"--paces {paces}") for pace in paces.split(",")
+    )
     if len(set(map(str, clocks))) < len(clocks):
         raise UserError(f"--paces {paces}: a pace is given twice", 2)
     return ClockChoice(clock="paused"), *clocks
@@ -51,9 +53,13 @@ def run_price(
     options: MonitorOptions,
     executor: Executor | None = None,
     *,
+    think: float = 0.0,
     as_json: bool = False,
 ) -> None:
     """Play the matches of a plan by each clock, and show and save the price of thinking.
+
+    Args:
+        think: Seconds by which every decision is slowed down on purpose.
 
     Raises:
         UserError: Nothing could be played, or something could not be saved.
@@ -64,17 +70,18 @@ def run_price(
         of_clock = replace(plan, suite=replace(plan.suite, clock=clock), out=plan.out / name)
         played.append(_played(of_clock, options, executor))
     try:
-        price = price_of(played)
-        path = price.write(plan.out / PRICE_FILE)
-        picture = draw_price(price, plan.out / PRICE_PICTURE)
+        price = price_of(played, think)
     except ValueError as error:
         raise UserError(str(error)) from error
-    except OSError as error:
-        raise UserError(f"the price could not be saved: {describe(error)}") from error
     console.print()
     console.print(price_table(price))
     if as_json:
         print_json({"folder": str(plan.out), **price.as_json()})
+    try:
+        path = price.write(plan.out / PRICE_FILE)
+        picture = draw_price(price, plan.out / PRICE_PICTURE)
+    except OSError as error:
+        raise UserError(f"the price could not be saved: {describe(error)}") from error
     say("price", str(path))
     say("picture", str(picture))
 

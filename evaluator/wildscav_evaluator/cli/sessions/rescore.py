@@ -16,7 +16,8 @@ from wildscav_evaluator.output.layout import LEDGER_FILE, OPENED_FILE, RESULTS_F
 from wildscav_evaluator.output.record_names import record_paths
 from wildscav_evaluator.output.results import CURRENT_VERSIONS, Results, Timings, read_results
 from wildscav_evaluator.scores.audit import AuditedFolder, discrepancies, read_folder
-from wildscav_evaluator.scores.expected_matches import check_opened, has_older_schedule
+from wildscav_evaluator.scores.expected_matches import check_opened, has_older_schedule, played_suite
+from wildscav_evaluator.scores.overall import overall_of
 from wildscav_evaluator.scores.rescore import Replayed, recompute, replay_all
 from wildscav_evaluator.tournaments.tournament_file import tournament_of
 
@@ -37,7 +38,7 @@ def run_rescore(out: Path, executor: Executor, key: str | None = None, *, as_jso
     reported = read_results(out / RESULTS_FILE) if (out / RESULTS_FILE).exists() else None
     folder = None if reported is None else read_folder(out, reported, key)
     replayed = _replay(paths, executor)
-    results = recomputed(replayed, reported, read_identity(out))
+    results = recomputed(out, replayed, reported, read_identity(out))
     disagreements = [f"{out / one.record}: {one.fault}" for one in replayed if one.fault]
     disagreements += _show(results)
     disagreements += (
@@ -121,20 +122,24 @@ def _unchecked(folder: AuditedFolder) -> Iterator[str]:
 
 
 def recomputed(
-    replayed: Sequence[Replayed], reported: Results | None, identity: Identity | None = None
+    out: Path, replayed: Sequence[Replayed], reported: Results | None, identity: Identity | None = None
 ) -> Results:
     """Return results that are recomputed from records.
 
     Args:
+        out: The folder, which has the file of an organizer's own suite.
         reported: The evaluation's own results, the source of everything that records do not contain; None if
             there are none.
         identity: The identity of the evaluation, which is used if it has no results yet.
+
+    Raises:
+        UserError: Its suite is not known.
     """
     evaluations = tuple(recompute(replayed, reported))
     if reported is not None:
-        return reported.model_copy(update={"evaluations": evaluations})
+        return _rated(out, reported.model_copy(update={"evaluations": evaluations}))
     nothing = Timings(started="", wall=0.0, jobs=0, matches=())
-    return Results(
+    results = Results(
         versions=CURRENT_VERSIONS,
         suite="unknown" if identity is None else identity.suite,
         seed=None if identity is None else _public_seed(identity),
@@ -143,9 +148,18 @@ def recomputed(
         sandbox="unknown" if identity is None else identity.sandbox,
         limits={} if identity is None else identity.limits,
         clock=None if identity is None else identity.clock,
+        model=None if identity is None else identity.model,
         evaluations=evaluations,
         timings=nothing,
     )
+    return results if identity is None else _rated(out, results)
+
+
+def _rated(out: Path, results: Results) -> Results:
+    """Return results with the ratings across tracks that follow from their scores."""
+    is_tournament = results.tournament is not None
+    rated = None if is_tournament else overall_of(played_suite(out, results), results.evaluations)
+    return results.model_copy(update={"overall": rated})
 
 
 def _public_seed(identity: Identity) -> int | None:

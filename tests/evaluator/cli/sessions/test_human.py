@@ -3,9 +3,10 @@
 import asyncio
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
-from tests.evaluator.results_by_hand import scored_results
+from tests.evaluator.results_by_hand import MODEL, scored_results
 from tests.platform.stage.playing.pages import PageClient, page
 from tests.platform.stage.playing.tables import table
 
@@ -80,6 +81,14 @@ def test_what_people_cannot_play_is_refused(tmp_path: Path, suite: str) -> None:
         person_in_suite("ann", "quick", 0, "battle", tmp_path / "out", fresh=False),
     ):
         pass
+    hurried = tmp_path / "hurried.toml"
+    for clock in ('clock = "running"', 'clock = "paused", thinking = { budget = 60.0 }'):
+        hurried.write_text(SUITE.replace('clock = "paused"', clock).replace("short", "hurried"))
+        with (
+            pytest.raises(UserError, match="people can pause their matches, and those of navigation in"),
+            person_in_suite("ann", str(hurried), 0, None, tmp_path / "out", fresh=False),
+        ):
+            pass
     with (
         pytest.raises(UserError, match="suite short has no track royale"),
         person_in_suite("ann", suite, 0, "royale", tmp_path / "out", fresh=False),
@@ -91,16 +100,18 @@ def test_what_people_cannot_play_is_refused(tmp_path: Path, suite: str) -> None:
     ("changed", "tables"),
     [
         ({}, [[(1, "a"), (2, "ann")]]),  # beside agents that played the same matches
+        ({"name": "a"}, [[(1, "a"), (2, "a")]]),  # a person replaces no agent
         ({"seed": 9}, [[(1, "a")], [(1, "ann")]]),
         ({"versions": CURRENT_VERSIONS.model_copy(update={"simulation": 99})}, [[(1, "a")], [(1, "ann")]]),
     ],
-    ids=["same", "seed", "simulation"],
+    ids=["same", "name", "seed", "simulation"],
 )
 def test_a_person_stands_beside_the_agents_that_played_the_same_matches(
-    changed: dict[str, object], tables: list[list[tuple[int, str]]]
+    changed: dict[str, Any], tables: list[list[tuple[int, str]]]
 ) -> None:
-    agents = scored_results({("a", "gathering"): [9.0]}, sandbox="bubblewrap", memory=2**30)
-    person = scored_results({("ann", "gathering"): [5.0]}, sandbox="browser", **changed)
+    agents = scored_results({("a", "gathering"): [9.0]}, sandbox="bubblewrap", memory=2**30, model=MODEL)
+    name = changed.pop("name", "ann")
+    person = scored_results({(name, "gathering"): [5.0]}, sandbox="browser", **changed)
     assert boards(agents, person) == tables
 
 

@@ -200,7 +200,7 @@ def test_when_all_seats_pay_for_their_thoughts_the_match_plays_on(tmp_path: Path
                     meters[number].spend(40)
                     assert await answer(seat, hosted, number, walk_speed=1.0) == step
         outcome = await hosted.finished()
-        assert [one.charged_steps for one in outcome.seats.values()] == [16, 16]
+        assert [one.held_steps for one in outcome.seats.values()] == [16, 16]
         record(hosted)
 
     serving_by_hand(tmp_path, play)

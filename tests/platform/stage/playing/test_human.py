@@ -18,6 +18,8 @@ COMMAND = (sys.executable, "-m", "wildscav.cli.main", "human", "--no-browser")
         (("--track", "chess"), "--track is 'chess'; the tracks are navigation,"),
         (("--opponents", "nobody"), "--opponents has 'nobody', which is neither a robot"),
         (("--range", "--people", "2"), "--range has a map and targets of its own, for one person"),
+        (("--name", "ann"), "--name and --fresh are for the matches of a --suite"),
+        (("--fresh",), "--name and --fresh are for the matches of a --suite"),
         (("--suite", "reading", "--people", "2"), "--suite says what is played, by one person against its"),
         (("--suite", "reading", "--rules", "fair"), "--suite says what is played, by one person against its"),
     ],
