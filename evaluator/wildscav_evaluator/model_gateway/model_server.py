@@ -17,7 +17,7 @@ from urllib.parse import urlsplit
 
 from pydantic_core import to_json
 
-from wildscav.harness.answers import BUSY, LARGEST_ANSWER
+from wildscav.harness.answers import BUSY, LARGEST_ANSWER, LONGEST_REASON
 from wildscav_evaluator.model_gateway.chat import ChatAnswer, ChatError, read_answer
 from wildscav_evaluator.model_gateway.settings import ModelSettings
 
@@ -25,7 +25,6 @@ CONNECT_TIME = 10.0  # s
 FIRST_PAUSE, LONGEST_PAUSE = 0.5, 30.0  # s before a request is tried again
 OVERLOADED = (429, 503)  # answers that no request has earned
 REFUSED = (400, 413, 422)  # answers that a request may have earned
-LONGEST_REASON = 300  # characters of the server's own words
 QUESTION = {"messages": [{"role": "user", "content": "Answer with the word yes."}]}
 SHORT = 16  # tokens of the answer to it
 
