@@ -27,8 +27,10 @@ from tests.scripted_model import (
 )
 
 from wildscav_evaluator.model_gateway import exchanges, serve
+from wildscav_evaluator.model_gateway.accounts import Accounts
 from wildscav_evaluator.model_gateway.chat import ChatAnswer
 from wildscav_evaluator.model_gateway.model_server import ModelServer
+from wildscav_evaluator.model_gateway.settings import ModelSettings
 
 TOOL = {"type": "function", "function": {"name": "go", "parameters": {"type": "object"}}}
 
@@ -86,7 +88,6 @@ def test_a_server_that_counts_nothing_or_nonsense_is_estimated(
         ({"tokens": 60}, "of 60 tokens are used up"),
         ({"seconds": 1e-9}, "of the model's time are used up"),
         ({"money": 1e-6, "answer_price": 1.0}, "of money for the model are used up"),
-        ({"money": 2e-5, "prompt_price": 1.0}, "of money for the model are used up"),  # by the next prompt
     ],
 )
 def test_a_budget_that_is_spent_ends_a_seat_and_no_other(
@@ -107,6 +108,14 @@ def test_a_budget_that_is_spent_ends_a_seat_and_no_other(
 
     with ScriptedModel(in_turn(said("To the target, and then on to the next one."))) as model:
         asyncio.run(ask())
+
+
+def test_money_is_spent_when_the_next_prompt_would_spend_it(tmp_path: Path) -> None:
+    accounts = Accounts.make(tmp_path / "accounts", [0])
+    settings = ModelSettings(url="http://host/v1", name="tiny", money=2e-5, prompt_price=1.0)
+
+    assert accounts.spent(0, settings, prompt=19) == ""
+    assert accounts.spent(0, settings, prompt=20) == "its 2e-05 of money for the model are used up"
 
 
 def test_an_answer_may_not_be_longer_than_what_is_left_of_the_budget(
