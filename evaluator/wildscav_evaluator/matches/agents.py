@@ -58,9 +58,9 @@ class MatchAgents:
         self._watchers: dict[int, asyncio.Task[Ending]] = {}
         self._metering: list[asyncio.Task[None]] = []
         if model is not None:
-            self._metering.append(asyncio.create_task(model.watch(self._spent, hosted.cancel)))
+            self._metering.append(asyncio.create_task(model.watch(self._end_over_budget, hosted.cancel)))
 
-    def _spent(self, seat: int, reason: str) -> None:
+    def _end_over_budget(self, seat: int, reason: str) -> None:
         """End a seat's part in the match, because its model's budget is spent."""
         self._hosted.give_up(seat, reason, SeatStatus.OVER_BUDGET)
 
@@ -96,7 +96,7 @@ class MatchAgents:
         if ending.platform_fault and not self._hosted.match.over:
             self._hosted.cancel()  # it will be played again
         elif self.model is not None and self.model.is_over(seat):
-            self._spent(seat, f"its model's budget was spent, and {ending}")
+            self._end_over_budget(seat, f"its model's budget was spent, and {ending}")
         else:
             self._hosted.give_up(seat, str(ending), status_of(ending))
         return ending

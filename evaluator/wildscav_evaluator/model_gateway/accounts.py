@@ -9,12 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
+from wildscav.harness.spending import price
 from wildscav_evaluator.model_gateway.settings import ModelSettings
 
 PROMPT, ANSWER, REQUESTS, NANOSECONDS, OVER = range(5)
 COUNTS = 5
 NANOSECOND = 1e-9  # s
-MILLION = 1e6  # tokens, of which a price is given
 
 
 class Accounts:
@@ -81,7 +81,7 @@ class Accounts:
             return f"its next prompt exceeds its budget: {tokens:,} of {settings.tokens:,} tokens are used up"
         if seconds >= settings.seconds:
             return f"its {settings.seconds:g} s of the model's time are used up"
-        if settings.money is not None and self._cost(seat, settings) >= settings.money:
+        if settings.money is not None and self._cost(seat, settings, prompt) >= settings.money:
             return f"its {settings.money:g} of money for the model are used up"
         return ""
 
@@ -90,9 +90,9 @@ class Accounts:
         left = settings.tokens - self.tokens(seat) - prompt
         return max(1, min(settings.max_tokens, left, asked or settings.max_tokens))
 
-    def _cost(self, seat: int, settings: ModelSettings) -> float:
-        prompt, answer = self._read(seat, PROMPT), self._read(seat, ANSWER)
-        return (prompt * settings.prompt_price + answer * settings.answer_price) / MILLION
+    def _cost(self, seat: int, settings: ModelSettings, prompt: int) -> float:
+        prompt += self._read(seat, PROMPT)
+        return price(prompt, self._read(seat, ANSWER), settings.prompt_price, settings.answer_price)
 
     def _read(self, seat: int, count: int) -> int:
         return int(self._counts[self._rows[seat], count])

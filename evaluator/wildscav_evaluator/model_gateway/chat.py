@@ -18,14 +18,16 @@ from pydantic import (
     JsonValue,
     ValidationError,
 )
+from pydantic_core import to_json
 
+from wildscav.harness.answers import estimated_tokens
 from wildscav_engine.specs.validation import one_line
 
 DATA = re.compile(r"data:image/(png|jpeg);base64,([A-Za-z0-9+/]+={0,2})")
 LARGEST_SIDE = 4096  # pixels of a picture
 REFERENCES = frozenset(("$ref", "$dynamicRef", "$recursiveRef"))  # of JSON Schema
-BYTES_A_TOKEN = 4  # of text, where no server counts
-TOKENS_A_PICTURE = 1000  # likewise
+LARGEST_SCHEMA = 64 << 10  # bytes
+MOST_MARKS = 100_000  # commas and opening brackets of a request, which bound its values
 FRAME = 1000  # tokens that a server may add to a prompt by its template
 
 Text = Annotated[str, Field(max_length=8 << 20)]
@@ -52,8 +54,10 @@ def _is_data(url: str) -> str:
     return url
 
 
-def _refers_to_itself(schema: dict[str, JsonValue]) -> dict[str, JsonValue]:
-    """Refuse a schema that refers to another document, which somebody would have to fetch."""
+def _is_small_and_whole(schema: dict[str, JsonValue]) -> dict[str, JsonValue]:
+    """Refuse a schema that is large, or refers to another document, which somebody would have to fetch."""
+    if len(to_json(schema)) > LARGEST_SCHEMA:
+        raise ValueError(f"a schema may have {LARGEST_SCHEMA:,} bytes")
     waiting: list[Any] = [schema]
     while waiting:
         part = waiting.pop()
@@ -67,7 +71,7 @@ def _refers_to_itself(schema: dict[str, JsonValue]) -> dict[str, JsonValue]:
     return schema
 
 
-Schema = Annotated[dict[str, JsonValue], AfterValidator(_refers_to_itself)]
+Schema = Annotated[dict[str, JsonValue], AfterValidator(_is_small_and_whole)]
 
 
 class Part(BaseModel):
@@ -97,6 +101,9 @@ class ImagePart(Part):
     image_url: ImageUrl
 
 
+ContentPart = Annotated[TextPart | ImagePart, Field(discriminator="type")]
+
+
 class FunctionCall(Part):
     """What a model calls, with arguments as JSON that it wrote itself."""
 
@@ -116,7 +123,7 @@ class Message(Part):
     """One message of a conversation."""
 
     role: Literal["system", "developer", "user", "assistant", "tool"]
-    content: Text | list[Annotated[TextPart | ImagePart, Field(discriminator="type")]] | None = None
+    content: Text | Annotated[list[ContentPart], Field(max_length=2000)] | None = None
     name: Name | None = None
     tool_calls: Annotated[list[ToolCall], Field(max_length=128)] | None = None
     tool_call_id: Annotated[str, Field(max_length=200)] | None = None
@@ -193,6 +200,8 @@ def read_request(content: bytes) -> ChatRequest:
     Raises:
         ChatError: It is not valid, or asks for what is not passed on.
     """
+    if sum(content.count(mark) for mark in (b",", b"[", b"{")) > MOST_MARKS:
+        raise ChatError(f"a request may have {MOST_MARKS:,} commas and opening brackets")
     try:
         request = ChatRequest.model_validate_json(content)
     except ValidationError as error:
@@ -200,17 +209,6 @@ def read_request(content: bytes) -> ChatRequest:
     if request.stream:
         raise ChatError("stream is true: answers come in one piece here, so leave it out")
     return request
-
-
-def estimated_tokens(value: Any) -> int:
-    """Return the estimated tokens of some messages, tools or texts: one for 4 bytes, 1,000 for a picture."""
-    if isinstance(value, str):
-        return -(-len(value.encode("utf-8", "replace")) // BYTES_A_TOKEN)
-    if isinstance(value, dict):
-        if value.get("type") == "image_url":
-            return TOKENS_A_PICTURE
-        return sum(estimated_tokens(one) for one in value.values())
-    return sum(map(estimated_tokens, value)) if isinstance(value, list) else 0
 
 
 class AnswerMessage(Part):
@@ -235,20 +233,20 @@ class ChatAnswer(Part):
     choices: Annotated[list[Choice], Field(min_length=1)]
     usage: Any = None
 
-    def tokens(self, body: dict[str, Any], size: int, most: int) -> tuple[int, int]:
+    def tokens(self, estimated: int, size: int, most: int) -> tuple[int, int]:
         """Return the tokens of the prompt and of the answer: reported ones, or estimates if those cannot be.
 
         Args:
-            body: The request.
+            estimated: The tokens of the request.
             size: The bytes of it.
             most: The tokens that the answer was allowed.
         """
         usage = self.usage if isinstance(self.usage, dict) else {}
         prompt, answer = usage.get("prompt_tokens"), usage.get("completion_tokens")
         if type(prompt) is not int or not 0 <= prompt <= size + FRAME:
-            prompt = estimated_tokens(body)
+            prompt = estimated
         if type(answer) is not int or not 0 <= answer <= most:
-            answer = min(most, estimated_tokens(self.choices[0].message.model_dump()))
+            answer = min(most, estimated_tokens(self.choices[0].message.model_dump(exclude_none=True)))
         return prompt, answer
 
 
@@ -256,7 +254,7 @@ def read_answer(content: bytes) -> ChatAnswer:
     """Return the answer of a model's server.
 
     Raises:
-        ChatError: It is none.
+        ChatError: It is not of the protocol.
     """
     try:
         return ChatAnswer.model_validate_json(content)

@@ -4,8 +4,10 @@ Each message and each list of tools stands in the file once, under its digest; r
 because every request repeats the conversation before it.
 """
 
+import asyncio
 import gzip
 import json
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from hashlib import sha256
 from pathlib import Path
@@ -18,7 +20,7 @@ SHORT = 16  # hexadecimal digits of a digest
 
 
 class Exchanges:
-    """Writes the file, as a context manager. Once a seat has filled its share, its requests are only counted.
+    """Writes the file in a thread, as a context manager, until a seat has filled its share.
 
     Args:
         path: The file; None to write none.
@@ -30,8 +32,9 @@ class Exchanges:
         if path is not None:
             path.parent.mkdir(parents=True, exist_ok=True)
             plain = self._stack.enter_context(path.open("wb"))
-            self._file = gzip.GzipFile(filename="", fileobj=plain, mode="wb", mtime=0)
+            self._file = gzip.GzipFile(filename="", fileobj=plain, mode="wb", compresslevel=1, mtime=0)
             self._stack.enter_context(self._file)
+        self._thread = self._stack.enter_context(ThreadPoolExecutor(1))
         self._known: dict[int, set[str]] = {}
         self._left: dict[int, int] = {}
 
@@ -41,13 +44,19 @@ class Exchanges:
     def __exit__(self, *_: object) -> None:
         self._stack.close()
 
-    def write(self, seat: int, number: int, request: dict[str, Any], result: dict[str, Any]) -> None:
-        """Write one request of a seat and what became of it.
+    def write(
+        self, seat: int, number: int, request: dict[str, Any], result: dict[str, Any]
+    ) -> "asyncio.Future[None]":
+        """Write one request of a seat and what became of it, also if nobody waits for that.
 
         Args:
             number: Which of the seat's requests it is, from 1.
         """
-        if self._file is None:
+        loop = asyncio.get_running_loop()
+        return loop.run_in_executor(self._thread, self._write, seat, number, request, result)
+
+    def _write(self, seat: int, number: int, request: dict[str, Any], result: dict[str, Any]) -> None:
+        if self._file is None or self._left.get(seat, MOST) <= 0:
             return
         short = dict(request)
         if "messages" in short:

@@ -36,6 +36,7 @@ class ModelGateway:
         self, process: asyncio.subprocess.Process, accounts: Accounts, folders: Mapping[int, Path]
     ) -> None:
         self._process, self._accounts, self._folders = process, accounts, folders
+        self._said = asyncio.create_task(_said_by(process))
         self.fault = ""
 
     def address(self, seat: int) -> str:
@@ -57,20 +58,27 @@ class ModelGateway:
             if "over" in event:
                 on_over(event["over"], event["reason"])
             else:
-                self.fault = event.get("fault") or "the model's gateway has ended"
+                self.fault = event.get("fault") or f"the model's gateway has ended{await self._last_line()}"
                 on_fault()
 
     async def ready(self) -> None:
         """Wait until it listens.
 
         Raises:
-            ModelFaultError: It does not.
+            ModelFaultError: It does not listen within some time.
         """
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(START_TIME):
                 if "ready" in await self._event():
                     return
-        raise ModelFaultError("the model's gateway does not start")
+        with contextlib.suppress(ProcessLookupError):
+            self._process.kill()
+        raise ModelFaultError(f"the model's gateway does not start{await self._last_line()}")
+
+    async def _last_line(self) -> str:
+        """Return the last line that the process printed before its end; an empty text if it printed none."""
+        line = (await self._said).strip().rpartition("\n")[2]
+        return f": {line}" if line else ""
 
     async def _event(self) -> dict[str, Any]:
         """Return the next line of the process; an empty one if it has ended."""
@@ -88,6 +96,12 @@ class ModelGateway:
         with contextlib.suppress(ProcessLookupError):
             self._process.kill()
         await self._process.wait()
+
+
+async def _said_by(process: asyncio.subprocess.Process) -> str:
+    """Return all that a process prints as its errors, when it has ended."""
+    said = b"" if process.stderr is None else await process.stderr.read()
+    return said.decode(errors="replace")
 
 
 @asynccontextmanager
@@ -121,6 +135,7 @@ async def open_gateway(
             env={name: os.environ[name] for name in PASSED_ON if name in os.environ},
             stdin=asyncio.subprocess.PIPE,
             stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.PIPE,
             start_new_session=True,
         )
         gateway = ModelGateway(process, accounts, folders)

@@ -1,6 +1,7 @@
 """Asking the organizer's model, and finding out who is to blame if it does not answer.
 
-A request that fails is tried again. If it fails to the end, the gateway asks a short question of its own: if
+A request that fails is tried again. An overloaded server is waited for, and no seat is blamed for it. If a
+request fails in another way to the end, the gateway asks a short question of its own: if
 the server answers that, the request was at fault, and so was its seat; if not, the platform is.
 """
 
@@ -16,15 +17,14 @@ from urllib.parse import urlsplit
 
 from pydantic_core import to_json
 
+from wildscav.harness.answers import BUSY, LARGEST_ANSWER, LONGEST_REASON
 from wildscav_evaluator.model_gateway.chat import ChatAnswer, ChatError, read_answer
 from wildscav_evaluator.model_gateway.settings import ModelSettings
 
-LARGEST_ANSWER = 8 << 20  # bytes
 CONNECT_TIME = 10.0  # s
 FIRST_PAUSE, LONGEST_PAUSE = 0.5, 30.0  # s before a request is tried again
-BUSY = (408, 409, 425, 429)  # answers, besides those from 500 on, after which a request is tried again
+OVERLOADED = (429, 503)  # answers that no request has earned
 REFUSED = (400, 413, 422)  # answers that a request may have earned
-LONGEST_REASON = 300  # characters of the server's own words
 QUESTION = {"messages": [{"role": "user", "content": "Answer with the word yes."}]}
 SHORT = 16  # tokens of the answer to it
 
@@ -119,13 +119,13 @@ class ModelServer:
     """The organizer's model, as a context manager. It keeps nothing of one seat for another.
 
     Args:
-        at_once: Requests at one time.
+        seats: Those that ask, each one request at a time.
     """
 
-    def __init__(self, settings: ModelSettings, key: str, at_once: int) -> None:
+    def __init__(self, settings: ModelSettings, key: str, seats: int) -> None:
         self._settings, self._key = settings, key
         self._works = False  # whether it has answered a request
-        self._threads = ThreadPoolExecutor(2 * at_once)  # those whose time is up take a moment to end
+        self._threads = ThreadPoolExecutor(2 * seats)  # those whose time is up take a moment to end
         self._idle: list[_Connection] = []
         self._busy: set[_Connection] = set()
 
@@ -151,25 +151,32 @@ class ModelServer:
             RequestAtFaultError: The server answers other requests, but not this one.
             ServerAtFaultError: The server does not work, or not with the organizer's settings.
         """
-        body, pause = self._body(fields, most, salt), FIRST_PAUSE
-        for tries_left in range(self._settings.retries, -1, -1):
+        body, pause = await asyncio.to_thread(self._body, fields, most, salt), FIRST_PAUSE
+        end, tries_left = time.monotonic() + self._settings.timeout, self._settings.retries
+        while True:
             started = time.monotonic()
             try:
                 answer = await self._post(body)
             except _FailedError as error:
                 failed = error
-                if 0 < failed.status < 500 and failed.status not in BUSY:
-                    break
             else:
                 self._works = True
                 return Answered(answer, len(body), time.monotonic() - started)
-            if tries_left:
-                await asyncio.sleep(min(LONGEST_PAUSE, max(pause, failed.pause)))
-                pause *= 2.0
-        raise await self._blame(failed)
+            wait = min(LONGEST_PAUSE, max(pause, failed.pause))
+            if failed.status in OVERLOADED:
+                goes_on = time.monotonic() + wait < end
+            else:
+                goes_on = tries_left > 0 and (failed.status in (0, *BUSY) or failed.status >= 500)
+                tries_left -= 1
+            if not goes_on:
+                raise await self._blame(failed)
+            await asyncio.sleep(wait)
+            pause *= 2.0
 
     async def _blame(self, failed: _FailedError) -> Exception:
         """Return whose fault it is that a request failed."""
+        if failed.status in OVERLOADED:
+            return ServerAtFaultError(f"the model's server at {self._settings.host} is overloaded: {failed}")
         if not (failed.status in REFUSED and self._works):
             try:
                 await self._post(self._body(QUESTION, SHORT, ""))
@@ -202,7 +209,7 @@ class ModelServer:
             raise _FailedError(f"its answer has more than {LARGEST_ANSWER:,} bytes")
         if status == 200:
             try:
-                return read_answer(content)
+                return await asyncio.to_thread(read_answer, content)
             except ChatError as error:
                 raise _FailedError(str(error)) from None
         reason, code = self._reason(content)

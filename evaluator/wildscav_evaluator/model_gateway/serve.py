@@ -13,12 +13,13 @@ import sys
 import time
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from pydantic import BaseModel
 
+from wildscav.harness.answers import estimated_tokens
 from wildscav_evaluator.model_gateway.accounts import Accounts
-from wildscav_evaluator.model_gateway.chat import ChatError, ChatRequest, estimated_tokens, read_request
+from wildscav_evaluator.model_gateway.chat import ChatError, read_request
 from wildscav_evaluator.model_gateway.exchanges import Exchanges
 from wildscav_evaluator.model_gateway.model_server import (
     Answered,
@@ -31,6 +32,7 @@ from wildscav_evaluator.model_gateway.unix_http import CONNECTIONS, Request, Res
 
 CHAT, MODELS = "/v1/chat/completions", "/v1/models"
 INVALID = "invalid_request_error"
+LARGEST_SETUP = 1 << 20  # bytes
 OPEN_TO_ALL = 0o666  # its private folder protects a socket from others
 
 
@@ -42,6 +44,25 @@ class Setup(BaseModel):
     sockets: dict[int, Path]  # of each seat
     accounts: Path
     exchanges: Path | None
+
+
+class Prompt(NamedTuple):
+    """What a seat asks."""
+
+    fields: dict[str, Any]  # that the model's server gets
+    estimated: int  # tokens
+    most: int | None  # tokens of the answer, if the seat says so
+
+    @classmethod
+    def read(cls, content: bytes) -> "Prompt":
+        """Read it.
+
+        Raises:
+            ChatError: It is not valid.
+        """
+        chat = read_request(content)
+        fields = chat.passed_on()
+        return cls(fields, estimated_tokens(fields), chat.most)
 
 
 class Desk:
@@ -68,21 +89,20 @@ class Desk:
         if asked != ("POST", CHAT):
             return refusal(404, INVALID, f"there are POST {CHAT} and GET {MODELS}, and nothing else")
         try:
-            chat = await asyncio.to_thread(read_request, request.body)
+            prompt = await asyncio.to_thread(Prompt.read, request.body)
         except ChatError as error:
             return refusal(400, INVALID, str(error))
-        return await self._ask(chat)
+        return await self._ask(prompt)
 
-    async def _ask(self, chat: ChatRequest) -> Response:
+    async def _ask(self, prompt: Prompt) -> Response:
         """Ask the model within the seat's budget."""
-        fields = chat.passed_on()
-        estimated = estimated_tokens(fields)
+        fields, estimated, _ = prompt
         if spent := self._accounts.spent(self._seat, self._settings, estimated):
             if not self._accounts.is_over(self._seat):
                 self._accounts.close(self._seat)
                 report(over=self._seat, reason=spent)
             return refusal(429, "insufficient_quota", spent, "insufficient_quota")
-        most = self._accounts.most_answer(self._seat, self._settings, estimated, chat.most)
+        most = self._accounts.most_answer(self._seat, self._settings, *prompt[1:])
         self._accounts.begin(self._seat)
         self._asked += 1
         number, started = self._asked, time.monotonic()
@@ -90,24 +110,27 @@ class Desk:
             answered = await self._server.ask(fields, most, self._salt)
         except RequestAtFaultError as error:
             self._accounts.charge(self._seat, estimated, 0, time.monotonic() - started)
-            self._exchanges.write(self._seat, number, fields, {"error": str(error)})
+            await self._exchanges.write(self._seat, number, fields, {"error": str(error)})
             return refusal(error.status, INVALID, str(error), error.code)
         except ServerAtFaultError as error:
-            self._exchanges.write(self._seat, number, fields, {"fault": str(error)})
+            await self._exchanges.write(self._seat, number, fields, {"fault": str(error)})
             report(fault=str(error))
             return refusal(503, "server_error", "the model's server fails: the match is played again")
-        return self._pass_on(answered, number, fields, most)
+        except asyncio.CancelledError:  # its client left: the model may have written all
+            self._accounts.charge(self._seat, estimated, most, time.monotonic() - started)
+            self._exchanges.write(self._seat, number, fields, {"error": "the agent left"})
+            raise
+        return await self._pass_on(answered, number, prompt, most)
 
-    def _pass_on(self, answered: Answered, number: int, fields: dict[str, Any], most: int) -> Response:
+    async def _pass_on(self, answered: Answered, number: int, asked: Prompt, most: int) -> Response:
         """Charge the seat for an answer, write it down, and return what is passed on of it."""
-        prompt, tokens = answered.answer.tokens(fields, answered.size, most)
+        prompt, tokens = answered.answer.tokens(asked.estimated, answered.size, most)
         self._accounts.charge(self._seat, prompt, tokens, answered.seconds)
         choice = answered.answer.choices[0].model_dump(exclude_unset=True)
         usage = {"prompt_tokens": prompt, "completion_tokens": tokens, "total_tokens": prompt + tokens}
         seconds = round(answered.seconds, 3)
-        self._exchanges.write(
-            self._seat, number, fields, {"most": most, "answer": choice, "usage": usage, "seconds": seconds}
-        )
+        result = {"most": most, "answer": choice, "usage": usage, "seconds": seconds}
+        await self._exchanges.write(self._seat, number, asked.fields, result)
         choice["message"]["role"] = "assistant"
         return Response(
             200,
@@ -147,13 +170,12 @@ async def serve(setup: Setup, until: "asyncio.Future[Any]") -> None:
     settings, accounts = setup.settings, Accounts(setup.accounts, list(setup.sockets))
     with ExitStack() as stack:
         exchanges = stack.enter_context(Exchanges(setup.exchanges))
-        at_once = settings.at_once * len(setup.sockets)
-        server = stack.enter_context(ModelServer(settings, setup.key, at_once))
+        server = stack.enter_context(ModelServer(settings, setup.key, len(setup.sockets)))
         tasks = []
         for seat, path in setup.sockets.items():
             listener = stack.enter_context(_listen(path))
             desk = Desk(seat, settings, server, accounts, exchanges)
-            tasks.append(asyncio.create_task(UnixServer(listener, desk.answer, settings.at_once).run()))
+            tasks.append(asyncio.create_task(UnixServer(listener, desk.answer).run()))
         report(ready=True)
         await asyncio.wait([until, *tasks], return_when=asyncio.FIRST_COMPLETED)
         if not until.done():
@@ -165,9 +187,10 @@ async def serve(setup: Setup, until: "asyncio.Future[Any]") -> None:
 
 async def main() -> None:
     """Serve what the first line of input says until the input ends."""
-    loop = asyncio.get_running_loop()
-    setup = Setup.model_validate_json(await loop.run_in_executor(None, sys.stdin.readline))
-    await serve(setup, loop.run_in_executor(None, sys.stdin.read))
+    loop, reader = asyncio.get_running_loop(), asyncio.StreamReader(limit=LARGEST_SETUP)
+    await loop.connect_read_pipe(lambda: asyncio.StreamReaderProtocol(reader), sys.stdin)
+    setup = Setup.model_validate_json(await reader.readline())
+    await serve(setup, asyncio.create_task(reader.read()))
 
 
 if __name__ == "__main__":

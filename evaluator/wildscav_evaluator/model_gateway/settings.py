@@ -3,7 +3,7 @@
 import os
 import tomllib
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 from urllib.parse import urlsplit
 
 from pydantic import BaseModel, ConfigDict, Field, JsonValue, ValidationError, model_validator
@@ -36,7 +36,6 @@ class ModelSettings(BaseModel):
     cache_salt: bool = False  # whether each seat gets its own cache of prompts; vLLM knows this field
     timeout: Seconds = 120.0  # s for an answer
     retries: Annotated[int, Field(ge=0, le=10)] = 2  # of a request that the server failed
-    at_once: Annotated[int, Field(ge=1, le=16)] = 1  # requests of a seat
     # The budget of a seat in a match.
     requests: Count = 2_000
     tokens: Count = 1_000_000  # of prompts and answers
@@ -47,6 +46,7 @@ class ModelSettings(BaseModel):
 
     @model_validator(mode="after")
     def _consistent(self) -> "ModelSettings":
+        self._check_url()
         if self.key_env is not None and self.key_file is not None:
             raise ValueError("key_env and key_file are given: the key is in one of them")
         if own := sorted(GATEWAYS_OWN & self.extra.keys()):
@@ -54,6 +54,14 @@ class ModelSettings(BaseModel):
         if self.money is not None and not self.prompt_price + self.answer_price:
             raise ValueError("money is a budget, but prompt_price and answer_price are 0")
         return self
+
+    def _check_url(self) -> None:
+        try:
+            is_whole = urlsplit(self.url).hostname and urlsplit(self.url).port != 0
+        except ValueError:  # of a port
+            is_whole = False
+        if not is_whole:
+            raise ValueError(f"url {self.url} has no host, or a port that cannot be")
 
     @property
     def host(self) -> str:
@@ -86,8 +94,7 @@ def read_model(path: Path) -> ModelSettings:
         UserError: They are missing or not valid, or the key is missing.
     """
     try:
-        document: dict[str, Any] = tomllib.loads(read_limited(path, LARGEST).decode("utf-8"))
-        settings = ModelSettings.model_validate(document.get("model", document))
+        settings = ModelSettings.model_validate(tomllib.loads(read_limited(path, LARGEST).decode("utf-8")))
     except OSError as error:
         raise UserError(f"the model's settings {path} cannot be read: {describe(error)}", 2) from error
     except ValidationError as error:

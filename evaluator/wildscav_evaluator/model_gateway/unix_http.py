@@ -1,13 +1,15 @@
 """A small HTTP server on one unix socket: the protocol is h11's; the limits are ours.
 
-A client takes time from nobody but itself: so many connections, so many requests at once, and a pause after
-each request that was refused. Nothing of a request's header is passed on to anybody.
+A client takes time from nobody but itself: so many connections, one request at a time, and a pause after
+each request that was refused. If it leaves, its request is cancelled. Nothing of a
+request's header is passed on to anybody.
 """
 
 import asyncio
 import json
+import select
 import socket
-from collections.abc import Awaitable, Callable
+from collections.abc import Callable, Coroutine
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,6 +20,7 @@ LARGEST_HEADER = 16 << 10  # bytes
 LARGEST_BODY = 8 << 20  # bytes
 BODY_TIME = 30.0  # s to send a body, and to receive an answer
 REFUSAL_PAUSE = 0.05  # s before a refusal, in which its client's other requests wait
+LOOKS = 0.1  # s between two looks at whether a client has left
 CHUNK = 64 << 10  # bytes
 
 
@@ -58,14 +61,13 @@ class UnixServer:
     Args:
         listener: The socket, which listens and does not block.
         answer: Answers a request.
-        at_once: Requests that are read and answered at one time; the others wait.
     """
 
     def __init__(
-        self, listener: socket.socket, answer: Callable[[Request], Awaitable[Response]], at_once: int
+        self, listener: socket.socket, answer: Callable[[Request], Coroutine[Any, Any, Response]]
     ) -> None:
         self._listener, self._answer = listener, answer
-        self._at_once = asyncio.Semaphore(at_once)
+        self._turn = asyncio.Lock()  # to be read and answered
         self._connections: set[asyncio.Task[None]] = set()
 
     async def run(self) -> None:
@@ -89,7 +91,7 @@ class UnixServer:
         connection = _Connection(reader, writer)
         try:
             while await connection.begins():
-                async with self._at_once:
+                async with self._turn:
                     if not await self._exchange(connection):
                         break
         except (OSError, TimeoutError, h11.ProtocolError):
@@ -100,13 +102,28 @@ class UnixServer:
     async def _exchange(self, connection: "_Connection") -> bool:
         """Answer a request; return whether the connection goes on."""
         try:
-            response = await self._answer(await connection.request())
+            response = await self._response(await connection.request(), connection)
         except RefusedError as error:
             response, connection.goes_on = error.response, False
         if response.status >= 400:
             await asyncio.sleep(REFUSAL_PAUSE)
         await connection.send(response)
         return connection.goes_on
+
+    async def _response(self, request: Request, connection: "_Connection") -> Response:
+        """Return the answer to a request.
+
+        Raises:
+            ConnectionError: The client has left.
+        """
+        answering = asyncio.create_task(self._answer(request))
+        try:
+            while not (await asyncio.wait((answering,), timeout=LOOKS))[0]:
+                if connection.is_left():
+                    raise ConnectionResetError
+            return answering.result()
+        finally:
+            answering.cancel()
 
 
 class _Connection:
@@ -177,6 +194,14 @@ class _Connection:
         while (event := self._state.next_event()) is h11.NEED_DATA:
             self._state.receive_data(await self._reader.read(CHUNK))
         return event
+
+    def is_left(self) -> bool:
+        """Return whether the client has closed the connection, and not only its own half of it."""
+        if self._writer.is_closing():
+            return True
+        ends = select.poll()
+        ends.register(self._writer.get_extra_info("socket"), 0)
+        return bool(ends.poll(0))
 
     async def send(self, response: Response) -> None:
         """Send an answer.

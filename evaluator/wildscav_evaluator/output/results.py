@@ -286,11 +286,9 @@ class KeptLimits(FileModel):
 class ModelTerms(FileModel):
     """A language model that every seat may ask, and on what terms. See ``model_gateway/settings.py``."""
 
-    host: str  # of its server
     name: str
     max_tokens: int  # of an answer
     extra: dict[str, JsonValue] = Field(default_factory=dict)  # more fields of every request
-    at_once: int  # requests of a seat
     timeout: float  # s for an answer
     requests: int  # of a seat in a match
     tokens: int  # likewise, of prompts and answers
@@ -301,7 +299,7 @@ class ModelTerms(FileModel):
 
     def __str__(self) -> str:
         """Return which model it is, in a few words."""
-        return f"{self.name} at {self.host} ({self.requests:,} requests and {self.tokens:,} tokens a seat)"
+        return f"{self.name} ({self.requests:,} requests and {self.tokens:,} tokens a seat)"
 
 
 class Results(WithOptionalFields):

@@ -113,7 +113,13 @@ class GroupMeter:
         """
         if not self._counters:
             raise OSError("the control group is not measured any more")
-        return self._group.used([os.pread(file, LONGEST_FILE, 0) for file in self._counters])[0]
+        try:
+            return self._used()[0]
+        except (ValueError, KeyError) as error:  # a file was cut short
+            raise OSError(f"the control group does not count: {error}") from error
+
+    def _used(self) -> tuple[float, float]:
+        return self._group.used([os.pread(file, LONGEST_FILE, 0) for file in self._counters])
 
     def _read_or_none(self) -> Reading | None:
         try:
@@ -130,8 +136,7 @@ class GroupMeter:
                 os.close(self._files.pop(process))
             else:
                 leaders[process] = (int(ran) / 1e9, int(waited) / 1e9)
-        used = self._group.used([os.pread(file, LONGEST_FILE, 0) for file in self._counters])
-        return Reading(when, *used, leaders)
+        return Reading(when, *self._used(), leaders)
 
 
 def waited_for_others(since: Reading, now: Reading) -> float:

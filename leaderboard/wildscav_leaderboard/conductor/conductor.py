@@ -129,6 +129,8 @@ class Conductor:
             kind = EXECUTORS[settings.executor]
             executor = stack.enter_context(kind(settings.matches, settings.address))
             self._sandbox = work.chosen_sandbox(self.season, executor, self._log)
+            if self.season.settings.model is not None and not executor.nodes:
+                self.season.settings.model.key()  # each match looks it up, but then it is late to miss it
             with self.database.writing() as session:
                 lease.check(session, self._holding)
                 self._publish_nodes(session, executor)

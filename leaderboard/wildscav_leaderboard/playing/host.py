@@ -11,7 +11,7 @@ import sys
 import time
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import FrameType
 
@@ -24,6 +24,8 @@ from wildscav_evaluator.bridge.process import bridged
 from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_evaluator.matches.agents import MatchAgents
 from wildscav_evaluator.matches.play import EXIT_TIME, launch_for
+from wildscav_evaluator.model_gateway.gateway import open_gateway
+from wildscav_evaluator.model_gateway.settings import ModelSettings
 from wildscav_evaluator.sandbox import SANDBOXES, Limits, Sandbox
 from wildscav_evaluator.submissions.images import with_images
 from wildscav_evaluator.submissions.submission import Submission
@@ -88,7 +90,7 @@ async def _serve(order: Order) -> str:
         plan,
         Path(order.records),
         lambda _: None,
-        agents=SandboxedAgents(submission, sandbox, season.limits(order.track)),
+        agents=SandboxedAgents(submission, sandbox, season.limits(order.track), season.settings.model),
         at_home=False,
     ) as served:
         why = await _end(served, rules)
@@ -153,28 +155,34 @@ class SandboxedAgents:
     submission: Submission  # ready for the sandbox
     sandbox: Sandbox
     limits: Limits
+    model: ModelSettings | None = None  # that it may ask
 
     @asynccontextmanager
     async def __call__(
         self, folders: Mapping[int, Path], hosted: HostedMatch, addresses: Mapping[int, str], logs: Path
     ) -> AsyncIterator[None]:
         """Run it for as long as the block lasts."""
-        agents = MatchAgents(hosted, self.sandbox)
-        try:
-            log = logs / LOG
-            launches = {
-                seat: launch_for(
-                    self.submission, addresses[seat], hosted.tokens[seat], log, self.limits, hosted
-                )
-                for seat in folders
-            }
-            async with bridged(launches, hosted) as served:
-                for seat, launch in served.items():
-                    await agents.start(seat, launch)
-                yield
-                await agents.leave(EXIT_TIME)
-        finally:
-            await agents.stop()
+        private = {seat: Path(addresses[seat].removeprefix("unix:")).parent for seat in folders}
+        async with open_gateway(self.model, private, None) as model:
+            agents = MatchAgents(hosted, self.sandbox, model)
+            try:
+                log = logs / LOG
+                launches = {
+                    seat: replace(
+                        launch_for(
+                            self.submission, addresses[seat], hosted.tokens[seat], log, self.limits, hosted
+                        ),
+                        model=None if model is None else model.address(seat),
+                    )
+                    for seat in folders
+                }
+                async with bridged(launches, hosted) as served:
+                    for seat, launch in served.items():
+                        await agents.start(seat, launch)
+                    yield
+                    await agents.leave(EXIT_TIME)
+            finally:
+                await agents.stop()
 
 
 if __name__ == "__main__":

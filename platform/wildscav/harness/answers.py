@@ -10,7 +10,7 @@ from wildscav.errors import WildscavError
 LARGEST_ANSWER = 8 << 20  # bytes
 LONGEST_REASON = 300  # characters of a server's words that are kept
 BUSY = (408, 409, 425, 429)  # answers, besides those from 500 on, after which a request is tried again
-CHARACTERS_PER_TOKEN = 4  # where no server counts
+BYTES_PER_TOKEN = 4  # of JSON, where no server counts
 TOKENS_PER_PICTURE = 1_000
 MOST_TOKENS = 10**8  # of one request, that a server may claim
 MOST_CALLS = 16  # of an answer, that are looked at
@@ -121,8 +121,8 @@ def estimated_tokens(content: object) -> int:
             return {name: plain(one) for name, one in value.items()}
         return [plain(one) for one in value] if isinstance(value, list | tuple) else value
 
-    characters = len(json.dumps(plain(content), ensure_ascii=False))
-    return characters // CHARACTERS_PER_TOKEN + pictures * TOKENS_PER_PICTURE
+    written = json.dumps(plain(content), ensure_ascii=False).encode("utf-8", "replace")
+    return len(written) // BYTES_PER_TOKEN + pictures * TOKENS_PER_PICTURE
 
 
 def _tokens(count: object) -> int:

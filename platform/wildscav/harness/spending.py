@@ -20,6 +20,11 @@ class Ending(StrEnum):
     REQUEST_REFUSED = "request_refused"  # its server does not take such requests
 
 
+def price(prompt_tokens: int, answer_tokens: int, prompt_price: float, answer_price: float) -> float:
+    """Return what some tokens cost, at prices of a million tokens of prompts and of answers."""
+    return (prompt_tokens * prompt_price + answer_tokens * answer_price) / MILLION
+
+
 @dataclass(slots=True)
 class Spending:
     """What one match has taken so far."""
@@ -46,8 +51,7 @@ class Spending:
 
     def money(self, settings: ModelSettings) -> float:
         """Return what they cost."""
-        cost = self.prompt_tokens * settings.prompt_price + self.answer_tokens * settings.answer_price
-        return cost / MILLION
+        return price(self.prompt_tokens, self.answer_tokens, settings.prompt_price, settings.answer_price)
 
     def ending(self, settings: ModelSettings) -> Ending | None:
         """Return which budget is spent, or None."""

@@ -15,6 +15,7 @@ from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.play import MatchAssignment, PlatformFaultError, PlayedMatch, play_match
 from wildscav_evaluator.model_gateway import model_server
+from wildscav_evaluator.model_gateway.gateway import ModelFaultError, open_gateway
 from wildscav_evaluator.model_gateway.settings import ModelSettings
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.submissions.submission import Submission
@@ -95,6 +96,19 @@ def test_a_spent_budget_ends_its_seat_and_no_other(submit: Submit, tmp_path: Pat
     assert played.seats[0].detail == "its 2 requests to the model are used up"
     assert played.seats[0].status.fault == "agent"
     assert played.seats[1].steps_played == STEPS
+
+
+def test_a_gateway_that_cannot_start_says_so(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+
+    async def start() -> None:
+        async with open_gateway(
+            ModelSettings(url="http://host/v1", name="tiny"), {0: tmp_path}, tmp_path / "file/exchanges"
+        ):
+            pass
+
+    with pytest.raises(ModelFaultError, match=r"does not start: .*Error: "):
+        asyncio.run(start())
 
 
 def fails(first: int) -> Any:

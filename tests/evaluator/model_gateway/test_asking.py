@@ -26,6 +26,12 @@ from tests.scripted_model import (
     too_many,
 )
 
+from wildscav_evaluator.model_gateway import exchanges, serve
+from wildscav_evaluator.model_gateway.accounts import Accounts
+from wildscav_evaluator.model_gateway.chat import ChatAnswer
+from wildscav_evaluator.model_gateway.model_server import ModelServer
+from wildscav_evaluator.model_gateway.settings import ModelSettings
+
 TOOL = {"type": "function", "function": {"name": "go", "parameters": {"type": "object"}}}
 
 
@@ -71,8 +77,8 @@ def test_a_server_that_counts_nothing_or_nonsense_is_estimated(
     with ScriptedModel(in_turn(Said("y" * 40, usage=usage))) as model:
         counted = asyncio.run(ask())
 
-    assert counted["prompt_tokens"] == 100 + 1  # 400 bytes, and the role
-    assert counted["completion_tokens"] == 10
+    assert counted["prompt_tokens"] == (len('{"messages": [{"role": "user", "content": ""}]}') + 400) // 4
+    assert counted["completion_tokens"] == (len('{"content": ""}') + 40) // 4
 
 
 @pytest.mark.parametrize(
@@ -104,6 +110,14 @@ def test_a_budget_that_is_spent_ends_a_seat_and_no_other(
         asyncio.run(ask())
 
 
+def test_money_is_spent_when_the_next_prompt_would_spend_it(tmp_path: Path) -> None:
+    accounts = Accounts.make(tmp_path / "accounts", [0])
+    settings = ModelSettings(url="http://host/v1", name="tiny", money=2e-5, prompt_price=1.0)
+
+    assert accounts.spent(0, settings, prompt=19) == ""
+    assert accounts.spent(0, settings, prompt=20) == "its 2e-05 of money for the model are used up"
+
+
 def test_an_answer_may_not_be_longer_than_what_is_left_of_the_budget(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -114,7 +128,7 @@ def test_an_answer_may_not_be_longer_than_what_is_left_of_the_budget(
     with ScriptedModel(in_turn(said("yes"))) as model:
         asyncio.run(ask())
 
-    assert model.requests[0].body["max_tokens"] == 100 - 11
+    assert model.requests[0].body["max_tokens"] == 100 - 21
 
 
 BROKEN = [
@@ -166,14 +180,40 @@ def for_evil(broken: Answer) -> Any:
     return script
 
 
-@pytest.mark.parametrize(
-    "broken", [one for one in BROKEN if one != Failed(401, "Incorrect API key provided")]
-)
-def test_a_request_that_breaks_a_server_which_works_is_its_seats_fault(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, broken: Answer
+class Impatient(ModelServer):
+    """Waits a short time for evil requests, and a long one for others."""
+
+    async def _post(self, body: bytes) -> ChatAnswer:
+        timeout = 0.3 if b"evil" in body else 30.0
+        self._settings = self._settings.model_copy(update={"timeout": timeout})
+        return await super()._post(body)
+
+
+@pytest.mark.parametrize("status", [429, 503])
+def test_an_overloaded_server_is_waited_for_and_blamed_on_no_seat(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, status: int
 ) -> None:
     async def ask() -> None:
         async with served(model, tmp_path, monkeypatch, timeout=0.3, retries=0) as gateway:
+            assert (await gateway.ask("evil")).status_code == 503
+            assert f"is overloaded: status {status}" in gateway.reports[-1]["fault"]
+
+    with ScriptedModel(for_evil(Failed(status))) as model:
+        asyncio.run(ask())
+    assert len(model.requests) > 1
+
+
+NO_REQUESTS_FAULT = [Failed(401, "Incorrect API key provided"), too_many()]
+
+
+@pytest.mark.parametrize("broken", [one for one in BROKEN if one not in NO_REQUESTS_FAULT])
+def test_a_request_that_breaks_a_server_which_works_is_its_seats_fault(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, broken: Answer
+) -> None:
+    monkeypatch.setattr(serve, "ModelServer", Impatient)
+
+    async def ask() -> None:
+        async with served(model, tmp_path, monkeypatch, retries=0) as gateway:
             refused = await gateway.ask("evil")
             assert refused.status_code in (400, 502)
             assert "the model's server failed this request" in refused.json()["error"]["message"]
@@ -187,8 +227,10 @@ def test_a_request_that_breaks_a_server_which_works_is_its_seats_fault(
 def test_an_answer_that_comes_too_late_is_not_asked_for_in_secret(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(serve, "ModelServer", Impatient)
+
     async def ask() -> None:
-        async with served(model, tmp_path, monkeypatch, timeout=0.3, retries=0) as gateway:
+        async with served(model, tmp_path, monkeypatch, retries=0) as gateway:
             assert [(await gateway.ask(said)).status_code for said in ("good", "evil", "good")] == [
                 200,
                 502,
@@ -238,6 +280,21 @@ def test_the_file_has_what_was_asked_and_answered_and_each_message_once(
     assert said_by_each == [["first"], ["first", "second"], ["first"]]
     assert [one["answer"]["message"]["content"] for one in requests] == ["yes"] * 3
     assert [(one["seat"], one["number"]) for one in requests] == [(0, 1), (0, 2), (1, 1)]
+
+
+def test_nothing_more_is_written_once_a_share_is_full(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def write() -> None:
+        with exchanges.Exchanges(tmp_path / "exchanges.jsonl.gz") as file:
+            await file.write(0, 1, {"messages": ["first"]}, {})
+            monkeypatch.setattr(exchanges, "sha256", None)  # nothing is hashed either
+            await file.write(0, 2, {"messages": ["second"]}, {})
+
+    monkeypatch.setattr(exchanges, "MOST", 10)
+    asyncio.run(write())
+
+    assert gzip.decompress((tmp_path / "exchanges.jsonl.gz").read_bytes()) == b'{"seat": 0, "cut": true}\n'
 
 
 def test_nothing_of_one_seat_reaches_the_requests_of_another(

@@ -4,6 +4,7 @@ import asyncio
 import base64
 import contextlib
 import json
+import threading
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -11,10 +12,12 @@ from typing import Any
 import pytest
 from PIL import Image
 from tests.evaluator.model_gateway.served import KEY, Served, served
-from tests.scripted_model import ScriptedModel, in_turn, said
+from tests.scripted_model import Late, ScriptedModel, in_turn, said
 
 from wildscav_evaluator.model_gateway import unix_http
 from wildscav_evaluator.model_gateway.chat import ChatError, read_request
+from wildscav_evaluator.model_gateway.model_server import ModelServer
+from wildscav_evaluator.model_gateway.serve import Prompt
 from wildscav_evaluator.model_gateway.settings import ModelSettings
 
 BODY = json.dumps({"messages": [{"role": "user", "content": "Where?"}]}).encode()
@@ -162,6 +165,42 @@ def test_too_many_connections_wait(
     assert later.startswith(b"HTTP/1.1 200")
 
 
+def test_a_request_is_cancelled_when_its_client_leaves(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def attack() -> int:
+        async with served(model, tmp_path, monkeypatch, max_tokens=50) as gateway:
+            await send(gateway, sized(BODY), 0.5)  # closes the connection after that
+            assert (await gateway.ask("And now?")).status_code == 200
+            return gateway.accounts.written(0)
+
+    with ScriptedModel(in_turn(Late(30.0), said("yes"))) as model:
+        assert asyncio.run(attack()) >= 50  # for the answer that nobody got
+
+
+@pytest.mark.parametrize("heavy", [(Prompt, "read"), (ModelServer, "_body")], ids=str)
+def test_what_is_heavy_for_one_seat_stops_no_other(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, model: ScriptedModel, heavy: tuple[type, str]
+) -> None:
+    light, others_are_served = getattr(*heavy), threading.Event()
+
+    def work(*arguments: Any) -> Any:
+        assert "heavy" not in str(arguments) or others_are_served.wait(20.0)
+        return light(*arguments)
+
+    monkeypatch.setattr(*heavy, work)
+
+    async def attack() -> list[int]:
+        async with served(model, tmp_path, monkeypatch) as gateway:
+            slow = asyncio.create_task(gateway.ask("heavy"))
+            await asyncio.sleep(0.1)
+            quick = await gateway.ask("Where?", seat=1)
+            others_are_served.set()
+            return [quick.status_code, (await slow).status_code]
+
+    assert asyncio.run(attack()) == [200, 200]
+
+
 def test_a_flood_of_refusals_is_slowed_down(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, model: ScriptedModel
 ) -> None:
@@ -220,6 +259,8 @@ def test_what_is_in_the_request_itself_is_passed_on(body: dict[str, Any]) -> Non
         ({"messages": [{"role": "user", "content": "Hello"}], "stream": True}, "one piece"),
         ({"messages": [{"role": "user", "content": "Hello"}], "temperature": 1e99}, "temperature"),
         ({"messages": [{"role": "user", "content": "Hello"}], "max_tokens": 0}, "max_tokens"),
+        (with_schema({"enum": ["a" * 70_000]}), "a schema may have 65,536 bytes"),
+        (with_schema({"enum": [[]] * 100_000}), "100,000 commas and opening brackets"),
     ],
 )
 def test_what_somebody_would_have_to_fetch_is_refused(body: dict[str, Any], reason: str) -> None:
@@ -231,6 +272,9 @@ def test_what_somebody_would_have_to_fetch_is_refused(body: dict[str, Any], reas
     ("settings", "reason"),
     [
         ({"url": "ftp://host"}, "url"),
+        ({"url": "http://host:99999/v1"}, "port"),
+        ({"url": "http://host:ab/v1"}, "port"),
+        ({"url": "http:///v1"}, "no host"),
         ({"url": "http://user:secret@host/v1"}, "url"),
         ({"key_env": "A", "key_file": "b"}, "one of them"),
         ({"extra": {"model": "other"}}, "the gateway sets that itself"),

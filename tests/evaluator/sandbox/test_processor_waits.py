@@ -88,6 +88,18 @@ def test_a_group_that_does_not_count_cannot_be_measured(tmp_path: Path) -> None:
     assert meter_of(nowhere) is None
 
 
+def test_a_group_whose_counters_are_cut_short_is_gone(tmp_path: Path) -> None:
+    counters = tmp_path / "cpu.stat"
+    counters.write_text("usage_usec 1500000\nthrottled_usec 0\n")
+    meter = GroupMeter(CountedGroup({"memory": tmp_path}))
+    assert meter.ran() == 1.5
+    counters.write_text("usage_usec")
+
+    with pytest.raises(OSError, match="does not count"):
+        meter.ran()
+    meter.close()
+
+
 def test_each_version_has_its_own_counters(tmp_path: Path) -> None:
     one = CountedGroup({"cpu": tmp_path, "memory": tmp_path, "cpuacct": tmp_path / "cpuacct"})
     two = CountedGroup({"memory": tmp_path})

@@ -14,6 +14,7 @@ from tests.leaderboard.real_conductor import conduct
 from tests.leaderboard.seasons_made import make_season, submitted, team_with_member
 
 from wildscav_engine.record import read_record
+from wildscav_evaluator.model_gateway.settings import ModelSettings
 from wildscav_leaderboard.conductor.validators import now
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import (
@@ -178,6 +179,18 @@ def test_what_fails_says_whose_fault_it_was(sqlite: Database, season: Season, tm
         assert any("lost the thread" in line for line in one.last_lines)
         assert any('File "agent.py"' in line for line in one.last_lines)
         assert one.command == f"wildscav check DIR --season {season.settings.web.address}"
+
+
+def test_a_season_without_the_key_of_its_model_says_so(season: Season, sqlite: Database) -> None:
+    model = ModelSettings(url="http://host/v1", name="tiny", key_env="NO_SUCH_KEY")
+    settings = season.settings.model_copy(update={"model": model})
+
+    conduct(
+        sqlite, replace(season, settings=settings), lambda session: read_state(session, FAILED) is not None
+    )
+
+    with sqlite.reading() as session:
+        assert "NO_SUCH_KEY is not set" in (read_state(session, FAILED) or {})["reason"]
 
 
 def test_a_season_on_a_cluster_says_why_it_cannot_play(season: Season, sqlite: Database) -> None:

@@ -32,6 +32,7 @@ from wildscav_leaderboard.seasons.models import AuditEntry
 from wildscav_leaderboard.seasons.refusals import RefusalError
 from wildscav_leaderboard.seasons.settings import SETTINGS_FILE
 from wildscav_leaderboard.visibility import PUBLIC, audience_of
+from wildscav_leaderboard.web.boards import _rendered
 
 
 @pytest.fixture
@@ -168,6 +169,17 @@ def test_a_comment_in_a_suite_and_rules_of_other_tracks_change_no_edition(season
     assert edit(season, "tiny.toml", 'name = "tiny"', '# Our own suite.\nname = "tiny"') == []
     assert edit(season, "tiny.toml", "[tracks.battle]\nmaps = 1", "[tracks.battle]\nmaps = 2") == []
     assert season.write(edition_numbers)["navigation"] == 1
+
+
+def test_boards_name_a_model_whose_server_may_move(season: Conducted) -> None:
+    edit(season, SETTINGS_FILE, "[quotas]", '[model]\nurl = "http://host/v1"\nname = "tiny"\n\n[quotas]')
+    apply(season)
+    play(season)
+
+    with season.database.reading() as session:
+        shown = _rendered(session, "navigation", PUBLIC, season.now, None)
+    assert "<dt>model</dt><dd>tiny (2,000 requests and 1,000,000 tokens a seat)</dd>" in shown
+    assert edit(season, SETTINGS_FILE, "http://host/v1", "http://other:81/v1") == []
 
 
 def test_an_edition_that_cannot_be_played_here_waits_until_it_can(season: Conducted) -> None:

@@ -4,13 +4,17 @@ import asyncio
 from pathlib import Path
 
 import pytest
+from tests.evaluator.sample_agents import ASKER
+from tests.leaderboard.agents import write_agent
 from tests.leaderboard.filled_season import FilledSeason
+from tests.scripted_model import ScriptedModel, in_turn, said
 
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_evaluator.model_gateway.settings import ModelSettings
 from wildscav_evaluator.sandbox import SANDBOXES, Limits
-from wildscav_evaluator.submissions.submission import load_submission
-from wildscav_leaderboard.playing.host import SandboxedAgents, plan_of
+from wildscav_evaluator.submissions.submission import Submission, load_submission
+from wildscav_leaderboard.playing.host import LOG, SandboxedAgents, plan_of
 from wildscav_leaderboard.playing.order import SEEDS, Order
 from wildscav_leaderboard.playing.tables import OpenTable, Tables, Wish
 from wildscav_leaderboard.seasons.settings import Play
@@ -36,24 +40,41 @@ def test_nobody_practises_on_a_map_of_the_season(hostile_season: FilledSeason, t
         assert (spec.map, spec.seed) == (MapSpec(config=DEFAULT_MAP, seed=one.seed), one.seed)
 
 
-@pytest.mark.slow
-@pytest.mark.usefixtures("compiled")
-def test_who_plays_by_words_can_be_played_against(tmp_path: Path) -> None:
-    reader = load_submission(HUNTER.parents[1] / "benchmarks" / "strength" / "reader")
+def play(submission: Submission, folder: Path, seconds: float, model: ModelSettings | None = None) -> str:
+    """Play a match with a submission as a table does; return how it ended for it."""
     small = MapSpec(config=MapConfig(size=40, houses=0, vegetation=0.0), seed=1)
-    spec = MatchSpec(track="navigation", map=small, seed=1, time_limit=20.0)
+    spec = MatchSpec(track="navigation", map=small, seed=1, time_limit=seconds)
 
-    async def play() -> MatchOutcome:
+    async def outcome() -> MatchOutcome:
         server = MatchServer()
-        (address,) = await server.start([f"unix:{tmp_path / 'match.sock'}"])
-        hosted = await server.host(spec, names=["reader"], sensors={0: reader.sensors})
-        agents = SandboxedAgents(reader, SANDBOXES["process"], Limits())
-        async with agents({0: reader.folder}, hosted, {0: address}, tmp_path):
+        (address,) = await server.start([f"unix:{folder / 'match.sock'}"])
+        hosted = await server.host(spec, names=["it"], sensors={0: submission.sensors})
+        agents = SandboxedAgents(submission, SANDBOXES["process"], Limits(), model)
+        async with agents({0: submission.folder}, hosted, {0: address}, folder):
             outcome = await hosted.finished()
         await server.stop()
         return outcome
 
-    assert asyncio.run(play()).seats[0].status == "finished"
+    return asyncio.run(outcome()).seats[0].status
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("compiled")
+def test_who_plays_by_words_can_be_played_against(tmp_path: Path) -> None:
+    reader = load_submission(HUNTER.parents[1] / "benchmarks" / "strength" / "reader")
+
+    assert play(reader, tmp_path, seconds=20.0) == "finished"
+
+
+@pytest.mark.usefixtures("compiled")
+def test_who_asks_a_model_can_be_played_against(tmp_path: Path) -> None:
+    asker = load_submission(write_agent(tmp_path, "asker", ASKER))
+
+    with ScriptedModel(in_turn(said("go on"))) as model:
+        settings = ModelSettings(url=model.url, name="tiny")
+        assert play(asker, tmp_path, seconds=1.0, model=settings) == "finished"
+
+    assert (tmp_path / LOG).read_text().count("go on") == len(model.requests) > 0
 
 
 def test_guests_have_seats_before_the_submission_and_the_robots(hostile_season: FilledSeason) -> None:
