@@ -28,11 +28,9 @@ from wildscav_evaluator.suites.seeds import SuiteSeed
 from wildscav_evaluator.suites.suite import SUITES
 
 MODEL = ModelTerms(
-    host="localhost:8000",
     name="reader-7b",
     max_tokens=512,
     extra={"seed": 1},
-    at_once=1,
     timeout=60.0,
     requests=100,
     tokens=500_000,
