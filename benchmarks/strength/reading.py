@@ -28,10 +28,10 @@ FIRST = 1000  # the seed of the first round
 # The best one known by the rules of the suite on each track is the reference.
 AGENTS = {
     "navigation": ("random", "homing", "hunter", "navigator", "mapper", "reader"),
-    "gathering": ("random", "homing", "hunter", "reader"),
+    "gathering": ("random", "homing", "hunter", "scavenger", "reader"),
     "capture": ("random", "homing", "hunter", "reader"),
-    "battle": ("random", "homing", "hunter", "commando", "reader"),
-    "royale": ("random", "homing", "hunter", "commando", "reader"),
+    "battle": ("random", "homing", "hunter", "commando", "scavenger", "reader"),
+    "royale": ("random", "homing", "hunter", "commando", "scavenger", "survivor", "reader"),
 }
 Scores = dict[str, dict[str, list[float]]]  # of each match, by agent and track
 
