@@ -106,7 +106,7 @@ def test_rows_of_different_clocks_are_neither_compared_nor_ranked_together(
     [
         ("stopped", "Input should be 'bank', 'paused', 'running' or 'tokens'"),
         ("bank,pace=2", "thinking.pace is given, but the clock bank does not use it"),
-        ("running,pace=0", "Input should be greater than 0"),
+        ("running,pace=0", "greater than or equal to 0.001"),
         ("running,pace=quick", "Input should be a valid number"),
         ("running,2", "every part must be NAME=NUMBER"),
         ("tokens,price=3", "Extra inputs are not permitted"),

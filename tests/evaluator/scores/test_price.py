@@ -72,7 +72,12 @@ def test_equal_scores_are_drawn_although_their_interval_is_rounded(tmp_path: Pat
 
 @pytest.mark.parametrize(
     ("paces", "fault"),
-    [("1,1.0", "twice"), ("0", "greater than 0"), ("1,,2", "valid number"), ("x", "^--paces x: ")],
+    [
+        ("1,1.0", "twice"),
+        ("0", "greater than or equal to 0.001"),
+        ("1,,2", "valid number"),
+        ("x", "^--paces x: "),
+    ],
 )
 def test_paces_are_different_numbers(paces: str, fault: str) -> None:
     with pytest.raises(UserError, match=fault):

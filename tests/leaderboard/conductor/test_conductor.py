@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 from sqlalchemy import select
 from sqlalchemy.orm import Session
+from tests.evaluator.executors.ray_clusters import ray_cluster
 from tests.evaluator.sample_agents import CRASHER, WALKER
 from tests.leaderboard.agents import write_agent
 from tests.leaderboard.real_conductor import conduct
@@ -120,13 +121,6 @@ def without_drawn(fields: dict[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in fields.items() if name not in DRAWN}
 
 
-SLOW = """
-    def act(self, observation):
-        time.sleep(0.05)
-        return Action(walk_direction=90.0, walk_speed=8.0)
-"""
-
-
 # Its validation takes two minutes: 25 s to get ready for each of four matches, and 50 ms for each step.
 SLOW_START = """
     def reset(self, match):
@@ -193,13 +187,30 @@ def test_a_season_without_the_key_of_its_model_says_so(season: Season, sqlite: D
         assert "NO_SUCH_KEY is not set" in (read_state(session, FAILED) or {})["reason"]
 
 
-def test_a_season_on_a_cluster_says_why_it_cannot_play(season: Season, sqlite: Database) -> None:
-    execution = season.settings.execution.model_copy(update={"executor": "ray", "address": "127.0.0.1:1"})
-    settings = season.settings.model_copy(update={"execution": execution})
+def on_ray(season: Season, address: str) -> Season:
+    execution = season.settings.execution.model_copy(update={"executor": "ray", "address": address})
+    return replace(season, settings=season.settings.model_copy(update={"execution": execution}))
 
-    conduct(
-        sqlite, replace(season, settings=settings), lambda session: read_state(session, FAILED) is not None
-    )
+
+@pytest.mark.slow
+def test_a_season_is_played_on_a_cluster(
+    sqlite: Database, season: Season, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    number = hand_in(sqlite, season, write_agent(tmp_path, "walker"))
+    with ray_cluster("node") as cluster:
+        cluster.use(monkeypatch)
+        conduct(sqlite, on_ray(season, cluster.address), lambda session: bool(finished(session)))
+
+    with sqlite.reading() as session:
+        assert submission_of(session, number).state == "active"
+        match = finished(session)[0]
+        result = session.get_one(MatchResult, match.id)
+        record = (season.match_folder(match.id) / result.row["record"]).read_bytes()
+        assert record_digest(record) == result.record
+
+
+def test_a_season_on_a_cluster_says_why_it_cannot_play(season: Season, sqlite: Database) -> None:
+    conduct(sqlite, on_ray(season, "127.0.0.1:1"), lambda session: read_state(session, FAILED) is not None)
 
     with sqlite.reading() as session:
         assert read_state(session, FAILED) == {

@@ -1,7 +1,7 @@
 """Supply battle by the original's contract: shots, deaths, returns, and what each agent was given."""
 
 from tests.platform.legacy.helpers.commands import SHOOT, command, duel, face_to_face, setup
-from tests.platform.legacy.helpers.competitor import Competitor
+from tests.platform.legacy.helpers.competitor import Competitor, begin_at_a_box
 
 from wildscav_legacy.commander_pb2 import EnemyInfo, GameMode, Observation, Vector3
 
@@ -42,6 +42,22 @@ def test_the_dead_wait_come_back_whole_and_are_invincible_for_a_while(competitor
     assert (enemy.hp, enemy.is_respawn, enemy.is_invincible) == (70, False, True)
     competitor.act(times=20)
     assert not competitor.seen_by(1).is_invincible
+
+
+def test_each_has_ammunition_of_its_own_and_boxes_dropped_at_a_death_have_new_ids(
+    competitor: Competitor,
+) -> None:
+    begin_at_a_box(competitor, duel({"num_pack_ammo": 1}, {"attack_power": 100, "gun_capacity": 2}))
+    competitor.act({0: {"collect": True}, 1: {"turn_left_right_delta": 36}})
+    before = competitor.seen_by(0)
+    competitor.act({1: {"shoot_gun": True}})
+    after, shooter = competitor.seen_by(0), competitor.seen_by(1)
+    assert (after.hp, after.num_gun_ammo, after.num_pack_ammo) == (0, 15, 1)
+    assert (shooter.num_gun_ammo, shooter.num_pack_ammo) == (1, 60)
+    assert after.num_supply == before.num_supply / 2 >= 5
+    known = {box.supply_id for box in before.supply_info_list}
+    dropped = [box.supply_quantity for box in after.supply_info_list if box.supply_id not in known]
+    assert sum(dropped) == before.num_supply - after.num_supply
 
 
 def test_ten_agents_are_told_of_all_others(competitor: Competitor) -> None:
