@@ -5,6 +5,7 @@ import shutil
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from tests.evaluator.sample_agents import Command, Submit
 
@@ -13,6 +14,7 @@ from wildscav_engine.record import write_record
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_engine.specs.thinking import SeatThinking, Thinking
 from wildscav_evaluator.cli.sessions.run_again import run_again
 from wildscav_evaluator.ledger.writer import LedgerWriter
 from wildscav_evaluator.matches.play import MatchAssignment, play_match
@@ -54,6 +56,7 @@ def test_a_match_in_which_thinking_costs_game_time_is_not_played_again(
 ) -> None:
     match = Match(MatchSpec(track="battle", map=MAP, time_limit=1.0, clock=clock))
     match.play_out()
+    match.thinking = Thinking((SeatThinking(seat=0, decisions=0, seconds=0.0),), np.zeros((0, 5), np.int64))
     write_record(tmp_path / "match.wsr", match, ["circler"])
     with pytest.raises(UserError, match=f"its clock is {clock}"):
         run_again(
