@@ -74,7 +74,7 @@ def test_equal_scores_are_drawn_although_their_interval_is_rounded(tmp_path: Pat
     ("paces", "fault"),
     [
         ("1,1.0", "twice"),
-        ("0", "greater than or equal to 0.001"),
+        ("0", "equal to 0.001"),
         ("1,,2", "valid number"),
         ("x", "^--paces x: "),
     ],
