@@ -16,6 +16,9 @@ from wildscav.proto import match_pb2
 ROOT = Path(__file__).parents[2]
 FILE = Path(__file__).with_name("public_names.json")
 COMMAND = "python -m tests.releases.public_names"
+HARNESS = sorted(file.stem for file in (ROOT / "platform/wildscav/harness").glob("[!_]*.py"))
+# Without a list of their own.
+MODULES = ("wildscav.words", "wildscav.keyboard", *(f"wildscav.harness.{name}" for name in HARNESS))
 PARTS = ("engine", "platform", "evaluator", "leaderboard")
 
 
@@ -29,6 +32,7 @@ def names_now() -> dict[str, list[str]]:
     )
     return {
         **{package: sorted(importlib.import_module(package).__all__) for package in packages},
+        **{module: _defined_in(module) for module in MODULES},
         "environments": sorted(name for name in gymnasium.registry if name.startswith("WildScav/")),
         "commands": sorted(point.name for point in entry_points(group="wildscav.commands")),
         "protocol": sorted(
@@ -37,6 +41,14 @@ def names_now() -> dict[str, list[str]]:
             for field in described.fields
         ),
     }
+
+
+def _defined_in(module: str) -> list[str]:
+    """Return the public classes and functions that a module defines."""
+    things = vars(importlib.import_module(module)).items()
+    return sorted(
+        name for name, thing in things if name[0] != "_" and getattr(thing, "__module__", "") == module
+    )
 
 
 if __name__ == "__main__":
