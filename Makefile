@@ -101,7 +101,7 @@ test-newest: .venv/.dev ## Run some tests with the newest Python that all depend
 
 # It needs an older mcp than the rest.
 test-openenv: .venv/.dev ## Run the tests of the adapter to OpenEnv, in an environment of its own.
-	@$(MAKE) test-with OTHER=.venv-openenv EXTRA=openenv RELEASES="hypothesis pytest pytest-xdist" \
+	@$(MAKE) test-with OTHER=.venv-openenv EXTRA=openenv RELEASES="hypothesis pytest pytest-timeout pytest-xdist" \
 		PART=tests/platform/language/openenv
 
 check: .venv/.dev $(NPM) ## Lint, formatting, types and import contracts.

@@ -63,7 +63,7 @@ def test_that_crashes():
 def test_what_passes_alone_is_flaky_and_what_fails_twice_fails(
     tmp_path: Path, have: str, code: int, closing_lines: list[str], flaky: bool
 ) -> None:
-    (tmp_path / "pytest.ini").write_text("[pytest]\naddopts = -q -p xdist")
+    (tmp_path / "pytest.ini").write_text("[pytest]\naddopts = -q -p xdist -p timeout")
     (tmp_path / "test_all.py").write_text(TESTS)
 
     done = subprocess.run(
@@ -87,7 +87,7 @@ def test_what_passes_alone_is_flaky_and_what_fails_twice_fails(
 
 def test_the_shares_of_the_tests_are_all_of_them(tmp_path: Path) -> None:
     (tmp_path / "pytest.ini").write_text(
-        "[pytest]\naddopts = -q -p xdist --collect-only --import-mode=importlib"
+        "[pytest]\naddopts = -q -p xdist -p timeout --collect-only --import-mode=importlib"
     )
     names = [f"tests/{folder}/test_{number}.py" for folder in "ab" for number in range(3)]
     for name in names:

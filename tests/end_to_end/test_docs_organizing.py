@@ -10,6 +10,7 @@ from prometheus_client import CollectorRegistry
 from tests.leaderboard.seasons_made import make_season
 
 from wildscav.cli import main
+from wildscav_evaluator.model_gateway.settings import ModelSettings
 from wildscav_leaderboard.hosting.metrics import SeasonMetrics
 from wildscav_leaderboard.hosting.request_log import WebCounts
 from wildscav_leaderboard.seasons.folder import PUBLISHED, Season
@@ -68,7 +69,7 @@ def test_the_commands_run_in_their_order(tmp_path: Path, monkeypatch: pytest.Mon
 @pytest.mark.parametrize("block", [block for kind, block in BLOCKS if kind == "toml"])
 def test_the_settings_on_the_page_are_settings(block: str) -> None:
     for section, values in tomllib.loads(block).items():
-        kind = {"web": Web, "execution": Execution, "play": Play}[section]
+        kind = {"web": Web, "execution": Execution, "play": Play, "model": ModelSettings}[section]
         assert kind.model_validate(values)
     assert {"freezes", "closes", "registration"} <= set(SeasonSettings.model_fields)
 

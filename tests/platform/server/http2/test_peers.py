@@ -5,6 +5,7 @@ import re
 import shutil
 import socket
 import subprocess
+import threading
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from wildscav.wire.errors import reason_of
 HERE = Path(__file__).parent
 JAVASCRIPT = HERE.parents[3] / "submissions" / "homing-js"
 SOME = b"what is echoed"
+CLOSING_TIME = 5.0  # s
 
 
 def run(*command: str | Path, folder: Path | None = None) -> str:
@@ -35,8 +37,12 @@ def run(*command: str | Path, folder: Path | None = None) -> str:
 @pytest.fixture
 def channel(server: Server) -> Iterator[grpc.Channel]:
     options = [("grpc.use_local_subchannel_pool", 1), ("grpc.max_receive_message_length", -1)]
-    with grpc.insecure_channel(server.address, options) as channel:
-        yield channel
+    channel = grpc.insecure_channel(server.address, options)
+    yield channel
+    # It may wait for ever for calls that were cancelled: gRPC's core loses the end of one now and then.
+    closing = threading.Thread(target=channel.close, daemon=True)
+    closing.start()
+    closing.join(CLOSING_TIME)
 
 
 @pytest.mark.parametrize(

@@ -120,9 +120,11 @@ def test_whoever_has_the_code_takes_a_free_seat_until_all_are_taken(tmp_path: Pa
             refused = await asyncio.to_thread(httpx.get, links.guests[1], trust_env=False)
             assert refused.status_code == 404  # another has the seat
 
+            while (await host.until("people"))["people"][1]["where"] == "expected":
+                pass  # it came
             await host.send(kind="free", seat=1)
             while (await host.until("people"))["people"][1]["where"] != "expected":
-                pass
+                pass  # it has gone
             assert (await asyncio.to_thread(enter, links, code_of(links))).status_code == 303
 
     asyncio.run(play())
