@@ -21,7 +21,7 @@ from wildscav_server.time_limits import Clock
 
 pytestmark = pytest.mark.usefixtures("compiled")
 
-STEPS = 150
+STEPS = 300
 GROWTH = 50e6  # bytes
 # So that only a victim that is kept from playing is late, however busy the machine is.
 PATIENT = Clock(step_budget=5.0, join_timeout=60.0)

@@ -134,7 +134,7 @@ def robots_place(page: Any) -> float | None:
 
 def duel(folder: Path, browser: Any) -> list[Any]:
     """Fight the robot that stands ahead, and return the results of the person and of the robot."""
-    plan = face_to_face(opponents=("fighter-easy",), seconds=6.0)
+    plan = face_to_face(opponents=("fighter-easy",), seconds=15.0)
     with table_in_thread(plan, folder) as links, pages(browser) as new_page:
         page = new_page(**WIDE)
         start(page, links.host)
