@@ -67,8 +67,7 @@ def stdout_of_commands() -> Iterator[None]:
 
 
 def pytest_collection_finish() -> None:
-    """Look for garbage again, but less often than by default, and not among what was imported."""
-    gc.freeze()
+    """Look for garbage again, but less often than by default."""
     gc.set_threshold(20_000, 20, 20)
     gc.enable()
 
