@@ -3,9 +3,12 @@
 import asyncio
 import contextlib
 import time
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable, Mapping
+from contextlib import asynccontextmanager
+from dataclasses import replace
 from functools import partial
 
+from wildscav_evaluator.bridge.process import bridged
 from wildscav_evaluator.model_gateway.gateway import ModelGateway
 from wildscav_evaluator.sandbox import Ending, Launch, RunningAgent, Sandbox
 from wildscav_evaluator.sandbox.agents.agent_process import AgentProcess
@@ -63,6 +66,24 @@ class MatchAgents:
     def _end_over_budget(self, seat: int, reason: str) -> None:
         """End a seat's part in the match, because its model's budget is spent."""
         self._hosted.give_up(seat, reason, SeatStatus.OVER_BUDGET)
+
+    @asynccontextmanager
+    async def started(self, launches: Mapping[int, Launch]) -> AsyncIterator[None]:
+        """Start agents, by seat, with their model and behind their bridge, for as long as the block lasts.
+
+        Raises:
+            BridgeError: The bridge failed.
+            OSError: A process could not be started.
+            SandboxError: An agent cannot be started.
+        """
+        if self.model is not None:
+            launches = {
+                seat: replace(launch, model=self.model.address(seat)) for seat, launch in launches.items()
+            }
+        async with bridged(launches, self._hosted) as served:
+            for seat, launch in served.items():
+                await self.start(seat, launch)
+            yield
 
     async def start(self, seat: int, launch: Launch) -> None:
         """Start the agent of a seat, and watch its process.

@@ -15,7 +15,6 @@ from wildscav.errors import SensorError, UserError, WildscavError, describe
 from wildscav.terminal.console import counted
 from wildscav_engine.simulation.match import Match, MatchSetupError
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.bridge.process import bridged
 from wildscav_evaluator.matches.agents import MatchAgents, status_of
 from wildscav_evaluator.model_gateway.gateway import ModelGateway, open_gateway
 from wildscav_evaluator.model_gateway.settings import ModelSettings
@@ -209,15 +208,10 @@ async def agents_at_play(
             try:
                 entries = zip(seating.seats, seating.submissions, seating.logs, addresses, strict=True)
                 launches = {
-                    seat: replace(
-                        launch_for(submission, address, hosted.tokens[seat], log, seating.limits, hosted),
-                        model=None if model is None else model.address(seat),
-                    )
+                    seat: launch_for(submission, address, hosted.tokens[seat], log, seating.limits, hosted)
                     for seat, submission, log, address in entries
                 }
-                async with bridged(launches, hosted) as served:
-                    for seat, launch in served.items():
-                        await agents.start(seat, launch)
+                async with agents.started(launches):
                     yield hosted, agents
             finally:
                 hosted.cancel()

@@ -72,6 +72,11 @@ class Price(WithOptionalFields):
         )
 
 
+def label_of(clock: ClockChoice) -> str:
+    """Return the name of a point: its clock, by ``running`` its pace."""
+    return f"pace {clock.thinking.pace:g}" if clock.clock == "running" else clock.clock
+
+
 def price_of(played: Sequence[Results], think: float = 0.0) -> Price:
     """Return the price that follows from evaluations of one submission on one track, by several clocks.
 
@@ -144,10 +149,10 @@ def _figure(price: Price) -> "Figure":
     ]
     axes.errorbar(delays, means, spans, color=LINE, marker="o", markersize=5.0, ecolor=BAND, elinewidth=4.0)
     for point in points:
-        paused = point.clock.clock != "running"
-        label = point.clock.clock if paused else f"pace {point.clock.thinking.pace:g}"
         place = (point.delay, point.score.mean)
-        axes.annotate(label, place, (4.0, 4.0), textcoords="offset points", fontsize=8, rotation=40)
+        axes.annotate(
+            label_of(point.clock), place, (4.0, 4.0), textcoords="offset points", fontsize=8, rotation=40
+        )
     axes.set_title(price.title, fontsize=10, loc="left")
     axes.set_xlabel("delay: game time that passes during a decision [s]")
     axes.set_ylabel(f"{unit_and_title(price.metric)}, mean and 95 % interval")

@@ -11,7 +11,7 @@ import sys
 import time
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
 
@@ -20,7 +20,6 @@ from wildscav.system.worker_processes import become_worker
 from wildscav_engine.specs.map_spec import MapSpec
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_engine.tracks import TRACKS
-from wildscav_evaluator.bridge.process import bridged
 from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_evaluator.matches.agents import MatchAgents
 from wildscav_evaluator.matches.play import EXIT_TIME, launch_for
@@ -168,17 +167,12 @@ class SandboxedAgents:
             try:
                 log = logs / LOG
                 launches = {
-                    seat: replace(
-                        launch_for(
-                            self.submission, addresses[seat], hosted.tokens[seat], log, self.limits, hosted
-                        ),
-                        model=None if model is None else model.address(seat),
+                    seat: launch_for(
+                        self.submission, addresses[seat], hosted.tokens[seat], log, self.limits, hosted
                     )
                     for seat in folders
                 }
-                async with bridged(launches, hosted) as served:
-                    for seat, launch in served.items():
-                        await agents.start(seat, launch)
+                async with agents.started(launches):
                     yield
                     await agents.leave(EXIT_TIME)
             finally:

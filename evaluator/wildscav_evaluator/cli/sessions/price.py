@@ -17,7 +17,7 @@ from wildscav_evaluator.monitoring.monitor import MonitorOptions
 from wildscav_evaluator.output.results import Results
 from wildscav_evaluator.plans.evaluation import EvaluationPlan
 from wildscav_evaluator.scores.number_format import number
-from wildscav_evaluator.scores.price import PRICE_FILE, PRICE_PICTURE, Price, draw_price, price_of
+from wildscav_evaluator.scores.price import PRICE_FILE, PRICE_PICTURE, Price, draw_price, label_of, price_of
 from wildscav_evaluator.submissions.slowed import slowed
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_server import leftovers
@@ -66,7 +66,7 @@ def run_price(
     """
     played = []
     for clock in clocks:
-        name = clock.clock if clock.clock == "paused" else f"pace-{clock.thinking.pace:g}"
+        name = label_of(clock).replace(" ", "-")
         of_clock = replace(plan, suite=replace(plan.suite, clock=clock), out=plan.out / name)
         played.append(_played(of_clock, options, executor))
     try:
@@ -101,7 +101,7 @@ def price_table(price: Price) -> Table:
     for point in price.points:
         score = point.score
         table.add_row(
-            point.clock.clock if point.clock.clock == "paused" else f"pace {point.clock.thinking.pace:g}",
+            label_of(point.clock),
             f"{point.thinking:.3f}",
             f"{point.delay:.3f}",
             number(score.mean, price.metric),
