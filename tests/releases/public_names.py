@@ -3,6 +3,7 @@
 ``python -m tests.releases.public_names``, in the root of the repository, writes those that there are.
 """
 
+import ast
 import importlib
 import json
 from importlib.metadata import entry_points
@@ -25,13 +26,9 @@ PARTS = ("engine", "platform", "evaluator", "leaderboard")
 def names_now() -> dict[str, list[str]]:
     """Return the public names of packages and of the protocol, and what Gymnasium and the command know."""
     files = [file for part in PARTS for file in (ROOT / part).rglob("__init__.py")]
-    packages = sorted(
-        ".".join(file.parent.relative_to(ROOT).parts[1:])
-        for file in files
-        if "__all__ = " in file.read_text("utf-8")
-    )
+    listed = {".".join(file.parent.relative_to(ROOT).parts[1:]): _listed_in(file) for file in sorted(files)}
     return {
-        **{package: sorted(importlib.import_module(package).__all__) for package in packages},
+        **{package: names for package, names in sorted(listed.items()) if names},
         **{module: _defined_in(module) for module in MODULES},
         "environments": sorted(name for name in gymnasium.registry if name.startswith("WildScav/")),
         "commands": sorted(point.name for point in entry_points(group="wildscav.commands")),
@@ -41,6 +38,17 @@ def names_now() -> dict[str, list[str]]:
             for field in described.fields
         ),
     }
+
+
+def _listed_in(file: Path) -> list[str]:
+    """Return what a file has in ``__all__``, also what it has only with optional libraries."""
+    assigned = (ast.Assign, ast.AugAssign)
+    lists = [
+        statement.value
+        for statement in ast.walk(ast.parse(file.read_text("utf-8")))
+        if isinstance(statement, assigned) and ast.unparse(statement).startswith("__all__ ")
+    ]
+    return sorted(node.value for value in lists for node in ast.walk(value) if isinstance(node, ast.Constant))
 
 
 def _defined_in(module: str) -> list[str]:
