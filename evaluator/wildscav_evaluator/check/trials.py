@@ -57,9 +57,7 @@ class Trial(NamedTuple):
     def of(cls, suite: Suite, track: str, limits: Limits, seed: int | None = None) -> "Trial":
         """Draw a match of a suite.
 
-        Args:
-            limits: Those of agents on the track.
-            seed: Of the suite; None for a fresh one that nobody knows, on a map that no other match is on.
+        Without a seed, it is a fresh match that nobody knows, on a map that no other match is on.
         """
         drawn = secrets.randbits(63) if seed is None else seed
         specs = suite.matches(track, drawn)
@@ -129,16 +127,9 @@ def run_checks(
 ) -> Iterator[Finding]:
     """Yield the findings of a check, each as soon as it is known.
 
-    Args:
-        submission: The submission, which was loaded and so has valid files.
-        sandbox: The sandbox of the judge.
-        logs: The folder for the agent's output.
-        trials: What to play, by track; the first also with late answers, and to be cancelled.
-        clock: The clock of the judge; the server's default if None.
-        tell: Is told every second how many steps of which match have been played.
-
-    Raises:
-        WildscavError: The platform failed.
+    ``trials`` says what to play, by track; the first is also played with late answers, and cancelled.
+    ``tell`` is told every second how many steps of which match have been played. WildscavError if the
+    platform failed.
     """
     if lacks_packages(submission):
         yield findings.packages(missing_packages(submission))
@@ -216,9 +207,6 @@ class _DelayingSandbox:
 
     The proxy sits between the agent's socket and the match server. While it holds an answer back, the server
     plays the step without it, so the agent's next observation skips steps.
-
-    Args:
-        proxies: The stack that closes the proxies when it exits.
     """
 
     def __init__(self, sandbox: Sandbox, proxies: AsyncExitStack) -> None:

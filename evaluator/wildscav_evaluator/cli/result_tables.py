@@ -292,22 +292,13 @@ def evaluation_actions_note(evaluation: Evaluation) -> str | None:
 
 
 def evaluation_waits_note(evaluation: Evaluation, timings: Iterable[MatchTiming]) -> str | None:
-    """Return a line about a submission's waits for a processor; None if its banks paid for nothing of others.
-
-    Args:
-        evaluation: The evaluation of the submission on one track.
-    """
+    """Return a line about a submission's waits for a processor on a track; None if none were credited."""
     credited = [seat.credited or 0.0 for timing in timings for seat in timing.seats]
     return waits_note(f"{evaluation.submission} on {evaluation.track}", credited)
 
 
 def waits_note(who: str, credited: Sequence[float]) -> str | None:
-    """Return a line about the waits for a processor that were credited; None if none were.
-
-    Args:
-        who: The name of the agent.
-        credited: For each match and seat, s.
-    """
+    """Return a line about the waits for a processor that were credited to some seats, s; None without any."""
     if not any(credited):
         return None
     return (
@@ -317,13 +308,7 @@ def waits_note(who: str, credited: Sequence[float]) -> str | None:
 
 
 def invalid_actions_note(who: str, *, actions: int, invalid: int) -> str | None:
-    """Return a line about an agent's invalid actions, or None if there were none.
-
-    Args:
-        who: The name of the agent.
-        actions: How many actions it sent in time.
-        invalid: How many of them had a number out of its range.
-    """
+    """Return a line about an agent's actions of which a number was out of its range; None without any."""
     if not invalid:
         return None
     return (

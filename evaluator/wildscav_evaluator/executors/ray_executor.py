@@ -71,11 +71,7 @@ class RayExecutor:
         return max(1, min(cores, self._at_once or EVERYTHING))
 
     def examine(self, sandboxes: Sequence[str], images: Sequence[str] = ()) -> tuple[Examined, ...]:
-        """Try sandboxes on all nodes, and return what was found on each.
-
-        Raises:
-            ExecutorError: The cluster was lost.
-        """
+        """Try sandboxes on all nodes, and return what was found on each."""
         (found,) = self._request(Examine(tuple(sandboxes), tuple(images)))
         return cast("tuple[Examined, ...]", found)
 
@@ -85,9 +81,6 @@ class RayExecutor:
         """Try sandboxes on all nodes; by default, use the one that works on most cores. See ``Executor``.
 
         Agents run as plain processes only if that is asked for.
-
-        Raises:
-            SandboxError: No node can run agents in the sandbox.
         """
         images = [one for one in submissions if one.image is not None or lacks_packages(one)]
         names = [asked] if asked else [name for name in SANDBOXES.built_in if SANDBOXES[name].isolated]

@@ -34,15 +34,8 @@ class LedgerWriter:
     """Appends to the ledger of an evaluation. Its creator must hold the lock of the output folder.
 
     Each entry is flushed to disk before anything else happens. Half an entry at the end of an existing ledger
-    was left by a writer that was killed; it is cut off.
-
-    Args:
-        key: The key that signs the entries; None to leave them unsigned.
-
-    Raises:
-        UserError: There is a ledger that was changed or belongs to another evaluation, or there are records
-            without a ledger.
-        OSError: It cannot be read or written.
+    was left by a writer that was killed; it is cut off. UserError if it was changed or belongs to another
+    evaluation, or if there are records without a ledger.
     """
 
     def __init__(self, out: Path, identity: Identity, key: SigningKey | None) -> None:
@@ -86,11 +79,7 @@ class LedgerWriter:
     def kept(self, jobs: Sequence[Job]) -> list[JobResult]:
         """Return the results of the jobs that earlier runs played, after checking each against its record.
 
-        Args:
-            jobs: All jobs of the evaluation.
-
-        Raises:
-            UserError: A match, its record or its entry was changed.
+        UserError if a match, its record or its entry was changed.
         """
         if unknown := self.played.keys() - {job.stem for job in jobs}:
             raise _changed(f"{self._path} has the match {min(unknown)}, which is not of this evaluation")

@@ -44,12 +44,8 @@ def run_job(
 ) -> JobResult:
     """Play a job's match, unless it was played before, and write its files.
 
-    Every error becomes the result of this job, so that the other jobs go on.
-
-    Args:
-        runner: The runner of the event loop to play in.
-        on_event: Called regularly with the match's progress, when it is played again, and when the rendering
-            of its replay begins.
+    Every error becomes the result of this job, so that the other jobs go on. ``on_event`` hears of the
+    match's progress, of another attempt, and when the rendering of its replay begins.
     """
     result = _play(runner, job, on_event) if job.kept is None else JobResult(job, *job.kept)
     if not result.to_render:
@@ -59,12 +55,7 @@ def run_job(
 
 
 def after_worker_death(job: Job, reason: str) -> Job | JobResult:
-    """Return the job to run again after its worker died, or its result if there were too many attempts.
-
-    Args:
-        job: The job, with the faults of earlier attempts.
-        reason: How the worker ended, in one line.
-    """
+    """Return the job to run again after its worker died, or its result if there were too many attempts."""
     faults = (*job.faults, reason)
     if len(faults) < MAX_ATTEMPTS:
         return replace(job, faults=faults)
@@ -226,9 +217,8 @@ def seat_row(job: Job, played: PlayedMatch, seat: int) -> SeatRow:
 def match_timing(job: Job, played: PlayedMatch, started: float, wall: float) -> MatchTiming:
     """Return how long a match took, as an entry of the results file.
 
-    Args:
-        started: When it started, in seconds since 1970, UTC.
-        wall: How long it took, s, including the start of the agents and writing the record.
+    It ``started`` in seconds since 1970, UTC. ``wall`` includes the start of the agents and writing the
+    record, s.
     """
     return MatchTiming(
         submission=job.evaluated,

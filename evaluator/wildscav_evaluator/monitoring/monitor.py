@@ -26,11 +26,7 @@ EVERY = 30.0  # s between lines if the output is not a terminal
 
 
 class EvaluationMetrics(Collector):
-    """The metrics of one evaluation.
-
-    Args:
-        tally: The tally from which the metrics are read.
-    """
+    """The metrics of one evaluation, which are read from its tally."""
 
     def __init__(self, tally: Tally) -> None:
         self._tally = tally
@@ -120,12 +116,7 @@ def _steps(done: tuple[JobResult, ...]) -> Iterator[Metric]:
 
 
 class EvaluationProgress:
-    """Shows the progress that a tally counts.
-
-    Args:
-        title: A short description of what is evaluated.
-        quiet: Whether to show only failures.
-    """
+    """Shows the progress that a tally counts; if it is to be quiet, only failures."""
 
     def __init__(self, console: Console, tally: Tally, title: str = "", *, quiet: bool = False) -> None:
         self._console, self._tally, self._quiet = console, tally, quiet
@@ -195,12 +186,7 @@ class MonitorOptions:
 
 
 class Monitor:
-    """Passes the events of an evaluation on to dashboard, log and metrics.
-
-    Args:
-        title: A short description of what is evaluated.
-        nodes: Returns the machines of the cluster that plays them, if there is one.
-    """
+    """Passes the events of an evaluation on to dashboard, log and metrics; ``nodes`` are of a cluster."""
 
     def __init__(
         self,

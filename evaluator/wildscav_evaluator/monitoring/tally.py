@@ -55,12 +55,7 @@ class RunningMatch:
 
 
 class Tally:
-    """Counts the states and results of jobs.
-
-    Args:
-        clock: Returns seconds since any fixed moment.
-        nodes: Returns the machines of the cluster that plays them, if there is one.
-    """
+    """Counts the states and results of jobs, by a clock in seconds; ``nodes`` are of the cluster, if any."""
 
     def __init__(
         self,

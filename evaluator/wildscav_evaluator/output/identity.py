@@ -70,8 +70,7 @@ def digest_of(specs: Iterable[MatchSpec]) -> str:
 def read_identity(folder: Path) -> Identity | None:
     """Return the identity of the evaluation in an output folder; None if it has none.
 
-    Raises:
-        UserError: The file is not one of this version of Wildscav.
+    UserError if it is not of this version of Wildscav.
     """
     path = folder / IDENTITY_FILE
     try:
@@ -86,11 +85,7 @@ def read_identity(folder: Path) -> Identity | None:
 
 
 def write_identity(identity: Identity, folder: Path) -> None:
-    """Write the identity of the evaluation into its output folder.
-
-    Raises:
-        OSError: It cannot be written.
-    """
+    """Write the identity of the evaluation into its output folder."""
     identity.write(folder / IDENTITY_FILE)
 
 

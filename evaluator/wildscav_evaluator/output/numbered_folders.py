@@ -19,12 +19,7 @@ NUMBERED = re.compile(r"(\d{4,})-.+")
 
 
 def own_folder(parent: Path, identity: Identity, *, fresh: bool) -> Path:
-    """Return the folder of an evaluation: the one that holds it already, or a new one with the next number.
-
-    Args:
-        parent: The folder that contains the numbered folders.
-        fresh: Whether to use a new folder even if one holds it already.
-    """
+    """Return an evaluation's numbered folder: the one that holds it, unless it is ``fresh``, or the next."""
     folders = numbered(parent)
     if not fresh:
         for folder in reversed(folders):

@@ -64,8 +64,7 @@ class Plan(ABC):
     def make_jobs(self) -> list[Job]:
         """Return the matches to play, sorted by map, so that a map is rarely generated twice.
 
-        Raises:
-            UserError: The matches cannot be played.
+        UserError if they cannot be played.
         """
 
     @abstractmethod

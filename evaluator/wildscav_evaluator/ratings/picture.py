@@ -34,12 +34,7 @@ BandLine = tuple[int, int, int, int]  # lane, first row, last row, and the index
 def draw_standings(standings: Standings, title: str, path: Path) -> Path:
     """Draw standings as a PNG, whole or not at all, and return its path; equal standings give equal files.
 
-    Args:
-        standings: The standings, of at least one entrant.
-        title: The first line of the picture, such as the track and the number of matches.
-
-    Raises:
-        OSError: It cannot be written.
+    The title is its first line, such as the track and the number of matches.
     """
     from matplotlib import style
 
@@ -100,13 +95,9 @@ def _shortened(name: str, longest: int) -> str:
 
 
 def band_lines(bands: Sequence[Sequence[str]], names: Sequence[str]) -> list[BandLine]:
-    """Return where to draw the bands.
+    """Return where to draw the bands, from the best to the worst, in the rows of some names.
 
     Bands of one entrant, and those below the last row, are left out. Bands in one lane do not touch.
-
-    Args:
-        bands: The bands, from the best to the worst.
-        names: The entrants of the rows.
     """
     row = {name: index for index, name in enumerate(names)}
     placed, ends = [], list[int]()

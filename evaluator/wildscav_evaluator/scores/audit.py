@@ -70,11 +70,8 @@ class AuditedFolder:
 def read_folder(out: Path, reported: Results, key: str | None) -> AuditedFolder:
     """Read the identity and the ledger of an output folder.
 
-    Args:
-        key: The public key that must have signed its ledger; None to accept any.
-
-    Raises:
-        UserError: Its results have an unknown track, or an evaluation twice.
+    ``key`` is the public key that must have signed its ledger; None for any. UserError if its results have an
+    unknown track, or an evaluation twice.
     """
     names = Counter((one.track, one.submission) for one in reported.evaluations)
     for (track, submission), count in names.items():
@@ -96,11 +93,8 @@ def read_folder(out: Path, reported: Results, key: str | None) -> AuditedFolder:
 def discrepancies(folder: AuditedFolder, replayed: Sequence[Replayed], recomputed: Results) -> Iterator[str]:
     """Yield one line for each claim of an output folder that its contents do not support.
 
-    Args:
-        recomputed: Its results, with the numbers that follow from the records.
-
-    Raises:
-        UserError: The suite's own file, or the opened secret, is not that of the results.
+    ``recomputed`` are its results, with the numbers that follow from the records. Errors: see
+    ``expected_matches``.
     """
     expected = expected_matches(folder.out, folder.reported)
     judge = judge_of(folder.out, folder.reported, expected)
@@ -336,9 +330,6 @@ def deviations(
     earlier version. But every match has as many entrants and the same kinds of seats, a game is played again
     by the same entrants, and everyone plays equally often. This is enough to notice a match that was left
     out, and a seat that was given to another entrant.
-
-    Args:
-        count: How many matches it has.
     """
     entrants = Counter(row.index for one in reported.evaluations for row in one.matches)
     for index in range(count):

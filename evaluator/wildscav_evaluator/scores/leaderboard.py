@@ -66,14 +66,10 @@ class Found(NamedTuple):
 
 
 def find_results(places: Iterable[Path]) -> Found:
-    """Read the results in some places.
+    """Read the results in files, folders of evaluations, and folders that contain such folders at any depth.
 
-    Args:
-        places: Files of results, folders of evaluations, and folders that contain such folders at any depth.
-            Only what is named itself must be readable. Comparisons inside a folder are left out.
-
-    Raises:
-        UserError: A place does not exist, or is a file that holds no results.
+    Only what is named itself must be readable. Comparisons inside a folder are left out. UserError if a place
+    does not exist, or is a file that holds no results.
     """
     from wildscav_evaluator.tournaments.tournament_file import Tournament
 
@@ -182,11 +178,9 @@ def _tables(
 ) -> Iterator[tuple[Shared, list[Placed]]]:
     """Yield the latest rows of each set of equal conditions, by name.
 
-    Rows of people stand in each table of agents that played the same matches, or else in one of their own.
-
-    Args:
-        rows: Conditions, name and interface, and the row itself; the earliest first.
-        by_people: Returns the conditions under which people play the matches that agents play.
+    Each of the rows, the earliest first, stands behind its conditions, its name and its interface. Those of
+    people stand in each table of agents that played the same matches, or else in one of their own:
+    ``by_people`` returns the conditions under which people play what agents play.
     """
     distinct: list[Shared] = []  # they cannot be hashed: a model has a dictionary
     for conditions, _, _ in rows:

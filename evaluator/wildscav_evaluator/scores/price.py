@@ -80,11 +80,8 @@ def label_of(clock: ClockChoice) -> str:
 def price_of(played: Sequence[Results], think: float = 0.0) -> Price:
     """Return the price that follows from evaluations of one submission on one track, by several clocks.
 
-    Args:
-        think: Seconds by which every decision was slowed down on purpose.
-
-    Raises:
-        ValueError: By one clock no match was played.
+    ``think`` is by how many seconds every decision was slowed down. ValueError if by one clock no match was
+    played.
     """
     first, evaluation = played[0], played[0].evaluations[0]
     return Price.about(
@@ -120,11 +117,7 @@ def _point(results: Results) -> Point:
 
 
 def draw_price(price: Price, path: Path) -> Path:
-    """Draw a price as a PNG, whole or not at all, and return its path.
-
-    Raises:
-        OSError: It cannot be written.
-    """
+    """Draw a price as a PNG, whole or not at all, and return its path."""
     from matplotlib import style
 
     content = BytesIO()

@@ -28,11 +28,7 @@ FEW_BOXES = SupplyWave(center=(0.0, 0.0), radius=60.0, outdoor_richness=2.0, ind
 
 
 def open_country(*sizes: int) -> Callable[[RandomStream], MapConfig]:
-    """Return a function that draws the configs of maps of hills with a few houses and trees.
-
-    Args:
-        sizes: Metres, from which it chooses.
-    """
+    """Return a function that draws the configs of maps, of some sizes, m, of hills with few houses."""
 
     def draw(dice: RandomStream) -> MapConfig:
         size = choose(dice, sizes)
@@ -63,13 +59,7 @@ def supplies_at_hot_spots() -> SupplyConfig:
 def settings(
     map_config: Callable[[RandomStream], MapConfig], robots: tuple[str, ...] = (), **match: object
 ) -> TrackSettings:
-    """Return the settings of a track whose matches differ only in their maps and seeds.
-
-    Args:
-        map_config: Draws the config of a map.
-        robots: The opponents.
-        match: Further fields of every match.
-    """
+    """Return the settings of a track whose matches differ only in their maps and seeds."""
     spec = MatchSpec.model_validate(
         {"rules": RULES, **match, "seats": (SUBMISSION, *robots), "clock": "paused"}
     )

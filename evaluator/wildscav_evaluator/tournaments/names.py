@@ -29,12 +29,8 @@ def groups_of(entrants: Sequence[str]) -> list[int]:
 def with_unique_names(submissions: Sequence[Submission], *, meet_own: bool) -> tuple[Submission, ...]:
     """Return submissions with unique names, sorted by name.
 
-    Args:
-        submissions: The submissions, in any order.
-        meet_own: Whether the same files may be entered several times.
-
-    Raises:
-        UserError: The same files are entered several times, but entries of one submission must not meet.
+    UserError if the same files are entered several times, unless entries of one submission may meet
+    (``meet_own``).
     """
     renamed = []
     for _, same in groupby(sorted(submissions, key=_key), key=lambda one: one.name):

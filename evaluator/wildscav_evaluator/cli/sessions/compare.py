@@ -27,16 +27,7 @@ def run_comparison(
     *,
     as_json: bool = False,
 ) -> None:
-    """Play two submissions on the same matches, and show and save which is better.
-
-    Args:
-        executor: Where to play; processes on this machine if None.
-        as_json: Whether to print a JSON document as well.
-
-    Raises:
-        UserError: Nothing could be played; or, after everything else was shown and saved, something could not
-            be saved or a submission failed in all its matches.
-    """
+    """Play two submissions on the same matches, and show and save which is better. See ``run_session``."""
     first, second = plan.submissions
     with playing(plan, options, executor) as (results, ledger):
         comparisons = compare(results, first.name, second.name)

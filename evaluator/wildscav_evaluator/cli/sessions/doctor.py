@@ -19,11 +19,7 @@ from wildscav_evaluator.suites.suite import SUITES
 
 
 def examine_nodes(executor: Executor, *, as_json: bool = False) -> None:
-    """Show which nodes of a cluster can be used, and which sandboxes work on each.
-
-    Raises:
-        UserError: No node can run agents in a sandbox.
-    """
+    """Show which nodes of a cluster can be used, and which sandboxes work on each; UserError if none can."""
     names = [name for name in SANDBOXES.built_in if SANDBOXES[name].isolated]
     with console.status("trying sandboxes on all nodes"):
         nodes = executor.examine(names)
@@ -55,8 +51,7 @@ def _mark(node: Examined, sandbox: str) -> Text:
 def examine_this_machine(*, as_json: bool) -> None:
     """Show which sandboxes keep their promises on this machine, and what other packages add.
 
-    Raises:
-        UserError: No sandbox keeps all its promises, or an addition does not work.
+    UserError if no sandbox keeps all its promises, or an addition does not work.
     """
     additions = list(installed())
     broken = [one for one in additions if one.problem]

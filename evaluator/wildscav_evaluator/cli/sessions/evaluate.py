@@ -41,13 +41,9 @@ def run_session(
 ) -> None:
     """Evaluate, and show and save the results.
 
-    Args:
-        executor: Where to play; processes on this machine if None.
-        as_json: Whether to print a JSON document as well.
-
-    Raises:
-        UserError: Nothing could be evaluated; or, after everything else was shown and saved, something could
-            not be saved or a submission failed in all its matches.
+    Without an executor, matches are played in processes on this machine. UserError if nothing could be
+    evaluated or, after everything else was shown and saved, if something could not be saved or a submission
+    failed in all its matches.
     """
     with playing(plan, options, executor) as (results, ledger):
         # Written before anything is shown, so that closing the terminal loses nothing.

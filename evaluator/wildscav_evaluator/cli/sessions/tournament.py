@@ -31,16 +31,7 @@ def run_tournament(
     *,
     as_json: bool = False,
 ) -> None:
-    """Play a tournament, and show and save its standings.
-
-    Args:
-        executor: Where to play; processes on this machine if None.
-        as_json: Whether to print a JSON document as well.
-
-    Raises:
-        UserError: It could not be played; or, after everything else was shown and saved, something could not
-            be saved or an entrant failed in all its matches.
-    """
+    """Play a tournament, and show and save its standings. Errors: see ``run_session``."""
     with playing(plan, options, executor) as (results, ledger):
         tournament = tournament_of(results)
         # Written before anything is shown, so that closing the terminal loses nothing.

@@ -13,12 +13,7 @@ CUT = "[the log is cut here]"
 
 
 class CappedLog:
-    """Copies a stream to a file up to a limit, then reads on slowly, so that the writer is not blocked.
-
-    Args:
-        path: The file; output is appended to it.
-        limit: The number of bytes to keep.
-    """
+    """Appends a stream to a file up to a limit, bytes; then reads on slowly, to block no writer."""
 
     def __init__(self, path: Path, limit: int) -> None:
         self._path, self._left = path, limit
