@@ -83,11 +83,6 @@ def read_file(path: Path) -> RecordFile:
         return RecordFile(path.name, error=f"cannot be read: {error.strerror}")
 
 
-def replay_one(path: Path) -> Replayed:
-    """Play a record again in this process."""
-    return replay_file(read_file(path))
-
-
 def replay_file(file: RecordFile) -> Replayed:
     """Play a record again; return its faults instead of raising, so that the others are still played."""
     name, place = parse_name(Path(file.name)), f"{RECORDS}/{file.name}"

@@ -14,10 +14,7 @@ MEMORY = 80 << 20  # bytes of each node's object store; Ray's least is 75 MiB
 def main() -> None:
     """Start a head without cores, carry out commands, and answer each with a line."""
     settings = json.loads(sys.stdin.readline())
-    if "ray_version" in settings:
-        import ray
 
-        ray.__version__ = settings["ray_version"]
     from ray.cluster_utils import Cluster
 
     head = {

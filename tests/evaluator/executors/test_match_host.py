@@ -6,15 +6,14 @@ from pathlib import Path
 
 import pytest
 from tests.evaluator.sample_agents import TALKER, Submit
+from tests.evaluator.small_matches import NAVIGATION
 
-from wildscav_engine.specs.map_spec import MapConfig, MapSpec
-from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.executors.cluster.match_host import Broken, MatchHost, Shipment
 from wildscav_evaluator.executors.cluster.messages import Played
 from wildscav_evaluator.matches.jobs import Heartbeat, Job
 from wildscav_server import leftovers
 
-SPEC = MatchSpec(track="navigation", map=MapSpec(config=MapConfig(size=40, houses=0)), time_limit=1.0)
+SPEC = NAVIGATION.model_copy(update={"time_limit": 1.0})
 
 
 @pytest.fixture(scope="module")

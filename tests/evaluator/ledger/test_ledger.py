@@ -4,11 +4,11 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from tests.evaluator.executors.match_files import contents
-from tests.evaluator.interrupted_runs import Sitting
+from tests.evaluator.interrupted_runs import Sitting, contents
 from tests.evaluator.ledger.forgeries import blame, worst
 from tests.evaluator.ledger.forging import Forgery, Rescored, with_metrics
 from tests.evaluator.results_by_hand import identity_of
+from tests.evaluator.small_matches import tiny_suite
 from tests.evaluator.warm_workers import WarmWorkers, playing_with
 
 from wildscav.errors import UserError
@@ -18,19 +18,17 @@ from wildscav_evaluator.cli.sessions.verify_records import verify_records
 from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_evaluator.ledger.entries import Closed, MatchStarted, Resumed
 from wildscav_evaluator.ledger.keys import SigningKey, new_key
-from wildscav_evaluator.ledger.ledger import LedgerError, parse_ledger, read_ledger
+from wildscav_evaluator.ledger.ledger import Ledger, LedgerError, parse_ledger, read_ledger
 from wildscav_evaluator.ledger.writer import LedgerWriter
 from wildscav_evaluator.output.identity import Identity
 from wildscav_evaluator.output.layout import LEDGER_FILE
 from wildscav_evaluator.plans.evaluation import EvaluationPlan
 
-SUITE = """
-name = "short"
-map = { size = 40, houses = 0 }
-[tracks.navigation]
-maps = 4
-match = { time_limit = 2.0 }
-"""
+
+def ledger_of(out: Path) -> Ledger:
+    ledger = read_ledger(out)
+    assert ledger is not None
+    return ledger
 
 
 @pytest.fixture
@@ -51,8 +49,7 @@ def test_a_ledger_goes_on_where_a_killed_one_ended(
     second.begin("navigation-000-ada")
 
     assert path.read_bytes().startswith(whole)
-    ledger = read_ledger(tmp_path)
-    assert ledger is not None
+    ledger = ledger_of(tmp_path)
     assert [type(entry.fact) for entry in ledger.entries[1:]] == [MatchStarted, Resumed, MatchStarted]
     assert ledger.head == second.head
     assert ledger.interrupted == {"navigation-000-ada": 1}, "a try that was interrupted does not vanish"
@@ -80,8 +77,7 @@ def test_a_ledger_killed_in_its_first_line_begins_again(
 
     LedgerWriter(tmp_path, identity, key)
 
-    ledger = read_ledger(tmp_path)
-    assert ledger is not None
+    ledger = ledger_of(tmp_path)
     assert ledger.identity == identity
 
 
@@ -95,8 +91,7 @@ def test_no_text_in_a_ledger_can_steer_a_terminal(
 
     assert line.isascii()
     assert line.decode().isprintable()
-    ledger = read_ledger(tmp_path)
-    assert ledger is not None
+    ledger = ledger_of(tmp_path)
     assert getattr(ledger.entries[-1].fact, "reason", "") == reason
 
 
@@ -135,8 +130,7 @@ def test_a_signed_evaluation_that_was_killed_comes_to_a_whole_ledger(
     key_file: Path,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    out, suite = tmp_path / "out", tmp_path / "short.toml"
-    suite.write_text(SUITE)
+    out, suite = tmp_path / "out", tiny_suite(tmp_path, maps=4, seconds=2)
     arguments = (*pair, f"--suite={suite}", "--replays=none", "--workers=2", "--sandbox=process")
     signed = (*arguments, f"--sign={key_file}")
 
@@ -145,8 +139,7 @@ def test_a_signed_evaluation_that_was_killed_comes_to_a_whole_ledger(
     assert Sitting(out, *arguments).process.wait() == 2, "it went on without its key"
     Sitting(out, *signed).process.wait()
 
-    ledger = read_ledger(out)
-    assert ledger is not None
+    ledger = ledger_of(out)
     assert sum(isinstance(entry.fact, Resumed) for entry in ledger.entries) == 2
     assert len(ledger.played) == 8
     run_rescore(out, LocalExecutor(1), key.public)

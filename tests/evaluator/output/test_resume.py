@@ -7,28 +7,20 @@ from pathlib import Path
 
 import pytest
 from tests.evaluator.interrupted_runs import Sitting, check_whole, entered, files, without_timings
+from tests.evaluator.small_matches import tiny_suite
 
 from wildscav_evaluator.output.results import read_results
 
 pytestmark = pytest.mark.usefixtures("compiled")
 
-# Short matches: what is looked at is what lies between them.
-SUITE = """
-name = "short"
-map = { size = 40, houses = 0 }
-[tracks.navigation]
-maps = 2
-match = { time_limit = 2.0 }
-"""
 MATCHES = 4  # of both
 KILLS = 2  # at random moments; WILDSCAV_TEST_KILLS asks for more
 
 
 @pytest.fixture
 def suite(tmp_path: Path) -> Path:
-    path = tmp_path / "short.toml"
-    path.write_text(SUITE)
-    return path
+    """Short matches: what is looked at is what lies between them."""
+    return tiny_suite(tmp_path, maps=2, seconds=2)
 
 
 def arguments(pair: tuple[Path, Path], suite: Path) -> tuple[object, ...]:

@@ -11,11 +11,13 @@ import tempfile
 import time
 import uuid
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from wildscav_evaluator.sandbox import SANDBOXES, Ending, Launch, Limits
+from wildscav_evaluator.matches.play import launch_for
+from wildscav_evaluator.sandbox import SANDBOXES, Ending, Launch, Limits, Sandbox
+from wildscav_evaluator.submissions.submission import Submission
 
 MEBIBYTE = 1 << 20
 GROUPS = Path("/sys/fs/cgroup")
@@ -168,6 +170,25 @@ def _remove_group(group: Path) -> bool:
     except OSError:
         return not group.exists()
     return True
+
+
+def run_agent(
+    sandbox: Sandbox, submission: Submission, folder: Path, limits: Limits = LIMITS, **options: Any
+) -> tuple[Ending, str]:
+    """Run an agent to its end; return how it ended and what is in its log."""
+    log = options.pop("log", folder / "log")
+
+    async def to_end(address: str) -> Ending:
+        launch = launch_for(submission, address, "of the seat", log, limits)
+        agent = await sandbox.start(replace(launch, **options))
+        try:
+            return await agent.ended()
+        finally:
+            await agent.stop()
+
+    with listening(folder / "match.sock") as address:
+        ending = asyncio.run(to_end(address))
+    return ending, log.read_text() if log.is_file() else ""
 
 
 @contextlib.contextmanager
