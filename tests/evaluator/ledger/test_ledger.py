@@ -4,11 +4,10 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from tests.evaluator.interrupted_runs import Sitting, contents
+from tests.evaluator.interrupted_runs import contents
 from tests.evaluator.ledger.forgeries import blame, worst
 from tests.evaluator.ledger.forging import Forgery, Rescored, with_metrics
 from tests.evaluator.results_by_hand import identity_of
-from tests.evaluator.small_matches import tiny_suite
 from tests.evaluator.warm_workers import WarmWorkers, playing_with
 
 from wildscav.errors import UserError
@@ -63,9 +62,7 @@ def test_a_match_that_the_platform_broke_was_not_interrupted(
         keeper.begin("navigation-000-ada")
         keeper.broke("navigation-000-ada", "the worker process died (SIGKILL)")
 
-    ledger = read_ledger(tmp_path)
-
-    assert ledger is not None
+    ledger = ledger_of(tmp_path)
     assert ledger.interrupted == {}
     assert len(ledger.entries) == 5
 
@@ -77,8 +74,7 @@ def test_a_ledger_killed_in_its_first_line_begins_again(
 
     LedgerWriter(tmp_path, identity, key)
 
-    ledger = ledger_of(tmp_path)
-    assert ledger.identity == identity
+    assert ledger_of(tmp_path).identity == identity
 
 
 def test_no_text_in_a_ledger_can_steer_a_terminal(
@@ -91,8 +87,7 @@ def test_no_text_in_a_ledger_can_steer_a_terminal(
 
     assert line.isascii()
     assert line.decode().isprintable()
-    ledger = ledger_of(tmp_path)
-    assert getattr(ledger.entries[-1].fact, "reason", "") == reason
+    assert getattr(ledger_of(tmp_path).entries[-1].fact, "reason", "") == reason
 
 
 def test_nothing_goes_on_in_a_ledger_that_was_changed(
@@ -113,37 +108,6 @@ def test_nothing_goes_on_in_a_ledger_that_was_changed(
     path.write_bytes(b"".join(lines))
     with pytest.raises(UserError, match="is of another evaluation"):
         LedgerWriter(tmp_path, identity.model_copy(update={"seed": "7"}), key)
-
-
-def ended(out: Path) -> int:
-    """How many matches the ledger of a running evaluation has."""
-    path = out / LEDGER_FILE
-    return path.read_bytes().count(b'"kind":"ended"') if path.exists() else 0
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("compiled")
-def test_a_signed_evaluation_that_was_killed_comes_to_a_whole_ledger(
-    pair: tuple[Path, Path],
-    tmp_path: Path,
-    key: SigningKey,
-    key_file: Path,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    out, suite = tmp_path / "out", tiny_suite(tmp_path, maps=4, seconds=2)
-    arguments = (*pair, f"--suite={suite}", "--replays=none", "--workers=2", "--sandbox=process")
-    signed = (*arguments, f"--sign={key_file}")
-
-    for least in (1, 4):
-        Sitting(out, *signed).kill_when(lambda least=least: ended(out) >= least)  # type: ignore[misc]
-    assert Sitting(out, *arguments).process.wait() == 2, "it went on without its key"
-    Sitting(out, *signed).process.wait()
-
-    ledger = ledger_of(out)
-    assert sum(isinstance(entry.fact, Resumed) for entry in ledger.entries) == 2
-    assert len(ledger.played) == 8
-    run_rescore(out, LocalExecutor(1), key.public)
-    assert "8 records played again: all agree" in capsys.readouterr().out
 
 
 def claim_less_time(content: dict[str, object]) -> None:
@@ -198,9 +162,7 @@ def test_a_platform_fault_that_the_organizer_signed_is_borne_out(
 
 
 def test_the_ledger_tells_the_whole_evaluation(signed: Forgery, key: SigningKey) -> None:
-    ledger = read_ledger(signed.out)
-
-    assert ledger is not None
+    ledger = ledger_of(signed.out)
     assert ledger.key == key.public
     assert ledger.identity == signed.identity
     assert sorted(ledger.played) == sorted(path.stem for path in (signed.out / "records").iterdir())

@@ -218,11 +218,10 @@ def test_a_failure_is_said_whole_above_the_live_table(submit: Submit, tmp_path: 
     assert all(len(line) <= 80 for line in lines)
 
 
-def test_the_table_is_there_before_the_first_match_ends(submit: Submit, tmp_path: Path) -> None:
-    job = Job.of_one(submit("walker"), "navigation", 0, MatchSpec(track="navigation"), tmp_path, replay=False)
+def test_the_table_is_there_before_the_first_match_ends() -> None:
     console = Console(file=io.StringIO(), force_terminal=True, width=80)
 
-    with EvaluationProgress(console, Tally([job])).shown():
+    with EvaluationProgress(console, Tally(jobs(navigation=1))).shown():
         assert isinstance(console.file, io.StringIO)
         assert "walker" in console.file.getvalue()
 

@@ -18,6 +18,7 @@ from typing import Any
 from wildscav_evaluator.matches.play import launch_for
 from wildscav_evaluator.sandbox import SANDBOXES, Ending, Launch, Limits, Sandbox
 from wildscav_evaluator.submissions.submission import Submission
+from wildscav_server import leftovers
 
 MEBIBYTE = 1 << 20
 GROUPS = Path("/sys/fs/cgroup")
@@ -233,6 +234,13 @@ def _read_file(process: int, name: str) -> str:
         return Path(f"/proc/{process}/{name}").read_text(errors="replace")
     except OSError:
         return ""
+
+
+def folders_of(process: int) -> list[Path]:
+    """Return the folders of a process for temporary things, once those of the dead are removed."""
+    leftovers.sweep()
+    locks = Path(tempfile.gettempdir()).glob(f"wildscav-*/{leftovers.LOCK}")
+    return [lock.parent for lock in locks if lock.read_text().strip() == str(process)]
 
 
 def wait_until(condition: Callable[[], bool], seconds: float = 120.0) -> None:

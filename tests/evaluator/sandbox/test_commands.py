@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from tests.evaluator.sample_agents import Submit
 from tests.evaluator.sandbox.sandbox_runs import run_agent
 
-from wildscav_evaluator.sandbox import SANDBOXES, Ending, Limits, Sandbox
+from wildscav_evaluator.sandbox import Ending, Limits, Sandbox
 from wildscav_evaluator.submissions.submission import Submission, folder_digest, load_submission
 
 PROGRAM = """#!/bin/sh
@@ -43,33 +43,21 @@ def run(sandbox: Sandbox, submission: Submission, folder: Path) -> tuple[Ending,
 
 
 def test_a_program_is_run_in_its_folder_with_address_and_token(
-    real: Sandbox, program: Submission, tmp_path: Path
+    sandbox: Sandbox, program: Submission, tmp_path: Path
 ) -> None:
-    ending, log = run(real, program, tmp_path)
+    ending, log = run(sandbox, program, tmp_path)
 
-    assert log == "./go --fast in /submission, of its own, of the seat, 30s\na socket\n"
+    folder = "/submission" if sandbox.isolated else program.folder
+    assert log == f"./go --fast in {folder}, of its own, of the seat, 30s\na socket\n"
     assert (ending.exit_code, ending.last_words) == (7, "a socket")
 
 
-def test_a_plain_process_runs_it_too(program: Submission, tmp_path: Path) -> None:
-    ending, log = run(SANDBOXES["process"], program, tmp_path)
-
-    assert log == f"./go --fast in {program.folder}, of its own, of the seat, 30s\na socket\n"
-    assert ending.exit_code == 7
-
-
-def test_a_program_that_is_not_there_is_the_agents_fault_and_named(real: Sandbox, tmp_path: Path) -> None:
-    ending, _ = run(real, written(tmp_path, '["no-such-program"]'), tmp_path)
+def test_a_program_that_is_not_there_is_the_agents_fault_and_named(sandbox: Sandbox, tmp_path: Path) -> None:
+    ending, _ = run(sandbox, written(tmp_path, '["no-such-program"]'), tmp_path)
 
     assert ending.platform_fault == ""
     assert ending.exit_code not in (0, None)
     assert "no-such-program" in ending.last_words
-
-
-def test_a_plain_process_names_a_program_that_is_not_there(tmp_path: Path) -> None:
-    ending, _ = run(SANDBOXES["process"], written(tmp_path, '["no-such-program"]'), tmp_path)
-
-    assert "cannot run no-such-program: No such file or directory" in str(ending)
 
 
 @pytest.mark.parametrize(

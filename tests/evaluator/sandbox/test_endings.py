@@ -3,7 +3,6 @@
 import os
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Iterator
 from dataclasses import replace
@@ -15,6 +14,7 @@ from tests.evaluator.sandbox import starter
 from tests.evaluator.sandbox.sandbox_runs import (
     GROUPS,
     LIMITS,
+    folders_of,
     listening,
     processes_with,
     run_agent,
@@ -28,7 +28,6 @@ from wildscav_evaluator.sandbox.containers.container_engine import call, find_en
 from wildscav_evaluator.sandbox.linux import bubblewrap, cgroup
 from wildscav_evaluator.sandbox.linux.kernel_log import logged_kill
 from wildscav_evaluator.submissions.submission import Submission
-from wildscav_server import leftovers
 
 pytestmark = pytest.mark.slow
 
@@ -176,10 +175,3 @@ time.sleep(60)
 
         wait_until(lambda: not processes_with(marker))
         wait_until(lambda: not folders_of(started.pid))
-
-
-def folders_of(process: int) -> list[Path]:
-    """Return the folders of a process for temporary things, once those of the dead are removed."""
-    leftovers.sweep()
-    locks = Path(tempfile.gettempdir()).glob(f"wildscav-*/{leftovers.LOCK}")
-    return [lock.parent for lock in locks if lock.read_text().strip() == str(process)]

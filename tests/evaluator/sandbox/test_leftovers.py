@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 from tests.evaluator.sample_agents import Submit
 from tests.evaluator.sandbox import starter
-from tests.evaluator.sandbox.sandbox_runs import GROUPS, listening, processes_with, wait_until
+from tests.evaluator.sandbox.sandbox_runs import GROUPS, folders_of, listening, processes_with, wait_until
 
 from wildscav_evaluator.sandbox import Sandbox
 from wildscav_evaluator.sandbox.containers.container_engine import OWNER, call, find_engine
@@ -112,12 +112,7 @@ def descendants(process: int) -> Iterator[int]:
 
 def reapers(process: int) -> list[int]:
     """Return the processes that wait for the end of one, to remove what it leaves."""
-    lock = [
-        path.parent
-        for path in Path(tempfile.gettempdir()).glob(f"wildscav-*/{leftovers.LOCK}")
-        if path.read_text().strip() == str(process)
-    ]
-    return [reaper for folder in lock for reaper in processes_with(f"[ -e {folder}")]
+    return [reaper for folder in folders_of(process) for reaper in processes_with(f"[ -e {folder}")]
 
 
 def left_of(owner: str, sandbox: Sandbox) -> list[str]:

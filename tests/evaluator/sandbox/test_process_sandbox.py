@@ -2,7 +2,6 @@
 
 import asyncio
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -20,11 +19,10 @@ from wildscav_evaluator.sandbox.process import kill_session
 from wildscav_evaluator.submissions.submission import Submission
 
 PROCESS = SANDBOXES["process"]
-LOG_LIMIT = 1_000_000  # bytes
 
 
 def run_to_end(submission: Submission, folder: Path, lasts: float = 60.0, **options: Any) -> Ending:
-    limits = Limits.model_validate({"output": options.pop("output", LOG_LIMIT)})
+    limits = Limits.model_validate({"output": options.pop("output", 1_000_000)})
     return run_agent(PROCESS, submission, folder, limits, lasts=lasts, **options)[0]
 
 
@@ -40,16 +38,6 @@ def test_an_agent_that_does_not_import_says_so_in_its_last_words(submit: Submit,
     assert str(ending) == f"the agent's process ended (exit code 3): {ending.last_words}"
     assert "import no_such_module" in "".join(ending.last_lines)
     assert "agent.py" in (tmp_path / "log").read_text()
-
-
-def test_a_killed_agent_is_reported_by_its_signal(submit: Submit, tmp_path: Path) -> None:
-    submission = submit("suicidal", code="import os\nos.kill(os.getpid(), 9)")
-
-    ending = run_to_end(submission, tmp_path)
-
-    assert ending.killed_by == "SIGKILL"
-    assert ending.exit_code is None
-    assert "killed by SIGKILL" in str(ending)
 
 
 def test_an_agent_sees_nothing_of_the_users_environment(
@@ -69,26 +57,16 @@ def test_an_agent_sees_nothing_of_the_users_environment(
     assert str(submission.folder) in log
 
 
-def test_the_log_of_a_talkative_agent_is_cut_and_the_agent_never_blocks(
-    submit: Submit, tmp_path: Path
+@pytest.mark.parametrize("limit", [4096, 50_000, 1_000_000])
+def test_a_log_is_cut_at_its_limit_and_the_agent_never_blocks(
+    submit: Submit, tmp_path: Path, limit: int
 ) -> None:
-    submission = submit("talkative", code=f"print('x' * {3 * LOG_LIMIT})\nprint('the end')")
+    submission = submit("talkative", code="print('x' * 3_000_000)")
 
-    ending = run_to_end(submission, tmp_path)
+    ending = run_to_end(submission, tmp_path, output=limit)
 
-    size = (tmp_path / "log").stat().st_size
-    assert LOG_LIMIT <= size < LOG_LIMIT + 100
-    assert (tmp_path / "log").read_text().endswith("[the log is cut here]\n")
+    assert (tmp_path / "log").read_bytes() == b"x" * limit + b"\n[the log is cut here]\n"
     assert ending.exit_code is not None
-
-
-@pytest.mark.parametrize("limit", [4096, 50_000])
-def test_a_log_is_as_long_as_its_limit_allows(submit: Submit, tmp_path: Path, limit: int) -> None:
-    submission = submit("talkative", code="print('x' * 100_000)")
-
-    run_to_end(submission, tmp_path, output=limit)
-
-    assert (tmp_path / "log").read_bytes().partition(b"\n[")[0] == b"x" * limit
 
 
 def test_an_agent_ends_with_its_wall_clock(submit: Submit, tmp_path: Path) -> None:
@@ -149,38 +127,6 @@ def test_an_agent_ends_when_whoever_started_it_is_killed(submit: Submit, tmp_pat
         os.kill(int(child), signal.SIGKILL)
 
 
-# An agent ends, a stranger gets its number, and then the agent is stopped. It runs in a namespace of process
-# numbers, in which it may choose the next one.
-REUSER = """
-import asyncio, subprocess, sys
-from pathlib import Path
-from wildscav_evaluator.sandbox import SANDBOXES, Launch
-
-async def run():
-    launch = Launch(Path(sys.argv[1]), "agent:Player", "unix:/nowhere", "of the seat", Path(sys.argv[2]))
-    agent = await SANDBOXES["process"].start(launch)
-    await agent.ended()
-    Path("/proc/sys/kernel/ns_last_pid").write_text(str(agent.pid - 1))
-    stranger = subprocess.Popen(["sleep", "100"], start_new_session=True)
-    assert stranger.pid == agent.pid
-    await agent.stop()
-    assert stranger.poll() is None
-
-asyncio.run(run())
-"""
-UNSHARE = ("unshare", "--pid", "--fork", "--mount-proc")
-
-
-def test_stopping_an_agent_that_has_ended_spares_whoever_got_its_number(
-    submit: Submit, tmp_path: Path
-) -> None:
-    if shutil.which("unshare") is None or subprocess.call([*UNSHARE, "true"]):
-        pytest.skip("it takes Linux and root")
-    submission = submit("short", code="")
-
-    subprocess.run([*UNSHARE, sys.executable, "-c", REUSER, submission.folder, tmp_path / "log"], check=True)
-
-
 @pytest.mark.skipif(sys.platform != "linux", reason="pidfds are Linux's")
 def test_a_session_whose_number_is_a_strangers_by_now_is_spared() -> None:
     ours, stranger = (subprocess.Popen(["sleep", "100"], start_new_session=True) for _ in range(2))
@@ -207,13 +153,24 @@ def running(pid: int) -> bool:
         return False
 
 
-@pytest.mark.parametrize(("code", "signal_name"), [(255, ""), (192, "SIGRTMAX"), (139, "SIGSEGV"), (128, "")])
+@pytest.mark.parametrize(
+    ("code", "signal_name"),
+    [
+        ("os._exit(255)", ""),
+        ("os._exit(192)", "SIGRTMAX"),
+        ("os._exit(139)", "SIGSEGV"),
+        ("os._exit(128)", ""),
+        ("os.kill(os.getpid(), 9)", "SIGKILL"),
+    ],
+)
 def test_only_what_is_a_signal_is_told_as_one(
-    submit: Submit, tmp_path: Path, code: int, signal_name: str
+    submit: Submit, tmp_path: Path, code: str, signal_name: str
 ) -> None:
-    ending = run_to_end(submit("ending", code=f"import os\nos._exit({code})"), tmp_path)
+    ending = run_to_end(submit("ending", code=f"import os\n{code}"), tmp_path)
 
-    assert (ending.exit_code, ending.killed_by) == (None if signal_name else code, signal_name)
+    assert ending.killed_by == signal_name
+    assert (ending.exit_code is None) == bool(signal_name)
+    assert f"killed by {signal_name}" in str(ending) or not signal_name
 
 
 def test_a_long_line_is_told_in_whole_words(submit: Submit, tmp_path: Path) -> None:

@@ -109,7 +109,7 @@ def test_results_that_were_changed_are_named(
 def test_a_record_that_was_taken_away_or_is_of_another_match_is_named(
     replayed: list[Replayed], told: Results, faults: Faults
 ) -> None:
-    swapped = replace(replayed[1], record=replayed[0].record, index=0)
+    swapped = replace(replayed[2], record=replayed[0].record, index=0)  # another match of ada
 
     assert "ada on navigation, match 0: its record is missing or does not hold" in faults(replayed[1:], told)
     assert f"{replayed[0].record}: is not match 0 of the suite" in faults([swapped, *replayed[1:]], told)

@@ -104,6 +104,7 @@ def test_a_cache_keeps_what_was_used_last_and_whatever_may_be_in_use(cache: Path
     assert {path.name for path in cache.iterdir()} == {"today"}
 
 
+@pytest.mark.usefixtures("here")
 def test_an_archive_that_was_asked_for_again_counts_as_used(tmp_path: Path, cache: Path) -> None:
     archive = pack(tmp_path / "a.zip", GOOD)
     folder = unpack(archive)
@@ -114,6 +115,7 @@ def test_an_archive_that_was_asked_for_again_counts_as_used(tmp_path: Path, cach
     assert len(list(cache.iterdir())) == 2
 
 
+@pytest.mark.usefixtures("here")
 def test_an_archive_and_the_folder_in_it_have_one_digest(tmp_path: Path) -> None:
     folder = tmp_path / "folder"
     for name, content in GOOD.items():
