@@ -97,7 +97,7 @@ class LedgerWriter:
 
     def end(self, result: JobResult) -> None:
         """Enter how a match ended."""
-        job, row = result.job, _row(result)
+        job, row = result.job, result.row.model_copy(update={"replay": None})
         if job.stem in self.played:
             return
         record = None if row.record is None else sha256_of(job.out / row.record)
@@ -110,7 +110,11 @@ class LedgerWriter:
 
     def close(self, results: Results, path: Path) -> None:
         """Enter the results of the evaluation, unless the last entry has the same results."""
-        closed = Closed(results=sha256_of(path), scores=tuple(_scores(results)))
+        scores = tuple(
+            Score.about(one, metric=one.metrics[0].name, summary=one.score, matches=len(one.matches))
+            for one in results.evaluations
+        )
+        closed = Closed(results=sha256_of(path), scores=scores)
         if closed != self._closed:
             self._append(closed)
             self._closed = closed
@@ -155,17 +159,6 @@ def _kept(job: Job, ended: MatchEnded) -> JobResult:
     if job.replay and (job.out / job.replay_path).exists():
         row = row.model_copy(update={"replay": job.replay_path})
     return JobResult(job, row, ended.timing)
-
-
-def _row(result: JobResult) -> MatchRow:
-    return result.row.model_copy(update={"replay": None})
-
-
-def _scores(results: Results) -> list[Score]:
-    return [
-        Score.about(one, metric=one.metrics[0].name, summary=one.score, matches=len(one.matches))
-        for one in results.evaluations
-    ]
 
 
 def _changed(why: str) -> UserError:

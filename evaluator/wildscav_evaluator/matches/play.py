@@ -7,7 +7,7 @@ platform's fault.
 
 import asyncio
 from collections.abc import AsyncIterator, Callable, Iterator, Sequence
-from contextlib import asynccontextmanager, contextmanager
+from contextlib import AbstractAsyncContextManager, asynccontextmanager, contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -112,7 +112,7 @@ async def play_match(
     faults = list(faults)
     while True:
         try:
-            played = await _play_once(seating, sandbox=sandbox, clock=clock, on_start=on_start, make=make)
+            played = await _play_once(agents_at_play(seating, sandbox, clock, on_start, make))
             return replace(played, platform_faults=tuple(faults))
         except Exception as error:
             # Whether a sandbox works here at all was tried before the match.
@@ -138,18 +138,13 @@ def _in_a_line(error: Exception) -> str:
 
 
 async def _play_once(
-    seating: MatchAssignment,
-    *,
-    sandbox: Sandbox = SANDBOXES["process"],
-    clock: Clock | None = None,
-    on_start: Callable[[HostedMatch], None] | None = None,
-    make: Callable[[MatchSpec], Match] | None = None,
+    match: AbstractAsyncContextManager[tuple[HostedMatch, MatchAgents]],
 ) -> PlayedMatch:
-    """Play one match from the start of its agents to the end of the last of them. See ``play_match``.
+    """Play one match from the start of its agents to the end of the last of them. See ``agents_at_play``.
 
     OSError if an agent's process could not be started; PlatformFaultError if a sandbox failed under an agent.
     """
-    async with agents_at_play(seating, sandbox, clock, on_start, make) as (hosted, agents):
+    async with match as (hosted, agents):
         stall = asyncio.create_task(_watch_for_stall())
         try:
             outcome = await _outcome(hosted, agents)

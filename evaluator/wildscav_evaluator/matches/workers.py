@@ -84,7 +84,9 @@ class Worker:
             event = cast(JobEvent | JobResult, self.connection.recv()) if self.connection.poll() else None
         except (EOFError, OSError):
             self.end(STOP_TIME)
-            return after_worker_death(job, f"the worker process died ({self._how_it_ended()})")
+            code = self.process.exitcode or 0
+            how = signal_name(-code) if code < 0 else f"exit code {code}"
+            return after_worker_death(job, f"the worker process died ({how})")
         if isinstance(event, JobResult):
             self.rendered += event.row.replay is not None
             return event
@@ -98,10 +100,6 @@ class Worker:
         elif isinstance(event, RenderingReplay):
             self.job = replace(job, kept=event.kept)
         return event
-
-    def _how_it_ended(self) -> str:
-        code = self.process.exitcode or 0
-        return signal_name(-code) if code < 0 else f"exit code {code}"
 
     def end(self, grace: float = 0.0) -> None:
         """Kill the process if it still runs after some grace, s, and remove what it may have left behind."""

@@ -35,7 +35,10 @@ class EvaluationMetrics(Collector):
         """Yield every metric with its current value."""
         done = tuple(self._tally.done.values())
         yield from self._matches(done)
-        yield from self._queue()
+        yield GaugeMetricFamily("wildscav_matches_running", "Matches being played.", len(self._tally.running))
+        yield GaugeMetricFamily(
+            "wildscav_matches_waiting", "Matches that have not begun.", self._tally.waiting
+        )
         yield from _steps(done)
         yield from self._nodes()
         yield GaugeMetricFamily(
@@ -62,12 +65,6 @@ class EvaluationMetrics(Collector):
             "wildscav_platform_retries",
             "Matches played again because the platform broke them.",
             self._tally.broken,
-        )
-
-    def _queue(self) -> Iterator[Metric]:
-        yield GaugeMetricFamily("wildscav_matches_running", "Matches being played.", len(self._tally.running))
-        yield GaugeMetricFamily(
-            "wildscav_matches_waiting", "Matches that have not begun.", self._tally.waiting
         )
 
     def _nodes(self) -> Iterator[Metric]:

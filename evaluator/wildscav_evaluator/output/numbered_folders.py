@@ -5,7 +5,7 @@ evaluation finds its folder again by its identity, even after others were evalua
 """
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from wildscav.errors import UserError
@@ -31,13 +31,8 @@ def own_folder(parent: Path, identity: Identity, *, fresh: bool) -> Path:
 
 def numbered(parent: Path) -> list[Path]:
     """Return the numbered folders in a folder, in order; an empty list if it does not exist."""
-    return sorted(_numbered(parent), key=number_of) if parent.is_dir() else []
-
-
-def _numbered(parent: Path) -> Iterator[Path]:
-    for path in parent.iterdir():
-        if NUMBERED.fullmatch(path.name) and path.is_dir():
-            yield path
+    folders = [path for path in parent.iterdir() if path.is_dir()] if parent.is_dir() else []
+    return sorted((path for path in folders if NUMBERED.fullmatch(path.name)), key=number_of)
 
 
 def number_of(folder: Path) -> int:

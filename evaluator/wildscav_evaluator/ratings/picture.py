@@ -1,6 +1,6 @@
 """A picture of standings: ratings with intervals, bands, and the results of every two entrants."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -36,12 +36,17 @@ def draw_standings(standings: Standings, title: str, path: Path) -> Path:
 
     The title is its first line, such as the track and the number of matches.
     """
+    return draw_figure(lambda: _figure(standings, title), path)
+
+
+def draw_figure(figure: "Callable[[], Figure]", path: Path) -> Path:
+    """Draw a figure as a PNG, whole or not at all, and return its path."""
     from matplotlib import style
 
     content = BytesIO()
     # Not the settings of the user, so that the picture is the same everywhere.
     with style.context(["default", {"font.size": 9.0, "text.parse_math": False, "text.color": TEXT}]):
-        _figure(standings, title).savefig(content, format="png", metadata={"Software": None})
+        figure().savefig(content, format="png", metadata={"Software": None})
     write_whole(path, content.getvalue())
     return path
 

@@ -106,8 +106,12 @@ def discrepancies(folder: AuditedFolder, replayed: Sequence[Replayed], recompute
     if settings is not None and expected is None:
         yield from deviations(folder.reported, settings, replayed, max(counts.values(), default=0))
     yield from disagreements(replayed, folder.reported, recomputed.evaluations, judge)
-    yield from _of_overall(folder, recomputed)
-    yield from _of_versions(folder.reported, replayed)
+    if folder.reported.overall != recomputed.overall:
+        yield f"the ratings across tracks in {RESULTS_FILE} are not those that the records give"
+    for one in replayed:
+        if one.versions is not None and one.versions != folder.reported.versions:
+            said = folder.reported.versions
+            yield f"{one.record}: was played by {one.versions}, but the results say {said}"
     yield from _of_seeds(folder, replayed)
     yield from _of_ledger(folder)
     if fault := check_comparison(folder.out, folder.reported):
@@ -234,18 +238,6 @@ def _of_row(folder: AuditedFolder, evaluation: Evaluation, row: MatchRow) -> Ite
             f"{who}: there is no record of it; only a ledger that the organizer signed (--key) "
             "can prove that the platform failed"
         )
-
-
-def _of_overall(folder: AuditedFolder, recomputed: Results) -> Iterator[str]:
-    """Compare the ratings across tracks with those that follow from the scores."""
-    if folder.reported.overall != recomputed.overall:
-        yield f"the ratings across tracks in {RESULTS_FILE} are not those that the records give"
-
-
-def _of_versions(reported: Results, replayed: Sequence[Replayed]) -> Iterator[str]:
-    for one in replayed:
-        if one.versions is not None and one.versions != reported.versions:
-            yield f"{one.record}: was played by {one.versions}, but the results say {reported.versions}"
 
 
 def _of_seeds(folder: AuditedFolder, replayed: Sequence[Replayed]) -> Iterator[str]:

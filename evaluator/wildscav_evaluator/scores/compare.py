@@ -159,11 +159,6 @@ def check_comparison(out: Path, results: Results) -> str:
     return f"{COMPARISON_FILE} is not what {RESULTS_FILE} gives"
 
 
-def write_comparisons(comparisons: Comparisons, folder: Path) -> Path:
-    """Write ``comparison.json`` into a folder, whole or not at all, and return its path."""
-    return comparisons.write(folder / COMPARISON_FILE)
-
-
 class Change(FileModel):
     """One submission on one track, now and when it was last evaluated with other files."""
 

@@ -127,7 +127,8 @@ def standings(
         for one in results.evaluations
         if is_meant(track, one.track) and is_meant(suite, results.suite)
     ]
-    for conditions, latest in sorted(_tables(rows, _of_a_person), key=_sort_key):
+    tables = _tables(rows, lambda agents: agents._replace(**BY_PEOPLE, limits=KeptLimits()))
+    for conditions, latest in sorted(tables, key=_sort_key):
         row_of = {id(row.evaluation): row for row in latest}
         ranks = ranked(row.evaluation for row in latest)
         yield Standings(conditions, tuple(row_of[id(one)]._replace(rank=rank) for rank, one in ranks))
@@ -167,10 +168,6 @@ def _by_age(evaluated: Iterable[Results]) -> list[Results]:
 
 
 BY_PEOPLE: dict[str, Any] = {"sandbox": BROWSER, "model": None}  # who have no limits, too
-
-
-def _of_a_person(agents: Conditions) -> Conditions:
-    return agents._replace(**BY_PEOPLE, limits=KeptLimits())
 
 
 def _tables(

@@ -53,7 +53,9 @@ def tournament_matches(
     The names of the entrants are sorted; those of robots begin with ``robot:``. UserError if there is no such
     schedule, or the suite's matches cannot be played by so many seats.
     """
-    schedule = _schedule(_seed(f"tournament/{suite.name}/{track}/{seed}"), rounds, settings, entrants)
+    digest = blake2b(f"tournament/{suite.name}/{track}/{seed}".encode(), digest_size=8).digest()
+    drawn = int.from_bytes(digest, "little")
+    schedule = _schedule(drawn, rounds, settings, entrants)
     games = suite_games(suite, track, seed, int(schedule.games.max()) + 1)
     try:
         return tuple(_matches(games, schedule, settings, entrants))
@@ -105,10 +107,6 @@ def _advice(settings: TournamentSettings, entrants: Sequence[str]) -> str:
     if settings.meet_own or largest <= max(1, len(entrants) // settings.places):
         return ""
     return "; --meet-own lets entries of one submission meet"
-
-
-def _seed(text: str) -> int:
-    return int.from_bytes(blake2b(text.encode(), digest_size=8).digest(), "little")
 
 
 def suite_games(suite: Suite, track: str, seed: int, count: int) -> list[MatchSpec]:

@@ -80,6 +80,11 @@ SecretOption = Annotated[
     ),
 ]
 
+RoundsOption = Annotated[
+    int,
+    typer.Option(help="How often to play the suite, each time with the next seed.", min=1, max=MAX_ROUNDS),
+]
+
 
 def _say_no_database(path: Path | None) -> None:
     if path is not None:

@@ -19,7 +19,14 @@ from wildscav_evaluator.cli.result_tables import (
     timing_table,
     track_table,
 )
-from wildscav_evaluator.cli.sessions.playing import playing, raise_errors, saving_errors, say, say_files
+from wildscav_evaluator.cli.sessions.playing import (
+    playing,
+    print_note,
+    raise_errors,
+    saving_errors,
+    say,
+    say_files,
+)
 from wildscav_evaluator.executors import Executor
 from wildscav_evaluator.monitoring.monitor import MonitorOptions
 from wildscav_evaluator.output.numbered_folders import number_of
@@ -67,7 +74,7 @@ def show_notes(results: Results) -> None:
     if lines:
         console.print()
     for line in lines:
-        console.print(Text.assemble(("note: ", "yellow"), line))
+        print_note(line)
     console.print()
     for position, line in enumerate(sandbox_and_limits(results.sandbox, results.limits)):
         say("" if position else "sandbox", line)

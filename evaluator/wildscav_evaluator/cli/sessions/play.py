@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 from pydantic import ValidationError
 from rich.progress import TimeElapsedColumn
 from rich.table import Table
-from rich.text import Text
 
 from wildscav.errors import UserError, describe
 from wildscav.terminal.console import command, console, print_json, progress_bar
@@ -32,7 +31,7 @@ from wildscav_evaluator.cli.result_tables import (
     plain_table,
     waits_note,
 )
-from wildscav_evaluator.cli.sessions.playing import INTERRUPTED, raise_errors
+from wildscav_evaluator.cli.sessions.playing import INTERRUPTED, print_note, raise_errors
 from wildscav_evaluator.matches.play import (
     MatchAssignment,
     PlayedMatch,
@@ -240,13 +239,9 @@ def _seat_document(seating: MatchAssignment, played: PlayedMatch, seat: "SeatRes
 def _show_notes(seating: MatchAssignment, played: PlayedMatch) -> None:
     """Print which agents sent invalid actions, and which waited for a processor."""
     for seat, report in played.seats.items():
-        line = invalid_actions_note(
-            seating.names[seat], actions=report.steps_played, invalid=report.invalid_actions
-        )
-        if line is not None:
-            console.print(Text.assemble(("note: ", "yellow"), line))
-        if (note := waits_note(seating.names[seat], [report.credited or 0.0])) is not None:
-            console.print(Text.assemble(("note: ", "yellow"), note))
+        name, invalid = seating.names[seat], report.invalid_actions
+        print_note(invalid_actions_note(name, actions=report.steps_played, invalid=invalid))
+        print_note(waits_note(name, [report.credited or 0.0]))
 
 
 def _write(

@@ -190,6 +190,12 @@ def say(what: str, text: str) -> None:
     console.print(f"{what:<9} {text}")
 
 
+def print_note(text: str | None) -> None:
+    """Print a note, if there is one."""
+    if text is not None:
+        console.print(Text.assemble(("note: ", "yellow"), text))
+
+
 def raise_errors(errors: Sequence[str]) -> None:
     """Print all errors but the last, each on a line as the command line does, and raise that."""
     if not errors:

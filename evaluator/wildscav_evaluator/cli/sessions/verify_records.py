@@ -103,11 +103,8 @@ def _contradiction(path: Path, record: Record, key: str | None) -> str:
             check_key(ledger, _public(key), out)
     except LedgerError as error:
         return str(error)
-    return "" if ledger is None else _not_entered(path, ledger)
-
-
-def _not_entered(path: Path, ledger: Ledger) -> str:
-    """Return how a record differs from the ledger of its folder, or an empty text if it does not."""
+    if ledger is None:
+        return ""
     entered = ledger.played.get(path.stem)
     if entered is None:
         return f"{LEDGER_FILE} has no such match"

@@ -95,7 +95,9 @@ def check_installed() -> None:
 def _serve(connection: Connection, parent: int, address: str | None, log: Path) -> None:
     """Connect to the cluster and carry out requests. Runs in the bridge's process."""
     become_worker(parent)
-    _redirect_output(log)
+    descriptor = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
+    for stream in (sys.stdout, sys.stderr):
+        os.dup2(descriptor, stream.fileno())
     from wildscav_evaluator.executors.cluster.connection import connect
 
     try:
@@ -110,12 +112,6 @@ def _serve(connection: Connection, parent: int, address: str | None, log: Path) 
     with contextlib.closing(ClusterSession()) as session, contextlib.suppress(EOFError, OSError):
         while True:
             _carry_out(connection, session.carry_out(connection.recv()))
-
-
-def _redirect_output(log: Path) -> None:
-    descriptor = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
-    for stream in (sys.stdout, sys.stderr):
-        os.dup2(descriptor, stream.fileno())
 
 
 def _carry_out(connection: Connection, messages: Generator[Message, Any, None]) -> None:

@@ -11,6 +11,7 @@ import subprocess
 import tarfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from hashlib import blake2b
 from pathlib import Path
 from typing import Any
 
@@ -158,7 +159,7 @@ def bare_image(engine: ContainerEngine, folders: Sequence[str], links: tuple[tup
             entry = tarfile.TarInfo(path.lstrip("/"))
             entry.type, entry.linkname = tarfile.SYMTYPE, target
             archive.addfile(entry)
-    name = f"{BARE}:{_digest(content.getvalue())}"
+    name = f"{BARE}:{blake2b(content.getvalue(), digest_size=8).hexdigest()}"
     if call(engine, "image", "inspect", name).returncode == 0:
         return name
     imported = call(engine, "import", "-", name, content=content.getvalue())
@@ -181,12 +182,6 @@ def image_settings(engine: ContainerEngine, image: str) -> dict[str, Any]:
     """Return the settings with which an image is run."""
     settings: dict[str, Any] = _ask(engine, "image", "inspect", "--format", "{{json .Config}}", image)
     return settings
-
-
-def _digest(content: bytes) -> str:
-    import hashlib
-
-    return hashlib.blake2b(content, digest_size=8).hexdigest()
 
 
 def processes_of(identity: str) -> list[int]:
