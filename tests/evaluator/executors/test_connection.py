@@ -11,7 +11,7 @@ from wildscav.errors import UserError
 from wildscav_evaluator.executors import EXECUTORS, ExecutorError
 from wildscav_evaluator.executors.base import Examined
 from wildscav_evaluator.executors.cluster.connection import _reason, check_address
-from wildscav_evaluator.executors.ray_executor import RayExecutor, _no_sandbox
+from wildscav_evaluator.executors.ray_executor import _no_sandbox
 
 
 @pytest.mark.parametrize(
@@ -78,11 +78,6 @@ def test_an_unknown_executor_is_an_error_of_usage(wildscav: Command) -> None:
 )
 def test_why_no_node_can_play(found: list[Examined], reason: str) -> None:
     assert _no_sandbox(found, ["oci"]) == reason
-
-
-def test_an_executor_that_was_not_entered_does_nothing(submit: Submit) -> None:
-    with pytest.raises(RuntimeError, match="not entered"):
-        RayExecutor().choose_sandbox("process", [submit("walker", WALKER)])
 
 
 def test_another_release_of_ray_is_told_in_one_line() -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.evaluator.conftest import submission_in
-from tests.evaluator.sample_agents import WALKER, Submit
+from tests.evaluator.sample_agents import Submit
 from tests.evaluator.small_matches import SMALL, job_of
 
 from wildscav_engine.record import read_record, resimulate
@@ -43,15 +43,12 @@ TWINS = """
 
 @pytest.fixture(scope="module")
 def twins(tmp_path_factory: pytest.TempPathFactory) -> JobResult:
-    place = tmp_path_factory.mktemp("twins")
-    return run(submission_in(place, "twins", TWINS), place, ("walker", "submission", "walker", "submission"))
-
-
-def run(submission: Submission, place: Path, seats: tuple[str, ...]) -> JobResult:
+    place, seats = tmp_path_factory.mktemp("twins"), ("walker", "submission", "walker", "submission")
     spec = MatchSpec(track="navigation", map=SMALL, seats=seats, time_limit=STEPS / 10)
     limits = Limits.model_validate({"output": 4096})
+    job = job_of(submission_in(place, "twins", TWINS), place / "out", spec=spec, limits=limits)
     with asyncio.Runner() as runner:
-        return run_job(runner, job_of(submission, place / "out", spec=spec, limits=limits))
+        return run_job(runner, job)
 
 
 def test_each_seat_has_a_log_of_its_own_which_is_cut_alone(twins: JobResult) -> None:
@@ -108,14 +105,6 @@ def test_logs_of_seats_are_kept_with_their_match(twins: JobResult, tmp_path: Pat
 
     keep_only(out, [])
     assert list((out / LOGS).iterdir()) == []
-
-
-def test_a_submission_in_one_seat_has_one_log_and_its_own_metrics(submit: Submit, tmp_path: Path) -> None:
-    result = run(submit("walker", WALKER + "\nprint('here')"), tmp_path, ("submission", "walker"))
-
-    (seat,) = result.row.seats
-    assert seat.log == "logs/navigation-000-walker.log"
-    assert result.row.metrics == seat.metrics
 
 
 # Takes its time, so that a match lasts for several heartbeats.

@@ -77,6 +77,7 @@ def test_every_match_has_its_record_and_the_first_of_each_submission_a_replay(
         assert second.replay is None
         assert all((out / str(row.record)).stat().st_size > 0 for row in (first, second))
     (log,) = crasher.matches[0].logs
+    assert log == "logs/navigation-000-crasher.log"
     assert "lost the thread" in (out / log).read_text()
     assert verify_record(read_record(out / str(walker.matches[0].record))).holds
 
