@@ -134,37 +134,25 @@ def run_checks(
     if lacks_packages(submission):
         yield findings.packages(missing_packages(submission))
     with asyncio.Runner() as runner:
-        yield from _run_all(submission, sandbox, logs, trials, clock, runner, tell)
-
-
-def _run_all(
-    submission: Submission,
-    sandbox: Sandbox,
-    logs: Path,
-    trials: Mapping[str, Trial],
-    given: Clock | None,
-    runner: asyncio.Runner,
-    tell: Tell,
-) -> Iterator[Finding]:
-    for number, (track, trial) in enumerate(trials.items()):
-        clock = given or Clock(longest=trial.limits.wall_clock)
-        seating, make = trial.seating(submission, logs / f"{track}.log"), partial(ShortMatch, STEPS)
-        begun = _telling(tell, f"match: {track}", STEPS)
-        played = runner.run(play_match(seating, sandbox=sandbox, clock=clock, make=make, on_start=begun))
-        seat, fitted = seating.seats[0], clock.fitted(trial.spec)
-        judged = list(findings.judge_match(played.seats[seat], fitted, trial.limits, f"match: {track}"))
-        judged.append(findings.output(seating.logs[0].stat().st_size, trial.limits))
-        yield from (one for one in judged if number == 0 or one.check != "start-up")
-        if played.seats[seat].status != "finished":
-            return  # an agent that cannot play a match fails the rest for the same reason
-        if number == 0:
-            yield findings.process_exit(played.endings.get(seat))
-    trial = next(iter(trials.values()))
-    clock = given or Clock(longest=trial.limits.wall_clock)
-    late = runner.run(_delay_replies(trial.seating(submission, logs / "late.log"), sandbox, tell))
-    yield findings.lateness(next(iter(late.seats.values())), trial.limits, clock)
-    cancelled = runner.run(_cancel_match(trial.seating(submission, logs / "cancelled.log"), sandbox))
-    yield findings.cancelled_match(cancelled, LEAVING_TIME)
+        for number, (track, trial) in enumerate(trials.items()):
+            used = clock or Clock(longest=trial.limits.wall_clock)
+            seating, make = trial.seating(submission, logs / f"{track}.log"), partial(ShortMatch, STEPS)
+            begun = _telling(tell, f"match: {track}", STEPS)
+            played = runner.run(play_match(seating, sandbox=sandbox, clock=used, make=make, on_start=begun))
+            seat, fitted = seating.seats[0], used.fitted(trial.spec)
+            judged = list(findings.judge_match(played.seats[seat], fitted, trial.limits, f"match: {track}"))
+            judged.append(findings.output(seating.logs[0].stat().st_size, trial.limits))
+            yield from (one for one in judged if number == 0 or one.check != "start-up")
+            if played.seats[seat].status != "finished":
+                return  # an agent that cannot play a match fails the rest for the same reason
+            if number == 0:
+                yield findings.process_exit(played.endings.get(seat))
+        trial = next(iter(trials.values()))
+        used = clock or Clock(longest=trial.limits.wall_clock)
+        late = runner.run(_delay_replies(trial.seating(submission, logs / "late.log"), sandbox, tell))
+        yield findings.lateness(next(iter(late.seats.values())), trial.limits, used)
+        cancelled = runner.run(_cancel_match(trial.seating(submission, logs / "cancelled.log"), sandbox))
+        yield findings.cancelled_match(cancelled, LEAVING_TIME)
 
 
 def _telling(tell: Tell, what: str, steps: int) -> Callable[[HostedMatch], None]:

@@ -51,7 +51,9 @@ def run_job(
     if not result.to_render:
         return result
     on_event(RenderingReplay(KeptMatch(result.row, result.timing)))
-    return _rendered(result)
+    error = _render(job)
+    row = result.row if error else result.row.model_copy(update={"replay": job.replay_path})
+    return replace(result, row=row, replay_error=error)
 
 
 def after_worker_death(job: Job, reason: str) -> Job | JobResult:
@@ -169,13 +171,6 @@ def _cancelled_by_signal() -> Iterator[None]:
 def failed(job: Job, reason: str) -> JobResult:
     """Return the result of a job whose match could not be played, through no fault of the agent."""
     return JobResult(job, MatchRow(index=job.index, status=FAILED, fault="platform", detail=reason))
-
-
-def _rendered(result: JobResult) -> JobResult:
-    """Return a result after rendering its replay, with the replay's path or the error."""
-    error = _render(result.job)
-    row = result.row if error else result.row.model_copy(update={"replay": result.job.replay_path})
-    return replace(result, row=row, replay_error=error)
 
 
 def _render(job: Job) -> str:
