@@ -4,7 +4,7 @@ import io
 import json
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
 
 import pytest
 from hypothesis import HealthCheck, example, given, settings
@@ -68,18 +68,12 @@ def test_tables_of_results_show_everybody(text: str, screen: PlainConsole) -> No
 
     session._show(results)
     assert list(rescore_session._show(results)) == []
-    playing_session.say_files(a_plan(), None, results)  # type: ignore[arg-type]
+    plan = SimpleNamespace(out=Path("out"), public_key=None)
+    playing_session.say_files(plan, None, results)  # type: ignore[arg-type]
 
     shown = written_on(screen)
     assert is_plain(shown)
     assert shown.count("honest honest") == 2, "the honest submission stands in the table of each command"
-
-
-def a_plan() -> Any:
-    class Plan:
-        out, public_key = Path("out"), None
-
-    return Plan()
 
 
 @ways

@@ -9,8 +9,9 @@ import struct
 import tarfile
 import time
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 import pytest
 from tests.unlimited import call_here
@@ -39,7 +40,8 @@ def here(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(archives, "call_limited", call_here)
 
 
-def pack(path: Path, files: dict[str, bytes]) -> Path:
+def pack(path: Path, files: Mapping[Any, bytes]) -> Path:
+    """Pack the contents of files by their names, or by what an archive has for them."""
     if path.suffix == ".zip":
         with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
             for name, content in files.items():
@@ -47,7 +49,7 @@ def pack(path: Path, files: dict[str, bytes]) -> Path:
         return path
     with tarfile.open(path, "w:gz") as archive:
         for name, content in files.items():
-            info = tarfile.TarInfo(name)
+            info = name if isinstance(name, tarfile.TarInfo) else tarfile.TarInfo(name)
             info.size = len(content)
             archive.addfile(info, io.BytesIO(content))
     return path
@@ -56,21 +58,12 @@ def pack(path: Path, files: dict[str, bytes]) -> Path:
 def special(path: Path, name: str, target: str, kind: bytes = tarfile.SYMTYPE) -> Path:
     """Pack a good submission and a link, or a file of another kind."""
     if path.suffix == ".zip":
-        pack(path, GOOD)
-        with zipfile.ZipFile(path, "a") as archive:
-            info = zipfile.ZipInfo(name)
-            info.external_attr = (stat.S_IFLNK | 0o777) << 16
-            archive.writestr(info, target)
-        return path
-    with tarfile.open(path, "w:gz") as archive:
-        link = tarfile.TarInfo(name)
-        link.type, link.linkname = kind, target
-        archive.addfile(link)
-        for file, content in GOOD.items():
-            info = tarfile.TarInfo(file)
-            info.size = len(content)
-            archive.addfile(info, io.BytesIO(content))
-    return path
+        link = zipfile.ZipInfo(name)
+        link.external_attr = (stat.S_IFLNK | 0o777) << 16
+        return pack(path, {**GOOD, link: target.encode()})
+    odd = tarfile.TarInfo(name)
+    odd.type, odd.linkname = kind, target
+    return pack(path, {odd: b"", **GOOD})
 
 
 @pytest.mark.usefixtures("here")

@@ -85,15 +85,12 @@ def test_a_prebuilt_image_tells_its_own_manifest(submit: Submit, tmp_path: Path)
     (loaded,) = load_submissions([Path(IMAGE + name)])
 
     assert loaded.name == "brought"
-    assert loaded.image == image_identity(name)
+    # What an engine calls an image that may be given another name.
+    told = call(find_engine(), "image", "inspect", "--format", "{{.Id}}", name)
+    assert loaded.image == told.stdout.decode().strip()
     assert len(loaded.digest) == 32
     with pytest.raises(SubmissionError, match="which --sandbox bubblewrap does not run"):
         with_images([loaded], "bubblewrap")
-
-
-def image_identity(name: str) -> str:
-    """Return what an engine calls an image that may be given another name."""
-    return call(find_engine(), "image", "inspect", "--format", "{{.Id}}", name).stdout.decode().strip()
 
 
 def test_an_image_that_is_not_there_or_has_no_manifest_is_refused() -> None:
