@@ -125,18 +125,16 @@ def recomputed(
     if reported is not None:
         return _rated(out, reported.model_copy(update={"evaluations": evaluations}))
     nothing = Timings(started="", wall=0.0, jobs=0, matches=())
-    results = Results(
+    unknown = {"suite": "unknown", "sandbox": "unknown"} if identity is None else {}
+    results = Results.about(
+        identity,
         versions=CURRENT_VERSIONS,
-        suite="unknown" if identity is None else identity.suite,
         seed=None if identity is None else _public_seed(identity),
-        rounds=1 if identity is None else identity.rounds,
-        tournament=None if identity is None else identity.tournament,
-        sandbox="unknown" if identity is None else identity.sandbox,
-        limits={} if identity is None else identity.limits,
-        clock=None if identity is None else identity.clock,
-        model=None if identity is None else identity.model,
+        commitment=None,
+        key=None,
         evaluations=evaluations,
         timings=nothing,
+        **unknown,
     )
     return results if identity is None else _rated(out, results)
 
