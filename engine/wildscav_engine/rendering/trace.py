@@ -19,7 +19,7 @@ from wildscav_engine.parallel.turns import ALONE, Turns
 from wildscav_engine.rendering.cameras import TAKEN_ALREADY, Cameras, are_finite, item_at
 from wildscav_engine.rendering.dynamic_objects import ObjectArrays, ObjectSets, read_objects, shapes_between
 from wildscav_engine.rendering.tracing.front_to_back import trace_moving_solids, trace_world
-from wildscav_engine.rendering.tracing.frustum import Camera, camera_at
+from wildscav_engine.rendering.tracing.frustum import Camera, camera_at, pinhole
 from wildscav_engine.rendering.tracing.hit_buffer import NOTHING, HitBuffer, aim_rays, hit_buffer_in
 from wildscav_engine.rendering.tracing.scene import Scene, Scenes, scene_of
 from wildscav_engine.rendering.tracing.scene_arrays import Shapes
@@ -75,7 +75,8 @@ def _trace_static_depths(
             continue
         parts = read_workspace(workspaces[image if workspaces.shape[0] > 1 else 0])
         buffer = hit_buffer_in(width, parts.image)
-        camera = camera_at(eyes[image], yaws[image], pitches[image], half_width, width, height, far)
+        optics = pinhole(half_width, width, height)
+        camera = camera_at(eyes[image], yaws[image], pitches[image], optics, width, height, far)
         aim_rays(buffer, camera)
         trace_static(parts, camera, False, buffer)
         write_depths(buffer, depths[image])
@@ -189,7 +190,8 @@ def trace_view(views: Views, image: int, height: int, width: int, with_water: bo
     workspace, moving = workspace_of(matches, image), shapes_of_match(matches, image)
     buffer = hit_buffer_in(width, workspace.image)
     eye, yaw, pitch = cameras.eyes[image], cameras.yaws[image], cameras.pitches[image]
-    camera = camera_at(eye, yaw, pitch, cameras.half_width, width, height, cameras.far)
+    optics = pinhole(cameras.half_width, width, height)
+    camera = camera_at(eye, yaw, pitch, optics, width, height, cameras.far)
     aim_rays(buffer, camera)
     trace_static(workspace, camera, with_water, buffer)
     trace_moving(workspace, moving, camera, cameras.viewers[image], buffer)

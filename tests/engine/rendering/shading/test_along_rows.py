@@ -27,12 +27,10 @@ from wildscav_engine.rendering.shading.light.ambient_occlusion import (
 from wildscav_engine.rendering.shading.noise import noise, sharpness
 from wildscav_engine.rendering.shading.pixel_rows import (
     Channels,
-    Normals,
-    Places,
-    RayDirections,
     RowOfPixels,
     Tilts,
     TracedRow,
+    Vectors,
     allocate_rows,
     allocate_texture_scratch,
     cosines_of,
@@ -75,8 +73,8 @@ def traced(game_map: GameMap, eye: Vector, yaw: float, pitch: float) -> tuple[Ca
 
 def empty_row() -> RowOfPixels:
     rows = iter(allocate_rows(CAMERA.width))
-    ways, color, normal = (part(*islice(rows, 3)) for part in (RayDirections, Channels, Normals))
-    tilt, place = (part(*islice(rows, 3)) for part in (Tilts, Places))
+    ways, color, normal = (part(*islice(rows, 3)) for part in (Vectors, Channels, Vectors))
+    tilt, place = (part(*islice(rows, 3)) for part in (Tilts, Vectors))
     return RowOfPixels(ways, color, normal, tilt, place, *rows)
 
 
@@ -199,10 +197,10 @@ def spotted(kind: Kind, normal: Vector, columns: slice) -> NDArray[np.float32]:
     camera = CAMERA._cameras([(3.0, 1.5, -7.0)], [20.0], [5.0], None)
     view, pixels = view_of(camera, 0, CAMERA.height, CAMERA.width, 1), row_of(camera, 50)
     distances = np.linspace(3.0, 6.0, CAMERA.width, dtype=np.float32)[columns]
-    ways = RayDirections(*(part[columns] for part in pixels.ways))
+    ways = Vectors(*(part[columns] for part in pixels.ways))
     shown = np.empty((3, len(distances)), np.float32)
     scratch = allocate_texture_scratch()
-    normals = Normals(*(np.full(len(distances), part, np.float32) for part in normal))
+    normals = Vectors(*(np.full(len(distances), part, np.float32) for part in normal))
     write_spotted(kind, (200.0, 180.0, 90.0), normals, view, ways, distances, scratch, Channels(*shown))
     return shown.T
 

@@ -20,6 +20,7 @@ from wildscav_engine.sensors.optics.dynamic_objects import (
     as_dynamic_objects,
     dynamic_objects_of,
     objects_of_matches,
+    placed_objects,
 )
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.simulation.match import Match
@@ -157,6 +158,19 @@ def test_solids_of_any_making_take_the_colour_of_their_owner() -> None:
     assert things.instance.tolist() == [2, 1]
     assert as_dynamic_objects(things) is things
     assert len(as_dynamic_objects(gather_solids([])).color) == 0
+
+
+def test_what_is_placed_by_hand_looks_as_it_does_in_a_match() -> None:
+    match = battle(2)
+    place(match, 0, (1.0, 0.5, 2.0), yaw=30.0)
+    place(match, 1, (-4.0, 0.0, 3.0), yaw=-90.0)
+    put_box(match, 0, (1.0, 2.0, 3.0))
+    match.state.supplies.serial[0, 0] = 0
+    of_match = dynamic_objects_of(match)
+    placed = placed_objects([((1.0, 0.5, 2.0), 30.0), ((-4.0, 0.0, 3.0), -90.0)], [(1.0, 2.0, 3.0)])
+    for one, other in zip(of_match.sets.arrays, placed.sets.arrays, strict=True):
+        assert np.array_equal(one, other)
+    assert len(placed_objects([], []).kind) == 0
 
 
 def test_a_match_without_anything_has_no_things() -> None:
