@@ -101,11 +101,9 @@ def _scale_of(places: NDArray[np.floating], right: NDArray[np.floating]) -> tupl
 
 
 def _rows_of(elevations: NDArray[np.float64], side: float) -> tuple[float, float, float, float]:
-    """Return the scale upwards, the spread, the level and the margin upwards.
+    """Return the scale upwards, the spread, the level and the margin upwards, given elevations in radians.
 
-    Args:
-        elevations: (C,) radians.
-        side: The cosine of the angle between the middle and the side of the sector.
+    ``side`` is the cosine of the angle between the middle and the side of the sector.
     """
     span = float(elevations[0] - elevations[-1])
     per_radian = (len(elevations) - 1) / span if span > 0.0 else SINGLE

@@ -152,15 +152,9 @@ def flatten_views(
 ) -> tuple[Any, ...]:
     """Return the views of some cameras as the last arguments of a kernel, which takes them as ``*views``.
 
-    They include addresses: the caller must keep the scenes and objects alive during the call.
-
-    Args:
-        scenes: The static worlds of N cameras, or one for all.
-        objects: The moving objects of some matches.
-        matches: (N,) the match in ``objects`` that each camera is in.
-        cameras: N cameras.
-        turns: In which order to render their images, with other threads.
-        size: The size of their images, and of the largest of the moving objects.
+    For the arguments, see ``images.trace_images``; ``size`` is that of the images, and of the largest of the
+    moving objects. The views include addresses: the caller must keep the scenes and objects alive during the
+    call.
     """
     return *cameras, scenes.tables(size), objects.addresses, objects.start, matches, *turns
 

@@ -15,8 +15,18 @@ from tests.engine.rendering.brute_force import (
     disagreements,
     surface_of,
 )
-from tests.engine.rendering.countries import SIZES, Country, check, in_the_air, look_at
-from tests.engine.rendering.views import View, cast, directions, look, seen_by
+from tests.engine.rendering.views import (
+    SIZES,
+    Country,
+    View,
+    cast,
+    check,
+    directions,
+    in_the_air,
+    look,
+    look_at,
+    seen_by,
+)
 
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.geometry.terrain import ground_at

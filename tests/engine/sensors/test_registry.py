@@ -7,9 +7,11 @@ from textwrap import dedent
 
 import numpy as np
 import pytest
+from tests.builders import make_match
 
 from wildscav_engine.maps import generate_map
-from wildscav_engine.sensors import SENSORS, parse_sensor
+from wildscav_engine.sensors import SENSORS, DepthCamera, parse_sensor
+from wildscav_engine.sensors.optics.image_sensor import ImageSensor
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.actions import Field, no_actions
 from wildscav_engine.specs.map_spec import MapConfig
@@ -160,14 +162,6 @@ def test_a_sensor_that_there_is_not_is_answered_with_those_there_are() -> None:
     assert all(name in str(caught.value) for name in SENSORS)
 
 
-def run_alone(code: str) -> str:
-    """Run code in a process of its own, where nothing was compiled or imported; return what it prints."""
-    folder = Path(__file__).parents[3]
-    done = subprocess.run([sys.executable, "-c", dedent(code)], cwd=folder, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
-
-
 @pytest.mark.slow
 def test_a_server_that_is_warm_compiles_nothing_for_any_sensor() -> None:
     wanted = [case.values for case in CASES]
@@ -191,27 +185,19 @@ def test_a_server_that_is_warm_compiles_nothing_for_any_sensor() -> None:
             parse_sensor(name, options).read(match, [0, 2])
         print(sorted(kernels() - before))
     """
-    assert run_alone(code) == "[]\n"
+    folder = Path(__file__).parents[3]
+    done = subprocess.run([sys.executable, "-c", dedent(code)], cwd=folder, capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (0, "[]\n"), done.stderr
 
 
-@pytest.mark.slow
-def test_no_sensor_costs_anything_before_it_is_asked_for() -> None:
-    """A match that is played without optical sensors never prepares the scene."""
-    code = """
-        from tests.builders import make_match
-        import wildscav_server.match_server
-        from wildscav_engine.sensors import SENSORS
-
-        match = make_match("gathering")
-        match.step()
-        lists = ("visible_agents", "teammates", "nearby_supplies", "sights", "to_supplies")
-        for name in (*lists, "compass", "zone"):
-            SENSORS[name]().read(match, [0])
-        print("scene" in vars(match.game_map))
-        SENSORS["depth"]().read(match, [0])
-        print("scene" in vars(match.game_map))
-    """
-    assert run_alone(code).split() == ["False", "True"]
+def test_only_sensors_of_images_prepare_the_scene_of_a_map() -> None:
+    match = make_match("battle")
+    for kind in SENSORS.values():
+        if not issubclass(kind, ImageSensor):
+            kind().read(match, [0])
+    assert "scene" not in vars(match.game_map)
+    DepthCamera().read(match, [0])
+    assert "scene" in vars(match.game_map)
 
 
 @pytest.mark.parametrize("name", SENSORS)

@@ -153,10 +153,7 @@ def _find_doubtful(
 ) -> int:
     """List the pixels that may be in a shadow, and return how many there are.
 
-    Args:
-        record: As in ``ShadowColumns``, but all in one row.
-        clear: As there.
-        noted: The first notes of ``Casters``.
+    ``record`` and ``clear`` are as in ``ShadowColumns``, but all in one row; ``noted`` is ``Casters.first``.
     """
     doubtful, places, large = 0, scratch.corner_above, noted[LARGE]
     for column in range(count):
