@@ -41,23 +41,16 @@ CAMERA = ColorCamera(width=160, height=90)
 
 
 def traced(game_map: GameMap, eye: Vector, yaw: float, pitch: float) -> tuple[Cameras, Hits]:
-    cameras, hits = (
-        CAMERA._cameras([eye], [yaw], [pitch], None),
-        allocate_hits(1, CAMERA.height, CAMERA.width),
-    )
+    cameras = CAMERA._cameras([eye], [yaw], [pitch], None)
+    hits = allocate_hits(1, CAMERA.height, CAMERA.width)
     trace(game_map.scene, gather_solids([]), cameras, hits)
     return cameras, hits
 
 
-def empty_row() -> RowOfPixels:
-    rows = iter(allocate_rows(CAMERA.width))
-    ways, color, normal = (part(*islice(rows, 3)) for part in (Vectors, Channels, Vectors))
-    tilt, place = (part(*islice(rows, 3)) for part in (Tilts, Vectors))
-    return RowOfPixels(ways, color, normal, tilt, place, *rows)
-
-
 def row_of(cameras: Cameras, row: int) -> RowOfPixels:
-    pixels = empty_row()
+    rows = iter(allocate_rows(CAMERA.width))
+    kinds = Vectors, Channels, Vectors, Tilts, Vectors  # rays, colours, normals, planes and places
+    pixels = RowOfPixels(*(kind(*islice(rows, 3)) for kind in kinds), *rows)
     view = view_of(cameras, 0, CAMERA.height, CAMERA.width, 1)
     cosines = cosines_of(cameras.half_width, CAMERA.height, CAMERA.width)[row]
     write_directions(view, row, np.arange(CAMERA.width, dtype=np.int32), cosines, pixels.ways)
@@ -144,16 +137,13 @@ TOWARDS_EYE = (0.0, 0.0, -1.0)
 
 
 @pytest.mark.parametrize("kind", SPOTTED)
-def test_a_pixel_of_a_wall_or_plant_has_its_colour_whatever_is_computed_with_it(kind: Kind) -> None:
+def test_spots_change_how_bright_a_pixel_is_whatever_is_computed_with_it_but_not_its_colour(
+    kind: Kind,
+) -> None:
     assert has_spots(kind, TOWARDS_EYE)
     row = spotted(kind, TOWARDS_EYE, slice(0, CAMERA.width))
     for first, last in ((0, 1), (5, 8), (17, 50), (100, CAMERA.width)):
         assert (spotted(kind, TOWARDS_EYE, slice(first, last)) == row[first:last]).all()
-
-
-@pytest.mark.parametrize("kind", SPOTTED)
-def test_spots_change_how_bright_a_surface_is_but_not_its_colour(kind: Kind) -> None:
-    row = spotted(kind, TOWARDS_EYE, slice(0, CAMERA.width))
     bright = row[:, 0] / 200.0
     assert bright.std() > 0.01
     assert abs(bright.mean() - 1.0) < 0.15
