@@ -133,17 +133,14 @@ def find_paths(watch: Stopwatch, game_map: GameMap, graph: NavGraph, places: np.
             raise RuntimeError(f"no path from {start} to {end} in {game_map.spec}")
 
 
-def memory(name: str, config: MapConfig) -> list[Figure]:
-    """Measure the memory of a map, and of the process that generates it at its peak."""
+def memory(config: MapConfig) -> tuple[float, float]:
+    """Return the peak memory of a process that makes a map, and that of the map, MB."""
     code = MEMORY.format(size=int(config.size), houses=config.houses)
     done = subprocess.run(
         [sys.executable, "-c", code], check=True, capture_output=True, text=True, env=ENVIRONMENT
     )
     peak, taken = (int(number) / 1e6 for number in done.stdout.split())
-    return [
-        Figure(f"{name}: peak memory", peak, "MB", "of a process"),
-        Figure(f"{name}: memory", taken, "MB", "of the map"),
-    ]
+    return peak, taken
 
 
 def main(json_file: JsonFile = None) -> None:
@@ -160,7 +157,9 @@ def main(json_file: JsonFile = None) -> None:
             figures += watch.figures(name)
     # Measured last, so that nothing needs compiling, which also takes memory.
     for name, config, _ in SIZES:
-        figures += memory(name, config)
+        peak, taken = memory(config)
+        figures.append(Figure(f"{name}: peak memory", peak, "MB", "of a process"))
+        figures.append(Figure(f"{name}: memory", taken, "MB", "of the map"))
     publish("Maps: seconds on one core, after compilation", figures, json_file)
 
 

@@ -40,12 +40,7 @@ class Arena:
         """Create an arena without matches; ``start`` adds them.
 
         Args:
-            config: The options of the environment.
-            matches: The number of matches, B.
             part: The index of what observations keep of the axes (B, L), such as (0, 0) for a single learner.
-
-        Raises:
-            ValueError: The settings of the maps or of an opponent are invalid.
         """
         self.config, self.matches, self.track = config, matches, TRACKS[config.track]
         self._plans = [Plan(config)] * matches  # of the next episodes
@@ -79,14 +74,9 @@ class Arena:
         return self._plans[0].pool
 
     def set_options(self, changes: Mapping[str, Any], rows: Sequence[int] | None = None) -> EnvConfig:
-        """Change options of the matches that start from now on, and return those of the environment.
+        """Change options of the matches that start from now on, in some rows or all, and return the arena's.
 
-        Args:
-            changes: The new values by name.
-            rows: The rows that change; None for all, and then those of the environment change, too.
-
-        Raises:
-            ValueError: An option cannot change, its value is invalid, or there is no such row.
+        Only changes of all rows are changes of the arena's own options.
         """
         chosen = range(self.matches) if rows is None else read_rows(rows, self.matches)
         config = self.config
@@ -120,11 +110,7 @@ class Arena:
         If it fails, nothing has changed: neither the matches nor which episode is the next one.
 
         Args:
-            sequences: The sequence of episodes of each row.
             options: The options of a reset by row, for these episodes only; see ``config_of_episode``.
-
-        Raises:
-            ValueError: An option is invalid, or a match cannot be set up.
         """
         rows = list(sequences)
         episodes = next_episodes(sequences.values(), self._plans_once(rows, options or {}))
@@ -170,18 +156,7 @@ class Arena:
         return self._batch.get_state(match)
 
     def set_state(self, match: int, data: bytes, players: Sequence[str] | None = None) -> None:
-        """Restore a match that ``get_state`` returned; the next reading contains no events.
-
-        Args:
-            match: The index of the match.
-            data: The result of ``get_state``.
-            players: The names of the players in the match, as ``OpponentManager.names`` returned them.
-
-        Raises:
-            StateError: The bytes are not a state of a match, or have another version; or a player that was in
-                the match is not in this arena.
-            MatchSetupError: The match has another track, other rules or other seats.
-        """
+        """Restore a match with the players that ``OpponentManager.names`` named; no events are read next."""
         if self.batch is None:
             self.start({row: Episodes(row) for row in range(self.matches)})
         found = self.opponents.find(players)
@@ -190,15 +165,7 @@ class Arena:
         self._update_after_restart([match])
 
     def set_actions(self, actions: Any, axes: Axes) -> None:
-        """Set the actions of all learners.
-
-        Args:
-            actions: Those of B × L environments, as Gymnasium batches them.
-            axes: Their leading axes, (B, L) or (B × L,).
-
-        Raises:
-            ActionError: The actions are not in the action space.
-        """
+        """Set the actions of all learners, as Gymnasium batches them, with the axes (B, L) or (B × L,)."""
         count, yaws = self.config.agents, self._batch.state.agents.yaw
         rows = self.actions[:, :count].reshape(-1, FIELDS)  # a copy if there are other seats
         self.mode.decode(actions, yaws[:, :count].reshape(-1), rows, axes)

@@ -38,13 +38,7 @@ class Autoreset:
     """The autoreset of environments with many matches: it restarts matches that have ended."""
 
     def __init__(self, arena: Arena, mode: AutoresetMode, axes: Axes) -> None:
-        """Wrap an arena without matches.
-
-        Args:
-            arena: The arena.
-            mode: One of Gymnasium's autoreset modes.
-            axes: The leading axes of actions, (B, L) or (B × L,).
-        """
+        """Wrap an arena without matches; ``axes`` are the leading ones of actions, (B, L) or (B × L,)."""
         self.arena, self.mode, self._axes = arena, mode, axes
         self.ended: Flags = np.zeros(arena.matches, np.bool_)  # (B,) which matches ended with the last step
         self._episodes: list[Episodes] = []
@@ -65,9 +59,6 @@ class Autoreset:
             first_seed: The seed of the first row if there are no episodes yet; the others count on from it.
             mask: (B,) the rows; None for all.
             options: Those of ``config_of_episode`` for all rows, and ``each`` as ``read_each`` says.
-
-        Raises:
-            ValueError: As ``Arena.start``, or an option is unknown.
         """
         if options is not None:
             check_reset(options, (*ONCE, "each", *also))
@@ -101,14 +92,7 @@ class Autoreset:
         return output
 
     def step(self, actions: Any) -> Outcome:
-        """Play one step in every match.
-
-        The images of the observation are complete only after ``arena.finish_reading``.
-
-        Raises:
-            ActionError: The actions are not in the action space.
-            RuntimeError: There is no match yet, or one has ended and nothing resets it.
-        """
+        """Play one step in every match; images are complete only after ``arena.finish_reading``."""
         arena = self.arena
         arena.set_actions(actions, self._axes)
         restarting: Sequence[int] = ()
@@ -261,9 +245,5 @@ class BatchedArena(ManyMatches):
 
 
 def multi_agent_config(track: str, options: Mapping[str, Any]) -> EnvConfig:
-    """Return the options of an environment with several learners; there are no opponents by default.
-
-    Raises:
-        ValueError: An option is invalid.
-    """
+    """Return the options of an environment with several learners; there are no opponents by default."""
     return read_config(track, options, agents=TRACKS[track].learners if track in TRACKS else 1, opponents=())

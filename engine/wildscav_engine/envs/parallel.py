@@ -170,24 +170,12 @@ class ParallelArena(OneMatch, ParallelEnv[str, Observation, Any]):
 
 
 def parallel_env(track: str, **options: Unpack[EnvOptions]) -> ParallelArena:
-    """Return a PettingZoo parallel environment.
-
-    Args:
-        track: A name in ``tracks.TRACKS``.
-        options: The fields of ``EnvOptions``; ``agents`` is the number of learners.
-
-    Raises:
-        ValueError: An option is invalid.
-    """
+    """Return a PettingZoo parallel environment; see ``ParallelArena``."""
     return ParallelArena(track, **options)
 
 
 def aec_env(track: str, **options: Unpack[EnvOptions]) -> "AECEnv[str, Observation, Any]":
-    """Return the same environment with agents that act one after another, by PettingZoo's conversion.
-
-    Raises:
-        ValueError: An option is invalid.
-    """
+    """Return the same environment with agents that act one after another, by PettingZoo's conversion."""
     return parallel_to_aec(parallel_env(track, **options))
 
 

@@ -165,11 +165,7 @@ def pictures_of(config: EnvConfig) -> dict[str, Any]:
 
 
 def single_agent_config(track: str, options: Mapping[str, Any]) -> EnvConfig:
-    """Return the options of an environment with one learner; robots replace further learners of a preset.
-
-    Raises:
-        ValueError: An option is invalid, or there are several learners.
-    """
+    """Return the options of an environment with one learner; robots replace further learners of a preset."""
     config = read_config(track, options)
     if config.agents > 1 and "agents" not in options:
         from wildscav_engine.tracks import TRACKS

@@ -65,11 +65,7 @@ class StableVector(VecEnv):
         self._actions = actions
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
-        """Refuse, because the environments have no attributes of their own.
-
-        Raises:
-            NotImplementedError: Always.
-        """
+        """Refuse, because the environments have no attributes of their own."""
         raise NotImplementedError(f"{attr_name} cannot be set: pass options when creating the environment")
 
     def env_is_wrapped(self, wrapper_class: type[Any], indices: Any = None) -> list[bool]:  # noqa: ARG002

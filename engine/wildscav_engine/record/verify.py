@@ -20,14 +20,9 @@ class Verification(NamedTuple):
 
 
 def resimulate(record: Record, game_map: GameMap | None = None) -> Iterator[Match]:
-    """Play the actions of a record again, except that robots decide anew.
+    """Play the actions of a record again, on its map if given, except that robots decide anew.
 
-    Args:
-        record: The record.
-        game_map: Its map; None to generate it.
-
-    Yields:
-        The same match object, before the first step and after each step of the record.
+    Yields the same match object, before the first step and after each step of the record.
 
     Raises:
         RecordError: The match cannot be set up, or its map is not the one on which it was played.

@@ -47,11 +47,7 @@ def play_step(
 ) -> None:
     """Play one step of one match in place: one action of every agent, held for several frames.
 
-    Args:
-        matches: All matches.
-        actions: (A, FIELDS) from ``resolve_actions`` or ``let_robots_decide``.
-        frames_per_action: The number of frames for which the actions are held.
-        is_reset: Whether to begin the match instead of playing: equip the agents and index the boxes.
+    A reset begins the match instead of playing: it equips the agents and indexes the boxes.
     """
     if is_reset:
         _begin(world, agents, supplies, matches, match)
@@ -65,12 +61,7 @@ def play_step(
 
 @inlined_kernel
 def resolve_actions(agents: Agents, actions: NDArray[np.float32], allowed: NDArray[np.bool_]) -> None:
-    """Replace the actions of a match without robots by those to be played: invalid rows do nothing.
-
-    Args:
-        actions: (A, FIELDS).
-        allowed: (FIELDS,) the action set of the track.
-    """
+    """Replace (A, FIELDS) actions of a match without robots by those played: invalid rows do nothing."""
     _clear_events(agents)
     for seat in range(actions.shape[0]):
         _resolve_action(agents, seat, allowed, actions[seat])
@@ -91,10 +82,8 @@ def let_robots_decide(
 ) -> None:
     """Do the same as ``resolve_actions`` with robots, whose rows are replaced by what they decide.
 
-    Robots decide in the order of the seats, and see which way the agents before them are going to walk.
-
-    Args:
-        seen: What the agents see. Only the rows of robots are updated, before they decide.
+    Robots decide in the order of the seats, and see which way the agents before them are going to walk. Only
+    their rows of what is seen are updated, before they decide.
     """
     _update_seen_of_robots(world, agents, supplies, matches, match, rules, seen)
     _clear_events(agents)

@@ -94,14 +94,7 @@ class RewardSum:
     """A weighted sum of reward terms."""
 
     def __init__(self, weights: Mapping[str, float]) -> None:
-        """Choose terms and their weights.
-
-        Args:
-            weights: The weights by the names of ``REWARD_TERMS``.
-
-        Raises:
-            ValueError: There is no such term, or a weight is not a finite number.
-        """
+        """Choose terms of ``REWARD_TERMS`` and their weights; ValueError if one is invalid."""
         for name, weight in weights.items():
             if name not in REWARD_TERMS:
                 raise ValueError(f"there is no reward term {name!r}; the terms are {', '.join(REWARD_TERMS)}")
@@ -116,15 +109,7 @@ class RewardSum:
         )
 
     def terms(self, before: Facts, after: Facts) -> dict[str, Values]:
-        """Return the weighted value of each term.
-
-        Args:
-            before: (…, FACTS) facts before a step.
-            after: (…, FACTS) after it.
-
-        Returns:
-            Arrays (…) of float32 by the names of terms.
-        """
+        """Return (…) the weighted value of each term, by (…, FACTS) facts before and after a step."""
         rows = after.reshape(-1, FACTS)
         weighted = np.empty((len(rows), len(self.weights)), np.float32)
         _write_all_terms(self.term_arrays, before.reshape(-1, FACTS), rows, weighted)

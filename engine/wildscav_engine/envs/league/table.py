@@ -67,12 +67,7 @@ class Results(Spec):
         return (self.recent - self.recent_score + 1.0) / (self.recent + 2.0)
 
     def with_result(self, result: float, memory: float) -> "Results":
-        """Return the results after one more game.
-
-        Args:
-            result: 1 if the learner won, 0.5 for a draw, 0 if it lost.
-            memory: The weight that all earlier results keep.
-        """
+        """Return the results after one more game (1 won, 0.5 drawn, 0 lost); ``memory`` weighs the others."""
         return self.model_copy(
             update={
                 "wins": self.wins + (result > 0.5),
@@ -117,21 +112,12 @@ def _weight(results: Results, settings: LeagueSettings) -> float:
 
 
 def write_table(path: Path, table: LeagueTable) -> None:
-    """Write a table; readers never see a part of it.
-
-    Raises:
-        OSError: The file cannot be written; an older one stays as it is.
-    """
+    """Write a table; readers never see a part of it."""
     write_whole(path, table.model_dump_json(indent=1).encode() + b"\n")
 
 
 def read_table(path: Path) -> LeagueTable:
-    """Read a table.
-
-    Raises:
-        LeagueError: It is not a table of a league.
-        OSError: The file cannot be read.
-    """
+    """Read a table."""
     try:
         return LeagueTable.model_validate_json(read_limited(path, LARGEST_TABLE))
     except ValidationError as error:

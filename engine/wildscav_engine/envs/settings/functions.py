@@ -77,11 +77,7 @@ def read_only(arrays: Arrays) -> Arrays:
 
 
 def checked_rewards(functions: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return reward functions by name.
-
-    Raises:
-        ValueError: One cannot be called with ``Learners``, or has the name of a reward term.
-    """
+    """Return reward functions by name; ValueError if one cannot be called or is named as a reward term."""
     for name, function in functions.items():
         _check_call(name, function)
         if name in REWARD_TERMS:
@@ -90,11 +86,7 @@ def checked_rewards(functions: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 def checked_observers(observers: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return observers by name.
-
-    Raises:
-        ValueError: One cannot be called with ``Learners``, or its space is no Box of numbers.
-    """
+    """Return observers by name; ValueError if one cannot be called or its space is no Box of numbers."""
     for name, observer in observers.items():
         _check_call(name, observer)
         space = getattr(observer, "space", None)

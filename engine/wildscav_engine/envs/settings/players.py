@@ -104,11 +104,7 @@ def _calls_of(policy: Any) -> dict[str, tuple[str, ...]]:
 
 
 def _check_call(policy: Any, method: str, wanted: tuple[str, ...]) -> None:
-    """Check that a method takes some positional arguments.
-
-    Raises:
-        ValueError: It does not, or does not exist.
-    """
+    """Check that a method takes some positional arguments."""
     shown = f"{type(policy).__name__}.{method}" if method != "__call__" else f"the policy {policy!r}"
     call = policy if method == "__call__" else getattr(policy, method, None)
     if not callable(call):
@@ -181,22 +177,14 @@ class Sampler(ABC):
 
 
 def read_entry(entry: object) -> Player | Sampler:
-    """Return a validated entry of ``teammates`` or ``opponents``.
-
-    Raises:
-        ValueError: It cannot play, or there is no such robot.
-    """
+    """Return a validated entry of ``teammates`` or ``opponents``."""
     if isinstance(entry, Sampler):
         return entry
     return read_player(entry)
 
 
 def read_player(entry: object) -> Player:
-    """Return a validated player.
-
-    Raises:
-        ValueError: It cannot play, or there is no such robot.
-    """
+    """Return a validated player."""
     if isinstance(entry, str):
         return _checked_robot(entry)
     if isinstance(entry, PolicyOpponent | SeatController):

@@ -48,11 +48,7 @@ PRESETS: dict[str, tuple[str, dict[str, Any]]] = {
 
 
 def preset_options(name: str, track: str, level: Any = "normal") -> dict[str, Any]:
-    """Return the options of a preset or of a ladder's level.
-
-    Raises:
-        ValueError: There is no preset of this name, or it is for another track.
-    """
+    """Return the options of a preset or of a ladder's level."""
     if name not in (known := PRESETS | LADDERS):
         raise ValueError(f"preset is {name!r}; the presets are {', '.join(known)}")
     of_track, options = known[name]

@@ -42,14 +42,7 @@ class SeatReader:
     """
 
     def __init__(self, config: EnvConfig, seats: Sequence[int], matches: int, part: Any = ()) -> None:
-        """Create a reader.
-
-        Args:
-            config: The options that determine the observations and rewards.
-            seats: The numbers of the seats.
-            matches: The number of matches.
-            part: The index of what observations keep of the axes (B, S), such as (0, 0) for a single seat.
-        """
+        """Create a reader; ``part`` is the index of what observations keep of the axes (B, S)."""
         self.layout = layout_of(config)
         self.ended = 0
         self._seats, self._part, self._threads = tuple(seats), part, config.threads
@@ -102,15 +95,10 @@ class SeatReader:
     def read(
         self, batch: "Batch", view: Callable[[int], MatchInBatch]
     ) -> tuple[Observation, NDArray[np.float32]]:
-        """Return the observations, and the rows with rewards and events since the last call.
+        """Return the observations, and (B, S, width) rows with rewards and events since the last call.
 
-        Args:
-            batch: The matches.
-            view: Returns the view of a match by its index.
-
-        Returns:
-            The part of the observations by name (B, S, …), or of (B, S, n) if they are flat; and
-            (B, S, width) rows. The arrays are not reused.
+        Observations are by name (B, S, …), or (B, S, n) if flat; of these, the part that is kept. No array is
+        reused.
         """
         output = self.begin_reading(batch, view)
         self.finish_reading()

@@ -86,11 +86,7 @@ class Robot(NamedTuple):
 def levels_of(name: str, title: str, act: Act, kind: int | None = None) -> tuple[Robot, ...]:
     """Return the three levels of a kind of robot; the normal level has the plain name.
 
-    Args:
-        name: The name of the kind.
-        title: What it does.
-        act: Its kernel.
-        kind: The number of one of ours; by default the number that follows from the name.
+    The number of one of ours is given; that of others follows from the name.
     """
     tens = kind_number(name) if kind is None else kind
     return tuple(
@@ -106,11 +102,7 @@ def kind_number(name: str) -> int:
 
 
 def check_robots(name: str, levels: Any) -> tuple[Robot, ...]:
-    """Return the levels of a kind of robot as an entry point names them.
-
-    Raises:
-        ValueError: They are not the levels of a kind.
-    """
+    """Return the levels of a kind of robot as an entry point names them; ValueError if they are none."""
     if not isinstance(levels, tuple) or not levels or not all(isinstance(one, Robot) for one in levels):
         raise ValueError("it is not what levels_of returns, a tuple of robots")
     if [robot.name for robot in levels] != [robot.name for robot in levels_of(name, "", levels[0].act)]:

@@ -25,9 +25,6 @@ def apply_damage(
 
     Dead agents wait to respawn, or are eliminated in tracks without respawns. Agents that die in the same
     frame do so in its order, because there may not be a free slot for the supplies of each.
-
-    Args:
-        matches: All matches.
     """
     for turn in range(agents.turns.shape[0]):
         seat = agents.turns[turn]

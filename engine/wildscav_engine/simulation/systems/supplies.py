@@ -41,18 +41,10 @@ def choose_outdoor(
     seed: Word,
     wave: int,
 ) -> NDArray[np.int64]:
-    """Return the outdoor locations that get a box in a wave.
+    """Return (N,) ascending, the outdoor locations, of (O, 3) m, that get a box in a wave.
 
-    Args:
-        outdoor: (O, 3) m.
-        spacing: m, of the grid; the first location in a grid square represents its grid point.
-        center_x: m, center of the heat map.
-        center_z: m.
-        radius: m, standard deviation of the heat map.
-        richness: Percent at the center.
-
-    Returns:
-        (N,) indices of locations, ascending.
+    The first location in a square of the grid represents its grid point. The spacing of the grid, the center
+    and the radius of the heat map are in m, and the richness is that at the center in percent.
     """
     lowest_x, lowest_z = np.floor(outdoor[:, 0].min() / spacing), np.floor(outdoor[:, 2].min() / spacing)
     columns = int(np.floor(outdoor[:, 0].max() / spacing) - lowest_x) + 1
@@ -98,15 +90,9 @@ def fill_boxes(
     quantity: NDArray[np.int32],
     appearance: NDArray[np.int32],
 ) -> None:
-    """Write boxes with random quantities into slots from ``first`` on.
+    """Write boxes at places (N, 3) m, with random quantities, into slots from ``first`` on.
 
-    Args:
-        places: (N, 3) m.
-        appears: The frame from which on they are present.
-        first: The slot of the first box.
-        position: (S, 3) m, written.
-        quantity: (S,) written.
-        appearance: (S,) written, the frame ``appears``.
+    They are present from the frame ``appears`` on.
     """
     for index in range(places.shape[0]):
         slot = first + index
@@ -259,12 +245,7 @@ def drop_supplies(
 
 @kernel
 def team_supplies(teams: NDArray[np.int32], supplies: NDArray[np.int32], team: int) -> int:
-    """Return the supplies that all seats of a team carry.
-
-    Args:
-        teams: (A,) the team of each seat of a match.
-        supplies: (A,) the supplies that each seat carries.
-    """
+    """Return the supplies that a team carries, by (A,) the teams and (A,) the supplies of seats."""
     total = 0
     for seat in range(teams.shape[0]):
         if teams[seat] == team:

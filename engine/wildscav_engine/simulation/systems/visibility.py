@@ -70,13 +70,7 @@ def find_seen(
     rules: Rules,
     seen: Seen,
 ) -> None:
-    """Update what one agent of a match sees.
-
-    Args:
-        agents: The agents of the match, whose grid is up to date.
-        matches: All matches.
-        seen: The slices of the match; the rows of the seat are written.
-    """
+    """Update the row of what one agent of a match sees; the grid of its agents is up to date."""
     seen.agent_count[seat] = 0
     seen.supply_count[seat] = 0
     seen.can_pick_up[seat] = False
@@ -255,15 +249,10 @@ def sees_body(world: World, eye: Eye, x: float, y: float, z: float) -> bool:
 def _sees_point(
     world: World, eye: Eye, x: float, y: float, z: float, hidden_by: int, share: float
 ) -> tuple[bool, int, float]:
-    """Test whether a point is visible.
+    """Test whether a point is visible: within the vertical view angle, with a clear line of sight.
 
-    Args:
-        hidden_by: What may be in the way and is tested first: a solid, TERRAIN_HIT or NOTHING_HIT.
-        share: At what share of the way the terrain may be.
-
-    Returns:
-        Whether the point is within the vertical view angle with a clear line of sight, and if not, what is in
-        the way, and at what share of it.
+    What may be in the way is tested first: a solid, or TERRAIN_HIT at a share of the way. If the point is not
+    visible, what hides it is returned, too, and at what share.
     """
     dx, dy, dz = x - eye.x, y - eye.y, z - eye.z
     pitch = arctangent(-dy, np.sqrt(dx * dx + dz * dz))
@@ -297,12 +286,9 @@ def _see_supplies(
     rules: Rules,
     seen: Seen,
 ) -> None:
-    """List the nearest boxes, and find out whether one is in reach, which an agent can feel.
+    """List the nearest boxes, and find out whether one is in reach, which an agent can feel without any list.
 
-    Args:
-        heads: (squares,) slot + 1 of the first box in each square, 0 = none.
-        frame: The present frame.
-        has_lists: Whether boxes are listed at all.
+    The heads are slot + 1 of the first box in each square, 0 for none.
     """
     sight = rules.supply_sight * rules.supply_sight
     reach = rules.pick_up_distance * rules.pick_up_distance
@@ -355,15 +341,9 @@ def is_full_of_nearer(
 def insert_nearest(
     key: float, item: int, count: int, keys: NDArray[np.float64], items: NDArray[np.int32]
 ) -> int:
-    """Insert an item into a list that is sorted by key, dropping the last item if the list is full.
+    """Insert an item into (N,) a list sorted by (N,) keys, and return its new length.
 
-    Args:
-        key: The key of the item; of equal keys, the lesser item comes first.
-        keys: (N,) the keys of the items.
-        items: (N,) the items.
-
-    Returns:
-        The new number of items.
+    A full list drops its last item. Of equal keys, the lesser item comes first.
     """
     if is_full_of_nearer(key, item, count, keys, items):
         return count

@@ -64,10 +64,6 @@ def shoot(
 
     Damage is only added up here, so two agents can kill each other in one frame. Of several agents that hit
     the same one, the last in the order of the frame counts as the one that hit it.
-
-    Args:
-        matches: All matches.
-        actions: (A, FIELDS).
     """
     for turn in range(agents.turns.shape[0]):
         seat = agents.turns[turn]
@@ -135,16 +131,10 @@ def first_body(
     direction: tuple[float, float, float],
     far: float,
 ) -> tuple[float, int]:
-    """Return the distance and the seat of the first living body on a ray; ``far`` and NOBODY if none.
+    """Return the distance in m and the seat of the first living body on a ray; ``far`` and NOBODY if none.
 
-    Of bodies at the same distance, that of the first seat counts.
-
-    Args:
-        grid: The grid of the agents.
-        shooter: The seat whose own body is ignored.
-        eye: m, the start of the ray.
-        direction: The unit vector of its direction.
-        far: m, the length of the ray.
+    Of bodies at the same distance, that of the first seat counts; the shooter's is ignored. The direction is
+    a unit vector.
     """
     squares, reach = grid.squares, BODY_RADIUS + LAG
     x, y, z = eye
@@ -170,13 +160,8 @@ def first_body(
 def meet_body(x: float, y: float, z: float, dx: float, dy: float, dz: float) -> float:
     """Return the distance in m at which a ray meets a body; 0 from inside it, inf if it misses.
 
-    Args:
-        x: m, start of the ray relative to the point between the body's soles.
-        y: m.
-        z: m.
-        dx: Unit vector of the ray's direction, to the east.
-        dy: The same, upwards.
-        dz: The same, to the north.
+    It starts at x, y, z m from the point between the body's soles; dx, dy, dz are the unit vector of its
+    direction.
     """
     enter, leave = 0.0, np.inf
     if dy != 0.0:
