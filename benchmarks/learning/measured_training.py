@@ -20,17 +20,10 @@ Play = Callable[[Any, TrainingSettings, int, str], Mapping[str, Sequence[float]]
 def trained(
     settings: TrainingSettings, play: Play, of_curve: str, episodes: tuple[int, int]
 ) -> dict[str, Any]:
-    """Train a policy and measure it; the time for measuring does not count.
+    """Train a policy and measure it; return what JSON can store.
 
-    Args:
-        settings: The run.
-        play: Plays test episodes.
-        of_curve: The name of those of its numbers whose means are the learning curve.
-        episodes: Of each point of the curve, and of each score at the end.
-
-    Returns:
-        What JSON can store: the map and the seed, steps and times, the curve, and the numbers of all
-        episodes at the end by the way to choose actions.
+    The curve has the means of one number by its name. There are so many episodes of each of its points, and
+    of each score at the end.
     """
 
     def point() -> tuple[int, float]:

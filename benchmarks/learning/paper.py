@@ -19,8 +19,7 @@ import numpy as np
 import torch
 import typer
 from benchmarks.learning.measured_training import trained
-from benchmarks.learning.paper_curves import draw
-from benchmarks.learning.paper_table import table
+from benchmarks.learning.paper_table import draw, table
 from benchmarks.learning.result_files import add, numbers
 from numpy.typing import NDArray
 
@@ -84,13 +83,7 @@ def untrained(settings: TrainingSettings) -> dict[str, Any]:
 
 
 def agent_played(agent: SeatController, settings: TrainingSettings, frames: int) -> Episodes:
-    """Let an agent play the test episodes.
-
-    Args:
-        agent: The agent.
-        settings: The run that tells the episodes.
-        frames: Frames of its own steps.
-    """
+    """Let an agent, whose own steps have some frames, play the test episodes of a run."""
     env = make_env(settings, EPISODES, None, split="test")
     env.reset(seed=FIRST)
     batch = play_out(agent, env.arena.batch, frames)
@@ -98,13 +91,7 @@ def agent_played(agent: SeatController, settings: TrainingSettings, frames: int)
 
 
 def play_out(agent: SeatController, made: Any, frames: int) -> Batch:
-    """Let an agent play all seats of matches from their start to their end, and return them.
-
-    Args:
-        agent: The agent.
-        made: The matches, which stay as they are.
-        frames: Frames of the agent's own steps.
-    """
+    """Let an agent, whose own steps have some frames, play all seats of copies of matches; return these."""
     batch = Batch([spec.model_copy(update={"frames_per_action": frames}) for spec in made.specs], made.maps)
     count, per_match = len(made.specs), len(made.specs[0].seats)
     matches, seats = np.divmod(np.arange(count * per_match), per_match)

@@ -29,15 +29,10 @@ class Load:
 def ask(
     port: int, path: str, *, seconds: float, connections: int, rate: float | None, cookie: str = ""
 ) -> Load:
-    """Ask for a page for some time.
+    """Ask a server on this machine for a page for some time; each connection waits for its answer.
 
-    Args:
-        port: Of the server on this machine.
-        path: Of the page.
-        seconds: For how long.
-        connections: How many, each of which waits for its answer before it asks again.
-        rate: Requests a second, whose latencies count from when each was due; None for as many as possible.
-        cookie: Of whoever is logged in.
+    Latencies count from when each request was due by the rate a second; None for as many as possible. The
+    cookie is that of whoever is logged in.
     """
     return asyncio.run(_ask(port, path, seconds, connections, rate, cookie))
 

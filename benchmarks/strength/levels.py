@@ -13,6 +13,7 @@ import math
 import statistics
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -44,15 +45,11 @@ REFERENCES = {"gathering": "scavenger", "battle": "commando"}  # the score 1, wh
 STEPS, TRAINING_MAPS, FRAMES = 1_000_000, 64, 15
 
 
-def whole(values: Sequence[float]) -> str:
-    """Return a mean with its 95 % interval, in whole numbers."""
-    return f"{statistics.fmean(values):.0f} ± {half_width(values):.0f}"
-
-
+WHOLE = partial(mean, digits=0)
 SCORES = {
     "navigation": {SUCCESS: rate, "spl": mean},
-    "gathering": {"supplies": whole},
-    "battle": {"supplies": whole, "kills": whole},
+    "gathering": {"supplies": WHOLE},
+    "battle": {"supplies": WHOLE, "kills": WHOLE},
 }
 
 Results = Mapping[tuple[str, str], Any]  # by level and agent

@@ -1,6 +1,6 @@
 """The arena: matches × learners as arrays. All environments are thin wrappers around it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple, Unpack
 
 import numpy as np
@@ -56,12 +56,8 @@ class Arena:
         self.actions = np.zeros((matches, len(config.seats), FIELDS), np.float32)
         self._reader = SeatReader(config, self.learners, matches, part)
         self.layout, self.done = self._reader.layout, self._reader.done  # (B, L), updated by every step
-        first = self.layout.first
-        self._outcome, self._events, self._terms = (
-            first(Part.OUTCOME),
-            first(Part.EVENTS),
-            first(Part.TERMS),
-        )
+        parts = (Part.OUTCOME, Part.EVENTS, Part.TERMS)
+        self._outcome, self._events, self._terms = map(self.layout.first, parts)
 
     @property
     def template(self) -> MatchSpec:
@@ -93,16 +89,24 @@ class Arena:
         Raises:
             ValueError: An option cannot change, or its value is invalid; nothing has changed.
         """
-        plans: dict[tuple[int, int], Plan] = {}
-        keys = {row: (id(self._plans[row]), id(own)) for row, own in changes.items()}
+
+        def changed(plan: Plan, own: Mapping[str, Any]) -> Plan:
+            return Plan(change_config(plan.config, own), None if own.keys() & OF_POOL else plan.pool)
+
+        for row, plan in self._made_once(changes, changed).items():
+            self._plans[row] = plan
+            self._reader.set_rewards(row, plan.config.reward_weights)
+
+    def _made_once(self, changes: Mapping[int, Any], make: Callable[[Plan, Any], Plan]) -> dict[int, Plan]:
+        """Return a plan of each row with its changes; those with the same plan and changes share one."""
+        made: dict[tuple[int, int], Plan] = {}
+        found = {}
         for row, own in changes.items():
-            if keys[row] not in plans:
-                plan = self._plans[row]
-                pool = None if own.keys() & OF_POOL else plan.pool
-                plans[keys[row]] = Plan(change_config(plan.config, own), pool)
-        for row, key in keys.items():
-            self._plans[row] = plans[key]
-            self._reader.set_rewards(row, plans[key].config.reward_weights)
+            key = id(self._plans[row]), id(own)
+            if key not in made:
+                made[key] = make(self._plans[row], own)
+            found[row] = made[key]
+        return found
 
     def start(self, sequences: Mapping[int, Episodes], options: Mapping[int, Any] | None = None) -> None:
         """Start the next episode of each row's sequence; the first call must be for all rows.
@@ -112,8 +116,9 @@ class Arena:
         Args:
             options: The options of a reset by row, for these episodes only; see ``config_of_episode``.
         """
-        rows = list(sequences)
-        episodes = next_episodes(sequences.values(), self._plans_once(rows, options or {}))
+        rows, given = list(sequences), options or {}
+        plans = self._made_once({row: given.get(row) for row in rows}, Plan.once)
+        episodes = next_episodes(sequences.values(), list(plans.values()))
         specs = self.opponents.choose(rows, [episode.spec for episode in episodes])
         maps = [episode.game_map for episode in episodes]
         if self.batch is None:
@@ -123,17 +128,6 @@ class Arena:
         self._update_after_restart(rows)
         for each in sequences.values():
             each.number += 1
-
-    def _plans_once(self, rows: Sequence[int], options: Mapping[int, Any]) -> list[Plan]:
-        """Return the plans of some rows with the options of a reset."""
-        plans: dict[tuple[int, int], Plan] = {}
-        keys = []
-        for row in rows:
-            plan, own = self._plans[row], options.get(row)
-            keys.append((id(plan), id(own)))
-            if keys[-1] not in plans:
-                plans[keys[-1]] = plan.once(own)
-        return [plans[key] for key in keys]
 
     def _update_after_restart(self, rows: Sequence[int]) -> None:
         """Update everything that depends on the matches in some rows, which are new."""
@@ -210,19 +204,10 @@ class Arena:
         return self._views[match]
 
     @property
-    def terminated(self) -> NDArray[np.bool_]:
-        """Whether each episode has terminated, (B, L), a new array."""
-        return self._reader.terminated.copy()
-
-    @property
-    def truncated(self) -> NDArray[np.bool_]:
-        """Whether each episode was truncated by the time limit, (B, L), a new array."""
-        return self._reader.truncated.copy()
-
-    @property
-    def rewards(self) -> NDArray[np.float64]:
-        """The rewards of the step, (B, L), a new array."""
-        return self._reader.rewards.copy()
+    def outcomes(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.float64]]:
+        """Whether each episode terminated or was truncated, and the rewards of the step: new (B, L)."""
+        reader = self._reader
+        return reader.terminated.copy(), reader.truncated.copy(), reader.rewards.copy()
 
     @property
     def ended(self) -> int:

@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 
 from wildscav_engine.compilation.passed_tables import pass_as_table
 from wildscav_engine.compilation.tables.array_tables import ArrayTable, reader, values_reader
+from wildscav_engine.geometry.world import World
+from wildscav_engine.specs.rules import Rules
 
 NOBODY = -1  # in place of a seat
 NOT_ELIMINATED = -1  # in place of the frame of an elimination
@@ -197,6 +199,17 @@ class Matches(NamedTuple):
     # Seat + 1 of the first agent in each square, 0 = nobody; slot + 1 of the first box, 0 = none.
     agent_squares: Annotated[Integers, Axes(Extent.NOTHING)]
     box_squares: Annotated[Integers, Axes(inner=(BOX_SQUARES**2,))]
+
+
+class Game(NamedTuple):
+    """One match of a batch, as kernels play it."""
+
+    world: World
+    agents: Agents  # of the match, as are the boxes
+    supplies: Supplies
+    matches: Matches  # all of the batch
+    match: int  # its index among them
+    rules: Rules
 
 
 class _Parts(NamedTuple):

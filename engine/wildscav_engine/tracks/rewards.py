@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.simulation.state import Agents, Matches, State
+from wildscav_engine.simulation.state import Agents, Matches
 from wildscav_engine.simulation.systems.elimination import current_placement
 
 
@@ -108,27 +108,6 @@ class RewardSum:
             np.array(list(self.weights.values()), np.float32),
         )
 
-    def terms(self, before: Facts, after: Facts) -> dict[str, Values]:
-        """Return (…) the weighted value of each term, by (…, FACTS) facts before and after a step."""
-        rows = after.reshape(-1, FACTS)
-        weighted = np.empty((len(rows), len(self.weights)), np.float32)
-        _write_all_terms(self.term_arrays, before.reshape(-1, FACTS), rows, weighted)
-        values = weighted.reshape(*after.shape[:-1], -1)
-        return {name: values[..., place] for place, name in enumerate(self.weights)}
-
-    def total(self, before: Facts, after: Facts) -> Values:
-        """Return (…) float32, the sum of all terms, added in the order in which they were named."""
-        total = np.zeros(after.shape[:-1], np.float32)
-        for values in self.terms(before, after).values():
-            total += values
-        return total
-
-
-@kernel
-def _write_all_terms(terms: TermArrays, before: Facts, after: Facts, values: Values) -> None:
-    for row in range(after.shape[0]):
-        write_terms(terms, before[row], after[row], values[row])
-
 
 @kernel
 def write_terms(terms: TermArrays, before: Facts, after: Facts, values: Values) -> None:
@@ -146,19 +125,9 @@ def write_terms(terms: TermArrays, before: Facts, after: Facts, values: Values) 
         values[term] = value * terms.weight[term] + np.float32(0.0)  # never minus zero
 
 
-def read_facts(state: State, facts: Facts) -> None:
-    """Write the facts about all agents of a batch.
-
-    Args:
-        state: The batch.
-        facts: (B, A, FACTS), written.
-    """
-    write_facts(state.agents, state.matches, facts)
-
-
 @kernel
 def write_facts(agents: Agents, matches: Matches, facts: Facts) -> None:
-    """Write the facts about all agents of a batch; see ``read_facts``."""
+    """Write (B, A, FACTS) the facts about all agents of a batch."""
     for match in range(facts.shape[0]):
         for seat in range(matches.seats[match]):
             row = facts[match, seat]

@@ -56,24 +56,24 @@ def zeros(size: int) -> bytes:
     )
 
 
-def test_arrays_beyond_the_limit_are_refused_before_they_are_unpacked(record: Record) -> None:
-    header = header_of(record)
+def zeros_as_arrays(record: Record, steps: int) -> bytes:
+    """The bytes of a record of a long match whose arrays are zeros."""
     spec = record.spec.model_copy(update={"time_limit": 86_400.0, "frames_per_action": 1})
-    steps = 4_000_000
-    header |= {"spec": spec.model_dump(mode="json"), "steps": steps}
+    header = header_of(record) | {"spec": spec.model_dump(mode="json"), "steps": steps}
+    return pack(LAYOUT, header, zeros(steps * 40))
+
+
+def test_arrays_beyond_the_limit_are_refused_before_they_are_unpacked(record: Record) -> None:
+    data = zeros_as_arrays(record, 4_000_000)
     tracemalloc.start()
     with pytest.raises(RecordError, match="its arrays would have 160000000 bytes, 134217728 are allowed"):
-        decode(pack(LAYOUT, header, zeros(steps * 40)))
+        decode(data)
     assert tracemalloc.get_traced_memory()[1] < 40 * MIB
     tracemalloc.stop()
 
 
 def test_what_is_unpacked_is_in_memory_once(record: Record) -> None:
-    header = header_of(record)
-    spec = record.spec.model_copy(update={"time_limit": 86_400.0, "frames_per_action": 1})
-    steps = 1_000_000
-    header |= {"spec": spec.model_dump(mode="json"), "steps": steps}
-    data = pack(LAYOUT, header, zeros(steps * 40))
+    data = zeros_as_arrays(record, steps := 1_000_000)
     assert len(data) < MIB
     tracemalloc.start()
     assert decode(data).steps == steps

@@ -8,7 +8,6 @@ from pydantic import AfterValidator, Field, ValidationError, field_validator, mo
 from wildscav_engine.envs.registry import VERSION, Version
 from wildscav_engine.envs.settings.functions import checked_observers, checked_rewards
 from wildscav_engine.envs.settings.players import ActionMode, Player, Sampler, read_entry, seat_entry
-from wildscav_engine.envs.settings.suggestions import did_you_mean
 from wildscav_engine.maps.levels import Level
 from wildscav_engine.maps.pools import Split
 from wildscav_engine.sensors import Sensor, allowed_sensors, parse_sensors
@@ -19,7 +18,7 @@ from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec, Position
 from wildscav_engine.specs.rules import Rules, RulesField, Senses
 from wildscav_engine.specs.supply_config import SupplyConfig
-from wildscav_engine.specs.validation import one_line
+from wildscav_engine.specs.validation import did_you_mean, one_line
 from wildscav_engine.specs.zone_config import ZoneConfig
 from wildscav_engine.tracks import TRACKS
 from wildscav_engine.tracks.rewards import RewardSum

@@ -98,9 +98,16 @@ def checked_observers(observers: Mapping[str, Any]) -> Mapping[str, Any]:
 def _check_call(name: str, function: Any) -> None:
     if not callable(function) or isinstance(function, type):
         raise ValueError(f"{name!r} is {function!r}, must be a function or an object that can be called")
+    if not takes(function, "learners"):
+        raise ValueError(f"{name!r} must take one argument, the learners")
+
+
+def takes(function: Callable[..., Any], *arguments: str) -> bool:
+    """Return whether a function can be called with so many arguments."""
     try:
-        inspect.signature(function).bind(None)
+        inspect.signature(function).bind(*arguments)
     except TypeError:
-        raise ValueError(f"{name!r} must take one argument, the learners") from None
+        return False
     except ValueError:  # a function without a signature, which may take anything
-        return
+        return True
+    return True

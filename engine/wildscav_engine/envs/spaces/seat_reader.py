@@ -60,11 +60,8 @@ class SeatReader:
         self._weights = np.tile(terms.weight, (matches, 1))  # of matches that start from now on
         workspace = allocate_row_workspace(matches, len(config.seats), seats, self.layout.start, terms)
         self.done, self._is_new = workspace.done, workspace.is_new
-        self.terminated, self.truncated, self.rewards = (
-            workspace.terminated,
-            workspace.truncated,
-            workspace.rewards,
-        )
+        self.terminated, self.truncated = workspace.terminated, workspace.truncated
+        self.rewards = workspace.rewards
         self._weights_of_matches = workspace.weight
         poses = workspace.eyes, workspace.yaws, workspace.pitches
         sensors = config.read_sensors()
@@ -72,10 +69,8 @@ class SeatReader:
         has_functions = config.reward_functions or config.observers
         self._functions = FunctionReader(config, seats, matches, self.layout) if has_functions else None
         # The facts after one step are those before the next, so the two arrays swap roles.
-        self._workspace, self._next_workspace = (
-            ArrayTable(workspace),
-            ArrayTable(workspace._replace(before=workspace.after, after=workspace.before)),
-        )
+        swapped = workspace._replace(before=workspace.after, after=workspace.before)
+        self._workspace, self._next_workspace = ArrayTable(workspace), ArrayTable(swapped)
         self._shape = (*self.done.shape, self.layout.width)
 
     def begin(self, batch: "Batch", rows: Sequence[int]) -> None:

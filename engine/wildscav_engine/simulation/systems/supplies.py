@@ -23,9 +23,8 @@ from wildscav_engine.geometry.linked_grid import (
 )
 from wildscav_engine.geometry.world import CELL, World
 from wildscav_engine.simulation.digest import digest_box
-from wildscav_engine.simulation.state import BOX_SQUARES, Agents, Matches, Supplies
+from wildscav_engine.simulation.state import BOX_SQUARES, Agents, Game, Matches, Supplies
 from wildscav_engine.specs.actions import Field
-from wildscav_engine.specs.rules import Rules
 
 BOX_SQUARE = 16.0  # m, minimum side of a square in the grid of boxes
 
@@ -140,22 +139,15 @@ def squared_distance_to_box(agents: Agents, supplies: Supplies, seat: int, slot:
 
 
 @kernel
-def nearest_box(
-    world: World,
-    agents: Agents,
-    supplies: Supplies,
-    heads: NDArray[np.int32],
-    seat: int,
-    frame: int,
-    reach: float,
-) -> int:
+def nearest_box(game: Game, seat: int) -> int:
     """Return the slot of the nearest box within reach (3D distance from the soles), or -1.
 
     Of boxes at the same distance, the one in the first slot is returned.
     """
-    squares = squares_of_boxes(world)
+    agents, supplies, reach = game.agents, game.supplies, game.rules.pick_up_distance
+    squares, heads = squares_of_boxes(game.world), game.matches.box_squares[game.match]
     around = squares_around(squares, agents.position[seat, 0], agents.position[seat, 2], reach)
-    best, nearest = -1, reach * reach
+    best, nearest, frame = -1, reach * reach, game.matches.frame[game.match]
     for row in range(around.south, around.north + 1):
         for column in range(around.west, around.east + 1):
             slot = heads[row * squares.side + column] - 1
@@ -169,67 +161,46 @@ def nearest_box(
 
 
 @inlined_kernel
-def pick_up(
-    world: World,
-    agents: Agents,
-    supplies: Supplies,
-    matches: Matches,
-    match: int,
-    actions: NDArray[np.float32],
-    rules: Rules,
-) -> None:
+def pick_up(game: Game, actions: NDArray[np.float32]) -> None:
     """Let each living agent that picks up take the nearest box in reach, in the order of the frame."""
-    if supplies.quantity.shape[0] == 0:
+    agents = game.agents
+    if game.supplies.quantity.shape[0] == 0:
         return
     for turn in range(agents.turns.shape[0]):
         seat = agents.turns[turn]
         if actions[seat, Field.PICK_UP] != 0.0 and agents.health[seat] > 0:
-            _take_nearest(world, agents, supplies, matches, match, seat, rules.pick_up_distance)
+            _take_nearest(game, seat)
 
 
 @kernel
-def _take_nearest(
-    world: World,
-    agents: Agents,
-    supplies: Supplies,
-    matches: Matches,
-    match: int,
-    seat: int,
-    reach: float,
-) -> None:
-    heads = matches.box_squares[match]
-    slot = nearest_box(world, agents, supplies, heads, seat, matches.frame[match], reach)
+def _take_nearest(game: Game, seat: int) -> None:
+    agents, supplies, matches, match = game.agents, game.supplies, game.matches, game.match
+    slot = nearest_box(game, seat)
     if slot < 0:
         return
     agents.supplies[seat] += supplies.quantity[slot]
     agents.picked_up[seat] += supplies.quantity[slot]
     agents.gained[seat] += supplies.quantity[slot]
     supplies.quantity[slot] = 0
-    unlink(heads, supplies.next_in_square, _square_of_box(squares_of_boxes(world), supplies, slot), slot)
+    square = _square_of_box(squares_of_boxes(game.world), supplies, slot)
+    unlink(matches.box_squares[match], supplies.next_in_square, square, slot)
     matches.digest[match] = digest_box(matches.digest[match], supplies, slot)
 
 
 @kernel
-def drop_supplies(
-    world: World,
-    agents: Agents,
-    supplies: Supplies,
-    matches: Matches,
-    match: int,
-    seat: int,
-    share: float,
-) -> None:
+def drop_supplies(game: Game, seat: int) -> None:
     """Drop a share of an agent's supplies, rounded down, at its position.
 
     If no slot is free, the agent keeps them, so that no supplies are lost.
     """
-    dropped = int(np.floor(agents.supplies[seat] * share))
+    agents, supplies, matches, match = game.agents, game.supplies, game.matches, game.match
+    dropped = int(np.floor(agents.supplies[seat] * game.rules.supply_loss))
     if dropped == 0:
         return
     for slot in range(supplies.quantity.shape[0] - 1, -1, -1):
         if supplies.quantity[slot] == 0:
             agents.supplies[seat] -= dropped
-            squares, heads = squares_of_boxes(world), matches.box_squares[match]
+            squares, heads = squares_of_boxes(game.world), matches.box_squares[match]
             # A box that a test emptied may still be listed.
             unlink(heads, supplies.next_in_square, _square_of_box(squares, supplies, slot), slot)
             supplies.quantity[slot] = dropped

@@ -9,7 +9,8 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
-from tests.engine.envs.common import digest, env_id, options
+from gymnasium.vector import SyncVectorEnv
+from tests.engine.envs.common import batch_of, env_id, options, play_alike
 
 from wildscav_engine.envs import BatchedArena, League, PolicyOpponent, Sampler, SingleEnv, VectorArena
 from wildscav_engine.envs.league import LeagueError
@@ -66,9 +67,8 @@ def test_the_win_rate_decides_how_often_an_opponent_is_chosen(weighting: Any, wa
 def test_a_league_chooses_under_the_most_extreme_settings(games: float, extreme: dict[str, Any]) -> None:
     league = league_of("a", "b", robots=("walker", "fighter"), **{**ALONE, **extreme})
     won = {"recent": games, "recent_score": games}
-    table = league.table.model_copy(
-        update={"members": tuple(one.model_copy(update=won) for one in league.table.members)}
-    )
+    members = tuple(one.model_copy(update=won) for one in league.table.members)
+    table = league.table.model_copy(update={"members": members})
     chances = League.of(table, league.sources).probabilities()
     assert min(chances.values()) >= 0.0
     assert sum(chances.values()) == pytest.approx(1.0)
@@ -132,9 +132,7 @@ def test_an_environment_records_the_results_of_its_episodes(carried: int) -> Non
     for episode in range(1, 3):
         vector.reset(seed=episode)
         for step in range(4):
-            assert vector.arena.batch is not None
-            vector.arena.batch.state.agents.supplies[:] = 0
-            vector.arena.batch.state.agents.supplies[:, :2] = (3, carried), (3, carried)
+            batch_of(vector).state.agents.supplies[:] = 3, carried, 0, 0
             assert league.results["a"].games == 4 * (episode - 1), step
             vector.step(np.tile(IDLE, (2, 1)))
         results = league.results["a"]
@@ -171,8 +169,7 @@ def test_each_policy_is_called_once_per_step_for_all_its_seats() -> None:
     vector.reset(seed=0)
     seats = Counter()
     for _ in range(15):
-        assert vector.arena.batch is not None
-        asked = [spec.seats[1:].count("submission") for spec in vector.arena.batch.specs]
+        asked = [spec.seats[1:].count("submission") for spec in batch_of(vector).specs]
         ended = vector._autoreset.ended.copy()
         calls.clear()
         vector.step(np.tile(IDLE, (16, 1)))
@@ -184,37 +181,23 @@ def test_each_policy_is_called_once_per_step_for_all_its_seats() -> None:
 
 
 def test_the_same_seed_and_table_give_the_same_episodes_in_rows_and_single_environments() -> None:
-    def opposing() -> tuple[League, ...]:
+    def opposing() -> dict[str, Any]:
         league = league_of("a", robots=("walker", "fighter"), robot_share=0.5)
-        return (league,) * 2
+        return battle(opponents=(league,) * 2)
 
-    def told(env: Any, steps: Any) -> list[Any]:
-        return [digest(env.step(action)[0]) for action in steps]
-
-    vector = VectorArena("battle", 3, **battle(opponents=opposing()))
-    vector.reset(seed=4)
-    single = SingleEnv("battle", **battle(opponents=opposing()))
-    single.reset(seed=6)
-    assert vector.arena.batch is not None
-    assert single.arena.batch is not None
-    assert vector.arena.batch.specs[2] == single.arena.batch.specs[0]
-    for _ in range(3):
-        rows, *_ = vector.step(np.tile(IDLE, (3, 1)))
-        row, *_ = single.step(IDLE)
-        assert digest(rows[2].copy()) == digest(row)
+    singles = [lambda: SingleEnv("battle", **opposing())] * 3
+    play_alike(VectorArena("battle", 3, **opposing()), SyncVectorEnv(singles), steps=3)
 
 
 def test_gymnasium_passes_on_the_very_league() -> None:
     league = league_of("a", latest_share=1.0, robot_share=0.0)
-    env = gymnasium.make(env_id("battle"), **battle(opponents=(league,)))
-    many = gymnasium.make_vec(
-        env_id("battle"), 2, vectorization_mode="vector_entry_point", **battle(opponents=(league,))
-    )
-    env.reset(seed=0)
-    many.reset(seed=0)
-    for _ in range(4):
-        env.step(IDLE)
-        many.step(np.tile(IDLE, (2, 1)))
+    chosen: dict[str, Any] = battle(opponents=(league,))
+    one = gymnasium.make(env_id("battle"), **chosen)
+    many = gymnasium.make_vec(env_id("battle"), 2, vectorization_mode="vector_entry_point", **chosen)
+    for env, actions in ((one, IDLE), (many, np.tile(IDLE, (2, 1)))):
+        env.reset(seed=0)
+        for _ in range(4):
+            env.step(actions)
     assert league.results["a"].games == 3
 
 
@@ -233,11 +216,10 @@ def test_a_state_continues_against_the_same_members_and_does_not_count() -> None
     env = SingleEnv("battle", **battle(opponents=(league,) * 4))
     env.reset(seed=1)
     state = env.get_state()
-    assert env.arena.batch is not None
-    names, seats = env.arena.opponents.names(0), env.arena.batch.specs[0].seats
+    names, seats = env.arena.opponents.names(0), batch_of(env).specs[0].seats
     env.reset()
     env.set_state(state)
-    assert (env.arena.opponents.names(0), env.arena.batch.specs[0].seats) == (names, seats)
+    assert (env.arena.opponents.names(0), batch_of(env).specs[0].seats) == (names, seats)
     for _ in range(4):
         env.step(IDLE)
     assert sum(results.games for results in league.results.values()) == 0

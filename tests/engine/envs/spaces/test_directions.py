@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from tests.engine.envs.common import OPEN, TRACK_NAMES, digest, options
 
-from wildscav_engine.envs import FlatObservations, SingleEnv
+from wildscav_engine.envs import SingleEnv
 from wildscav_engine.envs.registry import env_id
 
 WAYS = {
@@ -104,10 +104,3 @@ def test_nobody_on_ones_own_team_is_an_enemy() -> None:
     chosen |= {"teammates": ("walker",), "opponents": ("walker",)}
     observation, _ = SingleEnv("battle", **chosen).reset(seed=1)
     assert observation["to_enemy"][-1] == pytest.approx(np.log(16.0))
-
-
-def test_the_wrapper_makes_the_row_of_a_flat_environment_in_version_1_too() -> None:
-    chosen = options("battle", version=1)
-    flat, wrapped = SingleEnv("battle", flat=True, **chosen), FlatObservations(SingleEnv("battle", **chosen))
-    assert flat.observation_space == wrapped.observation_space
-    np.testing.assert_array_equal(flat.reset(seed=3)[0], wrapped.reset(seed=3)[0])

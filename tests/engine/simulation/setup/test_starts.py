@@ -58,7 +58,7 @@ def test_a_start_of_the_first_seat_alone_leaves_the_others_to_chance() -> None:
     ("fields", "fault"),
     [
         ({"start": (0, 0, 0), "starts": ((0, 0, 0),)}, "start and starts are both given"),
-        ({"starts": (None, None)}, "2 starts are given for 1 seats"),
+        ({"starts": (None, None)}, "starts has 2 entries for 1 seats"),
         ({"start_range": -1.0}, "start_range"),
         ({"start_range": 2.0, "track": "battle"}, "battle has no start range"),
     ],

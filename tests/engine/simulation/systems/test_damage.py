@@ -2,16 +2,14 @@
 
 import pytest
 from tests.builders import act, make_match, place
+from tests.builders import duel as made_duel
 
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.rules import Rules
 
 
 def duel(**rules: float) -> Match:
-    match = make_match(seats=2, rules=Rules(**{"shot_damage": 100, **rules}))
-    place(match, 0, (0, 0, 0))
-    place(match, 1, (0, 0, 10), yaw=180)
-    return match
+    return made_duel(rules=Rules(**{"shot_damage": 100, **rules}))
 
 
 @pytest.mark.parametrize(
@@ -52,15 +50,12 @@ def test_the_dead_come_back_after_10_seconds_with_everything_but_half_their_supp
 
 
 def test_the_dead_wait_500_frames_to_the_frame() -> None:
-    match = make_match(seats=2, rules=Rules(shot_damage=100), frames_per_action=1)
-    place(match, 0, (0, 0, 0))
-    place(match, 1, (0, 0, 10))
+    match = made_duel(rules=Rules(shot_damage=100), frames_per_action=1)
     act(match, 1, seat_0={"shoot": 1})
     act(match, 499)
     assert match.state.agents.health[0, 1] == 0
     act(match, 1)
-    assert match.state.agents.health[0, 1] == 100
-    assert match.state.agents.invincible_left[0, 1] == 500
+    assert (match.state.agents.health[0, 1], match.state.agents.invincible_left[0, 1]) == (100, 500)
 
 
 def test_the_dead_do_nothing_and_are_no_obstacle() -> None:
@@ -109,14 +104,12 @@ def test_a_kill_brings_a_bounty_besides_what_is_dropped() -> None:
     assert match.state.supplies.quantity.sum() == 5
 
 
-def test_who_dies_first_in_a_frame_makes_no_difference_for_bounties() -> None:
-    for seed in range(4):
-        match = make_match(seats=2, seed=seed, rules=Rules(shot_damage=100, bounty=20, supply_loss=0.25))
-        place(match, 0, (0, 0, 0))
-        place(match, 1, (0, 0, 10), yaw=180)
-        match.state.agents.supplies[0] = 40
-        act(match, 1, seat_0={"shoot": 1}, seat_1={"shoot": 1})
-        assert match.state.agents.supplies[0].tolist() == [50, 50]
+@pytest.mark.parametrize("seed", range(4))
+def test_who_dies_first_in_a_frame_makes_no_difference_for_bounties(seed: int) -> None:
+    match = made_duel(seed=seed, rules=Rules(shot_damage=100, bounty=20, supply_loss=0.25))
+    match.state.agents.supplies[0] = 40
+    act(match, 1, seat_0={"shoot": 1}, seat_1={"shoot": 1})
+    assert match.state.agents.supplies[0].tolist() == [50, 50]
 
 
 @pytest.mark.parametrize("bounty", [0, 20])

@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pydantic import ValidationError
 from tests.builders import flat_world, map_from
 
 from wildscav_engine.maps import generate_map
@@ -132,8 +131,3 @@ def test_a_batch_makes_room_for_more_places(country: GameMap) -> None:
 def test_specs_without_one_are_written_as_before_and_specs_with_one_come_back() -> None:
     assert "hot_spot" not in SupplyConfig().model_dump_json()
     assert SupplyConfig.model_validate_json(ONLY.model_dump_json()) == ONLY
-
-
-def test_quantities_that_descend_are_refused() -> None:
-    with pytest.raises(ValidationError, match="quantity is \\(5, 3\\): the first number must not be above"):
-        HotSpot(quantity=(5, 3))

@@ -2,25 +2,15 @@
 
 import numpy as np
 import pytest
-from tests.builders import act, box, flat_world, make_match, place
+from tests.builders import act, box, duel, flat_world, make_match, place
 
-from wildscav_engine.geometry.world import Kind, Solid, World
-from wildscav_engine.simulation.match import Match
+from wildscav_engine.geometry.world import Kind, Solid
 from wildscav_engine.specs.rules import Rules
 
 SHOOT = {"shoot": 1}
 
 
-def duel(solids: list[Solid] | None = None, rules: Rules | None = None) -> Match:
-    """Seat 0 looks north at seat 1, ten metres away, who looks back."""
-    world: World = flat_world(solids=solids or [])
-    match = make_match(seats=2, world=world, rules=rules or Rules())
-    place(match, 0, (0, 0, 0))
-    place(match, 1, (0, 0, 10), yaw=180)
-    return match
-
-
-def test_a_hit_takes_20_health_and_is_told_to_both() -> None:
+def test_a_hit_takes_20_health_and_is_told_to_both_for_one_step() -> None:
     match = duel()
     act(match, 1, seat_0=SHOOT)
     agents = match.state.agents
@@ -29,15 +19,8 @@ def test_a_hit_takes_20_health_and_is_told_to_both() -> None:
     assert agents.hit_by_seat[0].tolist() == [-1, 0]
     assert agents.fired[0].tolist() == [True, False]
     assert agents.shot_end[0, 0] == pytest.approx([0, 1.5, 9.55])
-
-
-def test_news_of_a_hit_lasts_one_step() -> None:
-    match = duel()
-    act(match, 1, seat_0=SHOOT)
     act(match, 1)
-    assert match.state.agents.hit_seat[0, 0] == -1
-    assert match.state.agents.hit_by_seat[0, 1] == -1
-    assert not match.state.agents.fired[0, 0]
+    assert (agents.hit_seat[0, 0], agents.hit_by_seat[0, 1], agents.fired[0, 0]) == (-1, -1, False)
 
 
 def test_the_weapon_fires_five_times_a_second() -> None:
@@ -47,21 +30,36 @@ def test_the_weapon_fires_five_times_a_second() -> None:
     assert match.state.agents.clip[0, 0] == 10
 
 
-@pytest.mark.parametrize(("yaw", "pitch", "hit"), [(0, 0, True), (2, 0, True), (4, 0, False), (0, -5, False)])
-def test_only_an_aimed_shot_hits(yaw: float, pitch: float, hit: bool) -> None:
-    match = duel()
+def at(height: float) -> float:
+    """The pitch, degrees, at which a shot meets the other body at a height in m."""
+    return float(np.degrees(np.arctan2(1.5 - height, 9.55)))
+
+
+SILL, LINTEL = box((-5, 0, 5), (5, 1.0, 5.25)), box((-5, 2.2, 5), (5, 3, 5.25))
+
+
+@pytest.mark.parametrize(
+    ("yaw", "pitch", "solids", "hit"),
+    [
+        (0, 0, [], True),
+        (2, 0, [], True),
+        (4, 0, [], False),
+        (0, -5, [], False),
+        # A body is one upright cylinder from the soles to the crown.
+        (0, at(0.02), [], True),  # the feet
+        (0, at(1.0), [], True),
+        (0, at(1.77), [], True),  # the head: it is one shape with the body, and costs no more
+        (0, at(1.80), [], False),  # above it
+        (0, 0, [box((-5, 0, 5), (5, 3, 5.25))], False),  # a wall
+        (0, 0, [SILL, LINTEL], True),  # a window
+    ],
+)
+def test_an_aimed_shot_hits_a_body(yaw: float, pitch: float, solids: list[Solid], hit: bool) -> None:
+    match = duel(flat_world(solids=solids))
     place(match, 0, (0, 0, 0), yaw, pitch)
     act(match, 1, seat_0=SHOOT)
-    assert (match.state.agents.hits[0, 0] == 1) == hit
-
-
-def test_a_wall_stops_a_shot_and_a_window_lets_it_through() -> None:
-    sill, lintel = box((-5, 0, 5), (5, 1.0, 5.25)), box((-5, 2.2, 5), (5, 3, 5.25))
-    wall = box((-5, 0, 5), (5, 3, 5.25))
-    for solids, hits in (([wall], 0), ([sill, lintel], 1)):
-        match = duel(solids)
-        act(match, 1, seat_0=SHOOT)
-        assert match.state.agents.hits[0, 0] == hits
+    assert match.state.agents.hits[0, 0] == hit
+    assert match.state.agents.health[0, 1] == (80 if hit else 100)
 
 
 def test_a_shot_ends_in_the_first_body() -> None:
@@ -136,25 +134,9 @@ def test_shooting_is_no_part_of_gathering() -> None:
     assert match.state.agents.shots[0, 0] == 0
 
 
-@pytest.mark.parametrize(
-    ("height", "hit"),
-    [
-        (0.02, True),  # the feet
-        (1.0, True),
-        (1.77, True),  # the head: it is one shape with the body, and costs no more
-        (1.80, False),  # above it
-    ],
-)
-def test_a_body_is_one_upright_cylinder_from_the_soles_to_the_crown(height: float, hit: bool) -> None:
-    match = duel()
-    place(match, 0, (0, 0, 0), pitch=float(np.degrees(np.arctan2(1.5 - height, 9.55))))
-    act(match, 1, seat_0=SHOOT)
-    assert match.state.agents.health[0, 1] == (80 if hit else 100)
-
-
 @pytest.mark.parametrize("kind", [Kind.WALL, Kind.CROWN, Kind.TRUNK, Kind.ROCK, Kind.FURNITURE, Kind.BUSH])
 def test_whatever_stands_in_the_way_is_cover(kind: Kind) -> None:
-    match = duel([box((-1, 0, 5), (1, 3, 6), kind)])
+    match = duel(flat_world(solids=[box((-1, 0, 5), (1, 3, 6), kind)]))
     act(match, 2, seat_0=SHOOT, seat_1=SHOOT)
     assert match.state.agents.health[0].tolist() == [100, 100]
     assert match.state.agents.shot_end[0, 0, 2] == pytest.approx(5)
