@@ -35,7 +35,7 @@ def results(count: int) -> dict[str, float]:
     """Measure a season in SQLite that has some results."""
     with tempfile.TemporaryDirectory() as folder:
         size = SIZES[count]
-        season, _, _ = make_large_season(Path(folder) / "season", free_port(), size)
+        season = make_large_season(Path(folder) / "season", free_port(), size)
         found = _adding(season, size)
         return found | _pages(season, PAGES | {"match_page": f"/matches/{size.matches - 1}"})
 

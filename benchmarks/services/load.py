@@ -26,23 +26,17 @@ class Load:
         return 1000.0 * float(np.percentile(self.latencies, share))
 
 
-def ask(
-    port: int, path: str, *, seconds: float, connections: int, rate: float | None, cookie: str = ""
-) -> Load:
+def ask(port: int, path: str, *, seconds: float, connections: int, rate: float | None) -> Load:
     """Ask a server on this machine for a page for some time; each connection waits for its answer.
 
-    Latencies count from when each request was due by the rate a second; None for as many as possible. The
-    cookie is that of whoever is logged in.
+    Latencies count from when each request was due by the rate a second; None for as many as possible.
     """
-    return asyncio.run(_ask(port, path, seconds, connections, rate, cookie))
+    return asyncio.run(_ask(port, path, seconds, connections, rate))
 
 
-async def _ask(
-    port: int, path: str, seconds: float, connections: int, rate: float | None, cookie: str
-) -> Load:
+async def _ask(port: int, path: str, seconds: float, connections: int, rate: float | None) -> Load:
     load = Load()
-    more = f"Cookie: wildscav-large={cookie}\r\n" if cookie else ""
-    request = f"GET {path} HTTP/1.1\r\nHost: localhost\r\n{more}\r\n".encode()
+    request = f"GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n".encode()
     begun = time.perf_counter()
     due = iter(range(10**9))
 

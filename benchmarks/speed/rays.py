@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.sensors import SENSORS, ColorCamera, DepthCamera, Lidar, Screen
+from wildscav_engine.sensors import SENSORS, ColorCamera, DepthCamera, Lidar
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.map_spec import MapConfig
 from wildscav_engine.specs.match_spec import MatchSpec
@@ -34,7 +34,6 @@ PICTURES = ((640, 360), (84, 84))
 EVERY = 8  # of how many poses a picture is taken at one
 ROUNDS = 20  # over all poses
 TIMES_FOR_THREADS = 8  # repetitions of the poses in a batch for threads
-SCREENS = ((160, 120), (640, 360))
 SENSOR_ROUNDS = 7  # of each sensor
 EYES = 1.5  # m above the ground
 STEEPEST = 30.0  # degrees up and down
@@ -191,21 +190,6 @@ def sensor_figures(game_map: GameMap, poses: Poses) -> list[Figure]:
     return figures
 
 
-def display_figures(game_map: GameMap) -> list[Figure]:
-    """Measure what a screen costs more than the camera, in processor time: the best of the rounds."""
-    match = Match(MatchSpec(track="battle", map=game_map.spec, seats=("submission",) * VIEWERS), game_map)
-    seats, figures = np.arange(VIEWERS), []
-    match.state.agents.hit_by_seat[0] = 0  # a red frame, the most that is drawn
-    for width, height in SCREENS:
-        screen = Screen(width=width, height=height)
-        pictures = np.zeros((1, VIEWERS, *screen.shape), np.uint8)
-        draw = partial(screen.draw_over, match.state, match.seen, "battle", seats, pictures)
-        taken = in_turns([draw], 20 * SENSOR_ROUNDS, time.thread_time)
-        name = f"screen over camera, {width} × {height}, {VIEWERS} agents a call, each"
-        figures.append(Figure(name, float(taken.min()) / VIEWERS * 1e6, "µs", f"best of {len(taken)} rounds"))
-    return figures
-
-
 def describe(game_map: GameMap, mesh: Mesh) -> str:
     """Describe a map by the numbers of its objects."""
     kinds = game_map.world.solid_kind
@@ -238,7 +222,6 @@ def main(check_only: CheckOnly = False, json_file: JsonFile = None) -> None:
     figures += lidar_figures(game_map, tracer, poses)
     figures += picture_figures(game_map, poses)
     figures += sensor_figures(game_map, poses)
-    figures += display_figures(game_map)
     figures += thread_figures(game_map, poses, cores)
     publish(f"Images on one core, far {FAR:g} m ({where})", figures, json_file)
 

@@ -19,7 +19,6 @@ from typing import Annotated, Any, Literal
 
 import typer
 from benchmarks.learning.result_files import add, results_in
-from benchmarks.strength.baselines import said_of, way_of
 
 from wildscav.cli.init import write_files
 from wildscav.policy.networks import Choose
@@ -169,7 +168,6 @@ def main(
     matches: Annotated[int, typer.Option(help="Matches of each agent on a level.", min=2)] = 100,
     out: Annotated[Path, typer.Option(help="Folder of the trainings.")] = Path("out/levels"),
     picture: Annotated[Path | None, typer.Option(help="File for the picture.")] = None,
-    ways: Annotated[bool, typer.Option("--ways", help="Print the median way on each level.")] = False,
 ) -> None:
     """Play what is missing; print the tables."""
     chosen: list[Any] = [level for level in LEVELS if level in levels.split(",")]
@@ -186,9 +184,6 @@ def main(
     if scaled := normalized(results, track) if track in REFERENCES else {}:
         sys.stdout.write(table(scaled, track, "supplies", mean))
     sys.stdout.write(steps_table(results, track))
-    for level in chosen if ways else ():
-        found = [way_of(spec) for spec in matches_on("navigation", level, matches)]
-        sys.stdout.write(f"{level}: {said_of(found)}\n")
     if picture is not None:
         draw(results, picture)
 

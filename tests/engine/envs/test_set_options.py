@@ -27,15 +27,6 @@ def away(observation: Any) -> Any:
     return observation["target"][..., 7]
 
 
-def test_learners_start_nearer_and_then_farther() -> None:
-    env = SingleEnv("navigation", **options("navigation", **BARE, start_range=3.0))
-    near = [away(env.reset(seed=seed)[0]) for seed in range(8)]
-    env.set_options(start_range=None)
-    far = [away(env.reset(seed=seed)[0]) for seed in range(8)]
-    assert max(near) < np.mean(far)
-    assert env.config.start_range is None
-
-
 def test_what_was_changed_is_as_if_made_so() -> None:
     changes: dict[str, Any] = {"map": OPEN, "start_range": 4.0, "time_limit": 0.6, "split": "test"}
     changed = SingleEnv("navigation", **options("navigation", **BARE))

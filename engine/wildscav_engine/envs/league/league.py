@@ -14,13 +14,13 @@ from wildscav_engine.envs.league.table import (
     Results,
     Weighting,
     priorities,
-    read_table,
-    write_table,
 )
 from wildscav_engine.envs.settings.players import Player, PolicyOpponent, Sampler, read_player
 from wildscav_engine.specs.validation import one_line
+from wildscav_engine.storage.files import read_limited, write_whole
 
 Factory = Callable[[Any], Any]
+LARGEST_TABLE = 10_000_000  # bytes
 
 
 class League(Sampler):
@@ -200,7 +200,7 @@ class League(Sampler):
         Raises:
             OSError: The file cannot be written; an older one stays as it is.
         """
-        write_table(Path(path), self.table)
+        write_whole(Path(path), self.table.model_dump_json(indent=1).encode() + b"\n")
 
     @property
     def table(self) -> LeagueTable:
@@ -228,7 +228,11 @@ class League(Sampler):
             LeagueError: The file is not a table of a league, or a policy is missing.
             OSError: The file cannot be read.
         """
-        return cls.of(read_table(Path(path)), sources, factory=factory)
+        try:
+            table = LeagueTable.model_validate_json(read_limited(Path(path), LARGEST_TABLE))
+        except ValidationError as error:
+            raise LeagueError(f"{path} is not the table of a league: {one_line(error)}") from None
+        return cls.of(table, sources, factory=factory)
 
     @classmethod
     def of(

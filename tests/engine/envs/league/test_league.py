@@ -2,6 +2,7 @@
 
 import json
 from collections import Counter
+from functools import partial
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -9,8 +10,8 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
-from gymnasium.vector import SyncVectorEnv
-from tests.engine.envs.common import batch_of, env_id, options, play_alike
+from gymnasium.vector import AutoresetMode
+from tests.engine.envs.common import batch_of, digest, env_id, options
 
 from wildscav_engine.envs import BatchedArena, League, PolicyOpponent, Sampler, SingleEnv, VectorArena
 from wildscav_engine.envs.league import LeagueError
@@ -141,15 +142,35 @@ def test_an_environment_records_the_results_of_its_episodes(carried: int) -> Non
         assert (results.wins - 2 * episode, results.draws, results.losses) == tuple(against_first)
 
 
-def test_a_result_counts_once_also_while_its_match_waits_for_a_reset() -> None:
+def by_gymnasium(**more: Any) -> Any:
+    return gymnasium.make(env_id("battle"), **more)
+
+
+def vector_by_gymnasium(**more: Any) -> Any:
+    return gymnasium.make_vec(env_id("battle"), 2, vectorization_mode="vector_entry_point", **more)
+
+
+@pytest.mark.parametrize(
+    ("make", "shape", "games"),
+    [
+        (by_gymnasium, (8,), 1),  # Gymnasium passes on the very league
+        (vector_by_gymnasium, (2, 8), 2),
+        # While a match waits for a reset, its result counts once.
+        (partial(VectorArena, "battle", 2, autoreset_mode="Disabled"), (2, 8), 2),
+        # Several learners of one team have one result: against the pair, and against the third.
+        (partial(BatchedArena, "battle", 1, agents=3, teams=(0, 0, 1, 2)), (1, 3, 8), 2),
+    ],
+)
+def test_each_match_has_a_result_for_each_team_of_learners(make: Any, shape: Any, games: int) -> None:
     league = league_of("a", latest_share=1.0, robot_share=0.0)
-    vector = VectorArena("battle", 2, autoreset_mode="Disabled", **battle(opponents=(league,)))
-    vector.reset(seed=0)
+    env = make(**battle(opponents=(league,)))
+    env.reset(seed=0)
     for _ in range(4):
-        vector.step(np.tile(IDLE, (2, 1)))
-    for _ in range(3):
-        vector.reset(options={"reset_mask": np.array([True, False])})
-    assert league.results["a"].games == 2
+        env.step(np.zeros(shape, np.float32))
+    if getattr(env, "autoreset_mode", None) == AutoresetMode.DISABLED:
+        for _ in range(3):
+            env.reset(options={"reset_mask": np.array([True, False])})
+    assert league.results["a"].games == games
 
 
 def test_each_policy_is_called_once_per_step_for_all_its_seats() -> None:
@@ -181,34 +202,16 @@ def test_each_policy_is_called_once_per_step_for_all_its_seats() -> None:
 
 
 def test_the_same_seed_and_table_give_the_same_episodes_in_rows_and_single_environments() -> None:
-    def opposing() -> dict[str, Any]:
-        league = league_of("a", robots=("walker", "fighter"), robot_share=0.5)
-        return battle(opponents=(league,) * 2)
-
-    singles = [lambda: SingleEnv("battle", **opposing())] * 3
-    play_alike(VectorArena("battle", 3, **opposing()), SyncVectorEnv(singles), steps=3)
-
-
-def test_gymnasium_passes_on_the_very_league() -> None:
-    league = league_of("a", latest_share=1.0, robot_share=0.0)
-    chosen: dict[str, Any] = battle(opponents=(league,))
-    one = gymnasium.make(env_id("battle"), **chosen)
-    many = gymnasium.make_vec(env_id("battle"), 2, vectorization_mode="vector_entry_point", **chosen)
-    for env, actions in ((one, IDLE), (many, np.tile(IDLE, (2, 1)))):
-        env.reset(seed=0)
-        for _ in range(4):
-            env.step(actions)
-    assert league.results["a"].games == 3
-
-
-def test_several_learners_of_one_team_have_one_result() -> None:
-    league = league_of("a", latest_share=1.0, robot_share=0.0)
-    chosen = battle(opponents=(league,), agents=3, teams=(0, 0, 1, 2))
-    batch = BatchedArena("battle", 1, **chosen)
-    batch.reset(seed=0)
-    for _ in range(4):
-        batch.step(np.zeros((1, 3, 8), np.float32))
-    assert league.results["a"].games == 2  # against the pair, and against the third
+    leagues = (league_of("a", robots=("walker", "fighter"), robot_share=0.5) for _ in range(2))
+    vector, single = (
+        make("battle", **battle(opponents=(league,) * 2))
+        for make, league in zip((partial(VectorArena, num_envs=3), SingleEnv), leagues, strict=True)
+    )
+    vector.reset(seed=4)
+    single.reset(seed=6)
+    assert batch_of(vector).specs[2] == batch_of(single).specs[0]
+    for _ in range(3):
+        assert digest(vector.step(np.tile(IDLE, (3, 1)))[0][2].copy()) == digest(single.step(IDLE)[0])
 
 
 def test_a_state_continues_against_the_same_members_and_does_not_count() -> None:

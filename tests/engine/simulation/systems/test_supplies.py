@@ -93,7 +93,8 @@ def random_rows(random: np.random.Generator, seats: int) -> np.ndarray:
 @pytest.mark.parametrize("seed", range(4))
 def test_supplies_are_conserved_in_every_frame_of_a_battle(seed: int) -> None:
     random = np.random.default_rng(seed)
-    rules = Rules(shot_damage=100, respawn_time=0.5, invincible_time=0.1, supply_loss=0.3 + 0.2 * seed)
+    loss = {"supply_loss": 0.3 + 0.2 * seed, "bounty": 20 * (seed % 2)}
+    rules = Rules(shot_damage=100, respawn_time=0.5, invincible_time=0.1, **loss)  # type: ignore[arg-type]
     world = flat_world(60)
     timing: dict[str, Any] = {"frames_per_action": 1, "time_limit": 8}
     match = make_match(world=world, seats=12, seed=seed, supplies=REFRESHES, rules=rules, **timing)
@@ -105,7 +106,7 @@ def test_supplies_are_conserved_in_every_frame_of_a_battle(seed: int) -> None:
         match.step(random_rows(random, 12))
         there = supplies.appears[0] <= match.frame
         on_ground, to_come = supplies.quantity[0, there].sum(), supplies.quantity[0, ~there].sum()
-        assert on_ground + agents.supplies.sum() + to_come == total
+        assert on_ground + agents.supplies.sum() + to_come == total + rules.bounty * agents.kills.sum()
         assert supplies.quantity.min() >= 0
         if match.frame % 40 == 0:
             assert boxes_in_lists(match) == np.nonzero(supplies.quantity[0])[0].tolist()

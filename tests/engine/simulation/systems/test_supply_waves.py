@@ -136,12 +136,6 @@ def meadow() -> GameMap:
     return generate_map(MapConfig(size=100, relief=0.3, water=0.0, houses=0, vegetation=0.1), 5)
 
 
-def boxes_at(game_map: GameMap, spacing: float, richness: float = 50.0) -> int:
-    """How many boxes a wave puts outdoors that is as hot all over the map."""
-    wave = SupplyWave(center=(0.0, 0.0), radius=1000.0, outdoor_richness=richness, indoor_richness=0.0)
-    return len(boxes_of(game_map, wave, spacing))
-
-
 def boxes_of(game_map: GameMap, wave: SupplyWave, spacing: float, seed: int = 0) -> NDArray[np.float32]:
     """Where the boxes of a wave are, (N, 3) m."""
     config = SupplyConfig(waves=(wave,), spacing=spacing)
@@ -155,8 +149,9 @@ def test_boxes_are_as_dense_as_the_grid(meadow: GameMap, spacing: float) -> None
     share_of_ground = len(meadow.ground_points[len(meadow.outdoor) :]) / 100**2
     expected = 0.5 * share_of_ground * (100 / spacing) ** 2
 
+    everywhere = SupplyWave(center=(0.0, 0.0), radius=1000.0, outdoor_richness=50.0, indoor_richness=0.0)
     assert share_of_ground > 0.8
-    assert boxes_at(meadow, spacing) == pytest.approx(expected, rel=0.15)
+    assert len(boxes_of(meadow, everywhere, spacing)) == pytest.approx(expected, rel=0.15)
 
 
 @pytest.mark.parametrize("spacing", [4.0, 5.0, 10.0, 20.0])
@@ -168,9 +163,8 @@ def test_boxes_thin_out_with_the_distance_as_the_rules_say(meadow: GameMap, spac
     _, first = np.unique(squares, axis=0, return_index=True)
     away, rings = np.hypot(places[first, 0] - 10.0, places[first, 2] + 5.0), (0.0, 15.0, 30.0, 45.0, 100.0)
     chance = 0.5 * np.exp(-(away**2) / (2.0 * 20.0**2))
-    expected, spread = (
-        np.histogram(away, rings, weights=one)[0] for one in (chance, chance * (1.0 - chance))
-    )
+    both = (chance, chance * (1.0 - chance))
+    expected, spread = (np.histogram(away, rings, weights=one)[0] for one in both)
     counts, seeds = np.zeros(len(rings) - 1), 60
     for seed in range(seeds):
         boxes = boxes_of(meadow, wave, spacing, seed)

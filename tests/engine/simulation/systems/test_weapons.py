@@ -1,5 +1,7 @@
 """Rulings on the weapon: what a shot costs, hits and stops at."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from tests.builders import act, box, duel, flat_world, make_match, place
@@ -7,7 +9,7 @@ from tests.builders import act, box, duel, flat_world, make_match, place
 from wildscav_engine.geometry.world import Kind, Solid
 from wildscav_engine.specs.rules import Rules
 
-SHOOT = {"shoot": 1}
+SHOOT: dict[str, float] = {"shoot": 1}
 
 
 def test_a_hit_takes_20_health_and_is_told_to_both_for_one_step() -> None:
@@ -23,11 +25,31 @@ def test_a_hit_takes_20_health_and_is_told_to_both_for_one_step() -> None:
     assert (agents.hit_seat[0, 0], agents.hit_by_seat[0, 1], agents.fired[0, 0]) == (-1, -1, False)
 
 
-def test_the_weapon_fires_five_times_a_second() -> None:
-    match = duel()
-    act(match, 10, seat_0=SHOOT)
-    assert match.state.agents.shots[0, 0] == 5
-    assert match.state.agents.clip[0, 0] == 10
+RELOAD: dict[str, float] = {"reload": 1}
+BOTH = {**SHOOT, **RELOAD}
+
+
+@pytest.mark.parametrize(
+    ("frames", "spare", "moves"),
+    [
+        (5, 60, [(10, SHOOT, (10, 60, 5))]),  # it fires five times a second
+        (5, 60, [(1, RELOAD, (15, 60, 0)), (1, SHOOT, (14, 60, 1))]),  # a full clip is not reloaded
+        # An empty clip is silent until a reload is done.
+        (5, 60, [(40, SHOOT, (0, 60, 15)), (1, RELOAD, (0, 60, 15)), (18, SHOOT, (0, 60, 15))]),
+        (5, 60, [(40, SHOOT, (0, 60, 15)), (1, RELOAD, (0, 60, 15)), (21, SHOOT, (14, 45, 16))]),
+        (5, 4, [(40, SHOOT, (0, 4, 15)), (21, RELOAD, (4, 0, 15))]),  # no more rounds than there are
+        # An action is held: as long as it asks for a reload, one follows whenever the clip is not full.
+        (5, 60, [(1, SHOOT, (14, 60, 1)), (20, BOTH, (14, 60, 1)), (60, BOTH, (14, 57, 4))]),
+        # A reload takes two seconds to the frame, and cannot be hurried.
+        (1, 60, [(1, SHOOT, (14, 60, 1)), (100, BOTH, (14, 60, 1)), (1, RELOAD, (15, 59, 1))]),
+    ],
+)
+def test_rounds_in_the_clip_and_spare_and_shots(frames: int, spare: int, moves: list[Any]) -> None:
+    match = duel(rules=Rules(shot_damage=0, spare_ammo=spare), frames_per_action=frames)
+    agents = match.state.agents
+    for steps, action, wanted in moves:
+        act(match, steps, seat_0=action)
+        assert (agents.clip[0, 0], agents.spare_ammo[0, 0], agents.shots[0, 0]) == wanted
 
 
 def at(height: float) -> float:
@@ -62,12 +84,17 @@ def test_an_aimed_shot_hits_a_body(yaw: float, pitch: float, solids: list[Solid]
     assert match.state.agents.health[0, 1] == (80 if hit else 100)
 
 
-def test_a_shot_ends_in_the_first_body() -> None:
-    match = make_match(seats=3)
+@pytest.mark.parametrize("are_mates", [False, True])
+def test_a_shot_ends_in_the_first_body_and_hurts_no_teammate(*, are_mates: bool) -> None:
+    match = make_match(seats=3, teams=(0, 0, 1) if are_mates else None)
     for seat, z in enumerate((0, 5, 10)):
         place(match, seat, (0, 0, z))
     act(match, 1, seat_0=SHOOT)
-    assert match.state.agents.health[0].tolist() == [100, 80, 100]
+    agents = match.state.agents
+    assert agents.health[0].tolist() == [100, 100 if are_mates else 80, 100]
+    assert (agents.hit_seat[0, 0], agents.hit_by_seat[0, 1]) == ((-1, -1) if are_mates else (1, 0))
+    assert agents.hits[0, 0] == (not are_mates)
+    assert agents.shot_end[0, 0, 2] == pytest.approx(4.55)
 
 
 def test_nobody_is_hit_beyond_the_range() -> None:
@@ -75,46 +102,6 @@ def test_nobody_is_hit_beyond_the_range() -> None:
     act(match, 1, seat_0=SHOOT)
     assert match.state.agents.hits[0, 0] == 0
     assert match.state.agents.shot_end[0, 0, 2] == pytest.approx(9)
-
-
-def test_an_empty_clip_is_silent_until_a_reload_is_done() -> None:
-    match = duel(rules=Rules(shot_damage=0))
-    act(match, 40, seat_0=SHOOT)
-    assert match.state.agents.clip[0, 0] == 0
-    assert match.state.agents.shots[0, 0] == 15
-    act(match, 1, seat_0={"reload": 1})
-    act(match, 18, seat_0=SHOOT)
-    assert match.state.agents.shots[0, 0] == 15
-    act(match, 3, seat_0=SHOOT)
-    assert match.state.agents.spare_ammo[0, 0] == 45
-    assert match.state.agents.shots[0, 0] > 15
-
-
-def test_a_reload_takes_no_more_rounds_than_there_are() -> None:
-    match = duel(rules=Rules(spare_ammo=4, shot_damage=0))
-    act(match, 40, seat_0=SHOOT)
-    act(match, 21, seat_0={"reload": 1})
-    assert match.state.agents.clip[0, 0] == 4
-    assert match.state.agents.spare_ammo[0, 0] == 0
-
-
-def test_who_shoots_and_reloads_all_the_time_fires_one_round_between_two_reloads() -> None:
-    """An action is held: as long as it asks for a reload, one follows whenever the clip is not full."""
-    match = duel()
-    act(match, 1, seat_0=SHOOT)
-    act(match, 20, seat_0={"shoot": 1, "reload": 1})
-    assert (match.state.agents.shots[0, 0], match.state.agents.clip[0, 0]) == (1, 14)
-    act(match, 60, seat_0={"shoot": 1, "reload": 1})
-    assert match.state.agents.shots[0, 0] == 4
-    act(match, 21, seat_0={"reload": 1})
-    act(match, 10, seat_0=SHOOT)
-    assert match.state.agents.shots[0, 0] == 9
-
-
-def test_a_full_clip_is_not_reloaded() -> None:
-    match = duel()
-    act(match, 1, seat_0={"reload": 1})
-    assert match.state.agents.reload_left[0, 0] == 0
 
 
 def test_rounds_are_conserved() -> None:
@@ -127,9 +114,7 @@ def test_rounds_are_conserved() -> None:
 
 
 def test_shooting_is_no_part_of_gathering() -> None:
-    match = make_match("gathering", seats=2)
-    place(match, 0, (0, 0, 0))
-    place(match, 1, (0, 0, 10))
+    match = make_match("gathering")
     act(match, 5, seat_0=SHOOT)
     assert match.state.agents.shots[0, 0] == 0
 
@@ -150,22 +135,9 @@ def test_ground_is_cover() -> None:
     assert match.state.agents.shot_end[0, 0] == pytest.approx([0, 0, 1.5])
 
 
-def test_a_teammate_stops_a_shot_but_is_not_hurt_nor_hit() -> None:
-    match = make_match(seats=3, teams=(0, 0, 1))
-    for seat, z in enumerate((0, 5, 10)):
-        place(match, seat, (0, 0, z))
-    act(match, 1, seat_0=SHOOT)
-    agents = match.state.agents
-    assert agents.health[0].tolist() == [100, 100, 100]
-    assert agents.hit_seat[0].tolist() == agents.hit_by_seat[0].tolist() == [-1, -1, -1]
-    assert agents.hits[0, 0] == 0
-    assert agents.shot_end[0, 0, 2] == pytest.approx(4.55)
-
-
 @pytest.mark.parametrize(("interval", "frames"), [(0.2, 10), (0.02, 1), (0.5, 25), (0.005, 1)])
 def test_two_shots_are_so_many_frames_apart(interval: float, frames: int) -> None:
-    world = flat_world()
-    match = make_match(world=world, frames_per_action=1, rules=Rules(fire_interval=interval, clip_size=5))
+    match = make_match(frames_per_action=1, rules=Rules(fire_interval=interval, clip_size=5))
     fired = []
     for frame in range(60):
         act(match, 1, seat_0=SHOOT)
@@ -175,22 +147,10 @@ def test_two_shots_are_so_many_frames_apart(interval: float, frames: int) -> Non
     assert len(fired) == min(5, -(-60 // frames))
 
 
-def test_a_reload_takes_two_seconds_to_the_frame_and_cannot_be_hurried() -> None:
-    match = make_match(frames_per_action=1)
-    act(match, 1, seat_0=SHOOT)
-    act(match, 1, seat_0={"reload": 1})
-    act(match, 99, seat_0={"reload": 1, "shoot": 1})
-    agents = match.state.agents
-    assert (agents.clip[0, 0], agents.shots[0, 0]) == (14, 1)
-    act(match, 1, seat_0={"reload": 1})
-    assert (agents.clip[0, 0], agents.spare_ammo[0, 0]) == (15, 59)
-
-
 def test_the_last_of_several_hits_in_a_step_is_told() -> None:
     match = make_match(seats=3, rules=Rules(fire_interval=0.02, shot_damage=5))
-    place(match, 0, (0, 0, 0), yaw=0)
-    place(match, 1, (0, 0, 10), yaw=180)
-    place(match, 2, (0, 0, 20), yaw=180)
+    for seat in range(3):
+        place(match, seat, (0, 0, 10 * seat), yaw=180 * (seat > 0))
     act(match, 1, seat_0=SHOOT, seat_2=SHOOT)
     agents = match.state.agents
     assert agents.hits[0].tolist() == [5, 0, 5]
