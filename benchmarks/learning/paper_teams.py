@@ -16,8 +16,7 @@ from typing import Annotated, Any
 import numpy as np
 import torch
 import typer
-from benchmarks.learning.measured_training import trained
-from benchmarks.learning.paper import EPISODES, FRAMES, POINT_EPISODES, RESULTS, play_out
+from benchmarks.learning.paper import EPISODES, FRAMES, POINT_EPISODES, RESULTS, play_out, trained
 from benchmarks.learning.paper_table import team_table
 from benchmarks.learning.result_files import add, numbers
 from numpy.typing import NDArray

@@ -6,8 +6,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from benchmarks.services.large_season import Size, make_large_season
-from benchmarks.services.load import ask
-from benchmarks.services.service import children_of, free_port, processor_time, served, wait_for
+from benchmarks.services.service import ask, children_of, free_port, processor_time, served, wait_for
 from sqlalchemy import delete, select, update
 from tests.leaderboard.results_made import made_result
 

@@ -62,10 +62,8 @@ def play_batch(
             world = world_at(batch.bank[matches.map_index[match]])
             agents = agents_of(batch.agents, match, seats)
             supplies = supplies_of(batch.supplies, match, matches.slots[match])
-            game, played = (
-                Game(world, agents, supplies, matches, match, rules_from(batch.rules)),
-                actions[match][:seats],
-            )
+            rules, played = rules_from(batch.rules), actions[match][:seats]
+            game = Game(world, agents, supplies, matches, match, rules)
             if not is_reset:
                 resolve_actions(agents, played, batch.allowed)
             play_step(game, played, frames_per_action, is_reset)
@@ -89,10 +87,8 @@ def play_batch_with_robots(
             world = world_at(batch.bank[matches.map_index[match]])
             agents = agents_of(batch.agents, match, seats)
             supplies = supplies_of(batch.supplies, match, matches.slots[match])
-            game, played = (
-                Game(world, agents, supplies, matches, match, rules_from(batch.rules)),
-                actions[match][:seats],
-            )
+            rules, played = rules_from(batch.rules), actions[match][:seats]
+            game = Game(world, agents, supplies, matches, match, rules)
             if not is_reset:
                 seen = seen_of(batch.seen, match, seats)
                 let_robots_decide(game, seen, played, batch.allowed, frames_per_action)
