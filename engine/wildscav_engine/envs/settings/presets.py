@@ -8,50 +8,32 @@ all levels, much like those of the suites "wild" and "fair".
 from typing import Any
 
 from wildscav_engine.maps.levels import Level
+from wildscav_engine.simulation.track import PAPER_DEPTH, SUPPLIES_SEEN
 from wildscav_engine.specs.map_spec import MapConfig
 from wildscav_engine.specs.rules import NAMED
 from wildscav_engine.specs.supply_config import HotSpot, SupplyConfig, SupplyWave
 
-# Per action: 120 s for the paper's 400 actions in navigation and capture, 180 s for its 600 in gathering.
-PAPER_FRAMES = 15
-
+# An action lasts 15 frames: 120 s are the paper's 400 actions in navigation and capture, 180 s its 600 in
+# gathering.
+PAPER: dict[str, Any] = {
+    "map": 101,
+    "time_limit": 120.0,
+    "frames_per_action": 15,
+    "action_mode": "baseline",
+    "sensors": PAPER_DEPTH,
+    "rewards": {"target_reached": 1.0},
+}
+GATHERING: dict[str, Any] = {
+    "agents": 4,
+    "teams": (0, 0, 0, 0),
+    "time_limit": 180.0,
+    "sensors": PAPER_DEPTH | SUPPLIES_SEEN,
+    "rewards": {"supply_found": 1.0},
+}
 PRESETS: dict[str, tuple[str, dict[str, Any]]] = {
-    "paper-navigation": (
-        "navigation",
-        {
-            "map": 103,
-            "time_limit": 120.0,
-            "frames_per_action": PAPER_FRAMES,
-            "action_mode": "baseline",
-            "sensors": {"depth": {"width": 10, "height": 10}},
-            "rewards": {"target_reached": 1.0},
-        },
-    ),
-    "paper-gathering": (
-        "gathering",
-        {
-            "map": 101,
-            "agents": 4,
-            "teams": (0, 0, 0, 0),
-            "time_limit": 180.0,
-            "frames_per_action": PAPER_FRAMES,
-            "action_mode": "baseline",
-            "sensors": {"depth": {"width": 10, "height": 10}, "nearby_supplies": {"limit": 8}},
-            "rewards": {"supply_found": 1.0},
-        },
-    ),
-    "paper-capture": (
-        "capture",
-        {
-            "map": 101,
-            "agents": 4,
-            "time_limit": 120.0,
-            "frames_per_action": PAPER_FRAMES,
-            "action_mode": "baseline",
-            "sensors": {"depth": {"width": 10, "height": 10}},
-            "rewards": {"target_reached": 1.0},
-        },
-    ),
+    "paper-navigation": ("navigation", PAPER | {"map": 103}),
+    "paper-gathering": ("gathering", PAPER | GATHERING),
+    "paper-capture": ("capture", PAPER | {"agents": 4}),
 }
 
 GROUND = MapConfig(size=140, houses=4, storeys=(1, 2), relief=0.8, ruggedness=0.4, water=0.0, vegetation=0.4)
