@@ -116,10 +116,7 @@ def test_what_does_not_speak_http_to_the_end_is_no_answer(content: bytes) -> Non
     ("answer", "told"),
     [
         (says(404, b"<h1>Not Found</h1>"), "{nowhere}: HTTP status 404"),
-        (
-            says(200, b"<h1>Welcome</h1>"),
-            "{nowhere}: its answer is no document",
-        ),
+        (says(200, b"<h1>Welcome</h1>"), "{nowhere}: its answer is no document"),
         (says(200, b"[" * 100_000), "{nowhere}: its answer is no document"),
         (says(200, {"name": "another"}), "{url} does not answer as a season of Wildscav"),
         (says(200, []), "{url} does not answer as a season of Wildscav"),
@@ -187,26 +184,17 @@ def test_what_cannot_be_a_token_is_not_sent(token: str) -> None:
         Connection("http://127.0.0.1:1", token)
 
 
-NOON = datetime(2030, 6, 1, 12, tzinfo=UTC)
 FIRST = SubmissionView(
-    id=7,
-    team="ants",
-    team_title="The Ants",
-    name="walker",
-    version="1",
-    message="",
-    tracks=["battle"],
-    digest="ab" * 16,
-    size=1,
-    created=NOON,
-    state="submitted",
-    since=NOON,
-    playing=[],
+    **dict.fromkeys(("id", "size"), 7),
+    **dict.fromkeys(("team", "team_title", "name", "version", "message", "digest"), "ants"),
+    **dict.fromkeys(("created", "since"), datetime(2030, 6, 1, 12, tzinfo=UTC)),
+    **dict.fromkeys(("deadline", "fault")),
     kept=False,
-    deadline=None,
     charged=True,
     platform_faults=0,
-    fault=None,
+    playing=[],
+    tracks=["battle"],
+    state="submitted",
 )
 
 

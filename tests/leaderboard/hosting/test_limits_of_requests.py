@@ -36,9 +36,7 @@ class Arena(NamedTuple):
 def arena(tmp_path: Path, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Iterator[Arena]:
     monkeypatch.setattr(logins, "LONGEST_PAUSE", 0.0)
     more = f"[web]\nrequests_per_minute = {getattr(request, 'param', 1000)}\n"
-    season = changed(
-        make_season(tmp_path / "season", more, current=True), quotas=Quotas(per_day=3, archive=1)
-    )
+    season = changed(make_season(tmp_path / "season", more, current=True), quotas=Quotas(archive=1))
     with opened(season) as database:
         with database.writing() as session:
             account = add_account(session, "owls", hashed(PASSWORD), "competitor", NOON)

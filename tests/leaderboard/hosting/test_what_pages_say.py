@@ -57,9 +57,8 @@ def site(hostile_site: Site) -> Pages:
 
 REPLACES = "When it takes part, it replaces submission"
 WAYS = ("Watch the video", "Open in Rerun", "wildscav watch match-", ".wsr --html")
-SAID: list[
-    tuple[str, str, tuple[str, ...], tuple[str, ...]]
-] = [  # path, who reads it, what is there, and not
+# Path, who reads it, what is there, and what is not.
+SAID: list[tuple[str, str, tuple[str, ...], tuple[str, ...]]] = [
     # People read titles and versions, not the names of entrants.
     ("/matches/{own_suite}", "visitor", (HOSTILE.title, "night-owl 1.1"), ("night-owl-",)),
     ("/submissions/{active}", "visitor", (f"{HOSTILE.title} · submission",), ()),
@@ -69,7 +68,7 @@ SAID: list[
     (
         "/submissions/{queued}",
         "visitor",
-        ("They are planned once the submission is",),
+        ("They are planned once the submission",),
         ("Not ranked", REPLACES),
     ),
     ("/submissions/{queued}", "organizer", (REPLACES,), ()),
