@@ -22,6 +22,7 @@ from wildscav_evaluator.submissions import archives
 from wildscav_leaderboard.accounts import passwords
 from wildscav_leaderboard.database import connection
 from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.publishing.export import export
 from wildscav_leaderboard.seasons.folder import Season
 
 
@@ -146,3 +147,11 @@ def hostile_site(hostile_season: FilledSeason) -> Iterator[Site]:
     """That season, served."""
     with serving_filled(hostile_season) as site:
         yield site
+
+
+@pytest.fixture(scope="module")
+def exported(played: tuple[Season, Database], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What is published of a played season before its secrets are opened."""
+    folder = tmp_path_factory.mktemp("exported") / "season"
+    export(*played, folder)
+    return folder

@@ -142,19 +142,9 @@ WRONG: list[tuple[str, str, Callable[[Any], object], str]] = [  # what is change
     ("board", "battle", lambda board: board["rows"].reverse(), "the rows are in the order"),
     ("board", "navigation", lambda board: board["rows"].pop(0), "has no row, and should have one"),
     ("lines", "battle", lambda lines: lines.pop(), "tracks/battle.ndjson is not valid: it has no end"),
-    (
-        "matches",
-        "battle",
-        lambda found: found[2]["metrics"].update(kills=7.0),
-        "metrics.kills is published",
-    ),
+    ("matches", "battle", lambda found: found[2]["metrics"].update(kills=7.0), "metrics.kills is published"),
     ("matches", "battle", lambda found: found.pop(2), "the ladder's match number 2 is missing"),
-    (
-        "matches",
-        "battle",
-        lambda found: found.insert(0, found.pop(1)),
-        "not in the order in which they",
-    ),
+    ("matches", "battle", lambda found: found.insert(0, found.pop(1)), "not in the order in which they"),
     (
         "matches",
         "navigation",
@@ -308,8 +298,7 @@ def test_a_match_that_is_left_out_is_found_on_the_board(opened: Published, audit
 def test_the_board_of_before_the_final_matches_is_audited_too(opened: Published, audit: Run) -> None:
     right = row(opened.board("navigation-season"), "hares")["metrics"]["time"]["mean"]
     opened.change_lines(
-        "navigation-season",
-        lambda lines: row(lines[0]["board"], "hares")["metrics"]["time"].update(mean=1.0),
+        "navigation-season", lambda lines: row(lines[0]["board"], "hares")["metrics"]["time"].update(mean=1.0)
     )
     findings = audit(opened, records=0).findings
     assert {(one.track, one.team, one.field) for one in findings} == {

@@ -11,9 +11,7 @@ from tests.leaderboard.seasons_made import NOON
 
 from wildscav_engine.specs.map_spec import MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.output.results import (
-    metric_infos,
-)
+from wildscav_evaluator.output.results import metric_infos
 from wildscav_evaluator.ratings.head_to_head import PairRecord, entrant_records
 from wildscav_leaderboard.boards import ladders
 from wildscav_leaderboard.boards.ladders import Played, apply_matches, placed_match, played_on

@@ -286,9 +286,7 @@ def test_shared_caches_may_keep_only_what_is_the_same_for_everyone(walk: Walk) -
     assert all(len(contents) == 1 for contents in same.values())
 
 
-def test_organizers_read_hidden_files_in_their_browser(
-    hostile_season: FilledSeason,
-) -> None:
+def test_organizers_read_hidden_files_in_their_browser(hostile_season: FilledSeason) -> None:
     """Pages load files with the cookie alone."""
     path = "/api/v1/matches/{own_suite}"
     with serving_filled(hostile_season, renders=False) as site:

@@ -55,10 +55,7 @@ def test_whoever_asks_whether_the_season_is_ready_is_not_told_where_its_database
         answer = client.get("/ready")
 
     assert answer.status_code == 503
-    assert answer.json() == {
-        "ready": False,
-        "reason": "the database does not answer: try again in a moment",
-    }
+    assert answer.json() == {"ready": False, "reason": "the database does not answer: try again in a moment"}
 
 
 def test_a_browser_stays_logged_in_to_two_seasons_of_one_host(tmp_path: Path) -> None:

@@ -65,12 +65,7 @@ SAID: list[tuple[str, str, tuple[str, ...], tuple[str, ...]]] = [
     # A track without a rank says why.
     (f"/submissions/{FIRST}", "visitor", ("shows the best submission of its team, night-owl 1.1 .",), ()),
     # A submission without matches says whether it gets some; its team sees what it will replace.
-    (
-        "/submissions/{queued}",
-        "visitor",
-        ("They are planned once the submission",),
-        ("Not ranked", REPLACES),
-    ),
+    ("/submissions/{queued}", "visitor", ("They are planned once the submission",), ("Not ranked", REPLACES)),
     ("/submissions/{queued}", "organizer", (REPLACES,), ()),
     ("/submissions/{failed}", "visitor", ("Matches None.",), ()),
     ("/submissions/{cancelled}", "visitor", ("Matches None.",), ()),
