@@ -6,11 +6,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from html import unescape
 from pathlib import Path
-from typing import Any, NamedTuple
 
-import httpx
 import pytest
-from tests.leaderboard.filled_season import COOKIE, HOSTILE, FilledSeason
+from tests.leaderboard.filled_season import COOKIE, HOSTILE
 from tests.leaderboard.hosting.clients import Site
 
 from wildscav_stage import viewer_files
@@ -19,20 +17,8 @@ from wildscav_stage.scene.map_file import MAP_VERSION
 FIRST = 1  # the first submission of the owls, who have a better one
 
 
-class Pages(NamedTuple):
+class Pages(Site):
     """A served season, whose pages are read as text."""
-
-    site: Site
-
-    def get(self, path: str, **more: Any) -> httpx.Response:
-        return self.site.client.get(path, **more)
-
-    def ask(self, asker: str, path: str) -> httpx.Response:
-        return self.site.ask(asker, path)
-
-    @property
-    def filled(self) -> FilledSeason:
-        return self.site.filled
 
     def text(self, path: str, asker: str = "visitor") -> str:
         """Return the words of a page's content, on one line."""
@@ -52,7 +38,7 @@ def words(content: str) -> str:
 
 @pytest.fixture
 def site(hostile_site: Site) -> Pages:
-    return Pages(hostile_site)
+    return Pages(*hostile_site)
 
 
 REPLACES = "When it takes part, it replaces submission"
@@ -92,7 +78,7 @@ def test_a_page_says(
 
 @pytest.mark.parametrize("path", ["/register", "/boards/battle"])
 def test_the_header_marks_where_one_is(site: Pages, path: str) -> None:
-    assert f'href="{path}" aria-current="page"' in site.get(path).text
+    assert f'href="{path}" aria-current="page"' in site.client.get(path).text
 
 
 def test_the_matches_of_a_suite_are_counted_from_one(site: Pages) -> None:
@@ -126,7 +112,7 @@ def test_who_submits_is_told_the_sandbox_and_its_limits(site: Pages, monkeypatch
 
 
 def test_both_commitments_are_at_the_foot_of_every_page(site: Pages) -> None:
-    foot = site.get("/login").text.partition("<footer>")[2]
+    foot = site.client.get("/login").text.partition("<footer>")[2]
     for seed in (site.filled.season.seed, site.filled.season.final_seed):
         assert str(seed.commitment)[:16] in foot
 
@@ -142,7 +128,7 @@ def test_matches_are_listed_live_ones_first_with_their_winners(site: Pages) -> N
     numbers = [int(row.split()[-1]) for row in rows[1:]]
     assert numbers == sorted(numbers, reverse=True)
     assert not any("playing" in row or "waiting" in row for row in rows[1:])
-    match = site.get(f"/api/v1/matches/{site.filled.matches['ladder']}").json()
+    match = site.client.get(f"/api/v1/matches/{site.filled.matches['ladder']}").json()
     who = " vs ".join(seat["team_title"] or seat["name"] for seat in match["seats"])
     assert any(row.startswith(f"{who} {match['winner']} battle ") for row in rows)
     suite = [row for row in rows[1:] if " navigation " in row]
@@ -152,8 +138,8 @@ def test_matches_are_listed_live_ones_first_with_their_winners(site: Pages) -> N
 
 def test_lists_of_matches_are_chosen_and_go_on(site: Pages) -> None:
     chosen = "track=battle&state=finished"
-    first, listed = f"/matches?{chosen}", site.get(f"/api/v1/matches?{chosen}").json()["matches"]
-    page = unescape(site.get(first).text)
+    first, listed = f"/matches?{chosen}", site.client.get(f"/api/v1/matches?{chosen}").json()["matches"]
+    page = unescape(site.client.get(first).text)
     rows = site.rows(first)
     assert all(" battle " in row for row in rows)
     (more,) = re.findall(r'href="(\?[^"]*before=[^"]*)"', page)
@@ -164,12 +150,12 @@ def test_lists_of_matches_are_chosen_and_go_on(site: Pages) -> None:
     assert of_hares
     assert all("Hares & Hounds" in row and " battle " in row for row in of_hares)
     assert site.rows("/matches?state=waiting&team=newts") == []
-    assert 'href="/matches"' in site.get("/").text
+    assert 'href="/matches"' in site.client.get("/").text
 
 
 def test_the_seasons_page_shows_the_latest_match_that_everyone_may_watch(site: Pages) -> None:
-    assert "og:description" in site.get("/").text
-    assert "og:image" not in site.get("/", headers={"Host": "evil.example"}).text
+    assert "og:description" in site.client.get("/").text
+    assert "og:image" not in site.client.get("/", headers={"Host": "evil.example"}).text
     numbers = [site.filled.matches[kind] for kind in ("ladder", "suite", "own_suite")]
 
     with rendered(site, *(f"{number}.poster-1.jpg" for number in numbers)):
@@ -196,10 +182,10 @@ def rendered(site: Pages, *names: str, content: bytes = b"") -> Iterator[None]:
 def test_where_the_record_is_hidden_so_are_video_and_poster(site: Pages) -> None:
     number = site.filled.matches["suite"]
     for name in ("video", "video.mp4", "poster.jpg"):
-        answer = site.get(f"/api/v1/matches/{number}/{name}")
+        answer = site.client.get(f"/api/v1/matches/{number}/{name}")
         assert (answer.status_code, "hidden until" in answer.json()["error"]) == (403, True)
-    assert site.get(f"/matches/{number}/video").status_code == 403
-    page = site.get(f"/matches/{number}").text
+    assert site.client.get(f"/matches/{number}/video").status_code == 403
+    page = site.client.get(f"/matches/{number}").text
     assert "og:image" not in page
     assert "Watch the video" not in page
 
@@ -207,33 +193,33 @@ def test_where_the_record_is_hidden_so_are_video_and_poster(site: Pages) -> None
 def test_a_map_is_kept_by_browsers_for_ever_and_what_draws_it_as_well(site: Pages) -> None:
     number = site.filled.matches["ladder"]
     with rendered(site, f"{number}.map-{MAP_VERSION}.gz", content=gzip.compress(b"a map")):
-        address = re.findall(r'data-map="([^"]*)"', site.get(f"/matches/{number}").text)[0]
-        answer = site.get(address)
-        others = [site.get(address.partition("?")[0] + query) for query in ("", f"?v={MAP_VERSION}")]
+        address = re.findall(r'data-map="([^"]*)"', site.client.get(f"/matches/{number}").text)[0]
+        answer = site.client.get(address)
+        others = [site.client.get(address.partition("?")[0] + query) for query in ("", f"?v={MAP_VERSION}")]
     assert re.fullmatch(rf"/api/v1/matches/{number}/map\?v=[0-9a-f]{{16}}", address)
     # An address that does not name this very map may have another one tomorrow, of another season.
     assert {other.headers["Cache-Control"] for other in others} == {"private, max-age=86400"}
     assert (answer.content, answer.headers["Content-Encoding"]) == (b"a map", "gzip")
     assert answer.headers["Cache-Control"] == "private, max-age=31536000, immutable"
-    script = re.findall(r'src="(/stage/[^"]*)"', site.get(f"/matches/{number}").text)[0]
-    assert "immutable" in site.get(script).headers["Cache-Control"]
+    script = re.findall(r'src="(/stage/[^"]*)"', site.client.get(f"/matches/{number}").text)[0]
+    assert "immutable" in site.client.get(script).headers["Cache-Control"]
 
 
 def test_two_matches_are_shown_side_by_side_if_both_may_be_seen(site: Pages) -> None:
     number = site.filled.matches["ladder"]
-    page = site.get(f"/matches/{number}?with={number}").text
+    page = site.client.get(f"/matches/{number}?with={number}").text
     assert re.findall(r'data-title="([^"]*)"', page) == 2 * [f"Match {number}"]
     assert page.count("data-with>") == 1
     assert page.count("data-live") == 0
-    assert site.get(f"/matches/{number}?with={site.filled.matches['own_suite']}").status_code == 403
-    assert site.get(f"/matches/{number}?with=99999").status_code == 404
+    assert site.client.get(f"/matches/{number}?with={site.filled.matches['own_suite']}").status_code == 403
+    assert site.client.get(f"/matches/{number}?with=99999").status_code == 404
 
 
 def test_without_a_viewer_a_match_page_says_so_without_paths(
     site: Pages, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setattr(viewer_files, "FOLDER", tmp_path)
-    page = site.get(f"/matches/{site.filled.matches['ladder']}").text
+    page = site.client.get(f"/matches/{site.filled.matches['ladder']}").text
     assert "cannot be shown in 3D here" in page
     assert str(tmp_path) not in page
     assert "data-match" not in page
@@ -243,7 +229,7 @@ def test_without_a_viewer_a_match_page_says_so_without_paths(
 @pytest.mark.parametrize("path", ["/", "/submit", "/account", "/teams/owls"])
 def test_what_people_copy_from_a_page_names_the_address_of_the_settings(site: Pages, path: str) -> None:
     cookie = f"{COOKIE}={site.filled.people['owner'].cookie}"
-    page = site.get(path, headers={"Host": "evil.example", "Cookie": cookie})
+    page = site.client.get(path, headers={"Host": "evil.example", "Cookie": cookie})
 
     assert page.status_code == 200
     assert "evil.example" not in page.text

@@ -1,5 +1,7 @@
 """Version 1 of a season's schema."""
 
+from typing import Any
+
 import sqlalchemy as sa
 from alembic import op
 
@@ -76,7 +78,7 @@ def upgrade() -> None:
         op.create_table(table, *map(_column, columns.split(",")), *unique, *indexes)
 
 
-def _column(text: str) -> sa.Column:
+def _column(text: str) -> sa.Column[Any]:
     name, kind, *more = text.split()
     return sa.Column(
         name,
