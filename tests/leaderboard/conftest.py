@@ -3,6 +3,7 @@
 import os
 import shutil
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ import pytest
 from httpx import create_ssl_context
 from pwdlib.hashers.argon2 import Argon2Hasher
 from tests.leaderboard.filled_season import HOSTILE, FilledSeason, filled_season
+from tests.leaderboard.hosting.clients import Site, serving_filled
 from tests.leaderboard.made_once import made_once
 from tests.leaderboard.played_seasons import play_season
 from tests.leaderboard.postgresql import PostgreSQL, missing, postgresql_server
@@ -20,6 +22,7 @@ from wildscav_evaluator.submissions import archives
 from wildscav_leaderboard.accounts import passwords
 from wildscav_leaderboard.database import connection
 from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.publishing.export import export
 from wildscav_leaderboard.seasons.folder import Season
 
 
@@ -117,15 +120,38 @@ def played(shared: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[t
 
 
 @pytest.fixture(scope="session")
-def new_filled_season(shared: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., FilledSeason]:
+def new_filled_season(
+    shared: Path, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[Callable[..., FilledSeason]]:
     """Make a filled season, with arguments of ``filled_season``."""
-    return lambda **more: filled_season(shared, tmp_path_factory.mktemp("filled") / "copy", **more)
+    with ExitStack() as stack:
+
+        def made(**more: Any) -> FilledSeason:
+            filled = filled_season(shared, tmp_path_factory.mktemp("filled") / "copy", **more)
+            stack.callback(filled.database.close)
+            return filled
+
+        yield made
 
 
 @pytest.fixture(scope="session")
-def hostile_season(new_filled_season: Callable[..., FilledSeason]) -> Iterator[FilledSeason]:
+def hostile_season(new_filled_season: Callable[..., FilledSeason]) -> FilledSeason:
     """A season whose people and agents write texts that would take over a page, if they could."""
     filled = new_filled_season(words=HOSTILE)
     filled.give_records(b"no record that could be rendered")
-    yield filled
-    filled.database.close()
+    return filled
+
+
+@pytest.fixture(scope="session")
+def hostile_site(hostile_season: FilledSeason) -> Iterator[Site]:
+    """That season, served."""
+    with serving_filled(hostile_season) as site:
+        yield site
+
+
+@pytest.fixture(scope="module")
+def exported(played: tuple[Season, Database], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What is published of a played season before its secrets are opened."""
+    folder = tmp_path_factory.mktemp("exported") / "season"
+    export(*played, folder)
+    return folder

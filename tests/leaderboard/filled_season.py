@@ -16,9 +16,10 @@ import numpy as np
 from sqlalchemy.orm import Session
 from tests.evaluator.results_by_hand import timing_of_a_seat
 from tests.leaderboard.made_once import made_once
+from tests.leaderboard.results_made import made_timing
 from tests.leaderboard.seasons_made import checked, make_season
 
-from wildscav_evaluator.output.results import MatchRow, MatchTiming, SeatRow, SeatTiming, metric_infos
+from wildscav_evaluator.output.results import MatchRow, SeatRow, SeatTiming, metric_infos
 from wildscav_leaderboard.accounts.models import COMPETITOR, ORGANIZER
 from wildscav_leaderboard.accounts.passwords import hashed
 from wildscav_leaderboard.accounts.service import add_account, find_account, new_token, open_web_session
@@ -94,6 +95,9 @@ HOSTILE = Words(
 )
 
 
+PEOPLE = {"boss": "organizer", "passer-by": "other", "owls": "owner", "foxes": "opponent"}
+
+
 @dataclass(frozen=True)
 class Person:
     """Somebody who can log in."""
@@ -130,9 +134,8 @@ class FilledSeason:
     season: Season
     database: Database
     words: Words
-    people: dict[str, Person] = field(
-        default_factory=dict
-    )  # organizer, owner, opponent, and other, who is of no team
+    # organizer, owner, opponent, and other, who is of no team
+    people: dict[str, Person] = field(default_factory=dict)
     submissions: dict[str, int] = field(default_factory=dict)  # active, failed, queued, building, …
     # By kind: suite, and one of the owner's there (own_suite); ladder, which may be seen; playing.
     matches: dict[str, int] = field(default_factory=dict)
@@ -185,13 +188,7 @@ class _Filling:
             account = add_account(session, name, secret, role or COMPETITOR, self.now)
             if name in teams:
                 make_team(session, account, name, teams[name], self.now)
-            person = {
-                "boss": "organizer",
-                "passer-by": "other",
-                "owls": "owner",
-                "foxes": "opponent",
-            }.get(name)
-            if person is not None:
+            if (person := PEOPLE.get(name)) is not None:
                 token = new_token(session, account, self.words.label, self.now)
                 cookie, csrf = open_web_session(session, account, datetime.now(UTC))
                 self.filled.people[person] = Person(name, token, cookie, csrf)
@@ -205,9 +202,8 @@ class _Filling:
         account = find_account(session, team)
         assert account is not None
         archive = checked(self.season, folder)
-        entered = hand_in(
-            session, self.season, find_team(session, team), account, archive, self.words.message, self.now
-        )
+        found, message = find_team(session, team), self.words.message
+        entered = hand_in(session, self.season, found, account, archive, message, self.now)
         self._wait(1)
         steps.admit(session, self.now)
         return entered.id
@@ -245,15 +241,9 @@ class _Filling:
         rows = tuple(self._row(match, seat) for seat in seats)
         if match.kind != LADDER:
             rows = tuple(row.model_copy(update={"submission": None}) for row in rows)
-        timing = MatchTiming(
-            submission=None if match.kind == LADDER else seats[0].entrant,
-            track=match.track,
-            index=match.number,
-            started=self.now.timestamp(),
-            wall=12.0,
-            steps=150,
-            seats=tuple(self._timing(seat.seat) for seat in seats),
-        )
+        entrant = None if match.kind == LADDER else seats[0].entrant
+        timing = made_timing(match, *(self._timing(seat.seat) for seat in seats), entrant=entrant)
+        timing = timing.model_copy(update={"started": self.now.timestamp(), "wall": 12.0, "steps": 150})
         row = MatchRow.of(match.number, rows, self._stored(match))
         record = PlayedRecord("ab" * 16, 1000)
         steps.played(session, self._holding, attempt.id, row, timing, record, self.now)
@@ -315,9 +305,8 @@ class _Filling:
         broken = self._entered(session, "hares", "zigzag", "2.2")
         while session.get_one(Submission, broken).state != "failed":
             attempt = self._begun(session)
-            steps.broke(
-                session, self.season, self._holding, attempt.id, self.now, "no space left on the device"
-            )
+            why = "no space left on the device"
+            steps.broke(session, self.season, self._holding, attempt.id, self.now, why)
         self.filled.submissions |= {"failed": failed, "broken": broken}
 
     def _acts(self, session: Session) -> None:

@@ -1,21 +1,26 @@
 """Seasons, teams and submissions for tests, with the real services."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
 
+from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from wildscav_evaluator.suites.seeds import new_secret
 from wildscav_leaderboard.accounts.models import COMPETITOR, Account
 from wildscav_leaderboard.accounts.service import add_account
+from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE, Season
 from wildscav_leaderboard.seasons.settings import SETTINGS_FILE
 from wildscav_leaderboard.submissions.archives import CheckedArchive, check_archive, store_archive
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.packing import pack
 from wildscav_leaderboard.submissions.service import hand_in
-from wildscav_leaderboard.teams.models import Team
+from wildscav_leaderboard.teams.models import Member, Team
 from wildscav_leaderboard.teams.service import find_team, make_team
 
 NOON = datetime(2030, 6, 1, 12, tzinfo=UTC)
@@ -77,6 +82,20 @@ def make_season(folder: Path, more: str = "", *, current: bool = False, **dates:
     return Season.open(folder)
 
 
+def changed(season: Season, **settings: Any) -> Season:
+    """Return a season with some other settings."""
+    return replace(season, settings=season.settings.model_copy(update=settings))
+
+
+@contextmanager
+def opened(season: Season) -> Iterator[Database]:
+    """Give a season's database, with all tables."""
+    database = season.database()
+    database.upgrade()
+    yield database
+    database.close()
+
+
 def make_account(session: Session, name: str, role: str = COMPETITOR) -> Account:
     """Make an account whose password nobody knows."""
     return add_account(session, name, "no hash", role, NOON)
@@ -98,14 +117,9 @@ def checked(season: Season, folder: Path) -> CheckedArchive:
     return archive
 
 
-def submitted(
-    session: Session, season: Season, team: str, folder: Path, now: datetime = NOON, **others: Any
-) -> Submission:
+def submitted(session: Session, season: Season, team: str, folder: Path, now: datetime = NOON) -> Submission:
     """Hand in a folder for a team."""
     found = find_team(session, team)
-    from wildscav_leaderboard.teams.models import Member
-
-    member = session.query(Member).filter_by(team_id=found.id).first()
-    assert member is not None
-    account = session.get_one(Account, member.account_id)
-    return hand_in(session, season, found, account, checked(season, folder), others.get("message", ""), now)
+    account = session.scalars(select(Account).join(Member).where(Member.team_id == found.id)).first()
+    assert account is not None
+    return hand_in(session, season, found, account, checked(season, folder), "", now)

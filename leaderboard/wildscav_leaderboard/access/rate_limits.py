@@ -47,7 +47,6 @@ class RateLimits:
 
         Args:
             most: How many may be in a minute; None for any number.
-            key: Of what.
 
         Raises:
             TooMuchError: There were too many.

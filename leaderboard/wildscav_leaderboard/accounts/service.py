@@ -6,14 +6,7 @@ from datetime import datetime, timedelta
 from sqlalchemy import delete, select
 from sqlalchemy.orm import Session
 
-from wildscav_leaderboard.accounts.models import (
-    COMPETITOR,
-    ORGANIZER,
-    Account,
-    Invitation,
-    Token,
-    WebSession,
-)
+from wildscav_leaderboard.accounts.models import COMPETITOR, ORGANIZER, Account, Invitation, Token, WebSession
 from wildscav_leaderboard.accounts.passwords import INVITATION, TOKEN, digest_of, new_key
 from wildscav_leaderboard.seasons.names import checked_line, checked_name
 from wildscav_leaderboard.seasons.refusals import (
@@ -54,7 +47,6 @@ def register(
 
     Args:
         session: A writing session.
-        password_hash: From ``passwords.hashed``.
         invitation: A key; needed unless registration is open.
 
     Raises:
@@ -109,7 +101,6 @@ def invite(
 
     Args:
         session: A writing session.
-        label: For whom it is.
         role: Of the accounts that are registered with it.
         uses: How many; None for any number.
         days: After how many it expires; None for never.

@@ -9,13 +9,7 @@ from sqlalchemy.orm import Session
 from wildscav_evaluator.ratings.head_to_head import PairRecord
 from wildscav_evaluator.seats import ROBOT_ENTRANT, robot_entrant
 from wildscav_leaderboard.access.requests import AnyProgram, CurrentSeason, Number, Reading
-from wildscav_leaderboard.api.documents import (
-    EntrantView,
-    HeadToHeadView,
-    OpponentView,
-    PairView,
-    PointView,
-)
+from wildscav_leaderboard.api.documents import EntrantView, HeadToHeadView, OpponentView, PairView, PointView
 from wildscav_leaderboard.api.match_views import robot_name, titled
 from wildscav_leaderboard.boards import meetings
 from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard, LadderRow

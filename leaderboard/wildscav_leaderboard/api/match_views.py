@@ -14,10 +14,7 @@ from wildscav_leaderboard.matches.models import LADDER, Match, MatchResult, Matc
 from wildscav_leaderboard.matches.service import results_of
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.teams.models import Team
-from wildscav_leaderboard.visibility import (
-    Visible,
-    seen_by,
-)
+from wildscav_leaderboard.visibility import Visible, seen_by
 
 OUTCOME = ("status", "fault", "metrics")  # of a seat; its detail is for its own team
 ANSWERS = ("latency_p50", "latency_p99", "latency_max", "late_steps")  # how long an agent took

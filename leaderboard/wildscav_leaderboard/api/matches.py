@@ -31,13 +31,7 @@ from wildscav_leaderboard.spectating.kept_notes import sent_notes
 from wildscav_leaderboard.spectating.render_cache import Rendering
 from wildscav_leaderboard.spectating.streams import Streams
 from wildscav_leaderboard.teams.service import find_team
-from wildscav_leaderboard.visibility import (
-    logs_of_notes,
-    record_path,
-    render_key,
-    seat_log,
-    seen_by,
-)
+from wildscav_leaderboard.visibility import logs_of_notes, record_path, render_key, seat_log, seen_by
 from wildscav_stage.scene.map_file import map_key
 from wildscav_stage.scene.notes import Notes
 

@@ -12,12 +12,7 @@ from wildscav.errors import UserError
 from wildscav_evaluator.executors import Executor
 from wildscav_evaluator.output.results import mean_metrics
 from wildscav_evaluator.suites.seeds import SuiteSeed, seed_of
-from wildscav_leaderboard.auditing.boards import (
-    computed_board,
-    differences,
-    wrong_conditions,
-    wrong_counts,
-)
+from wildscav_leaderboard.auditing.boards import computed_board, differences, wrong_conditions, wrong_counts
 from wildscav_leaderboard.auditing.drawn_matches import (
     UnknownSuiteError,
     suite_of,

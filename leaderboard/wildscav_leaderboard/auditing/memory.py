@@ -64,8 +64,7 @@ class Memory:
             changed = [name for name, digest in named.items() if self._was(name, digest) != digest]
             if changed:
                 yield Finding(
-                    "it is no longer what was published of it at an earlier audit",
-                    **of_match(match, file),
+                    "it is no longer what was published of it at an earlier audit", **of_match(match, file)
                 )
 
     def keep(self) -> None:

@@ -41,7 +41,6 @@ def open_source(place: str, stack: ExitStack) -> tuple[Source, PublishedSeason]:
 
     Args:
         place: A folder, or the address of a season's web site, or one at which an exported folder is served.
-        stack: Closes the connection.
 
     Raises:
         UserError: There is nothing for audits.

@@ -61,8 +61,6 @@ def fetcher(source: Source, template: str, cache: Path) -> Callable[[PublishedMa
     where the last one ended.
 
     Args:
-        source: Where records are.
-        template: Of their addresses.
         cache: The folder of those that were downloaded before.
     """
 

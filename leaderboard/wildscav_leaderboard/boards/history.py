@@ -18,7 +18,6 @@ def history(
     """Return how the places of some submissions changed, in the order of time.
 
     Args:
-        submissions: Their numbers.
         until: What came later is left out; None for everything.
     """
     wanted = select(BoardPoint).where(BoardPoint.submission_id.in_(list(submissions)))
@@ -43,7 +42,6 @@ def team_histories(
     """Return how the places of some teams changed, by the name of the team, in the order of time.
 
     Args:
-        teams: Their names.
         until: What came later is left out; None for everything.
     """
     wanted = (

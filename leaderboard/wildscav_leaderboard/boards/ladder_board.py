@@ -80,9 +80,7 @@ def ladder_board(
 
     Args:
         conditions: Under which the matches were played.
-        entrants: Who takes part.
         enough: When an entrant has played enough.
-        updated: When the last result arrived.
     """
     ratings, records = ratings_of(played, enough.interval), entrant_records(played.matches)
     unrated = Rating()

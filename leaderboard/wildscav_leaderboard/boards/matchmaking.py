@@ -48,7 +48,6 @@ def choose_entrants(
 
     Args:
         candidates: All active submissions and the robots of the track.
-        seats: Entrants in a match.
         most: Matches after which no more are made for a submission, even if its rating is not settled.
         key: Decides between equals; another one for every game.
     """
@@ -90,7 +89,6 @@ def ladder_match(
 
     Args:
         suite: From which everything but the seats is drawn.
-        seed: Of the season.
         number: Of the match on its ladder.
         entrants: Who meets, sorted by name.
     """
@@ -102,7 +100,6 @@ def ladder_game(suite: Suite, track: str, seed: int, game: int) -> MatchSpec:
     """Return a game of a ladder: a match of the suite, whose seats are to be filled.
 
     Args:
-        seed: Of the season.
         game: Its number, from 0; when the suite is used up, it is drawn again with the next seed.
     """
     settings = suite.tracks[track]

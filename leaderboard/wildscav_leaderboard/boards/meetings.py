@@ -29,7 +29,6 @@ def head_to_head(
 
     Args:
         conditions: Digest of the conditions of the ladder.
-        entrants: Among whom.
         applied: How many matches of the ladder count, from its first one on; None for all.
     """
     wanted = (
@@ -45,7 +44,6 @@ def records_on(session: Session, ladders: Sequence[Ladder], entrant: str) -> dic
 
     Args:
         ladders: The ladders, each of another track.
-        entrant: Whose record it is.
     """
     # All of this is decided by its own steps, which an index finds.
     own = select(LadderStep.match_id).where(

@@ -38,10 +38,7 @@ def totals_of(session: Session, submission: Submission) -> list[TotalsView]:
             faults.setdefault(track, []).append(status)
     return [
         TotalsView(
-            track=track,
-            matches=len(each),
-            score=sum(each) / len(each),
-            faults=Counter(faults.get(track, ())),
+            track=track, matches=len(each), score=sum(each) / len(each), faults=Counter(faults.get(track, ()))
         )
         for track, each in scores.items()
         if track not in unfinished

@@ -32,7 +32,6 @@ def better_in_pairs(scores: NDArray[np.float64], *, lower_is_better: bool) -> ND
 
     Args:
         scores: (N, M), the score of each of N submissions in each of the same M matches.
-        lower_is_better: Whether less is better.
 
     Returns:
         (N, N): whether the submission of the row is better than that of the column.

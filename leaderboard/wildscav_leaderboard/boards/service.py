@@ -115,7 +115,6 @@ def store(session: Session, season: Season, computed: Mapping[str, Computed]) ->
 
     Args:
         session: A writing session.
-        computed: What ``compute`` returned.
     """
     changed = []
     for one in _out_of_date(session, season) if computed else ():

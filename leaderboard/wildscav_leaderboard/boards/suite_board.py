@@ -60,7 +60,6 @@ def suite_board(
         conditions: Under which they were played.
         metrics: Of the track; the first is the score. Others that results of an older version lack are left
             out.
-        updated: When the last result arrived.
     """
     score, *others = metrics
     metrics = (score, *(one for one in others if all(result.measures(one.name) for result in results)))

@@ -30,7 +30,6 @@ def run_audit(
     """Audit a season, and show what was checked.
 
     Args:
-        place: A folder or an address.
         track: The only track to check; None for all.
         commitment: The commitment of the season's secret, as somebody noted it beforehand.
         download: How many records of each track to download; None for all.

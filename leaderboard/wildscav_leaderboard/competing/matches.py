@@ -86,7 +86,6 @@ def fetched_record(match: int, season: str | None) -> Path:
     """Return the path of a match's record, which is downloaded into the current folder unless it is there.
 
     Args:
-        match: Number of the match.
         season: Address of the season; None for the one of the latest login.
 
     Raises:

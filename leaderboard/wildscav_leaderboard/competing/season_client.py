@@ -176,11 +176,7 @@ class SeasonClient:
         return self._as(kind, self._connection.ask("POST", path, content=content or None))
 
     def _as(self, kind: type[T], answer: object) -> T:
-        """Return an answer as a document.
-
-        Raises:
-            NoSeasonError: It is something else.
-        """
+        """Return an answer as a document."""
         try:
             return TypeAdapter(kind).validate_python(answer)
         except ValidationError as error:

@@ -6,7 +6,6 @@ import threading
 import time
 import traceback
 from contextlib import ExitStack, suppress
-from pathlib import Path
 
 from sqlalchemy.orm import Session
 
@@ -38,32 +37,6 @@ BATCH = 4  # matches for each that runs at once; then those come first that have
 REFRESH_EVERY = 2.0  # s between two refreshes of the boards while matches are played, at least
 BOARDS_PAUSE = 2.0  # times as long as boards took, the pause after them while matches are played
 LONGEST_PAUSE = 30.0  # s after errors in a row
-
-
-class Broadcast:
-    """Lets spectators follow matches: writes what the heartbeats of watched ones bring, for the web server.
-
-    That nobody can watch, because the disk is full, say, is no reason to stop a match.
-
-    Args:
-        folder: Of the running matches. What a conductor left there that was killed is removed.
-    """
-
-    def __init__(self, folder: Path) -> None:
-        self._live = LiveMatches(folder)
-        with suppress(OSError):
-            self._live.clear()
-
-    def note(self, job: Job, event: JobEvent) -> None:
-        """Show what a match reports."""
-        if isinstance(event, Heartbeat) and event.snapshots:
-            with suppress(OSError):
-                self._live.add(job.key, job.spec, job.seating.names, event.snapshots)
-
-    def end(self, job: Job) -> None:
-        """Show a match no longer: its record tells everything."""
-        with suppress(OSError):
-            self._live.end(job.key)
 
 
 class Conductor:
@@ -136,7 +109,9 @@ class Conductor:
                 self._publish_nodes(session, executor)
                 for change in begin_editions(session, self.season, now()):
                     self._log.warning("edition_waits", track=change.track, reason=change.text)
-            self._broadcast = Broadcast(self.season.live)
+            self._live = LiveMatches(self.season.live)
+            with suppress(OSError):
+                self._live.clear()  # of a conductor that was killed
             validators = stack.enter_context(
                 Validators(self.season, self.database, self._holding, self._sandbox, self._log)
             )
@@ -218,13 +193,16 @@ class Conductor:
                 return steps.begun(session, self._holding, attempts[job.key].id, now())
 
         def note(job: Job, event: JobEvent) -> None:
-            self._broadcast.note(job, event)
+            if isinstance(event, Heartbeat) and event.snapshots:
+                with suppress(OSError):  # that nobody can watch, on a full disk, say, stops no match
+                    self._live.add(job.key, job.spec, job.seating.names, event.snapshots)
             self._refresh(executor)  # however long matches last
 
         with executor.players([job for _, job in jobs]) as players:
             for result in players.run([job for _, job in jobs], begin, note):
                 self._deliver(attempts[result.job.key], result)
-                self._broadcast.end(result.job)
+                with suppress(OSError):
+                    self._live.end(result.job.key)  # its record tells everything
                 self._refresh(executor)
                 if self._stopping.is_set():
                     break

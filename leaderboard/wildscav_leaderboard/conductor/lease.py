@@ -113,11 +113,7 @@ class LeaseKeeper:
     """
 
     def __init__(
-        self,
-        database: Database,
-        holding: Holding,
-        every: float = RENEWED_EVERY,
-        log: Log | None = None,
+        self, database: Database, holding: Holding, every: float = RENEWED_EVERY, log: Log | None = None
     ) -> None:
         self._database, self._holding, self._every = database, holding, every
         self._ended, self._lost = threading.Event(), False
@@ -132,11 +128,7 @@ class LeaseKeeper:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        """Stop renewing.
-
-        Raises:
-            LeaseLostError: The work was interrupted because the lease is lost.
-        """
+        """Stop renewing."""
         self._ended.set()
         self._thread.join()
         if self._is_main:

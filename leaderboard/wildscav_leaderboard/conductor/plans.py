@@ -65,11 +65,7 @@ def ladders_want_matches(session: Session, season: Season) -> bool:
 
 
 def rate_ladders(session: Session, season: Season) -> None:
-    """Rate the entrants of all ladders, so that no session that writes after this one has to.
-
-    Args:
-        session: A session that reads.
-    """
+    """Rate the entrants of all ladders, so that no session that writes after this one has to."""
     season = in_force(session, season)
     for one in _rounds(session, season):
         _ratings(session, season, one)

@@ -40,7 +40,6 @@ def create_app(
     """Return the application of a season.
 
     Args:
-        season: The season.
         database: Its database, whose schema is current.
         counts: Where requests and tables are counted; None counts for nobody.
         log: Where requests are logged; None logs nothing.

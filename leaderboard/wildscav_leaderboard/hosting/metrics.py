@@ -25,13 +25,7 @@ PREFIX = "wildscav_season"
 
 
 class SeasonMetrics(Collector):
-    """The metrics of a season.
-
-    Args:
-        season: The season.
-        database: Its database.
-        counts: What this process counts.
-    """
+    """The metrics of a season."""
 
     def __init__(self, season: Season, database: Database, counts: WebCounts) -> None:
         self._season, self._database, self._counts = season, database, counts

@@ -19,7 +19,6 @@ class BodyLimit:
     """Refuses requests that send too much. Middleware.
 
     Args:
-        app: The application.
         uploads: The paths of uploads, which are written to disk and have a limit of their own.
     """
 
@@ -105,7 +104,6 @@ class BrokenRequests:
     again.
 
     Args:
-        app: The application.
         answer: Returns the answer to an error.
     """
 

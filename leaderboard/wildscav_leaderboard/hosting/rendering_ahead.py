@@ -36,9 +36,6 @@ class RenderingAhead:
     """Has rendered what people will ask for, until it exits. It is a context manager.
 
     Args:
-        season: The season.
-        database: Its database.
-        renders: The cache, which renders.
         log: Where to report that it broke and goes on.
     """
 

@@ -55,8 +55,6 @@ class RequestLog:
     nobody expected was answered already, and is logged with its trace.
 
     Args:
-        app: The application.
-        counts: Where requests are counted.
         log: Where they are logged; None logs nothing, and errors go on to the server, which prints them.
     """
 

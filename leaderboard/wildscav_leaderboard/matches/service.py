@@ -67,7 +67,6 @@ def add_suite_matches(
 
     Args:
         session: A writing session.
-        specs: All matches of the suite.
         kind: ``SUITE``, or ``FINAL`` for the matches that decide the season.
     """
     edition = edition_numbers(session).get(track)
@@ -268,7 +267,6 @@ def deliver(
         session: A writing session.
         row: How it went, for all entrants.
         record: Its record, which is in the season's files.
-        metric: The track's score.
 
     Returns:
         Whether it was stored.

@@ -91,11 +91,7 @@ def wrong_secrets(folder: Path) -> Iterator[str]:
 
 
 def _check_database(database: Database) -> None:
-    """Check that the database is whole, and has the current schema.
-
-    Raises:
-        UserError: It is not, or cannot be reached.
-    """
+    """Check that the database is whole, and has the current schema."""
     if database.kind == "sqlite" and not Path(database.url.database or "").is_file():
         raise UserError(f"there is no database {database} yet: `wildscav season serve` makes it")
     with database.reading() as session:

@@ -127,13 +127,7 @@ def _span(seconds: float) -> str:
 
 
 def plan_of(order: Order, submission: Submission, rules: Play) -> Plan:
-    """Return the plan of people's matches against a submission, on a map that is drawn for them.
-
-    Args:
-        order: The order.
-        submission: The submission.
-        rules: What the organizer allows.
-    """
+    """Return the plan of people's matches against a submission, on a map that is drawn for them."""
     robots = ROBOTS.get(order.track, ())
     opponent = Opponent(order.title, submission.folder, submission.sensors)
     spec = MatchSpec(

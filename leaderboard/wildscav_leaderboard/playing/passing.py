@@ -42,8 +42,6 @@ async def pass_request(table: OpenTable, path: str, request: Request) -> Respons
 
     Args:
         table: The table, which is ready.
-        path: The path on its site.
-        request: The request.
     """
     url = httpx.URL(f"http://table/{quote(path)}", query=request.url.query.encode())
     asked = {name: request.headers.get(name, "") for name in ASKED}
@@ -66,7 +64,6 @@ async def pass_socket(table: OpenTable, path: str, page: WebSocket) -> None:
 
     Args:
         table: The table, which is ready.
-        path: The path on its site.
         page: The page's connection, which is not accepted yet.
     """
     try:

@@ -115,7 +115,6 @@ class Tables:
     """All tables of a web server. It is a context manager, which ends them.
 
     Args:
-        season: The season.
         log: Where the beginning and the end of each table is logged; None logs nothing.
         counts: Where they are counted; None counts for nobody.
     """
@@ -170,7 +169,6 @@ class Tables:
         """Open a table for a person, or return the one at which they play the same already.
 
         Args:
-            wish: What they want to play.
             refused: Returns why the submission may no longer be played; an empty text while it may.
 
         Raises:
@@ -245,11 +243,7 @@ class Tables:
         )
 
     def _watch(
-        self,
-        table: OpenTable,
-        process: subprocess.Popen[bytes],
-        lines: "_Lines",
-        refused: Callable[[], str],
+        self, table: OpenTable, process: subprocess.Popen[bytes], lines: "_Lines", refused: Callable[[], str]
     ) -> None:
         """Wait until a table ends, or has to be ended."""
         checked = time.monotonic()
@@ -288,11 +282,7 @@ class Tables:
 
 
 class _Lines:
-    """The lines that a process prints.
-
-    Args:
-        output: The descriptor of its output.
-    """
+    """The lines that a process prints."""
 
     def __init__(self, output: int) -> None:
         self._output, self._rest = output, b""
@@ -328,11 +318,7 @@ def _started(order: Order) -> Iterator[tuple[subprocess.Popen[bytes], _Lines]]:
 
 
 def _same(own: OpenTable, wish: Wish) -> OpenTable:
-    """Return a person's table if it is the one that they want.
-
-    Raises:
-        RefusalError: It is another one.
-    """
+    """Return a person's table if it is the one that they want."""
     if (own.wish.submission, own.wish.track) != (wish.submission, wish.track):
         raise RefusalError(
             f"you play {own.wish.track} against {own.wish.title} already: close its page, and try again "

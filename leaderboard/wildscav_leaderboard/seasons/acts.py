@@ -130,7 +130,6 @@ class Act:
 
         Args:
             doing: Who does it, and where and when.
-            arguments: From ``read``.
 
         Returns:
             What its function returns.

@@ -205,9 +205,6 @@ def read_settings(folder: Path) -> SeasonSettings:
 def parse_settings(text: str, path: Path) -> SeasonSettings:
     """Check the text of settings.
 
-    Args:
-        path: Its path, for errors.
-
     Raises:
         SettingsError: They are not valid.
     """

@@ -14,11 +14,7 @@ PAUSE = 5.0  # s before work that broke is begun again
 
 
 def watched_thread(
-    name: str,
-    work: Callable[[], None],
-    ended: threading.Event,
-    database: Database,
-    log: Log | None = None,
+    name: str, work: Callable[[], None], ended: threading.Event, database: Database, log: Log | None = None
 ) -> threading.Thread:
     """Return a thread, not yet started, that does some work until the work returns.
 
@@ -26,7 +22,6 @@ def watched_thread(
         name: What the log and the metric of restarts call it.
         work: Returns when ``ended`` is set; whatever it raises, it is begun again.
         ended: Set when the work is to end.
-        database: Where restarts are counted.
     """
 
     def run() -> None:

@@ -66,7 +66,6 @@ class LiveMatches:
 
         Args:
             key: The name of the match.
-            spec: The match.
             names: The display names of its seats.
             snapshots: Of its last moments, in their order. Those of a match whose first is missing are lost.
 

@@ -122,7 +122,6 @@ class RenderCache:
             product: A name in ``PRODUCTS``.
             key: The stable name of the match: letters, digits, - and _.
             source: The match's record; or of its map a spec, while there is no record yet.
-            now: The present time.
 
         Raises:
             UserError: There is no such product, or the key is none.
@@ -214,11 +213,7 @@ class RenderCache:
             self._tasks.pop(f"{key}.{work}", None)
 
     def _render(self, record: Path, wanted: dict[str, Path], lock: int) -> None:
-        """Run the process that renders files, given by their products.
-
-        Raises:
-            UserError: It failed; the message is one line for a page.
-        """
+        """Run the process that renders files, given by their products."""
         program = [sys.executable, "-m", "wildscav_leaderboard.spectating.render"]
         targets = [f"{product}={target}" for product, target in wanted.items()]
         with self._lock:
@@ -248,11 +243,7 @@ class RenderCache:
             raise UserError(_reason(process.returncode, said, record))
 
     def _take_in(self, rendered: Path) -> None:
-        """Put a complete file into the cache, in place of those that were not used for the longest time.
-
-        Raises:
-            UserError: It is larger than the whole cache.
-        """
+        """Put a complete file into the cache, in place of those that were not used for the longest time."""
         size = rendered.stat().st_size
         if size > self.limit:
             raise UserError(f"it has {size:,} bytes, and {self.limit:,} are allowed for all matches together")

@@ -101,7 +101,6 @@ class Channel:
     """One match, for everybody who watches it.
 
     Args:
-        path: Its file.
         why_hidden: Returns why not everybody may watch it: ``NOT_PLAYED`` if nobody can; empty if everybody
             may; None if that is unknown.
     """
@@ -208,7 +207,6 @@ class Streams:
     """The streams of a web server.
 
     Args:
-        live: The running matches.
         why_hidden: Returns the same of a match.
     """
 
@@ -221,9 +219,7 @@ class Streams:
         """Return a stream of a match that is being played.
 
         Args:
-            request: The request for it.
             match: Number of the match, which the caller may watch.
-            address: Of whoever asks.
             everything: Whether they may go on when others may not.
 
         Raises:
@@ -261,7 +257,6 @@ class Stream(StreamingResponse):
     """The answer to one spectator.
 
     Args:
-        request: The request.
         parts: Parts of a compressed stream, each by itself.
         end: Called when the spectator has gone.
     """

@@ -45,12 +45,7 @@ MATCHES = 25  # of a submission on its page
 
 @router.get("/", response_class=HTMLResponse)
 def home(
-    request: Request,
-    season: CurrentSeason,
-    session: Reading,
-    caller: AnyBrowser,
-    renders: Renders,
-    now: Now,
+    request: Request, season: CurrentSeason, session: Reading, caller: AnyBrowser, renders: Renders, now: Now
 ) -> HTMLResponse:
     """Show the season: what it is, who leads, its latest match, and how to take part."""
     boards = {track: read_board(session, track) for track in season.settings.tracks}

@@ -55,15 +55,7 @@ def rendered(template: str, **values: Any) -> str:
 def page(
     request: Request, template: str, caller: Caller | None, status: int = HTTPStatus.OK, **values: Any
 ) -> HTMLResponse:
-    """Return a page.
-
-    Args:
-        request: The request.
-        template: The name of its template.
-        caller: Who is logged in.
-        status: The status of the answer.
-        values: What the template shows.
-    """
+    """Return a page."""
     season = getattr(request.state, "season", request.app.state.season)
     text = rendered(
         template,

@@ -136,11 +136,7 @@ class Compared(NamedTuple):
 
 
 def _compared(session: Session, caller: AnyBrowser, number: int | None) -> Compared | None:
-    """Return a match to be shown beside another.
-
-    Raises:
-        ForbiddenError: Whoever looks may not see it, or not yet.
-    """
+    """Return a match to be shown beside another."""
     if number is None:
         return None
     found = find_match(session, number)

@@ -78,7 +78,6 @@ def next_attempt(event: str, attempts: int, now: datetime) -> datetime | None:
     Args:
         event: The message's identifier. It decides by how much the pause is longer than the least, so that
             messages that failed together are not all sent again together.
-        attempts: How often it was sent.
         now: The time of the last attempt.
     """
     if attempts >= MAX_ATTEMPTS:

@@ -92,7 +92,6 @@ def queue_message(
     Args:
         session: A writing session: the message is sent if and only if what it reports is stored.
         kind: What happened, such as "submission.active".
-        data: What the message says.
     """
     used = session.scalars(select(Webhook).filter_by(team_id=team_id, disabled=None).order_by(Webhook.id))
     queued = [queue_for(session, webhook, kind, data, now) for webhook in used]

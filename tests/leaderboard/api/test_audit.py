@@ -20,7 +20,6 @@ from wildscav_leaderboard.boards.models import Board
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.matches.models import LADDER, Match, MatchResult
-from wildscav_leaderboard.publishing.documents import PublishedSeason
 from wildscav_leaderboard.publishing.export import IN_FOLDER, export
 from wildscav_leaderboard.publishing.service import published_season
 from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, Season
@@ -46,14 +45,6 @@ def test_the_lines_of_a_track_are_those_of_an_export(site: str, played: tuple[Se
         answer = httpx.get(f"{site}/api/v1/audit/tracks/{track}.ndjson", timeout=60.0)
         assert answer.headers["content-type"].startswith("application/x-ndjson")
         assert answer.text == (folder / f"tracks/{track}.ndjson").read_text("utf-8")
-
-
-def test_a_track_that_the_season_does_not_have_is_not_there(site: str) -> None:
-    answer = httpx.get(f"{site}/api/v1/audit/tracks/royale.ndjson", timeout=60.0)
-    assert (answer.status_code, answer.json()["error"]) == (
-        404,
-        "the season has no track 'royale'; it has navigation, battle",
-    )
 
 
 def test_a_season_is_audited_before_and_after_its_end(site: str, played: tuple[Season, Database]) -> None:
@@ -99,17 +90,13 @@ def test_a_commitment_that_is_exchanged_is_noticed_by_the_next_audit(
     (season.folder / FINAL_SECRET_FILE).rename(season.folder / "away.txt")
     (season.folder / FINAL_SECRET_FILE).write_bytes(new_secret())
     try:
-        published = document(Season.open(season.folder), database)
+        with database.reading() as session:
+            published = published_season(session, Season.open(season.folder), IN_FOLDER)
         (finding,) = Memory(cache, address, published).changed_season(published)
     finally:
         (season.folder / "away.txt").rename(season.folder / FINAL_SECRET_FILE)
     assert finding.field == "final_secret.commitment"
     assert finding.expected == season.final_seed.commitment
-
-
-def document(season: Season, database: Database) -> PublishedSeason:
-    with database.reading() as session:
-        return published_season(session, season, IN_FOLDER)
 
 
 def test_a_board_that_changes_between_two_downloads_is_downloaded_again(

@@ -7,10 +7,8 @@ from typing import Any
 
 import pytest
 from tests.leaderboard.filled_season import FilledSeason
-from tests.leaderboard.spectating.served import served
+from tests.leaderboard.hosting.clients import serving_filled
 from tests.recorded_matches import record_of_track
-
-from wildscav_leaderboard.hosting.app import create_app
 
 __all__ = ["record_of_track"]
 
@@ -28,16 +26,14 @@ def test_it_reads_boards_and_matches_without_an_account_and_verifies_a_record(
     monkeypatch.setenv("MPLBACKEND", "Agg")
     filled = new_filled_season()
     filled.give_records(record_of_track("battle").read_bytes())
-    app = create_app(filled.season, filled.database)
     names: dict[str, Any] = {}
-    with served(app) as address:
-        monkeypatch.setenv("WILDSCAV_SEASON", address)
+    with serving_filled(filled) as site:
+        monkeypatch.setenv("WILDSCAV_SEASON", str(site.client.base_url).rstrip("/"))
         for cell in json.loads(NOTEBOOK.read_text("utf-8"))["cells"]:
             if cell["cell_type"] == "code":
                 exec(compile("".join(cell["source"]), "notebook", "exec"), names)  # noqa: S102 (our own)
         names["season"].close()
-    app.state.renders.close()
-    filled.database.close()
+
     said = capsys.readouterr().out
     assert set(names["boards"]) <= {track["name"] for track in names["about"]["tracks"]}
     assert sum(names["played"].values()) > 0

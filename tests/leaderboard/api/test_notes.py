@@ -8,11 +8,9 @@ from pathlib import Path
 import httpx
 import pytest
 from tests.leaderboard.filled_season import FilledSeason
-from tests.leaderboard.hosting.clients import ask
-from tests.leaderboard.spectating.served import served
+from tests.leaderboard.hosting.clients import serving_filled
 
 from wildscav.notes import note_line
-from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.spectating import kept_notes
 from wildscav_leaderboard.spectating.kept_notes import SeenLog, sent_notes
 
@@ -26,13 +24,10 @@ def of_ladder(new_filled_season: Callable[..., FilledSeason]) -> Iterator[Ask]:
     number = filled.matches["ladder"]
     log = filled.season.match_folder(number) / "seat.log"
     log.write_text(note_line(3, say="Good luck!", public=True) + note_line(4, say="He is slow."))
-    app = create_app(filled.season, filled.database)
-    with served(app) as address, httpx.Client(base_url=address, timeout=60.0) as client:
-        yield lambda who, method, path, **more: ask(
-            client, filled, who, method, path.format(number=number, **filled.matches), **more
+    with serving_filled(filled) as site:
+        yield lambda who, method, path, body=None: site.ask(
+            who, path.replace("{number}", str(number)), method, body
         )
-    app.state.renders.close()
-    filled.database.close()
 
 
 def said(answer: httpx.Response) -> set[str]:

@@ -20,14 +20,6 @@ Run = Callable[..., Report]
 
 
 @pytest.fixture(scope="module")
-def before_opening(played: tuple[Season, Database], tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """What is published of it before its secrets are opened."""
-    folder = tmp_path_factory.mktemp("before") / "export"
-    export(*played, folder)
-    return folder
-
-
-@pytest.fixture(scope="module")
 def before_the_end(played: tuple[Season, Database], tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A copy of its folder while it still goes on."""
     return Path(shutil.copytree(played[0].folder, tmp_path_factory.mktemp("copy") / "season"))
@@ -36,7 +28,7 @@ def before_the_end(played: tuple[Season, Database], tmp_path_factory: pytest.Tem
 @pytest.fixture(scope="module")
 def after_opening(
     played: tuple[Season, Database],
-    before_opening: Path,
+    exported: Path,
     before_the_end: Path,
     tmp_path_factory: pytest.TempPathFactory,
 ) -> Path:
@@ -55,9 +47,9 @@ def opened(after_opening: Path, tmp_path: Path) -> Published:
 
 
 @pytest.fixture
-def hidden(before_opening: Path, tmp_path: Path) -> Published:
+def hidden(exported: Path, tmp_path: Path) -> Published:
     """A copy of what is published before the secrets are opened, to tamper with."""
-    return Published(Path(shutil.copytree(before_opening, tmp_path / "hidden")))
+    return Published(Path(shutil.copytree(exported, tmp_path / "hidden")))
 
 
 @pytest.fixture

@@ -27,36 +27,45 @@ class Published:
         """The published board of a track."""
         return self.lines(track)[0]["board"]  # type: ignore[no-any-return]
 
-    def change_board(self, track: str, change: Callable[[dict[str, Any]], object]) -> None:
-        """Change a board wherever it is published."""
+    def change_lines(self, track: str, change: Callable[[list[dict[str, Any]]], object]) -> None:
+        """Change the file of a track."""
         lines = self.lines(track)
-        change(lines[0]["board"])
-        self.write_lines(track, lines)
-        (self.folder / f"boards/{track}.json").write_text(json.dumps(lines[0]["board"]), "utf-8")
+        change(lines)
+        text = "".join(f"{json.dumps(line)}\n" for line in lines)
+        (self.folder / f"tracks/{track}.ndjson").write_text(text, "utf-8")
         self.resum()
 
-    def change_matches(self, track: str, change: Callable[[list[dict[str, Any]]], object]) -> None:
-        """Change the matches of a track."""
-        lines = self.lines(track)
-        matches = [line["match"] for line in lines if "match" in line]
-        change(matches)
-        others = [line for line in lines[:-1] if "match" not in line]
-        end = {"end": {**lines[-1]["end"], "matches": len(matches)}}
-        self.write_lines(track, [*others, *({"match": match} for match in matches), end])
-        self.resum()
-
-    def change_season(self, change: Callable[[dict[str, Any]], object]) -> None:
-        """Change the season's document."""
-        path = self.folder / "season.json"
+    def _change(self, file: str, change: Callable[[dict[str, Any]], object]) -> None:
+        path = self.folder / file
         document = json.loads(path.read_text("utf-8"))
         change(document)
         path.write_text(json.dumps(document), "utf-8")
         self.resum()
 
-    def write_lines(self, track: str, lines: list[dict[str, Any]]) -> None:
-        """Write a track's file."""
-        text = "".join(f"{json.dumps(line)}\n" for line in lines)
-        (self.folder / f"tracks/{track}.ndjson").write_text(text, "utf-8")
+    def change_shown(self, track: str, change: Callable[[dict[str, Any]], object]) -> None:
+        """Change a board where it is shown."""
+        self._change(f"boards/{track}.json", change)
+
+    def change_board(self, track: str, change: Callable[[dict[str, Any]], object]) -> None:
+        """Change a board wherever it is published."""
+        self.change_lines(track, lambda lines: change(lines[0]["board"]))
+        self.change_shown(track, change)
+
+    def change_matches(self, track: str, change: Callable[[list[dict[str, Any]]], object]) -> None:
+        """Change the matches of a track."""
+
+        def change_among(lines: list[dict[str, Any]]) -> None:
+            matches = [line["match"] for line in lines if "match" in line]
+            change(matches)
+            others = [line for line in lines[:-1] if "match" not in line]
+            end = {"end": {**lines[-1]["end"], "matches": len(matches)}}
+            lines[:] = [*others, *({"match": match} for match in matches), end]
+
+        self.change_lines(track, change_among)
+
+    def change_season(self, change: Callable[[dict[str, Any]], object]) -> None:
+        """Change the season's document."""
+        self._change("season.json", change)
 
     def record(self, match: int) -> Path:
         """The path of a match's record."""

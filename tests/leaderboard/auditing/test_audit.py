@@ -1,16 +1,20 @@
 """A season that was played fairly holds; whatever is changed in what is published is found and named."""
 
-import json
 import shutil
+from collections.abc import Callable
 from dataclasses import replace
 from datetime import timedelta
+from functools import reduce
+from operator import getitem
 from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from sqlalchemy import select
 from tests.leaderboard.auditing.conftest import Run
-from tests.leaderboard.auditing.tampering import Published
+from tests.leaderboard.auditing.tampering import Published, numbers, replace_at
 from tests.leaderboard.database.first_schema import take_back_to_first
 from tests.leaderboard.played_seasons import TEAMS, enter
 from tests.leaderboard.seasons_made import NOON, team_with_member
@@ -18,7 +22,10 @@ from tests.leaderboard.seasons_made import NOON, team_with_member
 from wildscav.errors import UserError
 from wildscav_engine.record import read_record
 from wildscav_engine.record.format import save
+from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_evaluator.suites.seeds import commitment_of, new_secret
+from wildscav_leaderboard.auditing.audit import Audit
+from wildscav_leaderboard.auditing.record_checks import Wanted
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.service import refresh
 from wildscav_leaderboard.conductor.editions import begin_editions
@@ -111,18 +118,11 @@ def test_a_wrong_digit_on_a_board_is_found_and_its_row_and_field_are_named(
     """Also if the same digit is wrong wherever the board is shown."""
     *path, last = field.split(".")
     whose = leader(opened.board(track))
-    place, team, number = whose, whose["team"], whose["submission"]
-    for name in path:
-        place = place[name]
-    right = place[last]
+    team, number = whose["team"], whose["submission"]
+    right = reduce(getitem, path, whose)[last]
+    wrong = {last: right + by}
+    opened.change_board(track, lambda board: reduce(getitem, path, row(board, team)).update(wrong))
 
-    def change(board: dict[str, Any]) -> None:
-        inner = row(board, team)
-        for name in path:
-            inner = inner[name]
-        inner[last] = right + by
-
-    opened.change_board(track, change)
     (finding,) = audit(opened, records=0).findings
 
     assert (finding.track, finding.team, finding.submission, finding.field) == (track, team, number, field)
@@ -132,16 +132,68 @@ def test_a_wrong_digit_on_a_board_is_found_and_its_row_and_field_are_named(
     )
 
 
-def test_a_board_that_is_shown_is_the_one_that_is_published_for_audits(opened: Published, audit: Run) -> None:
-    path = opened.folder / "boards/battle.json"
-    shown = json.loads(path.read_text())
-    row(shown, "foxes")["rating"] = 2600.0
-    path.write_text(json.dumps(shown))
-    opened.resum()
+WRONG: list[tuple[str, str, Callable[[Any], object], str]] = [  # what is changed, how, and what is found
+    (
+        "shown",
+        "battle",
+        lambda board: row(board, "foxes").update(rating=2600.0),
+        "in the board that is shown",
+    ),
+    ("board", "battle", lambda board: board["rows"].reverse(), "the rows are in the order"),
+    ("board", "navigation", lambda board: board["rows"].pop(0), "has no row, and should have one"),
+    ("lines", "battle", lambda lines: lines.pop(), "tracks/battle.ndjson is not valid: it has no end"),
+    ("matches", "battle", lambda found: found[2]["metrics"].update(kills=7.0), "metrics.kills is published"),
+    ("matches", "battle", lambda found: found.pop(2), "the ladder's match number 2 is missing"),
+    ("matches", "battle", lambda found: found.insert(0, found.pop(1)), "not in the order in which they"),
+    (
+        "matches",
+        "navigation",
+        lambda found: found.append({**found[-1], "id": found[-1]["id"] + 1}),
+        "the submission has two results of match number",
+    ),
+]
+
+
+@pytest.mark.parametrize(("part", "track", "change", "says"), WRONG, ids=[one[3] for one in WRONG])
+def test_what_is_changed_is_found(
+    opened: Published, audit: Run, part: str, track: str, change: Callable[[Any], object], says: str
+) -> None:
+    getattr(opened, f"change_{part}")(track, change)
+
+    assert any(says in str(one) for one in audit(opened, records=0).findings)
+
+
+def test_a_match_that_two_boards_of_a_track_count_differently_is_found(opened: Published, audit: Run) -> None:
+    other = opened.matches("battle")[0]
+    changed = {**other, "metrics": {**other["metrics"], "kills": 9.0}}
+    opened.change_matches("battle-season", lambda matches: matches.append(changed))
+
+    said = f"battle-season, match {other['id']}: another board of the track counts it differently"
+    assert said in [str(one) for one in audit(opened, track="battle", records=0).findings]
+
+
+def test_a_board_that_is_not_published_at_all_is_found(opened: Published, audit: Run) -> None:
+    opened.change_season(lambda season: season["boards"].pop())  # that of battle's season
+    opened.change_season(lambda season: season["boards"].pop())
 
     (finding,) = audit(opened, records=0).findings
-    assert (finding.team, finding.field, finding.published) == ("foxes", "rating", 2600.0)
-    assert "in the board that is shown" in str(finding)
+    assert str(finding) == "battle: its board is not published for audits"
+
+
+def test_files_are_those_of_the_sums_and_records_of_their_digests(opened: Published, audit: Run) -> None:
+    path = opened.record(match := opened.matches("battle")[1]["id"])
+    content = bytearray(path.read_bytes())
+    content[20] ^= 1
+    path.write_bytes(content)
+    opened.resum()
+    (opened.folder / "boards/battle.csv").write_text("rank\n")
+    (opened.folder / "more.txt").write_text("?")
+
+    first, second, *others = audit(opened, track="battle", replay=0).findings
+    assert str(first) == "boards/battle.csv is not the file that SHA256SUMS names"
+    assert str(second) == "more.txt is not in SHA256SUMS"
+    assert {(one.track, one.match) for one in others} == {("battle", match)}
+    assert all("its record has the digest" in str(one) for one in others)
 
 
 def test_a_result_that_is_not_its_records_is_found_and_so_is_the_board_that_follows_from_it(
@@ -161,35 +213,6 @@ def test_a_result_that_is_not_its_records_is_found_and_so_is_the_board_that_foll
     assert (finding.submission, finding.match) == (first["submission"], first["id"])
     assert (finding.team, finding.field) == (TEAMS[first["submission"] - 1], "seats.0.metrics.time")
     assert finding.published == 0.5
-
-
-def test_a_mean_of_seats_that_is_wrong_is_found(opened: Published, audit: Run) -> None:
-    opened.change_matches("battle", lambda matches: matches[2]["metrics"].update(kills=7.0))
-    (wrong,) = audit(opened, records=0).findings
-    assert (wrong.field, wrong.published) == ("metrics.kills", 7.0)
-
-
-@pytest.mark.parametrize("byte", [0, 20, -40])
-def test_a_byte_of_a_record_that_was_changed_is_found(opened: Published, audit: Run, byte: int) -> None:
-    match = opened.matches("battle")[1]["id"]
-    content = bytearray(opened.record(match).read_bytes())
-    content[byte] ^= 1
-    opened.record(match).write_bytes(content)
-    opened.resum()
-
-    findings = audit(opened, track="battle", replay=0).findings
-    assert {(one.track, one.match) for one in findings} == {("battle", match)}
-    assert all("its record has the digest" in str(one) for one in findings)
-
-
-def test_a_damaged_file_is_not_the_one_of_the_sums(opened: Published, audit: Run) -> None:
-    (opened.folder / "boards/battle.csv").write_text("rank\n")
-    (opened.folder / "more.txt").write_text("?")
-    found = [str(one) for one in audit(opened, records=0).findings]
-    assert found == [
-        "boards/battle.csv is not the file that SHA256SUMS names",
-        "more.txt is not in SHA256SUMS",
-    ]
 
 
 def test_a_record_that_is_another_matchs_is_found_even_if_its_digest_fits(
@@ -222,11 +245,9 @@ def test_a_private_seed_that_does_not_follow_from_the_secret_is_found(
 
 
 def test_private_seeds_follow_from_the_content_of_the_submission(opened: Published, audit: Run) -> None:
-    lines = opened.lines("navigation-season")
-    submission = lines[1]["submission"]
-    submission["digest"] = "ab" * 16
-    opened.write_lines("navigation-season", lines)
-    opened.resum()
+    submission = opened.lines("navigation-season")[1]["submission"]
+    digest = {"digest": "ab" * 16}
+    opened.change_lines("navigation-season", lambda lines: lines[1]["submission"].update(digest))
     findings = audit(opened, track="navigation", replay=0).findings
     assert [(one.team, "private seed" in one.problem) for one in findings] == [(submission["team"], True)] * 6
 
@@ -266,90 +287,24 @@ def test_a_commitment_that_was_noted_earlier_must_still_be_the_published_one(
     assert finding.field == "commitment"
 
 
-@pytest.mark.parametrize("track", ["navigation", "battle"])
-def test_a_match_that_is_left_out_is_found(opened: Published, audit: Run, track: str) -> None:
-    team = TEAMS[(opened.matches(track)[2]["submission"] or 1) - 1]
-    opened.change_matches(track, lambda matches: matches.pop(2))
-    findings = audit(opened, track=track, replay=0).findings
-    named = {(one.team, one.field) for one in findings}
-    if track == "battle":
-        assert ("the ladder's match number 2 is missing") in str(findings[0])
-        assert (None, "applied") in named
-    else:
-        assert {(team, "matches"), (team, "rank")} <= named
+def test_a_match_that_is_left_out_is_found_on_the_board(opened: Published, audit: Run) -> None:
+    team = TEAMS[opened.matches("navigation")[2]["submission"] - 1]
+    opened.change_matches("navigation", lambda matches: matches.pop(2))
 
-
-def test_a_board_that_is_not_published_at_all_is_found(opened: Published, audit: Run) -> None:
-    def leave_out(season: dict[str, Any]) -> None:
-        season["boards"] = [one for one in season["boards"] if one["track"] != "battle"]
-
-    opened.change_season(leave_out)
-    (finding,) = audit(opened, records=0).findings
-    assert str(finding) == "battle: its board is not published for audits"
-
-
-def test_a_match_that_counts_twice_is_found(opened: Published, audit: Run) -> None:
-    def twice(matches: list[dict[str, Any]]) -> None:
-        matches.append({**matches[-1], "id": matches[-1]["id"] + 1})
-
-    opened.change_matches("navigation", twice)
-    found = [str(one) for one in audit(opened, track="navigation", records=0).findings]
-    assert any("two results of match number" in one for one in found)
-
-
-def test_a_match_that_two_boards_of_a_track_count_differently_is_found(opened: Published, audit: Run) -> None:
-    other = opened.matches("battle")[0]
-    changed = {**other, "metrics": {**other["metrics"], "kills": 9.0}}
-    opened.change_matches("battle-season", lambda matches: matches.append(changed))
-
-    findings = [one for one in audit(opened, track="battle", records=0).findings if one.match == other["id"]]
-    assert "battle-season, match {}: another board of the track counts it differently".format(
-        other["id"]
-    ) in [str(one) for one in findings]
-
-
-def test_the_order_of_the_ladder_is_that_in_which_its_matches_were_made(
-    opened: Published, audit: Run
-) -> None:
-    def swap(matches: list[dict[str, Any]]) -> None:
-        matches[0]["id"], matches[1]["id"] = matches[1]["id"], matches[0]["id"]
-        matches[0], matches[1] = matches[1], matches[0]
-
-    opened.change_matches("battle", swap)
-    assert not audit(opened, track="battle", records=0).holds
-
-
-def test_a_team_that_is_left_out_of_its_board_is_found(opened: Published, audit: Run) -> None:
-    opened.change_board("navigation", lambda board: board["rows"].pop(0))
-    findings = audit(opened, records=0).findings
-    assert any("has no row, and should have one" in str(one) for one in findings)
+    findings = audit(opened, track="navigation", replay=0).findings
+    assert {(team, "matches"), (team, "rank")} <= {(one.team, one.field) for one in findings}
 
 
 def test_the_board_of_before_the_final_matches_is_audited_too(opened: Published, audit: Run) -> None:
-    lines = opened.lines("navigation-season")
-    right = row(lines[0]["board"], "hares")["metrics"]["time"]["mean"]
-    row(lines[0]["board"], "hares")["metrics"]["time"]["mean"] = 1.0
-    opened.write_lines("navigation-season", lines)
-    opened.resum()
+    right = row(opened.board("navigation-season"), "hares")["metrics"]["time"]["mean"]
+    opened.change_lines(
+        "navigation-season", lambda lines: row(lines[0]["board"], "hares")["metrics"]["time"].update(mean=1.0)
+    )
     findings = audit(opened, records=0).findings
     assert {(one.track, one.team, one.field) for one in findings} == {
         ("navigation-season", "hares", "metrics.time.mean")
     }
     assert {(one.published, one.expected) for one in findings} == {(1.0, right), (right, 1.0)}
-
-
-def test_rows_in_another_order_are_found(opened: Published, audit: Run) -> None:
-    opened.change_board("battle", lambda board: board["rows"].reverse())
-    (finding,) = audit(opened, records=0).findings
-    assert "the rows are in the order" in str(finding)
-
-
-def test_a_file_that_was_cut_off_is_no_season_that_holds(opened: Published, audit: Run) -> None:
-    lines = opened.lines("battle")
-    opened.write_lines("battle", lines[:-1])
-    opened.resum()
-    (finding,) = audit(opened, records=0).findings
-    assert str(finding).startswith("battle: tracks/battle.ndjson is not valid: it has no end")
 
 
 def test_some_records_are_chosen_by_chance(opened: Published, audit: Run) -> None:
@@ -424,3 +379,32 @@ def test_a_season_of_the_first_schema_goes_on_where_it_was(
     assert report.findings == []
     counts = {(check.track, check.what): check.checked for check in report.checks}
     assert counts["battle", "results of matches"] == LADDER_MATCHES
+
+
+@pytest.fixture(scope="module")
+def published(after_opening: Path, tmp_path_factory: pytest.TempPathFactory) -> Published:
+    folder = tmp_path_factory.mktemp("numbers") / "season"
+    return Published(Path(shutil.copytree(after_opening, folder)))
+
+
+@pytest.mark.parametrize("track", ["navigation", "battle"])
+@settings(max_examples=20)
+@given(data=st.data(), by=st.sampled_from((1, -1, 0.01, -1e-6, 1e-9, 1000.0)))
+def test_whichever_number_of_a_board_is_changed_it_is_found(
+    published: Published, track: str, data: st.DataObject, by: float
+) -> None:
+    right = published.board(track)
+    path = data.draw(st.sampled_from(list(numbers(right))))
+
+    def put_back(board: dict[str, Any]) -> None:
+        board.clear()
+        board.update(right)
+
+    published.change_board(track, lambda board: replace_at(board, path, lambda number: number + by))
+    try:
+        audit = Audit(Wanted(track=track, records=0), LocalExecutor(1), published.folder)
+        report = audit.run(str(published))
+    finally:
+        published.change_board(track, put_back)
+    assert not report.holds, path
+    assert all(one.track == track for one in report.findings)

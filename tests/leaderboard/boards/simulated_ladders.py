@@ -11,13 +11,7 @@ from wildscav_evaluator.output.results import CURRENT_VERSIONS, KeptLimits, metr
 from wildscav_evaluator.ratings.matches import RatedMatch
 from wildscav_evaluator.seats import ROBOT_ENTRANT
 from wildscav_leaderboard.boards.documents import Conditions, Entry, LadderBoard
-from wildscav_leaderboard.boards.ladder_board import (
-    Enough,
-    Played,
-    Rating,
-    ladder_board,
-    ratings_of,
-)
+from wildscav_leaderboard.boards.ladder_board import Enough, Played, Rating, ladder_board, ratings_of
 from wildscav_leaderboard.boards.ladders import placed_match
 from wildscav_leaderboard.boards.matchmaking import REPEATS, Candidate, choose_entrants
 

@@ -12,7 +12,7 @@ from tests.leaderboard.seasons_made import NOON
 from wildscav_evaluator.output.results import MetricInfo
 from wildscav_evaluator.ratings.matches import RatedMatch
 from wildscav_leaderboard.boards.columns import columns_of
-from wildscav_leaderboard.boards.documents import Entry, LadderBoard
+from wildscav_leaderboard.boards.documents import Entry, LadderBoard, SuiteBoard
 from wildscav_leaderboard.boards.ladder_board import Enough, ladder_board
 from wildscav_leaderboard.boards.ladders import Played, placed_match
 from wildscav_leaderboard.boards.ranks import better_in_pairs, rank_ranges
@@ -36,50 +36,36 @@ def times(mean: float) -> list[float]:
     return [mean + 40.0 * (index % 5) + 0.1 * (index * 7 % 3) for index in range(20)]
 
 
+def board_of_suite(*found: SuiteResults, metrics: tuple[MetricInfo, ...] = TIME) -> SuiteBoard:
+    return suite_board("navigation", CONDITIONS, metrics, found, NOON)
+
+
 def test_a_small_lead_in_every_match_is_enough_where_matches_differ_much() -> None:
-    board = suite_board(
-        "navigation",
-        CONDITIONS,
-        TIME,
-        [results(1, "owls", times(11.0)), results(2, "foxes", times(10.0))],
-        NOON,
-    )
+    board = board_of_suite(results(1, "owls", times(11.0)), results(2, "foxes", times(10.0)))
     assert [(row.team, row.ranks) for row in board.rows] == [("foxes", "1"), ("owls", "2")]
 
 
 def test_a_metric_that_results_of_an_older_version_lack_has_no_column() -> None:
     spl = MetricInfo(name="spl", title="SPL", unit="", lower_is_better=False)
     old, new = results(1, "owls", times(11.0)), results(2, "foxes", times(10.0))
-    with_spl = {index: {**values, "spl": 0.5} for index, values in new.metrics.items()}
-    new = replace(new, metrics=with_spl)
-
-    both = suite_board("navigation", CONDITIONS, (*TIME, spl), [old, new], NOON)
-    alone = suite_board("navigation", CONDITIONS, (*TIME, spl), [new], NOON)
-
+    new = replace(new, metrics={index: {**values, "spl": 0.5} for index, values in new.metrics.items()})
+    both, alone = (board_of_suite(*found, metrics=(*TIME, spl)) for found in ((old, new), (new,)))
     assert [metric.name for metric in both.metrics] == ["time"]
     assert alone.rows[0].metrics["spl"].mean == 0.5
 
 
 def test_who_cannot_be_told_apart_is_tied() -> None:
     wavering = [time + (3.0 if index % 2 else -3.0) for index, time in enumerate(times(10.0))]
-    board = suite_board(
-        "navigation", CONDITIONS, TIME, [results(1, "owls", times(10.1)), results(2, "foxes", wavering)], NOON
-    )
+    board = board_of_suite(results(1, "owls", times(10.1)), results(2, "foxes", wavering))
     assert [row.ranks for row in board.rows] == ["1–2", "1–2"]
 
 
 def test_a_team_stands_with_its_best_submission_and_only_with_a_complete_one() -> None:
-    board = suite_board(
-        "navigation",
-        CONDITIONS,
-        TIME,
-        [
-            results(1, "foxes", times(12.0)),
-            results(2, "foxes", times(10.0)),
-            results(3, "foxes", times(1.0)[:5]),  # still playing
-            results(4, "owls", times(1.0)[:5]),
-        ],
-        NOON,
+    board = board_of_suite(
+        results(1, "foxes", times(12.0)),
+        results(2, "foxes", times(10.0)),
+        results(3, "foxes", times(1.0)[:5]),  # still playing
+        results(4, "owls", times(1.0)[:5]),
     )
     assert [(row.team, row.submission, row.ranks) for row in board.rows] == [
         ("foxes", 2, "1"),
@@ -120,12 +106,7 @@ def ladder_of(matches: tuple[RatedMatch, ...], names: str) -> LadderBoard:
 def test_a_ladder_ties_those_that_are_equal_and_ranks_nobody_before_a_match() -> None:
     matches = duels(*["ab", "ba"] * 12, *["ac", "bc"] * 12)
     board = ladder_of(matches, "abcd")
-    assert [(row.team, row.ranks) for row in board.rows] == [
-        ("a", "1–2"),
-        ("b", "1–2"),
-        ("c", "3"),
-        ("d", ""),
-    ]
+    assert [row.team + row.ranks for row in board.rows] == ["a1–2", "b1–2", "c3", "d"]
 
 
 def test_before_its_first_match_a_rating_says_nothing() -> None:

@@ -1,22 +1,17 @@
 """A ladder is applied in the order in which its matches were made, and compares what is comparable."""
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from contextlib import suppress
 
 import pytest
 from sqlalchemy.orm import Session
+from tests.leaderboard.boards.simulated_ladders import CONDITIONS
+from tests.leaderboard.results_made import made_result
 from tests.leaderboard.seasons_made import NOON
 
 from wildscav_engine.specs.map_spec import MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.output.results import (
-    CURRENT_VERSIONS,
-    KeptLimits,
-    MatchRow,
-    MatchTiming,
-    SeatRow,
-    metric_infos,
-)
+from wildscav_evaluator.output.results import metric_infos
 from wildscav_evaluator.ratings.head_to_head import PairRecord, entrant_records
 from wildscav_leaderboard.boards import ladders
 from wildscav_leaderboard.boards.ladders import Played, apply_matches, placed_match, played_on
@@ -25,34 +20,25 @@ from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import Match
 from wildscav_leaderboard.matches.service import (
     Entrant,
-    PlayedRecord,
     add_ladder_match,
     deliver,
     judge_again,
+    seats_of,
     void,
 )
-from wildscav_leaderboard.seasons.editions import Conditions, Edition, digest_of
+from wildscav_leaderboard.seasons.editions import Edition, digest_of
 from wildscav_leaderboard.seasons.in_force import enter_edition
 from wildscav_leaderboard.seasons.settings import TrackSettings
 
 SCORE = metric_infos("royale")[0]
-TIMING = MatchTiming(submission=None, track="royale", index=0, started=0.0, wall=1.0, steps=1, seats=())
 
 
 def edition(rounds: int) -> Edition:
     """An edition of the track; the number of rounds tells it from others."""
-    conditions = Conditions(
-        versions=CURRENT_VERSIONS,
-        suite="tiny",
-        rounds=rounds,
-        commitment="c",
-        sandbox="process",
-        limits=KeptLimits(),
-    )
     return Edition(
         settings=TrackSettings(mode="ladder"),
         suite_file=None,
-        conditions=conditions,
+        conditions=CONDITIONS.model_copy(update={"rounds": rounds}),
         final_commitment="f",
         matches=1,
         metrics=metric_infos("royale"),
@@ -70,33 +56,22 @@ def plan(session: Session, number: int, *entrants: str, under: Edition = FIRST) 
     return add_ladder_match(session, "royale", number, spec, seats, NOON)
 
 
-def end(session: Session, match: Match, placements: Mapping[str, float], broken: str = "") -> None:
+def end(session: Session, match: Match, places: Sequence[int] = (1, 2), broken: str = "") -> None:
     """Let a match end: every entrant has its place, and perhaps one of them breaks."""
-    names = {metric.name: 0.0 for metric in metric_infos("royale")}
-    seats = tuple(
-        SeatRow(
-            seat=seat,
-            submission=f"robot:{name}",
-            status="crashed" if name == broken else "finished",
-            fault="agent" if name == broken else None,
-            metrics={**names, "placement": place, SCORE.name: -place},
-        )
-        for seat, (name, place) in enumerate(placements.items())
-    )
-    row = MatchRow.of(match.number, seats, None)
-    deliver(session, match, None, row, TIMING, PlayedRecord("ab" * 16, 1), SCORE, NOON)
+    seats = seats_of(session, [match.id])[match.id]
+    deliver(session, match, None, *made_result(match, seats, places, f"robot:{broken}"), SCORE, NOON)
 
 
 def test_a_match_that_ends_early_waits_for_those_that_were_made_before_it(database: Database) -> None:
     with database.writing() as session:
         first, second, third = (plan(session, number, "fox", "owl") for number in range(3))
-        end(session, second, {"fox": 1, "owl": 2})
+        end(session, second)
         assert apply_matches(session, "royale") == 0
-        end(session, first, {"fox": 2, "owl": 1})
+        end(session, first, (2, 1))
         assert apply_matches(session, "royale") == 2
         void(third, NOON, "given up")
         fourth = plan(session, 3, "fox", "owl")
-        end(session, fourth, {"fox": 1, "owl": 2})
+        end(session, fourth)
         assert apply_matches(session, "royale") == 1
 
         ends = [(2, 1), (1, 2), (1, 2)]
@@ -110,7 +85,7 @@ def test_a_match_that_ends_early_waits_for_those_that_were_made_before_it(databa
 def test_matches_under_other_conditions_are_another_ladder(database: Database) -> None:
     with database.writing() as session:
         for number, under in enumerate((FIRST, SECOND, FIRST)):
-            end(session, plan(session, number, "fox", "owl", under=under), {"fox": 1, "owl": 2})
+            end(session, plan(session, number, "fox", "owl", under=under))
         assert apply_matches(session, "royale") == 3
 
         assert [match.game for match in played_on(session, "royale", A).matches] == [0, 1]
@@ -119,8 +94,8 @@ def test_matches_under_other_conditions_are_another_ladder(database: Database) -
 
 def test_a_match_that_an_opponent_broke_is_no_fault_of_ones_own(database: Database) -> None:
     with database.writing() as session:
-        end(session, plan(session, 0, "fox", "owl"), {"fox": 1, "owl": 2}, broken="owl")
-        end(session, plan(session, 1, "fox", "owl", "hare"), {"fox": 1, "owl": 1, "hare": 3})
+        end(session, plan(session, 0, "fox", "owl"), broken="owl")
+        end(session, plan(session, 1, "fox", "owl", "hare"), (1, 1, 3))
         apply_matches(session, "royale")
 
         played = played_on(session, "royale", A)
@@ -139,8 +114,8 @@ def test_a_match_that_an_opponent_broke_is_no_fault_of_ones_own(database: Databa
 
 def test_a_frozen_board_tells_nothing_of_later_meetings(database: Database) -> None:
     with database.writing() as session:
-        for number, (fox, owl) in enumerate(((1, 2), (1, 2), (2, 1))):
-            end(session, plan(session, number, "fox", "owl"), {"fox": fox, "owl": owl})
+        for number, places in enumerate(((1, 2), (1, 2), (2, 1))):
+            end(session, plan(session, number, "fox", "owl"), places)
         apply_matches(session, "royale")
 
         against = {"robot:owl": PairRecord(wins=2)}
@@ -158,14 +133,14 @@ def test_a_match_that_is_judged_again_counts_once_with_its_later_result(database
     with database.writing() as session:
         first, second = (plan(session, number, "fox", "owl") for number in range(2))
         for match in (first, second):
-            end(session, match, {"fox": 1, "owl": 2})
+            end(session, match)
         again = judge_again(session, first, NOON)
         assert again is not None
         assert judge_again(session, first, NOON) is None, "it is planned already"
         apply_matches(session, "royale")
         assert wins(session) == {"robot:fox": 2, "robot:owl": 0}, "the old one counts until then"
 
-        end(session, again, {"fox": 2, "owl": 1})
+        end(session, again, (2, 1))
         assert apply_matches(session, "royale") == 2
 
         assert wins(session) == {"robot:fox": 1, "robot:owl": 1}
@@ -179,20 +154,20 @@ def test_what_was_read_of_a_ladder_is_kept_until_matches_are_applied(database: D
 
     with database.writing() as session:
         first, second, third = (plan(session, number, "fox", "owl") for number in range(3))
-        end(session, first, {"fox": 1, "owl": 2})
+        end(session, first)
         apply_matches(session, "royale")
     known = read()
     assert read() is known
     with suppress(KeyboardInterrupt), database.writing() as session:
         assert played_on(session, "royale", A) is known, "with its fit"
-        end(session, session.get_one(Match, second.id), {"fox": 2, "owl": 1})
+        end(session, session.get_one(Match, second.id), (2, 1))
         apply_matches(session, "royale")
         assert len(played_on(session, "royale", A).matches) == 2
         raise KeyboardInterrupt
     assert read() is known, "what was never stored is not kept"
 
     with database.writing() as session:
-        end(session, session.get_one(Match, second.id), {"fox": 1, "owl": 1}, broken="owl")
+        end(session, session.get_one(Match, second.id), (1, 1), broken="owl")
         apply_matches(session, "royale")
     more = read()
     assert more.matches[:1] == known.matches
@@ -202,8 +177,8 @@ def test_what_was_read_of_a_ladder_is_kept_until_matches_are_applied(database: D
     with database.writing() as session:
         again = judge_again(session, session.get_one(Match, first.id), NOON)
         assert again is not None
-        end(session, session.get_one(Match, third.id), {"fox": 1, "owl": 2})
-        end(session, again, {"fox": 2, "owl": 1})
+        end(session, session.get_one(Match, third.id))
+        end(session, again, (2, 1))
         apply_matches(session, "royale")
     assert [match.places for match in read().matches] == [(1, 1), (1, 2), (2, 1)]
 
@@ -217,7 +192,7 @@ def test_many_matches_are_applied_in_several_transactions(
         for match in planned[1:4]:
             void(match, NOON, "given up")
         for match in (planned[0], *planned[4:]):
-            end(session, match, {"fox": 1, "owl": 2})
+            end(session, match)
     found = []
     for _ in range(3):
         with database.writing() as session:
@@ -236,13 +211,13 @@ def test_a_ladder_that_begins_anew_is_never_seen_in_part(
 
     with database.writing() as session:
         first, *others = (plan(session, number, "fox", "owl") for number in range(3))
-        for match, (fox, owl) in zip((first, *others), ((1, 2), (2, 1), (2, 1)), strict=True):
-            end(session, match, {"fox": fox, "owl": owl})
+        for match, places in zip((first, *others), ((1, 2), (2, 1), (2, 1)), strict=True):
+            end(session, match, places)
             apply_matches(session, "royale")
     assert first_meeting() == PairRecord(wins=1)
     with database.writing() as session:
         again = judge_again(session, session.get_one(Match, first.id), NOON)
         assert again is not None
-        end(session, again, {"fox": 1, "owl": 2})
+        end(session, again)
         assert apply_matches(session, "royale") == 3
     assert first_meeting() == PairRecord(losses=1), "the match that is the first one now"

@@ -1,6 +1,8 @@
-"""A board that is brought up to date bit by bit is the one that is computed from everything."""
+"""Boards that are brought up to date bit by bit, and how far submissions are on their tracks."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -8,23 +10,22 @@ from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 from tests.leaderboard.conductor.conducted import Conducted, conducting
 from tests.leaderboard.results_made import made_result
-from tests.leaderboard.seasons_made import make_season
+from tests.leaderboard.seasons_made import changed, make_season
 
 from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_evaluator.ratings.fit import Fit, fit
 from wildscav_evaluator.ratings.matches import RatedMatch
-from wildscav_leaderboard.accounts.service import Caller, known_account
-from wildscav_leaderboard.boards.documents import LadderBoard, LadderRow
+from wildscav_leaderboard.boards.documents import LadderRow, TotalsView
 from wildscav_leaderboard.boards.kept import read_board
+from wildscav_leaderboard.boards.progress import missing_entrants, progress_of, totals_of
 from wildscav_leaderboard.boards.service import compute, refresh
 from wildscav_leaderboard.boards.suite_scores import SuiteScores
 from wildscav_leaderboard.conductor import steps
 from wildscav_leaderboard.conductor.conductor import Conductor
 from wildscav_leaderboard.conductor.models import Attempt
-from wildscav_leaderboard.conductor.plans import plan_ladders, rate_ladders
+from wildscav_leaderboard.conductor.plans import rate_ladders
 from wildscav_leaderboard.matches.models import FINISHED, Match
 from wildscav_leaderboard.matches.service import find_match, seats_of
-from wildscav_leaderboard.organizing.team_acts import do_team_act
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.teams.service import find_team
 
@@ -68,9 +69,7 @@ def test_results_that_arrive_one_by_one(season: Conducted) -> None:
         season.wait(1)
         season.write(lambda session, one=attempt, at=place: deliver(session, season, one, 10.0 + at))  # type: ignore[misc]
         boards_agree(season, scores)
-    with season.database.reading() as session:
-        board = read_board(session, "navigation")
-    assert board is not None
+    board = season.board("navigation")
     assert [(row.team, row.matches) for row in board.rows] == [("foxes", 2), ("owls", 2)]
 
 
@@ -105,36 +104,38 @@ def test_results_that_were_seen_and_never_stored(season: Conducted) -> None:
 def test_a_board_is_left_alone_while_nothing_changes(season: Conducted) -> None:
     ((attempt, _), *_others) = season.take_matches(1)
     season.write(lambda session: deliver(session, season, attempt, 10.0))
-    for changed in (["navigation", "battle"], []):
-        assert season.write(lambda session: refresh(session, season.season, season.now)) == changed
+    assert season.refresh() == ["navigation", "battle"]
+    assert season.refresh() == []
 
 
 def test_a_board_follows_whose_a_submission_is(season: Conducted) -> None:
-    season.write(lambda session: refresh(session, season.season, season.now))
+    season.refresh()
 
     def rename(session: Session) -> None:
         find_team(session, "foxes").title = "The new foxes"
 
     season.write(rename)
-    assert season.write(lambda session: refresh(session, season.season, season.now)) == ["navigation"]
+    assert season.refresh() == ["navigation"]
 
 
 def play_ladder(season: Conducted) -> list[Attempt]:
     """Let two submissions meet on the ladder; return the last attempt, which brings no result, in a list."""
     for team in ("foxes", "owls"):
         season.active(team, ("battle",))
-    season.write(lambda session: plan_ladders(session, season.season, season.now))
+    season.plan()
     attempts = [attempt for attempt, match in season.take_matches(20) if match.track == "battle"]
     for attempt in attempts[:-1]:
         assert season.played(attempt)
     return attempts[-1:]
 
 
-def ladder(season: Conducted) -> LadderBoard | None:
-    with season.database.reading() as session:
-        board = read_board(session, "battle")
-    assert board is None or isinstance(board, LadderBoard)
-    return board
+@contextmanager
+def refreshing(season: Conducted) -> Iterator[Callable[..., None]]:
+    """Give what a conductor does to bring its boards up to date."""
+    conductor = Conductor(season.season, season.database)
+    conductor._holding = season.holding
+    with LocalExecutor(1) as executor:
+        yield partial(conductor._refresh, executor)
 
 
 def test_a_match_is_recorded_while_the_conductor_computes_a_board(
@@ -148,14 +149,11 @@ def test_a_match_is_recorded_while_the_conductor_computes_a_board(
         return fit(matches)
 
     monkeypatch.setattr("wildscav_evaluator.ratings.fit.fit", fit_slowly)
-    conductor = Conductor(season.season, season.database)
-    conductor._holding = season.holding
-    with LocalExecutor(1) as executor:
-        conductor._refresh(executor, at_once=True)
-        assert ladder(season) is None, "a board that lacks a result is not stored with the mark of all"
-        conductor._refresh(executor, at_once=True)
-    board = ladder(season)
-    assert board is not None
+    with refreshing(season) as refresh_boards:
+        refresh_boards(at_once=True)
+        assert season.board("battle") is None, "a board that lacks a result has no mark of all"
+        refresh_boards(at_once=True)
+    board = season.board("battle")
     with season.database.reading() as session:
         played = session.scalar(select(func.count()).where(Match.track == "battle", Match.state == FINISHED))
     assert board.applied == played
@@ -169,7 +167,7 @@ def test_matches_are_planned_without_a_fit_in_the_transaction(
     with season.database.reading() as session:
         rate_ladders(session, season.season)
     monkeypatch.setattr("wildscav_evaluator.ratings.fit.fit", None)
-    assert season.write(lambda session: plan_ladders(session, season.season, season.now)) > 0
+    assert season.plan() > 0
 
 
 @pytest.mark.parametrize(("computed", "second"), [({}, 115.0), ({"of which something changed": None}, 107.0)])
@@ -186,39 +184,82 @@ def test_boards_that_take_long_are_made_more_rarely_but_those_left_out_follow_so
 
     monkeypatch.setattr("wildscav_leaderboard.conductor.conductor.compute", compute_slowly)
     monkeypatch.setattr("time.monotonic", lambda: clock[0])
-    conductor = Conductor(season.season, season.database)
-    conductor._holding = season.holding
-    with LocalExecutor(1) as executor:
+    with refreshing(season) as refresh_boards:
         for _ in range(90):
-            conductor._refresh(executor)
+            refresh_boards()
             clock[0] += 1.0
     assert made[:2] == [100.0, second]
 
 
 def ladder_rows(season: Conducted) -> dict[int | None, LadderRow]:
     """Bring the ladder up to date, and return its rows by submission."""
-    season.write(lambda session: refresh(session, season.season, season.now))
-    with season.database.reading() as session:
-        board = read_board(session, "battle")
-    assert isinstance(board, LadderBoard)
-    return {row.submission: row for row in board.rows}
+    season.refresh()
+    return {row.submission: row for row in season.board("battle").rows}
 
 
 def test_a_submission_that_is_restored_keeps_its_rating(season: Conducted) -> None:
     season.active("owls", ("battle",))
     fox = season.active("foxes", ("battle",))
-    season.write(lambda session: plan_ladders(session, season.season, season.now))
+    season.plan()
     for attempt, _ in season.take_matches(20)[:-1]:
         assert season.played(attempt)
     before = ladder_rows(season)
     assert before[fox].matches >= 2
 
-    def decide(act: str) -> None:
-        with season.database.writing() as session:
-            caller = Caller(known_account(session, "foxes-captain"))
-            do_team_act(session, season.season, caller, act, fox, season.now)
-
-    decide("disable")
+    season.decide("disable", fox)
     assert ladder_rows(season).keys() == before.keys() - {fox}
-    decide("restore")
+    season.decide("restore", fox)
     assert ladder_rows(season) == before
+
+
+BOTH = ("navigation", "battle")
+
+
+@pytest.fixture
+def three(tmp_path: Path) -> Iterator[Conducted]:
+    """A season whose ladder seats three, one of them the robot."""
+    season = make_season(tmp_path / "season")
+    battle = season.settings.tracks["battle"].model_copy(update={"seats": 3})
+    with conducting(changed(season, tracks={**season.settings.tracks, "battle": battle})) as conducted:
+        yield conducted
+
+
+def missing(three: Conducted) -> dict[str, int]:
+    with three.database.reading() as session:
+        return missing_entrants(session, three.season)
+
+
+def test_a_ladder_waits_for_teams_and_not_for_submissions(three: Conducted) -> None:
+    assert missing(three) == {"battle": 2}
+    three.active("foxes", BOTH)
+    assert missing(three) == {"battle": 1}
+    three.active("foxes", BOTH)  # those of one team never meet
+    assert missing(three) == {"battle": 1}
+    three.active("owls", ("navigation",))  # does not play there
+    assert missing(three) == {"battle": 1}
+    three.active("owls", ("battle",))
+    assert missing(three) == {}
+
+
+def test_progress_counts_what_is_played_of_what_is_planned(three: Conducted) -> None:
+    number = three.active("foxes", BOTH)
+    with three.database.reading() as session:
+        found = progress_of(session, three.season, three.submission(number))
+    assert [tuple(vars(one).values()) for one in found] == [("navigation", 0, 2, 0), ("battle", 0, 100, 1)]
+
+
+def test_totals_of_a_suite_are_told_when_all_of_its_matches_are_over(three: Conducted) -> None:
+    number = three.active("foxes", BOTH)
+    found = []
+    for score in (3.0, 5.0):
+        ((attempt, _),) = three.take_matches(1)
+        assert three.played(attempt, score)
+        with three.database.reading() as session:
+            found.append(totals_of(session, three.submission(number)))
+    assert found == [[], [TotalsView(track="navigation", matches=2, score=4.0, faults={})]]
+
+
+def test_whatever_takes_no_part_has_no_progress(three: Conducted) -> None:
+    number = three.hand_in("foxes", BOTH)
+    with three.database.reading() as session:
+        assert progress_of(session, three.season, three.submission(number)) == []

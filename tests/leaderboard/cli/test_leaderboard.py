@@ -1,7 +1,7 @@
 """`wildscav leaderboard` as its user runs it."""
 
 import json
-import subprocess
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -10,9 +10,7 @@ from tests.evaluator.results_by_hand import saved, scored_results
 
 from wildscav_evaluator.output.results import CURRENT_VERSIONS
 
-
-def leaderboard(*arguments: object) -> "subprocess.CompletedProcess[str]":
-    return run_command("leaderboard", *arguments)
+leaderboard = partial(run_command, "leaderboard")
 
 
 def test_it_prints_a_table_for_every_track(tmp_path: Path) -> None:

@@ -1,10 +1,11 @@
 """A season's real web server without a conductor, and competitors who use it by command."""
 
+import json
 import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
@@ -14,20 +15,21 @@ import pytest
 from tests.commands import Run, run_command
 from tests.evaluator.results_by_hand import timing_of_a_seat
 from tests.leaderboard.agents import write_agent
-from tests.leaderboard.seasons_made import make_season
+from tests.leaderboard.results_made import made_result, made_timing
+from tests.leaderboard.seasons_made import changed, make_season, opened
 from tests.leaderboard.spectating.served import served
 
 from wildscav_engine.record import write_record
 from wildscav_engine.simulation.match import Match as PlayedMatch
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.output.results import MatchRow, MatchTiming, SeatRow, metric_infos
+from wildscav_evaluator.output.results import metric_infos
 from wildscav_leaderboard.accounts import service as accounts
 from wildscav_leaderboard.accounts.passwords import hashed
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.matches.record_files import record_digest
-from wildscav_leaderboard.matches.service import Entrant, PlayedRecord, add_ladder_match, deliver
+from wildscav_leaderboard.matches.service import Entrant, PlayedRecord, Seat, add_ladder_match, deliver
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.submissions import service as submissions
 from wildscav_leaderboard.submissions.models import Submission
@@ -108,21 +110,11 @@ class Site:
 
 
 def _deliver(session: Any, match: Any, entrant: str, record: Path, now: datetime) -> None:
-    metrics = {metric.name: 0.0 for metric in metric_infos("battle")}
-    rows = (
-        SeatRow(seat=0, submission=entrant, status="finished", metrics=metrics, log="0.log"),
-        SeatRow(seat=1, submission="robot:fighter", status="finished", metrics=metrics),
-    )
-    row = MatchRow.of(match.number, rows, None).model_copy(update={"record": record.name})
-    timing = MatchTiming(
-        submission=None,
-        track="battle",
-        index=0,
-        started=0.0,
-        wall=1.0,
-        steps=20,
-        seats=(timing_of_a_seat(latency_p99=0.0125),),
-    )
+    seats = [Seat(0, entrant, None), Seat(1, "robot:fighter", None)]
+    row, _, _ = made_result(match, seats, (0.0, 0.0))
+    first = row.seats[0].model_copy(update={"log": "0.log"})
+    row = row.model_copy(update={"record": record.name, "seats": (first, *row.seats[1:])})
+    timing = made_timing(match, timing_of_a_seat(latency_p99=0.0125))
     stored = PlayedRecord(record_digest(record.read_bytes()), record.stat().st_size)
     deliver(session, match, None, row, timing, stored, metric_infos("battle")[0], now)
 
@@ -130,13 +122,9 @@ def _deliver(session: Any, match: Any, entrant: str, record: Path, now: datetime
 @contextmanager
 def season_site(folder: Path, **changes: Any) -> Iterator[Site]:
     """Serve a season, perhaps with other settings than usual."""
-    made = make_season(folder / "season", current=True)
-    season = replace(made, settings=made.settings.model_copy(update=changes))
-    database = season.database()
-    database.upgrade()
-    with served(create_app(season, database)) as url:
+    season = changed(make_season(folder / "season", current=True), **changes)
+    with opened(season) as database, served(create_app(season, database)) as url:
         yield Site(url, season, database, folder)
-    database.close()
 
 
 @dataclass(frozen=True)
@@ -149,16 +137,29 @@ class Competitor:
 
     def logged_in(self, name: str, team: str | None = None) -> "Competitor":
         """Log in as a new account."""
-        done = self.run("login", self.site.url, "--token", self.site.token(name, team))
-        assert done.returncode == 0, done.stderr
+        self.told("login", self.site.url, "--token", self.site.token(name, team))
         return self
+
+    def told(self, *words: object, **more: str) -> str:
+        """Return what a command that works prints."""
+        done = self.run(*words, **more)
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    def document(self, *words: object) -> Any:
+        """Return the document that a command prints."""
+        return json.loads(self.told(*words, "--json"))
+
+    def refused(self, *words: object, code: int = 1, **more: str) -> str:
+        """Return the line in which a command is refused."""
+        done = self.run(*words, **more)
+        assert (done.returncode, done.stderr.count("\n")) == (code, 1), done.stderr
+        return done.stderr
 
     def submitted(self, name: str, *options: str, tracks: str = '["battle"]') -> int:
         """Submit a new agent, and return its number."""
         write_agent(self.folder, name, f"    # {name}\n    act = lambda self, seen: Action()\n", tracks)
-        done = self.run("submit", name, *options)
-        assert done.returncode == 0, done.stderr
-        return int(done.stdout.split()[1].rstrip(":"))
+        return int(self.told("submit", name, *options).split()[1].rstrip(":"))
 
 
 @pytest.fixture

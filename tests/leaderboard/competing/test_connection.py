@@ -3,8 +3,6 @@
 import json
 import socket
 import socketserver
-import ssl
-import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime
@@ -13,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.leaderboard.webhooks.receivers import running
 from tests.platform.helpers.certificates import Authority, Pair
 
 from wildscav.errors import UserError
@@ -43,12 +42,8 @@ def http_server(answer: Callable[[str], Answer], pair: Pair | None = None) -> It
 
     server = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
     server.handle_error = lambda *_: None  # type: ignore[method-assign] - a client that hangs up is no error
-    if pair is not None:
-        context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
-        context.load_cert_chain(pair.cert, pair.key)
-        server.socket = context.wrap_socket(server.socket, server_side=True)
-    with _running(server):
-        yield f"http{'' if pair is None else 's'}://127.0.0.1:{server.server_address[1]}"
+    with running(server, pair) as port:
+        yield f"http{'' if pair is None else 's'}://127.0.0.1:{port}"
 
 
 @contextmanager
@@ -60,21 +55,8 @@ def byte_server(content: bytes) -> Iterator[str]:
             self.request.recv(1 << 16)
             self.request.sendall(content)
 
-    server = socketserver.ThreadingTCPServer(("127.0.0.1", 0), Handler)
-    with _running(server):
-        yield f"http://127.0.0.1:{server.server_address[1]}"
-
-
-@contextmanager
-def _running(server: socketserver.BaseServer) -> Iterator[None]:
-    thread = threading.Thread(target=server.serve_forever, args=(0.05,))
-    thread.start()
-    try:
-        yield
-    finally:
-        server.shutdown()
-        thread.join()
-        server.server_close()
+    with running(socketserver.ThreadingTCPServer(("127.0.0.1", 0), Handler)) as port:
+        yield f"http://127.0.0.1:{port}"
 
 
 def refusal(url: str, token: str | None = None) -> UserError:
@@ -116,10 +98,7 @@ def test_what_does_not_speak_http_to_the_end_is_no_answer(content: bytes) -> Non
     ("answer", "told"),
     [
         (says(404, b"<h1>Not Found</h1>"), "{nowhere}: HTTP status 404"),
-        (
-            says(200, b"<h1>Welcome</h1>"),
-            "{nowhere}: its answer is no document",
-        ),
+        (says(200, b"<h1>Welcome</h1>"), "{nowhere}: its answer is no document"),
         (says(200, b"[" * 100_000), "{nowhere}: its answer is no document"),
         (says(200, {"name": "another"}), "{url} does not answer as a season of Wildscav"),
         (says(200, []), "{url} does not answer as a season of Wildscav"),
@@ -187,26 +166,17 @@ def test_what_cannot_be_a_token_is_not_sent(token: str) -> None:
         Connection("http://127.0.0.1:1", token)
 
 
-NOON = datetime(2030, 6, 1, 12, tzinfo=UTC)
 FIRST = SubmissionView(
-    id=7,
-    team="ants",
-    team_title="The Ants",
-    name="walker",
-    version="1",
-    message="",
-    tracks=["battle"],
-    digest="ab" * 16,
-    size=1,
-    created=NOON,
-    state="submitted",
-    since=NOON,
-    playing=[],
+    **dict.fromkeys(("id", "size"), 7),
+    **dict.fromkeys(("team", "team_title", "name", "version", "message", "digest"), "ants"),
+    **dict.fromkeys(("created", "since"), datetime(2030, 6, 1, 12, tzinfo=UTC)),
+    **dict.fromkeys(("deadline", "fault")),
     kept=False,
-    deadline=None,
     charged=True,
     platform_faults=0,
-    fault=None,
+    playing=[],
+    tracks=["battle"],
+    state="submitted",
 )
 
 

@@ -1,13 +1,15 @@
-"""Logging in: how a token is got, where it is kept, and which season is meant afterwards."""
+"""Logging in: addresses as people type them, how a token is got and kept, and which season is meant."""
 
-import json
 import stat
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from tests.leaderboard.competing.season_site import PASSWORD, Competitor, Site, season_site
 
-from wildscav_leaderboard.competing.logins import Logins
+from wildscav.errors import UserError
+from wildscav_leaderboard.competing.connection import is_open_to_others, season_url
+from wildscav_leaderboard.competing.logins import FILE, Login, Logins
 
 
 @pytest.fixture(scope="module")
@@ -22,13 +24,12 @@ def kept() -> Logins:
 
 
 def test_a_new_account_is_logged_in_and_its_token_is_for_the_owners_eyes(competitor: Competitor) -> None:
-    done = competitor.run("login", competitor.site.url, "--register", "--name", "ada", stdin=f"{PASSWORD}\n")
+    told = competitor.told("login", competitor.site.url, "--register", "--name", "ada", stdin=f"{PASSWORD}\n")
 
-    assert done.returncode == 0, done.stderr
-    assert "ada" in done.stdout
     token = kept().seasons[competitor.site.url].token
+    assert "ada" in told
     assert token.startswith("wildscav_")
-    assert token not in done.stdout + done.stderr
+    assert token not in told
     assert PASSWORD not in kept().path.read_text()
     assert stat.S_IMODE(kept().path.stat().st_mode) == 0o600
     assert stat.S_IMODE(kept().path.parent.stat().st_mode) == 0o700
@@ -39,38 +40,30 @@ def test_a_name_and_a_password_get_a_token_and_a_wrong_password_changes_nothing(
 ) -> None:
     competitor.site.token("bob")
 
-    wrong = competitor.run("login", competitor.site.url, "--name", "bob", stdin="no idea\n")
-    assert (wrong.returncode, wrong.stderr) == (1, "wildscav: the name or the password is wrong\n")
+    as_bob = ("login", competitor.site.url, "--name", "bob")
+    assert competitor.refused(*as_bob, stdin="no idea\n") == "wildscav: the name or the password is wrong\n"
     assert not kept().path.exists()
 
-    done = competitor.run("login", competitor.site.url, "--name", "bob", stdin=f"{PASSWORD}\n")
-    assert done.returncode == 0, done.stderr
+    competitor.told(*as_bob, stdin=f"{PASSWORD}\n")
     assert kept().seasons[competitor.site.url].name == "bob"
 
 
 def test_json_names_the_account_and_not_the_token(competitor: Competitor) -> None:
     token = competitor.site.token("carol", "crows")
-    done = competitor.run("login", competitor.site.url, "--token", token, "--json")
-
-    document = json.loads(done.stdout)
-    assert document["account"]["team"]["name"] == "crows"
-    assert document["account"]["quota"]["left_today"] == 3
-    assert token not in done.stdout
+    account = competitor.document("login", competitor.site.url, "--token", token)["account"]
+    assert (account["team"]["name"], account["quota"]["left_today"]) == ("crows", 3)
+    assert token not in str(account)
 
 
 def test_logging_out_revokes_the_token(competitor: Competitor) -> None:
     token = competitor.site.token("dave")
     competitor.run("login", competitor.site.url, "--token", token)
 
-    assert json.loads(competitor.run("login", "--logout", "--json").stdout) == {
-        "url": competitor.site.url,
-        "revoked": True,
-    }
+    assert competitor.document("login", "--logout") == {"url": competitor.site.url, "revoked": True}
 
     assert token not in kept().path.read_text()
-    again = competitor.run("login", competitor.site.url, "--token", token)
-    assert again.returncode == 1
-    assert "this token is unknown or revoked" in again.stderr
+    again = competitor.refused("login", competitor.site.url, "--token", token)
+    assert "this token is unknown or revoked" in again
     assert "you are logged in to no season" in competitor.run("team", "show").stderr
 
 
@@ -78,12 +71,10 @@ def test_an_invitation_is_needed_where_registration_is_not_open(
     competitor: Competitor, invited: Site
 ) -> None:
     register = ("login", invited.url, "--register", "--name", "erin")
-    wrong = competitor.run(*register, "--invitation", "invite_wrong", stdin=PASSWORD)
-    assert wrong.returncode == 1
-    assert "this invitation is unknown, used up or expired" in wrong.stderr
+    wrong = competitor.refused(*register, "--invitation", "invite_wrong", stdin=PASSWORD)
+    assert "this invitation is unknown, used up or expired" in wrong
 
-    done = competitor.run(*register, "--invitation", invited.invitation(), stdin=f"{PASSWORD}\n")
-    assert done.returncode == 0, done.stderr
+    competitor.told(*register, "--invitation", invited.invitation(), stdin=f"{PASSWORD}\n")
 
 
 @pytest.mark.parametrize("missing", ["--name", "--invitation"])
@@ -94,12 +85,9 @@ def test_standard_input_is_read_for_the_password_alone(
     del given[missing]
     options = [word for option in given.items() for word in option]
 
-    refused = competitor.run("login", invited.url, "--register", *options, stdin=f"{PASSWORD}\n")
-
-    assert refused.returncode == 2
-    assert refused.stderr == (
-        f"wildscav: {missing} is missing: standard input is read for the password alone\n"
-    )
+    register = ("login", invited.url, "--register", *options)
+    refused = competitor.refused(*register, code=2, stdin=f"{PASSWORD}\n")
+    assert refused == f"wildscav: {missing} is missing: standard input is read for the password alone\n"
 
 
 def test_commands_are_about_the_season_logged_in_to_last_unless_one_is_named(
@@ -110,7 +98,7 @@ def test_commands_are_about_the_season_logged_in_to_last_unless_one_is_named(
     competitor.run("login", second.url, "--token", second.token("frank", "finches"))
 
     def team(*options: str) -> str:
-        return str(json.loads(competitor.run("team", "show", "--json", *options).stdout)["team"]["name"])
+        return str(competitor.document("team", "show", *options)["team"]["name"])
 
     assert team() == "finches"
     assert team("--season", first.url) == "falcons"
@@ -118,7 +106,7 @@ def test_commands_are_about_the_season_logged_in_to_last_unless_one_is_named(
     assert team() == "falcons"
     monkeypatch.delenv("WILDSCAV_SEASON")
     # A login that is still valid needs no password again.
-    assert competitor.run("login", first.url).returncode == 0
+    competitor.told("login", first.url)
     assert team() == "falcons"
     competitor.run("login", "--logout")
     assert team() == "finches"
@@ -147,7 +135,99 @@ def test_a_token_in_the_environment_is_used_where_nothing_may_be_stored(
     ],
 )
 def test_options_that_do_not_fit_are_refused(competitor: Competitor, arguments: list[str], says: str) -> None:
-    done = competitor.run("login", competitor.site.url, *arguments)
-    assert done.returncode == 2
-    assert says in done.stderr
+    assert says in competitor.refused("login", competitor.site.url, *arguments, code=2)
     assert not kept().path.exists()
+
+
+@pytest.mark.parametrize(
+    ("typed", "meant"),
+    [
+        ("https://season.example.org", "https://season.example.org"),
+        ("https://season.example.org/", "https://season.example.org"),
+        (" season.example.org ", "https://season.example.org"),
+        ("Season.Example.ORG:443", "https://season.example.org"),
+        ("http://season.example.org:8000", "http://season.example.org:8000"),
+        ("127.0.0.1:8000", "http://127.0.0.1:8000"),  # this machine needs no TLS
+        ("localhost:8000", "http://localhost:8000"),
+        ("https://localhost:8000", "https://localhost:8000"),
+        ("[::1]:8000", "http://[::1]:8000"),
+    ],
+)
+def test_one_season_has_one_address(typed: str, meant: str) -> None:
+    assert season_url(typed) == meant
+    assert season_url(meant) == meant
+
+
+@pytest.mark.parametrize(
+    "typed",
+    [
+        *("", "https://", "ftp://season.example.org", "http://[::1", "host:port", "host:99999", "two words"),
+        *("https://name:password@season.example.org", "https://season.example.org/boards", "host?x=1"),
+        *("a\nb", "https://\x1b[2J"),
+    ],
+)
+def test_what_is_no_address_is_refused(typed: str) -> None:
+    with pytest.raises(UserError) as caught:
+        season_url(typed)
+    assert caught.value.exit_code == 2
+
+
+@pytest.mark.parametrize(
+    ("url", "is_open"),
+    [
+        ("http://season.example.org", True),
+        ("https://season.example.org", False),
+        ("http://127.0.0.1:8000", False),
+    ],
+)
+def test_what_is_sent_without_tls_can_be_read_on_the_way(url: str, is_open: bool) -> None:
+    assert is_open_to_others(url) == is_open
+
+
+FIRST, SECOND = "https://first.example.org", "https://second.example.org"
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("WILDSCAV_CONFIG_DIR", str(tmp_path / "settings"))
+    return tmp_path / "settings"
+
+
+def login(token: str) -> Login:
+    return Login(name="ada", title="The season", token=token)
+
+
+@pytest.mark.usefixtures("folder")
+def test_the_latest_login_is_the_current_one_and_the_one_before_it_after_logging_out() -> None:
+    for url, token in ((FIRST, "one"), (SECOND, "two")):
+        Logins.read().with_login(url, login(token)).save()
+    both = Logins.read()
+    assert (both.current, both.seasons[FIRST].token) == (SECOND, "one")
+    both.without(SECOND).save()
+    assert Logins.read().current == FIRST
+    Logins.read().without(FIRST).save()
+    assert (Logins.read().current, Logins.read().seasons) == (None, {})
+
+
+def test_a_file_that_others_could_read_is_theirs_no_more_once_it_is_written(folder: Path) -> None:
+    folder.mkdir()
+    (folder / FILE).write_text('{"current": null, "seasons": {}}')
+    (folder / FILE).chmod(0o644)
+    Logins.read().with_login(FIRST, login("secret")).save()
+    assert stat.S_IMODE((folder / FILE).stat().st_mode) == 0o600
+    assert [path.name for path in folder.iterdir()] == [FILE]
+
+
+@pytest.mark.parametrize("content", ["", "{", "[]", '{"seasons": {"x": 3}}', "\x00"])
+def test_a_damaged_file_is_told_and_kept(folder: Path, content: str) -> None:
+    folder.mkdir()
+    (folder / FILE).write_text(content)
+    with pytest.raises(UserError, match="is damaged: remove it, and log in again"):
+        Logins.read()
+    assert (folder / FILE).read_text() == content
+
+
+def test_a_folder_that_cannot_be_written_is_told_in_one_line(folder: Path) -> None:
+    folder.write_text("no folder")
+    with pytest.raises(UserError):
+        Logins.read().with_login(FIRST, login("one")).save()

@@ -1,6 +1,5 @@
 """Teams, checks, matches with their logs and replays, and the board, by command."""
 
-import json
 from pathlib import Path
 
 import pytest
@@ -17,29 +16,29 @@ from wildscav_leaderboard.accounts.service import find_account
 
 def test_a_team_is_made_joined_and_left(competitor: Competitor) -> None:
     competitor.logged_in("uma")
-    made = json.loads(competitor.run("team", "create", "urchins", "--title", "The Urchins", "--json").stdout)
+    made = competitor.document("team", "create", "urchins", "--title", "The Urchins")
     assert made["team"]["members"] == ["uma"]
 
     competitor.logged_in("vic")
     assert "uma, vic" in competitor.run("team", "join", made["key"]).stdout
-    again = competitor.run("team", "join", made["key"])
-    assert again.stderr == "wildscav: you are a member of the team urchins: leave it first\n"
+    again = competitor.refused("team", "join", made["key"])
+    assert again == "wildscav: you are a member of the team urchins: leave it first\n"
 
     new = competitor.run("team", "key").stdout.strip()
-    assert json.loads(competitor.run("team", "leave", "--json").stdout) == {"left": "urchins"}
-    assert competitor.run("team", "show").returncode == 1
+    assert competitor.document("team", "leave") == {"left": "urchins"}
+    competitor.refused("team", "show")
     assert "The Urchins" in competitor.run("team", "show", "urchins").stdout
 
-    old = competitor.run("team", "join", made["key"])
-    assert old.stderr == "wildscav: this key is of no team: ask a teammate for a new one\n"
-    assert competitor.run("team", "join", new).returncode == 0
+    old = competitor.refused("team", "join", made["key"])
+    assert old == "wildscav: this key is of no team: ask a teammate for a new one\n"
+    competitor.told("team", "join", new)
 
 
 def test_names_that_are_no_names_are_refused(competitor: Competitor) -> None:
     competitor.logged_in("wanda")
     for name in ("A/B", "../accounts", "x" * 41):
-        assert "is not allowed" in competitor.run("team", "create", name).stderr
-        assert competitor.run("team", "show", name).returncode == 1
+        assert "is not allowed" in competitor.refused("team", "create", name)
+        competitor.refused("team", "show", name)
 
 
 def test_a_check_has_the_seasons_sandbox_limits_and_seats(competitor: Competitor, tmp_path: Path) -> None:
@@ -82,9 +81,9 @@ def test_the_matches_of_a_submission_are_listed_with_their_outcomes(competitor: 
     first = competitor.site.played(number, 0)
     second = competitor.site.played(other, 2)
 
-    listed = json.loads(competitor.run("team", "matches", number, "--json").stdout)["matches"]
+    listed = competitor.document("team", "matches", number)["matches"]
     assert [one["id"] for one in listed] == [first]
-    newest = json.loads(competitor.run("team", "matches", "--limit", 1, "--json").stdout)["matches"]
+    newest = competitor.document("team", "matches", "--limit", 1)["matches"]
     assert [one["id"] for one in newest] == [second]
     table = competitor.run("team", "matches", number).stdout
     assert "Ants, fighter" in table
@@ -101,38 +100,33 @@ def test_logs_are_for_the_own_team_and_control_no_terminal(competitor: Competito
     number = competitor.submitted("one")
     match = competitor.site.played(number, 4, log="one\ttwo\n\x1b[2J[red]\u202e\n")
 
-    done = competitor.run("team", "logs", "--match", match)
-    assert done.stdout == "one     two\n\\x1b[2J[red]\\u202e\n"
-    assert competitor.run("team", "logs", "--match", match, "--seat", 0).stdout == done.stdout
+    log = competitor.told("team", "logs", "--match", match)
+    assert log == "one     two\n\\x1b[2J[red]\\u202e\n"
+    assert competitor.run("team", "logs", "--match", match, "--seat", 0).stdout == log
     logs = competitor.site.season.submission_folder(number) / "logs"
     logs.mkdir(parents=True)
     (logs / "late.log").touch()
-    assert json.loads(competitor.run("team", "logs", number, "--json").stdout) == {
-        "logs": [{"submission": number, "log": "It printed nothing.\n"}]
-    }
+    silent = {"submission": number, "log": "It printed nothing.\n"}
+    assert competitor.document("team", "logs", number) == {"logs": [silent]}
     (logs / "battle.log").write_text("ready\n")
     assert competitor.run("team", "logs", number).stdout == "── battle ──\nready\n\n"
 
     competitor.logged_in("carol", "crows")
     for arguments in (("--match", match, "--seat", 0), ("--match", match), (number,)):
-        refused = competitor.run("team", "logs", *arguments)
-        assert refused.returncode == 1
-        assert "your team has no" in refused.stderr
+        assert "your team has no" in competitor.refused("team", "logs", *arguments)
 
     with competitor.site.database.writing() as session:
         account = find_account(session, "carol")
         assert account is not None
         account.role = ORGANIZER
-    assert competitor.run("team", "logs", "--match", match).stdout == done.stdout
+    assert competitor.run("team", "logs", "--match", match).stdout == log
 
 
 def test_a_match_is_replayed_by_its_number(competitor: Competitor) -> None:
     competitor.logged_in("dave", "ducks")
     match = competitor.site.played(competitor.submitted("one"), 6)
 
-    done = competitor.run("replay", match, "--no-images")
-
-    assert done.returncode == 0, done.stderr
+    competitor.told("replay", match, "--no-images")
     record, replay = (competitor.folder / f"match-{match}{suffix}" for suffix in (".wsr", ".rrd"))
     assert read_record(record).names[0].startswith("one")
     assert replay.read_bytes()[:3] == b"RRF"
@@ -147,11 +141,9 @@ def test_a_match_is_replayed_by_its_number(competitor: Competitor) -> None:
 
 
 def test_anyone_sees_the_boards(competitor: Competitor) -> None:
-    none_yet = competitor.run("leaderboard", "--season", competitor.site.url)
-    assert none_yet.returncode == 0, none_yet.stderr
-    assert "There are no results in The trial season yet." in none_yet.stdout
-    wrong = competitor.run("leaderboard", "--season", competitor.site.url, "--track", "batle")
-    assert "has no track batle (did you mean 'battle'?)" in wrong.stderr
-    assert competitor.run("leaderboard", "--season", "latest").stderr == (
-        "wildscav: you are logged in to no season: `wildscav login URL`\n"
-    )
+    of_site = ("leaderboard", "--season", competitor.site.url)
+    assert "There are no results in The trial season yet." in competitor.told(*of_site)
+    wrong = competitor.refused(*of_site, "--track", "batle")
+    assert "has no track batle (did you mean 'battle'?)" in wrong
+    nowhere = competitor.run("leaderboard", "--season", "latest").stderr
+    assert nowhere == "wildscav: you are logged in to no season: `wildscav login URL`\n"

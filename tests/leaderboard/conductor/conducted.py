@@ -6,27 +6,35 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta
 from hashlib import blake2b
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 from tests.leaderboard.results_made import made_result
-from tests.leaderboard.seasons_made import NOON, team_with_member
+from tests.leaderboard.seasons_made import NOON, opened, team_with_member
 
 from wildscav_leaderboard.accounts.models import Account
+from wildscav_leaderboard.accounts.service import Caller, known_account
+from wildscav_leaderboard.boards.kept import read_board
+from wildscav_leaderboard.boards.service import refresh
+from wildscav_leaderboard.boards.suite_scores import SuiteScores
 from wildscav_leaderboard.conductor import lease, steps
 from wildscav_leaderboard.conductor.editions import begin_editions
 from wildscav_leaderboard.conductor.lease import Holding
 from wildscav_leaderboard.conductor.models import Attempt
+from wildscav_leaderboard.conductor.plans import plan_ladders
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import Match
 from wildscav_leaderboard.matches.service import find_match, seats_of
+from wildscav_leaderboard.organizing.team_acts import do_team_act
+from wildscav_leaderboard.seasons.acts import Act, Doing
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.submissions.archives import CheckedArchive
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.service import hand_in
 from wildscav_leaderboard.teams.models import Member
 from wildscav_leaderboard.teams.service import find_team
+from wildscav_leaderboard.visibility import PUBLIC
 from wildscav_server.hosting.manifest import Manifest
 
 Value = TypeVar("Value")
@@ -92,54 +100,60 @@ class Conducted:
         self.write(lambda session: steps.admit(session, self.now))
         return number
 
+    def _step(self, act: Callable[..., Value], *attempt: int, more: tuple[object, ...] = ()) -> Value:
+        """Take a step of the conductor."""
+        return self.write(lambda session: act(session, self.season, self.holding, *attempt, self.now, *more))
+
     def take(self) -> Attempt | None:
         """Take the submission whose turn it is."""
-        return self.write(lambda session: steps.take_submission(session, self.season, self.holding, self.now))
+        return self._step(steps.take_submission)
+
+    def taken(self) -> Attempt:
+        """Take a submission that waits."""
+        attempt = self.take()
+        assert attempt is not None
+        return attempt
 
     def built(self, attempt: int) -> Attempt | None:
         """Bring the news that a submission is built."""
-        return self.write(lambda session: steps.built(session, self.season, self.holding, attempt, self.now))
+        return self._step(steps.built, attempt)
 
     def validated(self, attempt: int) -> bool:
         """Bring the news that a submission is valid."""
-        return self.write(
-            lambda session: steps.validated(session, self.season, self.holding, attempt, self.now)
-        )
+        return self._step(steps.validated, attempt)
 
     def broke(self, attempt: int, why: str = "the disk is full") -> bool:
         """Bring the news that the platform broke an attempt."""
-        return self.write(
-            lambda session: steps.broke(session, self.season, self.holding, attempt, self.now, why)
-        )
+        return self._step(steps.broke, attempt, more=(why,))
 
     def expire(self) -> int:
         """Try again what never ended."""
-        return self.write(lambda session: steps.expire(session, self.season, self.holding, self.now))
+        return self._step(steps.expire)
+
+    def passed(self, attempt: Attempt) -> None:
+        """Let a submission that was taken pass its validation."""
+        following = self.built(attempt.id)
+        assert following is not None
+        assert self.validated(following.id)
 
     def active(
         self, team: str = "foxes", tracks: tuple[str, ...] = ("navigation",), replaces: int | None = None
     ) -> int:
         """Return the number of a new submission that takes part."""
         number = self.hand_in(team, tracks, replaces)
-        attempt = self.take()
-        assert attempt is not None
-        following = self.built(attempt.id)
-        assert following is not None
-        assert self.validated(following.id)
+        self.passed(self.taken())
         return number
 
     def take_matches(self, count: int, *, begun: bool = True) -> list[tuple[Attempt, Match]]:
         """Take the next matches, and begin them."""
-        taken = self.write(
-            lambda session: steps.take_matches(session, self.season, self.holding, self.now, count)
-        )
+        taken = self._step(steps.take_matches, more=(count,))
         for attempt, _ in taken if begun else ():
             self.begin(attempt)
         return taken
 
-    def begin(self, attempt: Attempt) -> None:
+    def begin(self, attempt: Attempt) -> bool:
         """Begin a match that was taken."""
-        self.write(lambda session: steps.begun(session, self.holding, attempt.id, self.now))
+        return self.write(lambda session: steps.begun(session, self.holding, attempt.id, self.now))
 
     def played(self, attempt: Attempt, score: float = 1.0) -> bool:
         """Bring the result of a match."""
@@ -152,16 +166,40 @@ class Conducted:
 
         return self.write(act)
 
+    def act(self, act: Act, *what: object, **more: object) -> None:
+        """Let an organizer act."""
+        self.write(lambda session: act(Doing(session, self.season, "chief", self.now), *what, **more))
+
+    def decide(self, act: str, number: int, team: str = "foxes") -> None:
+        """Let a member of a team do an act on a submission."""
+
+        def decide(session: Session) -> None:
+            caller = Caller(known_account(session, f"{team}-captain"))
+            do_team_act(session, self.season, caller, act, number, self.now)
+
+        self.write(decide)
+
+    def plan(self) -> int:
+        """Plan the next matches of ladders; return how many are new."""
+        return self.write(lambda session: plan_ladders(session, self.season, self.now))
+
+    def refresh(self, *scores: SuiteScores) -> list[str]:
+        """Bring the boards up to date; return the tracks whose boards changed."""
+        return self.write(lambda session: refresh(session, self.season, self.now, *scores))
+
+    def board(self, track: str, audience: str = PUBLIC) -> Any:
+        """Return a board."""
+        with self.database.reading() as session:
+            return read_board(session, track, audience)
+
 
 @contextmanager
 def conducting(season: Season) -> Iterator[Conducted]:
     """Give a season with the teams foxes and owls, of which this process is the conductor."""
-    database = season.database()
-    database.upgrade()
-    conducted = Conducted(season, database)
-    with database.writing() as session:
-        for team in ("foxes", "owls"):
-            team_with_member(session, team)
-    conducted.take_over()
-    yield conducted
-    database.close()
+    with opened(season) as database:
+        conducted = Conducted(season, database)
+        with database.writing() as session:
+            for team in ("foxes", "owls"):
+                team_with_member(session, team)
+        conducted.take_over()
+        yield conducted

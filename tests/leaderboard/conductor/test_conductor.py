@@ -1,7 +1,7 @@
 """A real conductor builds, validates and plays real submissions in real sandboxes."""
 
 import json
-from dataclasses import replace
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -12,19 +12,13 @@ from tests.evaluator.executors.ray_clusters import ray_cluster
 from tests.evaluator.sample_agents import CRASHER, WALKER
 from tests.leaderboard.agents import write_agent
 from tests.leaderboard.real_conductor import conduct
-from tests.leaderboard.seasons_made import make_season, submitted, team_with_member
+from tests.leaderboard.seasons_made import changed, make_season, opened, submitted, team_with_member
 
 from wildscav_engine.record import read_record
 from wildscav_evaluator.model_gateway.settings import ModelSettings
 from wildscav_leaderboard.conductor.validators import now
 from wildscav_leaderboard.database.connection import Database
-from wildscav_leaderboard.matches.models import (
-    FINISHED,
-    LADDER,
-    SUITE,
-    Match,
-    MatchResult,
-)
+from wildscav_leaderboard.matches.models import FINISHED, LADDER, SUITE, Match, MatchResult
 from wildscav_leaderboard.matches.record_files import record_digest
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.state import FAILED, read_state
@@ -40,12 +34,11 @@ def season(tmp_path: Path) -> Season:
 
 
 @pytest.fixture
-def sqlite(season: Season) -> Database:
-    database = season.database()
-    database.upgrade()
-    with database.writing() as session:
-        team_with_member(session, "foxes")
-    return database
+def sqlite(season: Season) -> Iterator[Database]:
+    with opened(season) as database:
+        with database.writing() as session:
+            team_with_member(session, "foxes")
+        yield database
 
 
 def hand_in(database: Database, season: Season, folder: Path) -> int:
@@ -55,6 +48,10 @@ def hand_in(database: Database, season: Season, folder: Path) -> int:
 
 def submission_of(session: Session, number: int) -> Submission:
     return session.get_one(Submission, number)
+
+
+def has_failed(session: Session) -> bool:
+    return read_state(session, FAILED) is not None
 
 
 def finished(session: Session, kind: str = SUITE) -> list[Match]:
@@ -80,11 +77,10 @@ def test_a_submission_becomes_active_and_its_matches_are_played(
 ) -> None:
     number = hand_in(sqlite, season, write_agent(tmp_path, "teller", TELLER, '["navigation", "battle"]'))
 
-    conduct(
-        sqlite,
-        season,
-        lambda session: len(finished(session)) == SUITE_MATCHES and len(finished(session, LADDER)) >= 2,
-    )
+    def are_played(session: Session) -> bool:
+        return len(finished(session)) == SUITE_MATCHES and len(finished(session, LADDER)) >= 2
+
+    conduct(sqlite, season, are_played)
 
     with sqlite.reading() as session:
         one = submission_of(session, number)
@@ -158,11 +154,10 @@ def test_what_fails_says_whose_fault_it_was(sqlite: Database, season: Season, tm
         path.unlink()
     number = hand_in(sqlite, season, write_agent(tmp_path, "crasher", CRASHER))
 
-    conduct(
-        sqlite,
-        season,
-        lambda session: {submission_of(session, one).state for one in (lost, number)} == {"failed"},
-    )
+    def are_over(session: Session) -> bool:
+        return {submission_of(session, one).state for one in (lost, number)} == {"failed"}
+
+    conduct(sqlite, season, are_over)
 
     with sqlite.reading() as session:
         one = submission_of(session, lost)
@@ -177,11 +172,7 @@ def test_what_fails_says_whose_fault_it_was(sqlite: Database, season: Season, tm
 
 def test_a_season_without_the_key_of_its_model_says_so(season: Season, sqlite: Database) -> None:
     model = ModelSettings(url="http://host/v1", name="tiny", key_env="NO_SUCH_KEY")
-    settings = season.settings.model_copy(update={"model": model})
-
-    conduct(
-        sqlite, replace(season, settings=settings), lambda session: read_state(session, FAILED) is not None
-    )
+    conduct(sqlite, changed(season, model=model), has_failed)
 
     with sqlite.reading() as session:
         assert "NO_SUCH_KEY is not set" in (read_state(session, FAILED) or {})["reason"]
@@ -189,7 +180,7 @@ def test_a_season_without_the_key_of_its_model_says_so(season: Season, sqlite: D
 
 def on_ray(season: Season, address: str) -> Season:
     execution = season.settings.execution.model_copy(update={"executor": "ray", "address": address})
-    return replace(season, settings=season.settings.model_copy(update={"execution": execution}))
+    return changed(season, execution=execution)
 
 
 @pytest.mark.slow
@@ -210,9 +201,8 @@ def test_a_season_is_played_on_a_cluster(
 
 
 def test_a_season_on_a_cluster_says_why_it_cannot_play(season: Season, sqlite: Database) -> None:
-    conduct(sqlite, on_ray(season, "127.0.0.1:1"), lambda session: read_state(session, FAILED) is not None)
+    conduct(sqlite, on_ray(season, "127.0.0.1:1"), has_failed)
 
     with sqlite.reading() as session:
-        assert read_state(session, FAILED) == {
-            "reason": "there is no Ray cluster at 127.0.0.1:1: Connection refused"
-        }
+        reason = "there is no Ray cluster at 127.0.0.1:1: Connection refused"
+        assert read_state(session, FAILED) == {"reason": reason}

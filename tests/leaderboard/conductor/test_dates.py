@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from sqlalchemy import select
-from tests.leaderboard.seasons_made import NOON, make_season
+from tests.leaderboard.seasons_made import NOON, changed, make_season, opened
 
 from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_leaderboard.boards.service import Final, decide
@@ -26,8 +26,7 @@ SECOND = timedelta(seconds=1)
 
 @pytest.fixture
 def season(tmp_path: Path) -> Season:
-    season = make_season(tmp_path / "season")
-    return Season(season.folder, season.settings.model_copy(update={"freezes": DUE}))
+    return changed(make_season(tmp_path / "season"), freezes=DUE)
 
 
 def acts(database: Database) -> list[tuple[str, str]]:
@@ -35,32 +34,25 @@ def acts(database: Database) -> list[tuple[str, str]]:
         return [(one.actor, one.act) for one in session.scalars(select(AuditEntry))]
 
 
-def test_the_boards_freeze_at_their_date_once(database: Database, season: Season) -> None:
-    for now, comes in ((DUE - SECOND, False), (DUE, True), (DUE, False), (DUE + SECOND, False)):
-        with database.writing() as session:
-            assert freeze_when_due(session, season, now) is comes
-    assert acts(database) == [("the conductor", "freeze")]
-
-
-def test_boards_go_on_when_the_date_is_moved_and_freeze_again_then(
+def test_the_boards_freeze_once_at_their_date_and_again_if_it_is_moved(
     database: Database, season: Season
 ) -> None:
-    later = season.settings.model_copy(update={"freezes": DUE + timedelta(days=1)})
-    moved = Season(season.folder, later)
+    moved = changed(season, freezes=DUE + timedelta(days=1))
     for one, now, comes, frozen in (
+        (season, DUE - SECOND, False, False),
         (season, DUE, True, True),
+        (season, DUE, False, True),
+        (season, DUE + SECOND, False, True),
         (moved, DUE + SECOND, True, False),
         (moved, DUE + 2 * SECOND, False, False),
         (moved, DUE + timedelta(days=1), True, True),
+        (changed(season, freezes=None), NOON + timedelta(days=365), True, False),
     ):
         with database.writing() as session:
             assert freeze_when_due(session, one, now) is comes
             assert (read_state(session, FROZEN) is not None) is frozen
-    assert acts(database) == [
-        ("the conductor", "freeze"),
-        ("the conductor", "unfreeze"),
-        ("the conductor", "freeze"),
-    ]
+    assert [act for _, act in acts(database)] == ["freeze", "unfreeze"] * 2
+    assert {actor for actor, _ in acts(database)} == {"the conductor"}
 
 
 def test_what_organizers_unfreeze_or_freeze_stays_so_whatever_date_has_passed(
@@ -72,16 +64,9 @@ def test_what_organizers_unfreeze_or_freeze_stays_so_whatever_date_has_passed(
         unfreeze(doing)
         assert not freeze_when_due(session, season, DUE + SECOND)
         freeze(doing)
-        later = season.settings.model_copy(update={"freezes": DUE + timedelta(days=1)})
-        assert not freeze_when_due(session, Season(season.folder, later), DUE + SECOND)
+        later = changed(season, freezes=DUE + timedelta(days=1))
+        assert not freeze_when_due(session, later, DUE + SECOND)
         assert read_state(session, FROZEN) is not None
-
-
-def test_boards_without_a_date_do_not_freeze(database: Database, tmp_path: Path) -> None:
-    season = make_season(tmp_path / "endless")
-    with database.writing() as session:
-        assert not freeze_when_due(session, season, NOON + timedelta(days=365))
-    assert acts(database) == []
 
 
 def test_final_boards_do_not_freeze_again(database: Database, season: Season) -> None:
@@ -95,19 +80,14 @@ def test_final_boards_do_not_freeze_again(database: Database, season: Season) ->
 
 def test_the_conductor_does_it(tmp_path: Path) -> None:
     season = make_season(tmp_path / "now", current=True)
-    past = season.settings.model_copy(update={"freezes": season.settings.opens})
-    season = Season(season.folder, past)
-    database = season.database()
-    database.upgrade()
-    with database.writing() as session:
-        assert read_state(session, FROZEN) is None
-    conductor = Conductor(season, database)
-    conductor._acquire()
-    conductor._sandbox = "process"
-    with LocalExecutor(1) as executor:
-        conductor.round(executor)
-    assert acts(database) == [("the conductor", "freeze")]
-    with database.reading() as session:
-        (node,) = nodes(session)  # this machine, which no cluster reports
+    season = changed(season, freezes=season.settings.opens)
+    with opened(season) as database:
+        conductor = Conductor(season, database)
+        conductor._acquire()
+        conductor._sandbox = "process"
+        with LocalExecutor(1) as executor:
+            conductor.round(executor)
+        assert acts(database) == [("the conductor", "freeze")]
+        with database.reading() as session:
+            (node,) = nodes(session)  # this machine, which no cluster reports
     assert (node["name"], node["running"], node["problem"]) == (socket.gethostname(), 0, "")
-    database.close()

@@ -9,9 +9,6 @@ from tests.leaderboard.conductor.conducted import Conducted, conducting
 from tests.leaderboard.seasons_made import make_season
 
 from wildscav.errors import UserError
-from wildscav_leaderboard.boards.documents import BoardDocument
-from wildscav_leaderboard.boards.kept import read_board
-from wildscav_leaderboard.boards.service import refresh
 from wildscav_leaderboard.conductor.editions import (
     EditionChange,
     apply_editions,
@@ -24,7 +21,6 @@ from wildscav_leaderboard.organizing.acts import ACTS
 from wildscav_leaderboard.organizing.checking import check_rules
 from wildscav_leaderboard.publishing.service import board_lines
 from wildscav_leaderboard.seasons import state as season_state
-from wildscav_leaderboard.seasons.acts import Doing
 from wildscav_leaderboard.seasons.folder import SECRET_FILE, Season
 from wildscav_leaderboard.seasons.in_force import edition_numbers, in_force
 from wildscav_leaderboard.seasons.initial_files import COMMITMENTS_FILE, commitments_text
@@ -53,7 +49,7 @@ def play(season: Conducted, score: float = 1.0) -> int:
             season.wait(1)
             assert season.played(attempt, score)
         count += len(taken)
-    season.write(lambda session: refresh(session, season.season, season.now))
+    season.refresh()
     return count
 
 
@@ -70,14 +66,9 @@ def apply(season: Conducted) -> list[EditionChange]:
     return season.write(lambda session: apply_editions(session, season.season, "anna", season.now))
 
 
-def board(season: Conducted, audience: str = PUBLIC) -> BoardDocument | None:
-    with season.database.reading() as session:
-        return read_board(session, "navigation", audience)
-
-
 def ranked(season: Conducted, audience: str = PUBLIC) -> list[tuple[str, int]]:
     """The teams that have a rank, and their matches."""
-    found = board(season, audience)
+    found = season.board("navigation", audience)
     return [] if found is None else [(row.team, row.matches) for row in found.rows if row.rank is not None]
 
 
@@ -102,19 +93,19 @@ EDITS = {
 
 @pytest.mark.parametrize("what", EDITS)
 def test_an_edit_drops_nobody_until_it_is_applied(season: Conducted, what: str) -> None:
-    before = board(season)
+    before = season.board("navigation")
     assert ranked(season) == [("foxes", 2), ("owls", 2)]
 
     change = edit(season, *EDITS[what])[0]
 
     assert (change.track, change.entries) == ("navigation", 2)
     assert "these 2 entries have to be judged again: about 4 seconds" in change.text or what == "rounds"
-    season.write(lambda session: refresh(session, season.season, season.now))
-    assert board(season) == before, "the old edition goes on"
+    season.refresh()
+    assert season.board("navigation") == before, "the old edition goes on"
 
     old = season.write(edition_numbers)["navigation"]
     apply(season)
-    season.write(lambda session: refresh(session, season.season, season.now))
+    season.refresh()
     assert ranked(season, audience_of(old)) == [("foxes", 2), ("owls", 2)], "old results stay on their board"
     if what == "the sandbox":
         return  # this process plays in another one
@@ -135,9 +126,8 @@ def test_matches_that_wait_are_played_by_the_edition_that_counts_them(season: Co
     assert counts(season)[VOID] == 1, "what waited under the old edition is given up"
     assert season.played(taken[0][0]), "what was being played ends"
     (match,) = (season.match(match.id) for _, match in taken)
-    season.write(lambda session: refresh(session, season.season, season.now))
-    found = board(season, audience_of(match.edition_id or 0))
-    assert found is not None
+    season.refresh()
+    found = season.board("navigation", audience_of(match.edition_id or 0))
     assert sorted(row.matches for row in found.rows) == [2, 2], "each team's best one"
     assert 3 in found.entered, "and counts where it was planned"
     assert {match.spec["time_limit"] for _, match in season.take_matches(9)} == {5}
@@ -155,14 +145,9 @@ def test_an_edit_that_is_undone_brings_the_old_results_back(season: Conducted) -
 
 
 def test_rules_may_be_edited_freely_while_nobody_has_played(tmp_path: Path) -> None:
-    made = make_season(tmp_path / "season")
-    database = made.database()
-    database.upgrade()
-    season = Conducted(made, database)
-    season.take_over()
-    assert edit(season, *EDITS["the suite"]) == []
-    assert edit(season, *EDITS["rounds"]) == []
-    database.close()
+    with conducting(make_season(tmp_path / "season")) as season:
+        assert edit(season, *EDITS["the suite"]) == []
+        assert edit(season, *EDITS["rounds"]) == []
 
 
 def test_a_comment_in_a_suite_and_rules_of_other_tracks_change_no_edition(season: Conducted) -> None:
@@ -172,7 +157,7 @@ def test_a_comment_in_a_suite_and_rules_of_other_tracks_change_no_edition(season
 
 
 def test_boards_name_a_model_whose_server_may_move(season: Conducted) -> None:
-    edit(season, SETTINGS_FILE, "[quotas]", '[model]\nurl = "http://host/v1"\nname = "tiny"\n\n[quotas]')
+    edit(season, *EDITS["a model"])
     apply(season)
     play(season)
 
@@ -215,7 +200,7 @@ def test_a_track_that_is_removed_goes_on_until_that_is_applied(season: Conducted
     )
     assert len(season.take_matches(1)) == 1
     apply(season)
-    season.write(lambda session: refresh(session, season.season, season.now))
+    season.refresh()
     assert WAITING not in counts(season), "nothing waits for ever"
     assert ranked(season) == [("foxes", 2), ("owls", 2)]
 
@@ -249,9 +234,8 @@ def test_a_season_does_not_end_while_somebody_would_drop_out(season: Conducted) 
     with season.database.reading() as session:
         (entry,) = session.scalars(select(AuditEntry).filter_by(act="leave out")).all()
         assert (entry.subject, entry.detail) == (f"submission {number}", "the disk of its host was lost")
-    season.write(lambda session: refresh(session, season.season, season.now))
-    found = board(season)
-    assert found is not None
+    season.refresh()
+    found = season.board("navigation")
     assert number not in found.entered
 
 
@@ -273,19 +257,15 @@ def test_another_secret_is_refused_wherever_it_would_be_used(season: Conducted) 
 
 def test_an_entry_is_judged_again_and_its_old_results_are_kept(season: Conducted) -> None:
     def rejudge(**what: str) -> None:
-        act = ACTS["rejudge"]
-        with season.database.writing() as session:
-            doing = Doing(session, season.season, "anna", season.now)
-            act.do(doing, act.read({"track": "all", "submission": "all", "reason": "a disk failed", **what}))
+        season.act(ACTS["rejudge"], reason="a disk failed", **what)
 
     rejudge(submission="1")
     with pytest.raises(RefusalError, match="all are judged again already"):
         rejudge(submission="1")
     assert ranked(season) == [("foxes", 2), ("owls", 2)], "the old results count until then"
     assert play(season, 9.0) == 2
-    found = board(season)
-    assert found is not None
-    means = {row.team: row.metrics["time"].mean for row in found.rows}  # type: ignore[union-attr]
+    found = season.board("navigation")
+    means = {row.team: row.metrics["time"].mean for row in found.rows}
     assert means == {"foxes": 9.0, "owls": 1.0}
     assert counts(season) == {FINISHED: 6}
     with season.database.reading() as session:
@@ -304,8 +284,7 @@ def test_what_was_given_up_is_run_again_under_the_edition_in_force_alone(season:
     apply(season)
 
     def rerun() -> None:
-        with season.database.writing() as session:
-            ACTS["rerun"](Doing(session, season.season, "anna", season.now), number)
+        season.act(ACTS["rerun"], number)
 
     with pytest.raises(RefusalError, match="none of its matches was given up"):
         rerun()

@@ -7,7 +7,7 @@ from datetime import datetime, timedelta, tzinfo
 from pathlib import Path
 
 import pytest
-from tests.leaderboard.seasons_made import NOON, make_season
+from tests.leaderboard.seasons_made import NOON, make_season, opened
 
 from wildscav_leaderboard.conductor import lease
 from wildscav_leaderboard.conductor.conductor import Conductor
@@ -19,15 +19,19 @@ SECOND = timedelta(seconds=1)
 
 @pytest.fixture
 def sqlite(tmp_path: Path) -> Iterator[Database]:
-    database = Database(f"sqlite:///{tmp_path / 'season.db'}")
-    database.upgrade()
-    yield database
-    database.close()
+    with opened(make_season(tmp_path / "season")) as database:
+        yield database
 
 
 def acquire(database: Database, holder: str, after: float) -> Holding | None:
     with database.writing() as session:
         return lease.acquire(session, holder, NOON + after * SECOND)
+
+
+def held(database: Database, after: float = 0) -> Holding:
+    holding = acquire(database, "first", after)
+    assert holding is not None
+    return holding
 
 
 @pytest.mark.parametrize(
@@ -42,8 +46,8 @@ def acquire(database: Database, holder: str, after: float) -> Holding | None:
 )
 def test_who_gets_the_lease(database: Database, after: float, epoch: int | None) -> None:
     assert acquire(database, "first", 0) == Holding("first", 1)
-    held = acquire(database, "second", after)
-    assert held == (None if epoch is None else Holding("second", epoch))
+    expected = None if epoch is None else Holding("second", epoch)
+    assert acquire(database, "second", after) == expected
 
 
 class FastClock(datetime):
@@ -71,8 +75,7 @@ def test_a_host_whose_clock_is_ahead_takes_no_lease_that_is_held(
 
 
 def test_a_lease_that_is_renewed_lasts_and_one_that_is_given_back_is_free(sqlite: Database) -> None:
-    first = acquire(sqlite, "first", 0)
-    assert first is not None
+    first = held(sqlite)
     with sqlite.writing() as session:
         lease.renew(session, first, NOON + 20 * SECOND)
     assert acquire(sqlite, "second", 49) is None
@@ -84,8 +87,7 @@ def test_a_lease_that_is_renewed_lasts_and_one_that_is_given_back_is_free(sqlite
 
 
 def test_whoever_lost_the_lease_can_change_nothing(sqlite: Database) -> None:
-    first = acquire(sqlite, "first", 0)
-    assert first is not None
+    first = held(sqlite)
     acquire(sqlite, "second", 31)
     for act in (lease.renew, lease.release):
         with pytest.raises(LeaseLostError, match="another process"), sqlite.writing() as session:
@@ -114,8 +116,7 @@ def work_until_it_is_lost(database: Database, holding: Holding) -> None:
 
 
 def test_the_keeper_interrupts_the_work_when_the_lease_is_lost(sqlite: Database) -> None:
-    first = acquire(sqlite, "first", 0)
-    assert first is not None
+    first = held(sqlite)
     before = signal.getsignal(signal.SIGUSR1)
     ignored = signal.signal(signal.SIGINT, signal.SIG_IGN)  # as in the process of a season's conductor
     try:
@@ -127,8 +128,7 @@ def test_the_keeper_interrupts_the_work_when_the_lease_is_lost(sqlite: Database)
 
 
 def test_the_keeper_renews_the_lease_and_leaves_no_handler(sqlite: Database) -> None:
-    first = acquire(sqlite, "first", -86_400 * 10_000)
-    assert first is not None
+    first = held(sqlite, -86_400 * 10_000)
     with sqlite.reading() as session:
         begun = lease.check(session, first).until
     before = signal.getsignal(signal.SIGUSR1)

@@ -5,21 +5,18 @@ from pathlib import Path
 
 import pytest
 from sqlalchemy import select
-from sqlalchemy.orm import Session
 from tests.leaderboard.conductor.conducted import Conducted, conducting
 from tests.leaderboard.seasons_made import make_season
 
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_leaderboard.accounts.service import Caller, find_account
 from wildscav_leaderboard.conductor import attempts, steps
 from wildscav_leaderboard.conductor.lease import LeaseLostError
 from wildscav_leaderboard.conductor.models import Attempt
-from wildscav_leaderboard.conductor.plans import plan_ladders, plan_suites
+from wildscav_leaderboard.conductor.plans import plan_suites
 from wildscav_leaderboard.matches.models import LADDER, Match, MatchResult, MatchSeat
 from wildscav_leaderboard.organizing import acts
 from wildscav_leaderboard.organizing.status import status
-from wildscav_leaderboard.organizing.team_acts import do_team_act
-from wildscav_leaderboard.seasons.acts import Act, Doing
+from wildscav_leaderboard.seasons.acts import Act
 from wildscav_leaderboard.seasons.refusals import NotFoundError, RefusalError
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.service import history_of, move
@@ -43,15 +40,6 @@ def season(tmp_path: Path) -> Iterator[Conducted]:
         yield conducted
 
 
-def doing(season: Conducted, session: Session) -> Doing:
-    return Doing(session, season.season, "chief", season.now)
-
-
-def states_of(season: Conducted, number: int) -> list[str]:
-    with season.database.reading() as session:
-        return [one.state for one in history_of(session, session.get_one(Submission, number))]
-
-
 def given_up_by_losses(season: Conducted) -> None:
     """Take everything that waits, and lose it with its conductor, again and again."""
     for _ in range(attempts.MAX_LOST):
@@ -63,25 +51,21 @@ def given_up_by_losses(season: Conducted) -> None:
 
 def test_a_submission_goes_from_state_to_state_and_gets_the_matches_of_its_suite(season: Conducted) -> None:
     number = season.active()
-    assert states_of(season, number) == ["submitted", "queued", "building", "validating", "active"]
     with season.database.reading() as session:
+        history = history_of(session, session.get_one(Submission, number))
+        assert [one.state for one in history] == ["submitted", "queued", "building", "validating", "active"]
         matches = session.scalars(select(Match).order_by(Match.id)).all()
     assert [(one.track, one.number, one.group_id, one.priority) for one in matches] == [
         ("navigation", 0, number, 0),
         ("navigation", 1, number, 1),
     ]
-
-
-def test_planning_a_suite_twice_adds_nothing(season: Conducted) -> None:
-    number = season.active()
-    found = season.submission(number)
-    assert season.write(lambda session: plan_suites(session, season.season, found, season.now)) == 0
+    again = season.submission(number)
+    assert season.write(lambda session: plan_suites(session, season.season, again, season.now)) == 0
 
 
 def test_each_state_has_its_own_deadline(season: Conducted) -> None:
     number = season.hand_in()
-    attempt = season.take()
-    assert attempt is not None
+    attempt = season.taken()
     assert season.submission(number).deadline == attempt.deadline
     assert (attempt.deadline - season.now).total_seconds() == 100
     following = season.built(attempt.id)
@@ -130,17 +114,13 @@ def test_what_a_planned_stop_interrupts_waits_again_at_no_cost(season: Conducted
         assert status(session, season.season, season.now).faults == []
 
 
-def test_what_takes_every_conductor_with_it_is_given_up(season: Conducted) -> None:
+def test_what_takes_every_conductor_with_it_is_given_up_and_may_be_run_again(season: Conducted) -> None:
     number = season.hand_in()
     given_up_by_losses(season)
+
     one = season.submission(number)
     assert (one.state, one.fault, one.charged) == ("failed", "platform", False)
-
-
-def test_what_was_given_up_starts_from_the_beginning_when_it_is_run_again(season: Conducted) -> None:
-    number = season.hand_in()
-    given_up_by_losses(season)
-    season.write(lambda session: acts.rerun(doing(season, session), number))
+    season.act(acts.rerun, number)
     assert season.take() is not None
     season.take_over()
     season.expire()
@@ -152,7 +132,7 @@ def test_matches_that_were_given_up_are_played_again_from_the_beginning(season: 
     given_up_by_losses(season)
     assert season.match(1).state == season.match(2).state == "void"
     assert season.match(1).detail == "given up after 10 attempts: its conductor ended"
-    season.write(lambda session: acts.rerun(doing(season, session), number))
+    season.act(acts.rerun, number)
     assert len(season.take_matches(10)) == 2
     season.take_over()
     season.expire()
@@ -189,12 +169,10 @@ def test_a_match_whose_turn_never_came_is_no_fault(season: Conducted) -> None:
 
 def test_news_of_an_attempt_that_ended_is_old(season: Conducted) -> None:
     number = season.hand_in()
-    first = season.take()
-    assert first is not None
+    first = season.taken()
     season.wait(100)
     season.expire()
-    second = season.take()
-    assert second is not None
+    second = season.taken()
     assert (first.number, second.number) == (1, 2)
     assert season.built(first.id) is None
     assert not season.broke(first.id)
@@ -205,8 +183,7 @@ def test_news_of_an_attempt_that_ended_is_old(season: Conducted) -> None:
 
 def test_a_submission_that_was_withdrawn_meanwhile_goes_no_further(season: Conducted) -> None:
     number = season.hand_in()
-    attempt = season.take()
-    assert attempt is not None
+    attempt = season.taken()
     season.write(lambda session: move(session, session.get_one(Submission, number), "cancelled", season.now))
     assert season.built(attempt.id) is None
     assert season.submission(number).state == "cancelled"
@@ -214,20 +191,12 @@ def test_a_submission_that_was_withdrawn_meanwhile_goes_no_further(season: Condu
 
 def test_a_rejection_names_the_agent_and_is_charged(season: Conducted) -> None:
     number = season.hand_in()
-    attempt = season.take()
-    assert attempt is not None
+    attempt = season.taken()
 
     def reject() -> bool:
+        told = {"reason": "it crashed", "last_lines": ["oh"], "command": "wildscav check DIR"}
         return season.write(
-            lambda session: steps.rejected(
-                session,
-                season.holding,
-                attempt.id,
-                season.now,
-                reason="it crashed",
-                last_lines=["oh"],
-                command="wildscav check DIR",
-            )
+            lambda session: steps.rejected(session, season.holding, attempt.id, season.now, **told)  # type: ignore[arg-type]
         )
 
     assert reject()
@@ -263,7 +232,7 @@ def test_a_match_that_the_platform_breaks_is_given_up_in_the_end(season: Conduct
 def test_matches_of_whoever_left_are_given_up(season: Conducted) -> None:
     number = season.active()
     ((attempt, match),) = season.take_matches(1)
-    season.write(lambda session: acts.disqualify_submission(doing(season, session), number, reason="cheats"))
+    season.act(acts.disqualify_submission, number, reason="cheats")
     assert season.match(2).detail == f"withdrawn: submission {number} no longer takes part"
     assert season.broke(attempt.id)
     assert season.match(match.id).state == "waiting"
@@ -273,9 +242,8 @@ def test_matches_of_whoever_left_are_given_up(season: Conducted) -> None:
 
 def test_a_disqualified_team_takes_part_in_nothing(season: Conducted) -> None:
     active, building, waiting = season.active(), season.hand_in(), season.hand_in()
-    attempt = season.take()
-    assert attempt is not None
-    season.write(lambda session: acts.disqualify_team(doing(season, session), "foxes", reason="cheats"))
+    attempt = season.taken()
+    season.act(acts.disqualify_team, "foxes", reason="cheats")
     assert season.built(attempt.id) is None
     assert season.take() is None
     seen = [season.submission(number) for number in (active, building, waiting)]
@@ -286,57 +254,48 @@ def test_a_disqualified_team_takes_part_in_nothing(season: Conducted) -> None:
 def test_what_failed_is_not_run_again_for_a_disqualified_team(season: Conducted) -> None:
     number = season.hand_in()
     given_up_by_losses(season)
-    season.write(lambda session: acts.disqualify_team(doing(season, session), "foxes", reason="cheats"))
+    season.act(acts.disqualify_team, "foxes", reason="cheats")
     with pytest.raises(RefusalError, match="the team foxes is disqualified: cheats"):
-        season.write(lambda session: acts.rerun(doing(season, session), number))
+        season.act(acts.rerun, number)
 
 
-def test_an_older_submission_that_comes_later_replaces_nobody(season: Conducted) -> None:
+def test_a_newer_submission_replaces_the_oldest_one_and_an_older_one_nobody(season: Conducted) -> None:
     oldest = season.hand_in()
-    attempt = season.take()
-    assert attempt is not None
+    attempt = season.taken()
     newer = [season.active(), season.active()]
-    following = season.built(attempt.id)
-    assert following is not None
-    assert season.validated(following.id)
+    season.passed(attempt)
     one = season.submission(oldest)
     assert (one.state, one.reason) == ("disabled", "newer submissions of the team take part already")
     assert [season.submission(number).state for number in newer] == ["active", "active"]
+    season.wait(24 * 3600.0)  # until the team may submit again
+    season.take_over()
+    newest = season.active()
+    one = season.submission(newer[0])
+    assert (one.state, one.reason) == ("disabled", f"replaced by submission {newest}")
+    assert season.match(1).state == "void"
     with season.database.reading() as session:
         assert session.scalars(select(Match).filter_by(group_id=oldest)).all() == []
-
-
-def test_a_newer_submission_replaces_the_oldest_one(season: Conducted) -> None:
-    numbers = [season.active() for _ in range(3)]
-    one = season.submission(numbers[0])
-    assert (one.state, one.reason) == ("disabled", f"replaced by submission {numbers[2]}")
-    assert season.match(1).state == "void"
 
 
 def test_a_paused_season_begins_nothing_and_loses_nothing(season: Conducted) -> None:
     season.active()
     number = season.hand_in()
-    season.write(lambda session: acts.pause(doing(season, session), reason="the machine moves"))
+    season.act(acts.pause, reason="the machine moves")
     assert season.take() is None
     assert season.take_matches(5) == []
-    season.write(lambda session: acts.resume(doing(season, session)))
+    season.act(acts.resume)
     assert season.take() is not None
     assert len(season.take_matches(5)) == 2
     assert season.submission(number).state == "building"
 
 
 def test_what_was_taken_before_a_pause_and_has_not_begun_waits_again_at_no_cost(season: Conducted) -> None:
-    def begin(one: Attempt) -> bool:
-        return season.write(lambda session: steps.begun(session, season.holding, one.id, season.now))
-
     season.active()
-    (begun, playing), (taken, match) = season.write(
-        lambda session: steps.take_matches(session, season.season, season.holding, season.now, 2)
-    )
-    assert begin(begun)
-    season.write(lambda session: acts.pause(doing(season, session), reason="the machine moves"))
-    assert begin(begun)  # another try of a match that is being played
-    assert not begin(taken)
+    (begun, playing), (taken, match) = season.take_matches(2, begun=False)
+    assert season.begin(begun)
+    season.act(acts.pause, reason="the machine moves")
+    assert season.begin(begun)  # another try of a match that is being played
+    assert not season.begin(taken)
     assert [season.match(one.id).state for one in (playing, match)] == ["playing", "waiting"]
     assert season.match(match.id).platform_faults == 0
     with season.database.reading() as session:
@@ -349,7 +308,7 @@ def test_whoever_was_disqualified_by_mistake_goes_on_where_it_was(season: Conduc
     assert season.played(attempt, 5.0)
 
     def act(one: Act, *what: object) -> None:
-        season.write(lambda session: one(doing(season, session), *what, reason="a mistake"))
+        season.act(one, *what, reason="a mistake")
 
     for take_off, bring_back, what in (
         (acts.disqualify_submission, acts.requalify_submission, number),
@@ -371,13 +330,11 @@ def test_a_replaced_submission_takes_part_again_where_there_is_room(season: Cond
     oldest, second, third = (season.active() for _ in range(3))
 
     def reactivate() -> None:
-        season.write(lambda session: acts.reactivate(doing(season, session), oldest, reason="asked for"))
+        season.act(acts.reactivate, oldest, reason="asked for")
 
     with pytest.raises(RefusalError, match=f"and {second}, {third} do: disable one"):
         reactivate()
-    season.write(
-        lambda session: acts.disqualify_submission(doing(season, session), second, reason="it cheats")
-    )
+    season.act(acts.disqualify_submission, second, reason="it cheats")
     reactivate()
     assert season.submission(oldest).state == "active"
     assert season.match(1).state == "waiting"
@@ -386,19 +343,11 @@ def test_a_replaced_submission_takes_part_again_where_there_is_room(season: Cond
 BOTH = ("navigation", "battle")
 
 
-def decide(season: Conducted, act: str, number: int, team: str = "foxes") -> None:
-    """Let a member of a team do an act on a submission."""
-    with season.database.writing() as session:
-        account = find_account(session, f"{team}-captain")
-        assert account is not None
-        do_team_act(session, season.season, Caller(account), act, number, season.now)
-
-
 def test_the_cap_counts_for_each_track_and_a_submission_leaves_only_the_track_where_it_is_too_many(
     season: Conducted,
 ) -> None:
     both, second = season.active(tracks=BOTH), season.active(tracks=("battle",))
-    season.write(lambda session: plan_ladders(session, season.season, season.now))
+    season.plan()
     third = season.active(tracks=("battle",))
     one = season.submission(both)
     assert (one.state, one.playing) == ("active", ["navigation"])
@@ -408,9 +357,9 @@ def test_the_cap_counts_for_each_track_and_a_submission_leaves_only_the_track_wh
         found = session.execute(seats.where(MatchSeat.submission_id == both).distinct()).all()
     assert set(found) == {("navigation", "waiting"), ("battle", "void")}
     with pytest.raises(RefusalError, match=f"on battle, and {second}, {third} do: disable one"):
-        decide(season, "restore", both)
-    decide(season, "disable", second)
-    decide(season, "restore", both)
+        season.decide("restore", both)
+    season.decide("disable", second)
+    season.decide("restore", both)
     assert season.submission(both).playing == list(BOTH)
 
 
@@ -419,23 +368,23 @@ def test_a_team_disables_and_restores_its_submissions_and_keeps_their_results(se
     ((attempt, played), *_) = season.take_matches(1)
     assert season.played(attempt, 5.0)
     with pytest.raises(RefusalError, match=f"`wildscav team submissions disable {number}` ends that"):
-        decide(season, "cancel", number)
+        season.decide("cancel", number)
     with pytest.raises(NotFoundError, match="your team has no submission"):
-        decide(season, "disable", number, team="owls")
-    decide(season, "disable", number)
+        season.decide("disable", number, team="owls")
+    season.decide("disable", number)
     one = season.submission(number)
     assert (one.state, one.reason, season.match(2).state) == ("disabled", "disabled by its team", "void")
-    decide(season, "restore", number)
+    season.decide("restore", number)
     assert season.submission(number).state == "active"
     assert [season.match(one).state for one in (played.id, 2)] == ["finished", "waiting"]
-    season.write(lambda session: acts.disqualify_submission(doing(season, session), number, reason="cheats"))
+    season.act(acts.disqualify_submission, number, reason="cheats")
     with pytest.raises(RefusalError, match="only the organizers can take that back"):
-        decide(season, "restore", number)
+        season.decide("restore", number)
 
 
 def test_what_is_kept_is_not_replaced_unless_a_submission_names_it(season: Conducted) -> None:
     first, second = season.active(), season.active()
-    decide(season, "keep", first)
+    season.decide("keep", first)
     third = season.active()
     assert [season.submission(one).state for one in (first, second, third)] == [
         "active",
@@ -443,14 +392,14 @@ def test_what_is_kept_is_not_replaced_unless_a_submission_names_it(season: Condu
         "active",
     ]
     season.wait(24 * 3600)  # or the quota of the day would be used up
-    decide(season, "keep", third)
+    season.decide("keep", third)
     with pytest.raises(
         RefusalError, match=f"{first}, {third} do, all of them kept: `wildscav team submissions rel"
     ):
         season.hand_in()
-    decide(season, "release", third)
+    season.decide("release", third)
     with pytest.raises(RefusalError, match="is active and not kept"):
-        decide(season, "release", third)
+        season.decide("release", third)
     with pytest.raises(RefusalError, match=f"no submission {second} that takes part on navigation"):
         season.hand_in(replaces=second)
     fourth = season.active(replaces=first)
@@ -490,8 +439,8 @@ def test_a_ladder_makes_games_ahead_and_seats_no_team_twice(season: Conducted) -
     season.active("foxes", ("battle",))
     season.active("owls", ("battle",))
     # Three are to wait, and games are of two matches.
-    assert season.write(lambda session: plan_ladders(session, season.season, season.now)) == 4
-    assert season.write(lambda session: plan_ladders(session, season.season, season.now)) == 0
+    assert season.plan() == 4
+    assert season.plan() == 0
     with season.database.reading() as session:
         assert [*session.scalars(select(Match.number).filter_by(kind=LADDER))] == [0, 1, 2, 3]
         for match in session.scalars(select(Match).filter_by(kind=LADDER)):
@@ -505,7 +454,7 @@ def test_a_ladder_goes_on_until_everyone_has_enough_matches(season: Conducted) -
     number = season.active("foxes", ("battle",))
     played = 0
     for _ in range(20):
-        season.write(lambda session: plan_ladders(session, season.season, season.now))
+        season.plan()
         for attempt, _match in season.take_matches(10):
             played += season.played(attempt)
     assert played == 4

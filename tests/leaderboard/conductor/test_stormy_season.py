@@ -200,12 +200,7 @@ class StormySeason(Storm):
             self.step(process, fate, lambda session, now: steps.begun(session, process.holding, number, now))
 
     @precondition(lambda self: any(one.past for one in self.processes.values()))
-    @rule(
-        name=whoever_conducts,
-        chance=chances,
-        how=st.sampled_from(("well", "badly", "broken")),
-        fate=fates,
-    )
+    @rule(name=whoever_conducts, chance=chances, how=st.sampled_from(("well", "badly", "broken")), fate=fates)
     def old_news_comes_again(self, name: str | None, chance: int, how: str, fate: int) -> None:
         past = [number for one in self.processes.values() for number in one.past]
         self.bring_news(self.process(name), past[-1 - chance % min(len(past), 4)], how, fate, chance)

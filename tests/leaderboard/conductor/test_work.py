@@ -1,4 +1,4 @@
-"""What the conductor keeps of a match that was played."""
+"""The work that the conductor hands out: in which sandbox, on what, and what it keeps of it."""
 
 import re
 from dataclasses import replace
@@ -7,17 +7,27 @@ from pathlib import Path
 import pytest
 from tests.evaluator.sandbox.available import missing
 from tests.leaderboard.agents import write_agent
-from tests.leaderboard.seasons_made import NOON, checked, make_season
+from tests.leaderboard.seasons_made import NOON, changed, checked, make_season
 
 from wildscav.errors import UserError
 from wildscav_engine.storage.files import write_whole
+from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_evaluator.matches.jobs import Job, JobResult
 from wildscav_evaluator.output.results import MatchRow
 from wildscav_evaluator.sandbox import SandboxError
 from wildscav_evaluator.sandbox.containers.container_engine import call, find_engine
 from wildscav_evaluator.sandbox.limits import DEFAULT_LIMITS
 from wildscav_evaluator.submissions import images
-from wildscav_leaderboard.conductor.work import Rejection, build, job_of, keep_record, trial_of, validate
+from wildscav_leaderboard.conductor.work import (
+    VARIABLE,
+    Rejection,
+    build,
+    chosen_sandbox,
+    job_of,
+    keep_record,
+    trial_of,
+    validate,
+)
 from wildscav_leaderboard.matches.models import (
     FINAL,
     FINAL_ROUND,
@@ -28,7 +38,9 @@ from wildscav_leaderboard.matches.models import (
     MatchSeat,
 )
 from wildscav_leaderboard.matches.record_files import record_digest
+from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.submissions.archives import archive_name
+from wildscav_server.monitoring.logs import open_log
 
 
 @pytest.fixture
@@ -167,3 +179,37 @@ def test_a_match_without_a_record_is_refused(result: JobResult) -> None:
     without = replace(result, row=result.row.model_copy(update={"record": None}))
     with pytest.raises(UserError, match="the match match-1 has no record"):
         keep_record(without)
+
+
+@pytest.fixture
+def untold(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Season:
+    """A season whose settings name no sandbox, on a machine without the programs that sandboxes need."""
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv(VARIABLE, raising=False)
+    season = make_season(tmp_path / "season")
+    return changed(season, execution=season.settings.execution.model_copy(update={"sandbox": None}))
+
+
+@pytest.mark.parametrize(
+    ("named", "says"),
+    [
+        ("", r"no sandbox works here .+ sandbox = 'process' in the settings"),
+        ("bubblewrap", "the sandbox bubblewrap cannot be kept here"),  # for all seasons
+    ],
+)
+def test_agents_of_strangers_run_in_a_sandbox_or_not_at_all(
+    untold: Season, monkeypatch: pytest.MonkeyPatch, named: str, says: str
+) -> None:
+    monkeypatch.setenv(VARIABLE, named)
+    with pytest.raises(UserError, match=says):
+        chosen_sandbox(untold, LocalExecutor(1), open_log(None))
+
+
+def test_the_settings_may_ask_for_none_and_the_warning_names_what_an_organizer_can_set(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    season = make_season(tmp_path / "trusting")
+    assert chosen_sandbox(season, LocalExecutor(1), open_log("text")) == "process"
+    said = "".join(capsys.readouterr())
+    assert "set sandbox = 'bubblewrap' or 'oci' under [execution]" in said
+    assert "--sandbox" not in said

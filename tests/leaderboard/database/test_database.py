@@ -21,6 +21,14 @@ from wildscav_leaderboard.seasons.state import read_state, write_state
 NOON = datetime(2030, 6, 1, 12, tzinfo=UTC)
 
 
+WELCOME = {"at": NOON, "author": "ada", "title": "Welcome", "text": ""}
+
+
+def announced(database: Database) -> int:
+    with database.reading() as session:
+        return session.scalar(select(func.count()).select_from(Announcement)) or 0
+
+
 def count_up(database: Database) -> None:
     with database.writing() as session:
         old = read_state(session, "counter") or {"value": 0}
@@ -37,21 +45,19 @@ def test_no_change_is_lost_when_many_write_at_once(database: Database) -> None:
 def test_an_error_leaves_nothing_half_written(database: Database) -> None:
     def fail() -> None:
         with database.writing() as session:
-            session.add(Announcement(at=NOON, author="ada", title="Welcome", text=""))
+            session.add(Announcement(**WELCOME))
             session.flush()
             raise ZeroDivisionError
 
     with pytest.raises(ZeroDivisionError):
         fail()
-    with database.reading() as session:
-        assert session.scalar(select(func.count()).select_from(Announcement)) == 0
+    assert announced(database) == 0
 
 
 def test_what_a_reader_changes_is_lost(database: Database) -> None:
     with database.reading() as session:
-        session.add(Announcement(at=NOON, author="ada", title="Welcome", text=""))
-    with database.reading() as session:
-        assert session.scalar(select(func.count()).select_from(Announcement)) == 0
+        session.add(Announcement(**WELCOME))
+    assert announced(database) == 0
 
 
 def test_a_reader_sees_one_state_while_others_write(database: Database) -> None:
@@ -65,7 +71,7 @@ def test_a_reader_sees_one_state_while_others_write(database: Database) -> None:
 
 def test_a_moment_keeps_its_time_zone(database: Database) -> None:
     with database.writing() as session:
-        session.add(Announcement(at=NOON, author="ada", title="Welcome", text=""))
+        session.add(Announcement(**WELCOME))
     with database.reading() as session:
         assert session.scalars(select(Announcement)).one().at == NOON
 

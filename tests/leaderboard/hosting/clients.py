@@ -4,15 +4,51 @@ import sqlite3
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import httpx
 from fastapi import FastAPI
 from sqlalchemy import select
-from tests.leaderboard.filled_season import COOKIE, FilledSeason, Person
+from tests.leaderboard.filled_season import COOKIE, FilledSeason
+from tests.leaderboard.spectating.served import served
 
 from wildscav_leaderboard.accounts.models import Account, Token
 from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.hosting.app import create_app
+from wildscav_leaderboard.seasons.folder import Season
+
+
+@contextmanager
+def serving(
+    season: Season, database: Database, *, renders: bool = True, **more: Any
+) -> Iterator[tuple[FastAPI, httpx.Client]]:
+    """Serve a season, and give the application and a client of it; perhaps it can render nothing."""
+    app = create_app(season, database, **more)
+    if not renders:
+        app.state.renders.close()
+    with served(app) as address, httpx.Client(base_url=address, timeout=60.0) as client:
+        yield app, client
+    app.state.renders.close()
+
+
+class Site(NamedTuple):
+    """A filled season that is served."""
+
+    filled: FilledSeason
+    app: FastAPI
+    client: httpx.Client
+
+    def ask(self, asker: str, path: str, method: str = "GET", body: Any = None) -> httpx.Response:
+        """Send a request for somebody; see ``ask``. The path has places for what is in the season."""
+        named = path.format(**self.filled.submissions, **self.filled.matches)
+        return ask(self.client, self.filled, asker, method, named, body)
+
+
+@contextmanager
+def serving_filled(filled: FilledSeason, *, renders: bool = True) -> Iterator[Site]:
+    """Serve a filled season."""
+    with serving(filled.season, filled.database, renders=renders) as (app, client):
+        yield Site(filled, app, client)
 
 
 def ask(
@@ -36,13 +72,12 @@ def ask(
     headers = {} if person is None else {"Cookie": f"{COOKIE}={person.cookie}", "X-CSRF": person.csrf}
     if body is None:
         return client.request(method, path, headers=headers)
-    form = {"content": body} if isinstance(body, str) else {"data": form_of(person, body)}
+    form = (
+        {"content": body}
+        if isinstance(body, str)
+        else {"data": {**body, "csrf": "none" if person is None else person.csrf}}
+    )
     return client.request(method, path, headers=headers, **form)
-
-
-def form_of(person: Person | None, fields: dict[str, str]) -> dict[str, str]:
-    """Return the fields of a form as the person's own page sends it."""
-    return {**fields, "csrf": "none" if person is None else person.csrf}
 
 
 def numbers_of(filled: FilledSeason) -> dict[str, int]:

@@ -1,14 +1,12 @@
 """The API does what its OpenAPI description says, whatever it is asked: schemathesis asks."""
 
 from collections.abc import Callable, Iterator
-from typing import Any, NamedTuple
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from tests.leaderboard.filled_season import HOSTILE, FilledSeason
-from tests.leaderboard.spectating.served import served
-
-from wildscav_leaderboard.hosting.app import create_app
+from tests.leaderboard.hosting.clients import Site, serving_filled
 
 schemathesis = pytest.importorskip("schemathesis", reason="needs schemathesis: pip install schemathesis")
 checks = pytest.importorskip("schemathesis.specs.openapi.checks")
@@ -22,33 +20,24 @@ CHECKS = [
 ]
 
 
-class Asked(NamedTuple):
-    """A served season, and the description of its API."""
-
-    filled: FilledSeason
-    schema: Any
-
-
 @pytest.fixture(scope="module")
-def asked(new_filled_season: Callable[..., FilledSeason]) -> Iterator[Asked]:
-    filled = new_filled_season(words=HOSTILE)
-    app = create_app(filled.season, filled.database)
-    with served(app) as address:
-        yield Asked(filled, schemathesis.openapi.from_url(f"{address}/api/v1/openapi.json", timeout=60))
-    app.state.renders.close()
-    filled.database.close()
+def site(new_filled_season: Callable[..., FilledSeason]) -> Iterator[Site]:
+    with serving_filled(new_filled_season(words=HOSTILE)) as site:
+        yield site
 
 
 def without_token(headers: Any) -> dict[str, str]:
     return {name: value for name, value in (headers or {}).items() if name.lower() != "authorization"}
 
 
-def ask(asked: Asked, asker: str) -> list[str]:
-    """Send requests to every operation, valid ones and others; return what went wrong."""
-    person = asked.filled.people.get(asker)
+@pytest.mark.parametrize("asker", ["visitor", "owner", "organizer"])
+def test_answers_are_as_described_whatever_is_asked(site: Site, asker: str) -> None:
+    """Every operation is sent valid requests and others."""
+    schema = schemathesis.openapi.from_url(f"{site.client.base_url}/api/v1/openapi.json", timeout=60)
+    person = site.filled.people.get(asker)
     headers = {} if person is None else {"Authorization": f"Bearer {person.token}"}
     wrong: list[str] = []
-    for found in asked.schema.get_all_operations():
+    for found in schema.get_all_operations():
         operation = found.ok()
         if "/tokens/current" in operation.path:
             continue  # whoever asks would be nobody afterwards
@@ -73,10 +62,4 @@ def ask(asked: Asked, asker: str) -> list[str]:
                 )
 
         send()
-    return wrong
-
-
-@pytest.mark.parametrize("asker", ["visitor", "other", "owner", "organizer"])
-def test_answers_are_as_described_whatever_is_asked(asked: Asked, asker: str) -> None:
-    wrong = ask(asked, asker)
     assert not wrong, "\n".join(wrong)

@@ -7,35 +7,23 @@ from pathlib import Path
 
 import httpx
 import pytest
-from fastapi import FastAPI
 from tests.leaderboard.filled_season import COOKIE, PASSWORD, FilledSeason
-from tests.leaderboard.hosting.clients import copied_database, numbers_of
+from tests.leaderboard.hosting.clients import Site, copied_database, numbers_of
 from tests.leaderboard.hosting.route_table import TABLE, Line
-from tests.leaderboard.spectating.served import served
-
-from wildscav_leaderboard.hosting.app import create_app
 
 WITHOUT_SESSION = {"/login", "/register"}  # forms for those who are not logged in
 FORMS = [line for line in TABLE if line.route.startswith("POST /") and line.is_page]
 NAMED = {"name": "owls", "password": PASSWORD}
 
 
-@pytest.fixture(scope="module")
-def app(hostile_season: FilledSeason) -> Iterator[FastAPI]:
-    made = create_app(hostile_season.season, hostile_season.database)
-    yield made
-    made.state.renders.close()
-
-
-@pytest.fixture(scope="module")
-def client(app: FastAPI) -> Iterator[httpx.Client]:
-    with served(app) as address, httpx.Client(base_url=address, timeout=60.0) as client:
-        yield client
+@pytest.fixture
+def client(hostile_site: Site) -> httpx.Client:
+    return hostile_site.client
 
 
 @pytest.fixture
-def copy(app: FastAPI, hostile_season: FilledSeason, tmp_path: Path) -> Iterator[Path]:
-    with copied_database(app, hostile_season, tmp_path) as path:
+def copy(hostile_site: Site, tmp_path: Path) -> Iterator[Path]:
+    with copied_database(hostile_site.app, hostile_site.filled, tmp_path) as path:
         yield path
 
 

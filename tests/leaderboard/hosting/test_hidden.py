@@ -19,15 +19,13 @@ from fastapi.routing import iter_route_contexts
 from sqlalchemy import delete, select
 from sqlalchemy.orm import Session
 from tests.leaderboard.filled_season import COOKIE, FilledSeason
-from tests.leaderboard.hosting.clients import ask, copied_database, numbers_of
+from tests.leaderboard.hosting.clients import ask, copied_database, numbers_of, serving_filled
 from tests.leaderboard.hosting.route_table import TABLE
 from tests.leaderboard.made_once import made_once
-from tests.leaderboard.spectating.served import served
 
 from wildscav.notes import note_line
 from wildscav_leaderboard.access.rate_limits import Use
 from wildscav_leaderboard.database.connection import Database
-from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.matches.models import FINISHED, LADDER, SUITE, Match, MatchResult, MatchSeat
 from wildscav_leaderboard.organizing import finalizing
 from wildscav_leaderboard.seasons import state as season_state
@@ -121,15 +119,15 @@ def walk(hostile_season: FilledSeason, shared: Path) -> Walk:
 def _walk(filled: FilledSeason, folder: Path) -> None:
     """Ask for everything in a season that is marked, and write the answers into a folder."""
     folder.mkdir()
-    app = create_app(filled.season, filled.database)
-    app.state.renders.close()  # so that nobody waits for what cannot be rendered
+    stack = ExitStack()
+    _, app, client = stack.enter_context(serving_filled(filled, renders=False))  # so that nobody waits
     routes = {
         f"GET {route.path}"
         for route in iter_route_contexts(app.routes)
         if "GET" in (getattr(route, "methods", None) or ())
     }
     answers: list[Answer] = []
-    with ExitStack() as stack:
+    with stack:
         copy = stack.enter_context(copied_database(app, filled, folder))
         with Database(f"sqlite:///{copy}").writing() as session:
             matches = marked(session, filled)
@@ -140,8 +138,6 @@ def _walk(filled: FilledSeason, folder: Path) -> None:
             )
             stack.callback(log.unlink)
         paths = paths_of(routes, filled, matches)
-        address = stack.enter_context(served(app))
-        client = stack.enter_context(httpx.Client(base_url=address, timeout=60.0))
         for state in STATES:
             with Database(f"sqlite:///{copy}").writing() as session:
                 enter(session, filled, state, matches)
@@ -225,17 +221,14 @@ def paths_of(routes: set[str], filled: FilledSeason, matches: dict[str, int]) ->
             filled_in = re.sub(r"\{submission\}|\{number\}", str(owner), path).replace("{track}", "battle")
             found.add((route, f"{filled_in}?track=battle"))
             found |= {(route, f"{filled_in}?track=battle&before={one + 1}") for one in matches.values()}
-    lists = "/api/v1/matches"
+    lists, audited = "/api/v1/matches", "/api/v1/audit/tracks/{track}.ndjson"
     found |= {(f"GET {lists}", f"{lists}?before={one + 1}&limit=2") for one in matches.values()}
-    audited = "/api/v1/audit/tracks/{track}.ndjson"
-    return sorted(
-        found
-        | {
-            (f"GET {audited}", f"{audited.replace('{track}', track)}?audience={audience}")
-            for track in ("navigation", "battle")
-            for audience in ("public", "season")
-        }
-    )
+    found |= {
+        (f"GET {audited}", f"{audited.format(track=track)}?audience={audience}")
+        for track in ("navigation", "battle")
+        for audience in ("public", "season")
+    }
+    return sorted(found)
 
 
 def test_every_route_that_is_read_is_walked(walk: Walk) -> None:
@@ -293,20 +286,15 @@ def test_shared_caches_may_keep_only_what_is_the_same_for_everyone(walk: Walk) -
     assert all(len(contents) == 1 for contents in same.values())
 
 
-def test_organizers_read_hidden_files_in_their_browser(
-    hostile_season: FilledSeason,
-) -> None:
+def test_organizers_read_hidden_files_in_their_browser(hostile_season: FilledSeason) -> None:
     """Pages load files with the cookie alone."""
-    app = create_app(hostile_season.season, hostile_season.database)
-    app.state.renders.close()
-    path = f"/api/v1/matches/{hostile_season.matches['own_suite']}/record"
-    with served(app) as address, httpx.Client(base_url=address, timeout=60.0) as client:
-        got = {
-            asker: client.get(path, headers={"Cookie": f"{COOKIE}={hostile_season.people[asker].cookie}"})
+    path = "/api/v1/matches/{own_suite}"
+    with serving_filled(hostile_season, renders=False) as site:
+        record = f"{path}/record".format(**hostile_season.matches)
+        got = [
+            site.client.get(record, headers={"Cookie": f"{COOKIE}={hostile_season.people[asker].cookie}"})
             for asker in ("owner", "organizer")
-        }
-        page = ask(
-            client, hostile_season, "organizer", "GET", path.removeprefix("/api/v1")[: -len("/record")]
-        )
-    assert (got["owner"].status_code, got["organizer"].status_code) == (403, 200)
+        ]
+        page = site.ask("organizer", path.removeprefix("/api/v1"))
+    assert [one.status_code for one in got] == [403, 200]
     assert "data-trails" in page.text

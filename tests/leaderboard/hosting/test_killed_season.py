@@ -1,29 +1,161 @@
 """Whatever is killed at whatever moment: nothing is lost, nothing is done twice, nothing is stuck."""
 
-import random
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
+import httpx
 import pytest
-from tests.leaderboard.hosting.killed_season import KilledSeason
+from sqlalchemy import func, select
+from tests.leaderboard.agents import write_agent
+from tests.leaderboard.conductor.season_promises import check_always, check_quiet
 from tests.leaderboard.postgresql import PostgreSQL, missing, postgresql_server
+from tests.leaderboard.seasons_made import make_season, team_with_member
+from tests.ports import free_ports
+
+from wildscav_leaderboard.accounts.service import new_token
+from wildscav_leaderboard.boards.kept import read_board
+from wildscav_leaderboard.conductor.plans import plan_ladders
+from wildscav_leaderboard.conductor.validators import now
+from wildscav_leaderboard.database.connection import Database, DatabaseError
+from wildscav_leaderboard.matches.models import FINISHED, PLAYING, WAITING, Match, MatchResult
+from wildscav_leaderboard.matches.record_files import record_digest
+from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.submissions import states
+from wildscav_leaderboard.submissions.models import Submission
+from wildscav_leaderboard.submissions.packing import pack
 
 pytestmark = [pytest.mark.slow, pytest.mark.long]
-SUBMISSIONS = 1
+MORE = """
+matches = 2
+waiting = 4
+
+[deadlines]
+attempts = 10
+
+[web]
+port = {port}
+requests_per_minute = 100000
+"""
+PATIENCE = 600.0  # s
 
 
-def storm(folder: Path, server: PostgreSQL | None, seed: int, rounds: int) -> None:
-    season = KilledSeason(folder, SUBMISSIONS, server, random.Random(seed))  # noqa: S311 (no secret)
-    with season.served():
-        season.storm(rounds)
-        season.check()
-    season.database.close()
+def until(condition: Callable[[], bool]) -> None:
+    """Wait for something."""
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.5)
 
 
-def test_killing_web_conductor_and_workers(tmp_path: Path) -> None:
-    storm(tmp_path, None, seed=1, rounds=1)
+@contextmanager
+def served(season: Season, url: str) -> Iterator[dict[str, int]]:
+    """Serve a season until the end of the block by a process for each part; give their numbers."""
+    environment = os.environ | {"WILDSCAV_SEASON_DATABASE": url, "WILDSCAV_QUIET": "1"}
+    command = [str(Path(sys.executable).with_name("wildscav")), "season", "serve", str(season.folder)]
+    with ExitStack() as stack:
+        processes = {}
+        for part in ("web", "conductor"):
+            log = stack.enter_context((season.folder.parent / f"{part}.log").open("wb"))
+            started = subprocess.Popen([*command, f"--{part}"], env=environment, stdout=log, stderr=log)
+            processes[part] = stack.enter_context(started).pid
+            stack.callback(started.terminate)
+        yield processes
 
 
-@pytest.mark.skipif(bool(missing()), reason=missing())
-def test_killing_the_database_too(tmp_path: Path) -> None:
-    with postgresql_server() as server:
-        storm(tmp_path, server, seed=2, rounds=1)
+def children(process: int) -> list[int]:
+    """Return the processes of Python that one of ours has started, but not its tracker of resources."""
+    found: list[int] = []
+    for task in Path(f"/proc/{process}/task").glob("*"):
+        with suppress(OSError):
+            found += map(int, (task / "children").read_text().split())
+    return [one for one in found if b"spawn_main" in command_of(one)]
+
+
+def command_of(process: int) -> bytes:
+    with suppress(OSError):
+        return Path(f"/proc/{process}/cmdline").read_bytes()
+    return b""
+
+
+def kill(processes: list[int]) -> bool:
+    """Kill one of some processes, if there is one."""
+    with suppress(ProcessLookupError, IndexError):
+        os.kill(processes[0], signal.SIGKILL)
+        return True
+    return False
+
+
+def crash(server: PostgreSQL) -> bool:
+    server.stop("immediate")
+    server.start()
+    return True
+
+
+def is_quiet(database: Database, season: Season) -> bool:
+    with suppress(DatabaseError), database.reading() as session:
+        left = select(func.count()).where(Submission.state.in_(states.ON_THE_WAY))
+        matches = select(func.count()).where(Match.state.in_((WAITING, PLAYING)))
+        board = read_board(session, "navigation")
+        is_shown = board is not None and all(row.rank is not None for row in board.rows)
+        is_over = is_shown and not session.scalar(left) and not session.scalar(matches)
+        return is_over and plan_ladders(session, season, now()) == 0  # what it plans here is not stored
+    return False  # the database was killed just now
+
+
+def is_taken(client: httpx.Client, archive: Path, token: str) -> bool:
+    """Hand an archive in, as a patient client does until the season says that it is there."""
+    headers = {"Authorization": f"Bearer {token}"}
+    with suppress(httpx.HTTPError):
+        answer = client.post("/api/v1/submissions", content=archive.read_bytes(), headers=headers)
+        # It was stored before, and the answer was lost.
+        return answer.status_code == 201 or "has the same content" in answer.text
+    return False
+
+
+def is_answered(client: httpx.Client) -> bool:
+    with suppress(httpx.HTTPError):
+        return client.get("/ready").status_code == client.get("/boards/navigation").status_code == 200
+    return False
+
+
+def test_web_conductor_workers_and_database_are_killed(tmp_path: Path) -> None:
+    port, archive = free_ports(), tmp_path / "walker.tar.gz"
+    season = make_season(tmp_path / "season", MORE.format(port=port), current=True)
+    pack(write_agent(tmp_path, "walker", tracks='["navigation", "battle"]'), archive)
+    with ExitStack() as stack:
+        server = None if missing() else stack.enter_context(postgresql_server())
+        database = Database(season.database_url if server is None else server.new_database())
+        stack.callback(database.close)
+        database.upgrade()
+        with database.writing() as session:
+            token = new_token(session, team_with_member(session, "foxes")[1], "storm", now())
+        url = database.url.render_as_string(hide_password=False)
+        parts = stack.enter_context(served(season, url))
+        client = stack.enter_context(httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=60))
+        until(lambda: is_taken(client, archive, token))
+        kills: list[Callable[[], bool]] = [
+            lambda: kill(children(parts["web"])),
+            # Not the agents: one that is killed has failed by its own fault, as far as anyone can see.
+            lambda: kill([one for part in children(parts["conductor"]) for one in children(part)]),
+            lambda: server is None or crash(server),
+            lambda: kill(children(parts["conductor"])),
+        ]
+        for one in kills:
+            until(one)
+            time.sleep(1.0)
+        until(lambda: is_quiet(database, season))
+        with database.reading() as session:
+            check_always(session, season)
+            check_quiet(session, season)
+            assert [one.state for one in session.scalars(select(Submission))] == [states.ACTIVE]
+            assert set(session.scalars(select(Match.state))) == {FINISHED}
+            for result in session.scalars(select(MatchResult)):
+                path = season.match_folder(result.match_id) / result.row["record"]
+                assert record_digest(path.read_bytes()) == result.record
+        until(lambda: is_answered(client))

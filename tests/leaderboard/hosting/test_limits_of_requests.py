@@ -2,49 +2,48 @@
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 import httpx
 import pytest
 from tests.leaderboard.filled_season import PASSWORD
-from tests.leaderboard.seasons_made import NOON, make_season
-from tests.leaderboard.spectating.served import served
+from tests.leaderboard.hosting.clients import serving
+from tests.leaderboard.seasons_made import NOON, changed, make_season, opened
 
 from wildscav_leaderboard.access import logins
+from wildscav_leaderboard.access.rate_limits import AddressCounts
 from wildscav_leaderboard.accounts.passwords import hashed
 from wildscav_leaderboard.accounts.service import add_account, new_token
-from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.settings import Quotas
 from wildscav_leaderboard.teams.service import make_team
 
 PIECE = bytes(64 << 10)
 
 
-class Arena:
+WRONG, RIGHT = ({"name": "owls", "password": password} for password in ("a wrong password", PASSWORD))
+
+
+class Arena(NamedTuple):
     """A served season with one team, and its member's token."""
 
-    def __init__(self, season: Season, client: httpx.Client, token: str) -> None:
-        self.season, self.files, self.client, self.token = season, season.files, client, token
+    season: Season
+    client: httpx.Client
+    token: str
 
 
 @pytest.fixture
 def arena(tmp_path: Path, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Iterator[Arena]:
     monkeypatch.setattr(logins, "LONGEST_PAUSE", 0.0)
     more = f"[web]\nrequests_per_minute = {getattr(request, 'param', 1000)}\n"
-    season = make_season(tmp_path / "season", more, current=True)
-    settings = season.settings.model_copy(
-        update={"quotas": season.settings.quotas.model_copy(update={"archive": 1})}
-    )
-    season = type(season)(season.folder, settings)
-    database = season.database()
-    database.upgrade()
-    with database.writing() as session:
-        account = add_account(session, "owls", hashed(PASSWORD), "competitor", NOON)
-        make_team(session, account, "owls", "", NOON)
-        token = new_token(session, account, "test", NOON)
-    app = create_app(season, database)
-    with served(app) as address, httpx.Client(base_url=address, timeout=60.0) as client:
-        yield Arena(season, client, token)
-    database.close()
+    season = changed(make_season(tmp_path / "season", more, current=True), quotas=Quotas(archive=1))
+    with opened(season) as database:
+        with database.writing() as session:
+            account = add_account(session, "owls", hashed(PASSWORD), "competitor", NOON)
+            make_team(session, account, "owls", "", NOON)
+            token = new_token(session, account, "test", NOON)
+        with serving(season, database) as (_, client):
+            yield Arena(season, client, token)
 
 
 def pieces(count: int, sent: list[int]) -> Iterator[bytes]:
@@ -55,51 +54,41 @@ def pieces(count: int, sent: list[int]) -> Iterator[bytes]:
 
 @pytest.mark.parametrize("path", ["/login", "/api/v1/tokens"])
 def test_passwords_cannot_be_guessed_by_trying(arena: Arena, path: str) -> None:
-    wrong = {"name": "owls", "password": "a wrong password"}
     kind = "json" if path.startswith("/api") else "data"
-    statuses = [arena.client.post(path, **{kind: wrong}).status_code for _ in range(10)]
-    assert statuses == [401] * 10
-
-    right = arena.client.post(path, **{kind: {"name": "owls", "password": PASSWORD}})
-
-    assert right.status_code == 429
-    assert "too often: try again in" in right.text
+    assert [arena.client.post(path, **{kind: WRONG}).status_code for _ in range(10)] == [401] * 10
+    refused = arena.client.post(path, **{kind: RIGHT})
+    assert (refused.status_code, "too often: try again in" in refused.text) == (429, True)
 
 
 def test_the_page_and_the_api_count_passwords_together(arena: Arena) -> None:
-    wrong = {"name": "owls", "password": "a wrong password"}
     for _ in range(5):
-        arena.client.post("/login", data=wrong)
-        arena.client.post("/api/v1/tokens", json=wrong)
+        arena.client.post("/login", data=WRONG)
+        arena.client.post("/api/v1/tokens", json=WRONG)
 
-    assert arena.client.post("/login", data=wrong).status_code == 429
+    assert arena.client.post("/login", data=WRONG).status_code == 429
 
 
 def test_web_servers_of_one_season_count_together(arena: Arena) -> None:
-    wrong = {"name": "owls", "password": "a wrong password"}
-    other = arena.season.database()
-    with served(create_app(arena.season, other)) as address:
+    with opened(arena.season) as other, serving(arena.season, other) as (_, second):
         for _ in range(5):
-            arena.client.post("/login", data=wrong)
-            httpx.post(f"{address}/login", data=wrong)
-        assert httpx.post(f"{address}/login", data=wrong).status_code == 429
-    other.close()
+            arena.client.post("/login", data=WRONG)
+            second.post("/login", data=WRONG)
+        assert second.post("/login", data=WRONG).status_code == 429
 
 
-def tried(arena: Arena, address: str, password: str = PASSWORD) -> int:
+def tried(arena: Arena, address: str, body: dict[str, str] = RIGHT) -> int:
     """Try a password from an address; return the status."""
-    body = {"name": "owls", "password": password}
     headers = {"X-Forwarded-For": address}
     return arena.client.post("/api/v1/tokens", json=body, headers=headers).status_code
 
 
 def test_nobody_is_locked_out_by_wrong_tries_of_others(arena: Arena) -> None:
-    assert {tried(arena, f"192.0.2.{number}", "a wrong password") for number in range(15)} == {401}
+    assert {tried(arena, f"192.0.2.{number}", WRONG) for number in range(15)} == {401}
     assert tried(arena, "198.51.100.1") == 201
 
 
 def test_a_network_of_version_6_counts_as_one_address(arena: Arena) -> None:
-    wrong = [tried(arena, f"2001:db8:0:1::{number:x}", "a wrong password") for number in range(11)]
+    wrong = [tried(arena, f"2001:db8:0:1::{number:x}", WRONG) for number in range(11)]
     assert wrong == [401] * 10 + [429]
     assert tried(arena, "2001:db8:0:2::1") == 201
 
@@ -142,7 +131,7 @@ def test_an_archive_that_is_too_large_is_not_read_to_its_end_and_leaves_no_file(
     except httpx.TransportError:
         pass  # the server closed the connection while the client was still sending
     assert len(sent) < 4000
-    assert [path for path in arena.files.rglob("*") if path.is_file()] == []
+    assert [path for path in arena.season.files.rglob("*") if path.is_file()] == []
 
 
 def test_an_archive_that_is_no_archive_leaves_no_file(arena: Arena) -> None:
@@ -151,7 +140,7 @@ def test_an_archive_that_is_no_archive_leaves_no_file(arena: Arena) -> None:
     response = arena.client.post("/api/v1/submissions", content=pieces(3, []), headers=headers)
 
     assert response.status_code == 422
-    assert [path for path in arena.files.rglob("*") if path.is_file()] == []
+    assert [path for path in arena.season.files.rglob("*") if path.is_file()] == []
 
 
 @pytest.mark.parametrize("is_announced", [True, False])
@@ -165,3 +154,36 @@ def test_a_form_or_document_that_is_too_large_is_refused(arena: Arena, path: str
     except httpx.TransportError:
         pass  # the server closed the connection while the client was still sending
     assert arena.client.get("/health").status_code == 200
+
+
+FIRST = "192.0.2.1"
+
+
+def used(counts: AddressCounts, moment: float, times: int) -> int:
+    """Count requests at one moment; return how long the last one has to wait."""
+    return [counts.use(FIRST, moment) for _ in range(times)][-1]
+
+
+def test_requests_of_the_minute_before_count_in_part() -> None:
+    counts = AddressCounts(10)
+    assert used(counts, 600.0, 10) == 0
+    assert used(counts, 660.0, 1) > 0  # all ten count
+    assert used(counts, 690.0, 5) == 0  # five of them do
+    assert used(counts, 690.0, 1) > 0
+
+
+def test_whoever_waits_as_long_as_told_is_let_in() -> None:
+    counts = AddressCounts(7)
+    for start in (600.0, 613.0, 659.5):
+        moment = start + 300.0
+        assert used(counts, moment, 7) == 0
+        wait = used(counts, moment, 1)
+        assert counts.use(FIRST, moment + wait) == 0
+
+
+def test_addresses_are_counted_apart_and_forgotten_after_two_minutes() -> None:
+    counts = AddressCounts(1)
+    assert counts.use(FIRST, 600.0) == 0
+    assert counts.use("192.0.2.2", 600.0) == 0
+    assert counts.use(FIRST, 600.0) > 0
+    assert counts.use(FIRST, 720.0) == 0

@@ -13,14 +13,13 @@ import httpx
 import pytest
 from prometheus_client.parser import text_string_to_metric_families
 from tests.leaderboard.agents import write_agent
-from tests.leaderboard.seasons_made import make_season, submitted, team_with_member
-from tests.leaderboard.spectating.served import served
+from tests.leaderboard.hosting.clients import serving
+from tests.leaderboard.seasons_made import make_season, opened, submitted, team_with_member
 
 from wildscav_evaluator.executors import ExecutorError
 from wildscav_leaderboard.conductor.conductor import Conductor
 from wildscav_leaderboard.conductor.lease import acquire, release
 from wildscav_leaderboard.database.connection import Database, clock
-from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.hosting.metrics import SeasonMetrics
 from wildscav_leaderboard.hosting.request_log import WebCounts
 from wildscav_leaderboard.organizing.status import status
@@ -38,10 +37,8 @@ def season(tmp_path: Path) -> Season:
 
 @pytest.fixture
 def database(season: Season) -> Iterator[Database]:
-    opened = season.database()
-    opened.upgrade()
-    yield opened
-    opened.close()
+    with opened(season) as database:
+        yield database
 
 
 PAGE = (Path(__file__).parents[3] / "docs" / "organizing.md").read_text("utf-8")
@@ -67,31 +64,24 @@ def test_the_metrics_have_the_names_that_the_page_tells(season: Season, database
     assert told == named
 
 
-def test_submissions_and_the_missing_conductor_are_seen(
-    season: Season, database: Database, tmp_path: Path
-) -> None:
-    with database.writing() as session:
-        team_with_member(session, "foxes")
-        submitted(session, season, "foxes", write_agent(tmp_path, "fox"), datetime.now(UTC))
-    seen = scraped(season, database, WebCounts())
-    assert seen["wildscav_season_submissions", "submitted"] == 1
-    assert seen["wildscav_season_conductor_up",] == 0
-    assert seen["wildscav_season_database_up",] == 1
-    assert seen["wildscav_season_paused",] == 0
-
-
-def test_messages_that_nobody_sends_and_threads_that_broke_are_seen(
-    season: Season, database: Database
-) -> None:
+def test_what_waits_and_what_broke_is_seen(season: Season, database: Database, tmp_path: Path) -> None:
     long_ago = datetime.now(UTC) - timedelta(minutes=10)
     with database.writing() as session:
         foxes, _ = team_with_member(session, "foxes")
+        submitted(session, season, "foxes", write_agent(tmp_path, "fox"), datetime.now(UTC))
         add_webhook(session, foxes, "https://example.org/", long_ago)
         queue_message(session, foxes.id, "submission.active", {}, long_ago)
         write_state(session, RESTARTS, {"webhooks": 3}, long_ago)
     seen = scraped(season, database, WebCounts())
+    expected = {
+        ("submissions", "submitted"): 1,
+        ("conductor_up",): 0,
+        ("database_up",): 1,
+        ("paused",): 0,
+        ("restarts_total", "webhooks"): 3,
+    }
+    assert {key: seen[f"wildscav_season_{key[0]}", *key[1:]] for key in expected} == expected
     assert seen["wildscav_season_webhooks_overdue_seconds",] >= 600
-    assert seen["wildscav_season_restarts_total", "webhooks"] == 3
 
 
 def alerts(seen: dict[tuple[str, ...], float]) -> set[str]:
@@ -160,9 +150,9 @@ def test_a_database_that_does_not_answer_is_seen(season: Season, tmp_path: Path)
 
 def test_requests_are_counted_by_route_and_not_by_address(season: Season, database: Database) -> None:
     counts = WebCounts()
-    with served(create_app(season, database, counts)) as address:
+    with serving(season, database, counts=counts) as (_, client):
         for path in ("/matches/1", "/matches/2", "/api/v1/matches/3", "/static/season.css", "/no/1", "/no/2"):
-            httpx.get(f"{address}{path}", timeout=60.0)
+            client.get(path)
     seen = scraped(season, database, counts)
     total = "wildscav_season_requests_total"
     assert seen[total, "GET", "/matches/{number}", "404"] == 2
@@ -175,11 +165,9 @@ def test_requests_are_counted_by_route_and_not_by_address(season: Season, databa
 def test_the_log_has_a_line_for_every_request_and_no_secrets(
     season: Season, database: Database, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    log = open_log("json", process="web")
-    with served(create_app(season, database, log=log)) as address:
-        secret = {"Authorization": "Bearer top-secret"}
-        httpx.get(f"{address}/api/v1/me?token=top-secret", headers=secret, timeout=60.0)
-        httpx.post(f"{address}/api/v1/tokens", json={"name": "anna", "password": "top-secret"}, timeout=60.0)
+    with serving(season, database, log=open_log("json", process="web")) as (_, client):
+        client.get("/api/v1/me?token=top-secret", headers={"Authorization": "Bearer top-secret"})
+        client.post("/api/v1/tokens", json={"name": "anna", "password": "top-secret"})
     said = capsys.readouterr().err
     assert "top-secret" not in said
     lines = [json.loads(line) for line in said.splitlines()]
@@ -194,14 +182,12 @@ def test_the_log_has_a_line_for_every_request_and_no_secrets(
 def test_an_error_that_nobody_expected_is_logged_and_answered_by_one_line(
     season: Season, database: Database, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    app = create_app(season, database, log=open_log("json"))
-
     def breaks() -> None:
         raise ZeroDivisionError("nobody expected this")
 
-    app.add_api_route("/api/v1/breaks", breaks)
-    with served(app) as address:
-        answer = httpx.get(f"{address}/api/v1/breaks", timeout=60.0)
+    with serving(season, database, log=open_log("json")) as (app, client):
+        app.add_api_route("/api/v1/breaks", breaks)
+        answer = client.get("/api/v1/breaks")
     assert answer.status_code == 500
     assert answer.json()["error"] == "something went wrong here: the organizers can see what"
     assert "Content-Security-Policy" in answer.headers

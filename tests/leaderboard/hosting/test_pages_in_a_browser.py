@@ -1,69 +1,44 @@
 """The season's pages in a real browser: on a phone, in the dark, without scripts, and with people at work."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import pytest
-from fastapi import FastAPI
 from tests.browsers import DESK, PHONE, chromium
 from tests.leaderboard.agents import write_agent
 from tests.leaderboard.filled_season import COOKIE, HOSTILE, PASSWORD, FilledSeason
-from tests.leaderboard.hosting.clients import copied_database
-from tests.leaderboard.spectating.served import served
+from tests.leaderboard.hosting.clients import Site, copied_database, serving_filled
 
-from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.submissions.packing import pack
 
 pytestmark = pytest.mark.slow
-PAGES = {  # and who looks at them
-    "/": "visitor",
-    "/boards/navigation": "visitor",
-    "/boards/battle": "owner",
-    "/boards/battle/head-to-head": "visitor",
-    "/teams/owls": "owner",
-    "/teams/newts": "visitor",
-    "/submissions/{active}": "owner",
-    "/submissions/{failed}": "owner",
-    "/submissions/{queued}": "owner",
-    "/matches": "visitor",
-    "/matches/{suite}": "owner",
-    "/matches/{ladder}": "visitor",
-    "/matches/{playing}": "visitor",
-    "/login": "visitor",
-    "/register": "visitor",
-    "/submit": "owner",
-    "/account": "owner",
-    "/account?without-team": "other",
-    "/organizer": "organizer",
-    "/organizer/submissions": "organizer",
-    "/organizer/teams": "organizer",
-    "/organizer/people": "organizer",
-    "/organizer/announcements": "organizer",
-    "/organizer/audit-log": "organizer",
-    "/nowhere": "visitor",
+PAGES = {  # by who looks at them
+    "visitor": (
+        *("/", "/boards/navigation", "/boards/battle/head-to-head", "/teams/newts", "/matches"),
+        *("/matches/{ladder}", "/matches/{playing}", "/login", "/register", "/nowhere"),
+    ),
+    "owner": (
+        *("/boards/battle", "/teams/owls", "/submissions/{active}", "/submissions/{failed}"),
+        *("/submissions/{queued}", "/matches/{suite}", "/submit", "/account"),
+    ),
+    "other": ("/account",),
+    "organizer": (
+        *("/organizer", "/organizer/submissions", "/organizer/teams", "/organizer/people"),
+        *("/organizer/announcements", "/organizer/audit-log"),
+    ),
 }
 # What the pages of matches report, since there are no records of them.
 REPORTED = ("Failed to load resource", "is no longer in the season's files")
 OF_COLOURS = ["color-contrast", "link-in-text-block"]  # axe's rules
 
 
-class Arena(NamedTuple):
-    """A served season."""
-
-    filled: FilledSeason
-    app: FastAPI
-    address: str
-
-
 @pytest.fixture(scope="module")
-def arena(new_filled_season: Callable[..., FilledSeason]) -> Iterator[Arena]:
-    filled = new_filled_season(words=HOSTILE)  # its matches have no records to be rendered
-    app = create_app(filled.season, filled.database)
-    with served(app) as address:
-        yield Arena(filled, app, address)
-    app.state.renders.close()
-    filled.database.close()
+def arena(new_filled_season: Callable[..., FilledSeason]) -> Iterator[Site]:
+    with serving_filled(
+        new_filled_season(words=HOSTILE)
+    ) as site:  # its matches have no records to be rendered
+        yield site
 
 
 @pytest.fixture(scope="module")
@@ -72,27 +47,27 @@ def browser() -> Iterator[Any]:
         yield started
 
 
-def open_as(arena: Arena, browser: Any, asker: str, **options: Any) -> Any:
+def open_as(arena: Site, browser: Any, asker: str, **options: Any) -> Any:
     """Return a page of somebody's browser."""
-    context = browser.new_context(base_url=arena.address, **options)
+    address = str(arena.client.base_url)
+    context = browser.new_context(base_url=address, **options)
     if asker != "visitor":
-        cookie = {"name": COOKIE, "value": arena.filled.people[asker].cookie, "url": arena.address}
-        context.add_cookies([cookie])
+        context.add_cookies([{"name": COOKIE, "value": arena.filled.people[asker].cookie, "url": address}])
     return context.new_page()
 
 
-def address_of(arena: Arena, path: str) -> str:
+def address_of(arena: Site, path: str) -> str:
     return path.format(**arena.filled.submissions, **arena.filled.matches)
 
 
-def test_no_page_is_wider_than_a_phone_or_breaks_its_policy(arena: Arena, browser: Any) -> None:
+def test_no_page_is_wider_than_a_phone_or_breaks_its_policy(arena: Site, browser: Any) -> None:
     wide: list[str] = []
     faults: list[str] = []
-    for asker in sorted(set(PAGES.values())):
+    for asker, paths in PAGES.items():
         page = open_as(arena, browser, asker, viewport=PHONE)
         page.on("pageerror", lambda error: faults.append(str(error)))
         page.on("console", lambda said: faults.append(f"{said.location['url']}: {said.text}"))
-        for path in (path for path, looks in PAGES.items() if looks == asker):
+        for path in paths:
             page.goto(address_of(arena, path))
             if page.evaluate("document.documentElement.scrollWidth") > PHONE["width"]:
                 wide.append(path)
@@ -101,35 +76,26 @@ def test_no_page_is_wider_than_a_phone_or_breaks_its_policy(arena: Arena, browse
     assert [fault for fault in faults if not any(known in fault for known in REPORTED)] == []
 
 
-def violations(arena: Arena, browser: Any, asker: str, paths: Sequence[str]) -> list[str]:
-    """Return what keeps people out of pages, in light and in dark colours."""
+def test_nothing_keeps_people_out_of_any_page_in_light_or_in_dark_colours(arena: Site, browser: Any) -> None:
     axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
-    page, found = open_as(arena, browser, asker, viewport=DESK, bypass_csp=True), []
-    for path in paths:
-        page.emulate_media(color_scheme="light")
-        page.goto(address_of(arena, path))
-        for details in page.locator("details").all():
-            details.evaluate("one => { one.open = true; }")
-        results = {"light": axe.run(page)}
-        page.emulate_media(color_scheme="dark")  # in which nothing is different but the colours
-        results["dark"] = axe.run(page, options={"runOnly": OF_COLOURS, "resultTypes": ["violations"]})
-        found += [
-            f"{path}, {scheme}: {seen.generate_report()}"
-            for scheme, seen in results.items()
-            if seen.violations_count
-        ]
-    page.context.close()
-    return found
-
-
-def test_nothing_keeps_people_out_of_any_page(arena: Arena, browser: Any) -> None:
-    found = []
-    for asker in sorted(set(PAGES.values())):
-        found += violations(arena, browser, asker, [path for path in PAGES if PAGES[path] == asker])
+    found: list[str] = []
+    for asker, paths in PAGES.items():
+        page = open_as(arena, browser, asker, viewport=DESK, bypass_csp=True)
+        for path in paths:
+            page.emulate_media(color_scheme="light")
+            page.goto(address_of(arena, path))
+            for details in page.locator("details").all():
+                details.evaluate("one => { one.open = true; }")
+            results = {"light": axe.run(page)}
+            page.emulate_media(color_scheme="dark")  # in which nothing is different but the colours
+            results["dark"] = axe.run(page, options={"runOnly": OF_COLOURS, "resultTypes": ["violations"]})
+            for scheme, seen in results.items():
+                found += [f"{path}, {scheme}: {seen.generate_report()}"] if seen.violations_count else []
+        page.context.close()
     assert found == []
 
 
-def test_without_scripts_the_pages_show_everything_but_the_player(arena: Arena, browser: Any) -> None:
+def test_without_scripts_the_pages_show_everything_but_the_player(arena: Site, browser: Any) -> None:
     page = open_as(arena, browser, "owner", java_script_enabled=False)
 
     page.goto("/boards/battle")
@@ -146,7 +112,7 @@ def test_without_scripts_the_pages_show_everything_but_the_player(arena: Arena, 
     page.context.close()
 
 
-def test_a_newcomer_registers_makes_a_team_and_submits(arena: Arena, browser: Any, tmp_path: Path) -> None:
+def test_a_newcomer_registers_makes_a_team_and_submits(arena: Site, browser: Any, tmp_path: Path) -> None:
     archive = tmp_path / "stork.tar.gz"
     pack(write_agent(tmp_path, "stork"), archive)
     with copied_database(arena.app, arena.filled, tmp_path):
@@ -180,7 +146,7 @@ def test_a_newcomer_registers_makes_a_team_and_submits(arena: Arena, browser: An
 
 
 def test_what_an_organizer_announces_and_disqualifies_is_seen_by_visitors(
-    arena: Arena, browser: Any, tmp_path: Path
+    arena: Site, browser: Any, tmp_path: Path
 ) -> None:
     with copied_database(arena.app, arena.filled, tmp_path):
         page = open_as(arena, browser, "organizer", viewport=DESK)

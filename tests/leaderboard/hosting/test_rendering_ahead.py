@@ -7,15 +7,12 @@ from typing import NamedTuple
 
 import httpx
 import pytest
-from fastapi import FastAPI
 from sqlalchemy import select
 from tests.leaderboard.filled_season import FilledSeason
-from tests.leaderboard.hosting.clients import copied_database
-from tests.leaderboard.spectating.served import served
+from tests.leaderboard.hosting.clients import copied_database, serving_filled
 
 from wildscav_engine.specs.map_spec import MapSpec
 from wildscav_leaderboard.database.connection import Database
-from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.hosting.rendering_ahead import RenderingAhead
 from wildscav_leaderboard.matches.models import (
     FINISHED,
@@ -52,7 +49,7 @@ class Orders(RenderCache):
 class Season(NamedTuple):
     """A season to change, and the last two matches of its ladder: one game."""
 
-    app: FastAPI
+    client: httpx.Client
     ahead: RenderingAhead
     orders: Orders
     database: Database
@@ -66,20 +63,27 @@ class Season(NamedTuple):
                 self.ahead.begin_next(session)
         return self.orders.ordered
 
+    def put(self, first: str | None, second: str) -> None:
+        """Bring the two matches into states."""
+        with self.database.writing() as session:
+            for number, state in ((self.first, first), (self.second, second)):
+                if state is not None:
+                    session.get_one(Match, number).state = state
+
 
 @pytest.fixture
 def season(hostile_season: FilledSeason, tmp_path: Path) -> Iterator[Season]:
-    app = create_app(hostile_season.season, hostile_season.database)
-    app.state.renders.close()
-    with copied_database(app, hostile_season, tmp_path) as copy:
+    with (
+        serving_filled(hostile_season, renders=False) as (_, app, client),
+        copied_database(app, hostile_season, tmp_path) as copy,
+    ):
         database = Database(f"sqlite:///{copy}")
         last = select(Match.id).where(Match.kind == LADDER, Match.state == FINISHED).order_by(Match.id.desc())
         with database.reading() as session:
             second, first = session.scalars(last.limit(2)).all()
         orders = Orders(tmp_path / "rendered")
-        yield Season(
-            app, RenderingAhead(hostile_season.season, database, orders), orders, database, first, second
-        )
+        ahead = RenderingAhead(hostile_season.season, database, orders)
+        yield Season(client, ahead, orders, database, first, second)
         database.close()
 
 
@@ -95,25 +99,18 @@ def test_one_after_the_other_the_newest_first_and_each_once(season: Season) -> N
 
 
 def test_the_map_of_a_live_match_is_made_when_it_begins_but_holds_up_no_others(season: Season) -> None:
-    with season.database.writing() as session:
-        for number in (season.first, season.second):
-            session.get_one(Match, number).state = PLAYING if number == season.second else VOID
+    season.put(VOID, PLAYING)
     assert season.files(1) == [("map", season.second, True)]  # without a record of the same game
-    with season.database.writing() as session:
-        session.get_one(Match, season.first).state = FINISHED
-        session.get_one(Match, season.second).state = FINISHED
+    season.put(FINISHED, FINISHED)
     assert season.files(1)[-1] == ("trails", season.second, False)
-    with season.database.writing() as session:
-        session.get_one(Match, season.second).state = PLAYING
+    season.put(None, PLAYING)
     assert season.files(60).count(("map", season.second, True)) == 1
 
 
 def test_the_map_of_a_game_is_made_while_its_first_match_is_played_which_nobody_may_watch(
     season: Season,
 ) -> None:
-    with season.database.writing() as session:
-        session.get_one(Match, season.first).state = PLAYING
-        session.get_one(Match, season.second).state = WAITING
+    season.put(PLAYING, WAITING)
     assert season.files(1) == [("map", season.second, True)]
     assert season.first not in {match for _, match, _ in season.files(60)}
 
@@ -127,17 +124,14 @@ def test_the_map_of_a_game_is_made_while_its_first_match_is_played_which_nobody_
     ],
 )
 def test_a_live_match_has_a_map_whenever_it_may_be_watched(season: Season, first: str, status: int) -> None:
-    with season.database.writing() as session:
-        session.get_one(Match, season.first).state = first
-        session.get_one(Match, season.second).state = PLAYING
-    with served(season.app) as address:
-        answer = httpx.get(f"{address}/api/v1/matches/{season.second}/map", timeout=60.0)
+    season.put(first, PLAYING)
+    answer = season.client.get(f"/api/v1/matches/{season.second}/map")
     assert answer.status_code == status, answer.text
 
 
 def test_nothing_hidden_is_rendered(season: Season) -> None:
+    season.put(None, PLAYING)
     with season.database.writing() as session:
-        session.get_one(Match, season.second).state = PLAYING
         late = select(MatchResult).join(Match, Match.id == MatchResult.match_id).where(Match.kind == LADDER)
         before = session.scalars(late.order_by(MatchResult.at.desc()).offset(5)).first()
         assert before is not None

@@ -1,5 +1,6 @@
 """Who may use which route: all of them are asked by everyone, and what changes is forgotten at once."""
 
+import io
 import logging
 from collections.abc import Iterator
 from contextlib import nullcontext
@@ -52,7 +53,7 @@ class Walk(NamedTuple):
 def walk(hostile_season: FilledSeason, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Walk]:
     filled, folder = hostile_season, tmp_path_factory.mktemp("walk")
     numbers = numbers_of(filled)
-    app, logged = create_app(filled.season, filled.database), _Kept()
+    app, logged = create_app(filled.season, filled.database), logging.StreamHandler(io.StringIO())
     app.state.renders.close()  # so that nobody waits for what cannot be rendered
     logging.getLogger().addHandler(logged)
     answers = []
@@ -63,7 +64,7 @@ def walk(hostile_season: FilledSeason, tmp_path_factory: pytest.TempPathFactory)
             for asker in ASKING:
                 with nullcontext() if method == "GET" else copied_database(app, filled, folder):
                     answers.append(Answer(line, asker, ask(client, filled, asker, method, path, line.body)))
-        yield Walk(app, filled, answers, "\n".join(logged.lines), holding)
+        yield Walk(app, filled, answers, logged.stream.getvalue(), holding)
     logging.getLogger().removeHandler(logged)
 
 
@@ -87,17 +88,6 @@ def _connections(database: Database) -> int:
     pool = database._readers.pool
     assert isinstance(pool, QueuePool)
     return pool.checkedout()
-
-
-class _Kept(logging.Handler):
-    """Keeps what is logged."""
-
-    def __init__(self) -> None:
-        super().__init__(logging.DEBUG)
-        self.lines: list[str] = []
-
-    def emit(self, record: logging.LogRecord) -> None:
-        self.lines.append(self.format(record))
 
 
 def test_every_route_has_a_line(walk: Walk) -> None:

@@ -9,10 +9,10 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import pytest
-import uvicorn
 from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp, Receive, Scope, Send
 from tests.leaderboard.seasons_made import make_season
+from tests.leaderboard.spectating.served import running
 
 from wildscav_leaderboard.hosting import web_server
 from wildscav_leaderboard.hosting.web_server import configured
@@ -53,17 +53,8 @@ def listening(folder: Path, more: str = "", app: ASGIApp = reads) -> Iterator[tu
     """Serve an application as a season is served, and give its address."""
     config = configured(make_season(folder, more), app)
     config.lifespan = "off"
-    with socket.create_server(("127.0.0.1", 0)) as listener:
-        server = uvicorn.Server(config)
-        thread = threading.Thread(target=server.run, args=([listener],))
-        thread.start()
-        while not server.started and thread.is_alive():
-            time.sleep(0.01)
-        try:
-            yield listener.getsockname()
-        finally:
-            server.should_exit = True
-            thread.join()
+    with running(config) as there:
+        yield there
 
 
 def answers(connection: socket.socket) -> bool:

@@ -9,17 +9,19 @@ from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 from tests.evaluator.sample_agents import CRASHER
 from tests.leaderboard.agents import write_agent
+from tests.leaderboard.played_seasons import enter
+from tests.leaderboard.results_made import made_result
 from tests.leaderboard.seasons_made import NOON, make_season, submitted, team_with_member
 
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.output.results import MatchRow, MatchTiming, SeatRow, metric_infos
+from wildscav_evaluator.output.results import metric_infos
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.service import refresh
 from wildscav_leaderboard.conductor.editions import begin_editions
-from wildscav_leaderboard.conductor.plans import plan_ladders, plan_suites
+from wildscav_leaderboard.conductor.plans import plan_ladders
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import FINAL, LADDER, WAITING, Match
-from wildscav_leaderboard.matches.service import PlayedRecord, deliver, seats_of, void
+from wildscav_leaderboard.matches.service import deliver, seats_of, void
 from wildscav_leaderboard.organizing import finalizing
 from wildscav_leaderboard.organizing.acts import disqualify_team, rerun
 from wildscav_leaderboard.seasons import state as season_state
@@ -29,7 +31,7 @@ from wildscav_leaderboard.seasons.models import AuditEntry
 from wildscav_leaderboard.seasons.refusals import RefusalError
 from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.models import Submission
-from wildscav_leaderboard.submissions.service import activate, move
+from wildscav_leaderboard.submissions.service import move
 from wildscav_leaderboard.visibility import HIDDEN, PUBLIC, SEASON, seen_by
 
 TEAMS = ("foxes", "owls", "hares")
@@ -48,24 +50,12 @@ def final_time(entrant: str) -> float:
     return {"f": 2.0, "o": 1.0, "h": 0.0}[entrant[0]]
 
 
-def play(session: Session, season: Season, match: Match, time: Time) -> None:
+def play(session: Session, match: Match, time: Time) -> None:
     """Let a match end, with a time for every entrant."""
-    metrics = dict.fromkeys((one.name for one in metric_infos(match.track)), 0.0)
-    score = metric_infos(match.track)[0]
-    seats = tuple(
-        SeatRow(
-            seat=one.seat,
-            submission=one.entrant,
-            status="finished",
-            metrics={**metrics, score.name: 9.0 if one.submission_id is None else time(one.entrant)},
-        )
-        for one in seats_of(session, [match.id])[match.id]
-    )
-    timing = MatchTiming(
-        submission=None, track=match.track, index=0, started=0.0, wall=1.0, steps=1, seats=()
-    )
-    record = PlayedRecord("ab" * 16, 1)
-    deliver(session, match, None, MatchRow.of(match.number, seats, None), timing, record, score, NOON)
+    seats = seats_of(session, [match.id])[match.id]
+    scores = [9.0 if one.submission_id is None else time(one.entrant) for one in seats]
+    result = made_result(match, seats, scores)
+    deliver(session, match, None, *result, metric_infos(match.track)[0], NOON)
 
 
 def play_waiting(session: Session, season: Season, time: Time) -> int:
@@ -77,26 +67,13 @@ def play_waiting(session: Session, season: Season, time: Time) -> int:
         if not waiting:
             return count
         for match in waiting:
-            play(session, season, match, time)
+            play(session, match, time)
         count += len(waiting)
-
-
-def enter(session: Session, season: Season, team: str, folder: Path) -> Submission:
-    """Hand in an agent, and let it take part."""
-    one = submitted(session, season, team, write_agent(folder, team, tracks='["navigation", "battle"]'))
-    for state in (states.QUEUED, states.BUILDING, states.VALIDATING):
-        move(session, one, state, NOON)
-    activate(session, season, one, NOON)
-    plan_suites(session, season, one, NOON)
-    return one
 
 
 @pytest.fixture
 def season(tmp_path: Path) -> Season:
-    season = make_season(tmp_path / "season")
-    few = season.settings.tracks["battle"].model_copy(update={"matches": 2})
-    tracks = {**season.settings.tracks, "battle": few}
-    return Season(season.folder, season.settings.model_copy(update={"tracks": tracks}))
+    return make_season(tmp_path / "season", "matches = 2")
 
 
 @pytest.fixture
@@ -106,7 +83,7 @@ def played(database: Database, season: Season, tmp_path: Path) -> Database:
         begin_editions(session, season, NOON)
         for team in TEAMS:
             team_with_member(session, team)
-            enter(session, season, team, tmp_path)
+            enter(session, season, team, tmp_path, 0)
         play_waiting(session, season, season_time)
         refresh(session, season, NOON)
         season_state.freeze(session, NOON)
@@ -290,21 +267,15 @@ def test_an_end_that_waits_is_taken_back_and_may_be_begun_again(played: Database
         finalizing.abort(session, "anna", LATER)
 
 
-def test_a_team_that_is_disqualified_afterwards_leaves_the_final_board(
+def test_after_the_end_a_disqualified_team_leaves_its_board_and_no_ladder_goes_on(
     played: Database, season: Season
 ) -> None:
     end(played, season)
     with played.writing() as session:
         disqualify_team(Doing(session, season, "anna", LATER), "owls", reason="found out later")
         refresh(session, season, LATER)
-    with played.reading() as session:
-        assert leaders(session) == [("foxes", 2)]
-
-
-def test_no_ladder_goes_on_once_the_field_is_chosen(played: Database, season: Season) -> None:
-    end(played, season)
-    with played.writing() as session:
-        matches = list(session.scalars(select(Match).filter_by(kind=LADDER)))
-        for match in matches:
+        for match in session.scalars(select(Match).filter_by(kind=LADDER)):
             void(match, LATER, "given up")
         assert plan_ladders(session, season, LATER) == 0
+    with played.reading() as session:
+        assert leaders(session) == [("foxes", 2)]

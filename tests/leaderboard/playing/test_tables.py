@@ -5,7 +5,6 @@ import os
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -14,14 +13,14 @@ import pytest
 from fastapi import FastAPI
 from tests.browsers import DESK, IN_3D, chromium
 from tests.leaderboard.filled_season import COOKIE, FilledSeason
-from tests.leaderboard.spectating.served import served
+from tests.leaderboard.hosting.clients import serving
+from tests.leaderboard.seasons_made import changed
 from tests.platform.stage.playing.browsers import PATIENCE, wait_for_match
 from tests.platform.stage.playing.pages import page as page_of
 from websockets.exceptions import ConnectionClosed
 
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES
 from wildscav_evaluator.sandbox.choose import missing_promises
-from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.hosting.request_log import WebCounts
 from wildscav_leaderboard.playing.tables import ENDED, READY, OpenTable, TableCounts, Tables, Wish
 from wildscav_leaderboard.seasons.settings import Execution, Play
@@ -40,12 +39,9 @@ class Site(NamedTuple):
 
     def counted(self) -> dict[str, float]:
         """Return how many tables there are, and how many have ended in which way."""
-        samples = [sample for metric in self.counts.collect() for sample in metric.samples]
-        return {
-            sample.labels.get("outcome", "open"): sample.value
-            for sample in samples
-            if not sample.name.endswith("_created")
-        }
+        samples = (sample for metric in self.counts.collect() for sample in metric.samples)
+        kept = (sample for sample in samples if not sample.name.endswith("_created"))
+        return {sample.labels.get("outcome", "open"): sample.value for sample in kept}
 
     @property
     def tables(self) -> Tables:
@@ -66,16 +62,13 @@ class Site(NamedTuple):
 
 @contextmanager
 def site(filled: FilledSeason, sandbox: str, **play: Any) -> Iterator[Site]:
-    changed = {"play": Play(enabled=True, **play), "execution": Execution(sandbox=sandbox)}
-    season = replace(filled.season, settings=filled.season.settings.model_copy(update=changed))
+    season = changed(filled.season, play=Play(enabled=True, **play), execution=Execution(sandbox=sandbox))
     counts = WebCounts()
-    app = create_app(season, filled.database, counts)
-    try:
-        with served(app) as address:
-            yield Site(filled, app, address, counts.tables)
-    finally:
-        app.state.tables.close()
-        app.state.renders.close()
+    with serving(season, filled.database, renders=True, counts=counts) as (app, client):
+        try:
+            yield Site(filled, app, str(client.base_url).rstrip("/"), counts.tables)
+        finally:
+            app.state.tables.close()
 
 
 def wait(condition: Any) -> None:
@@ -113,16 +106,14 @@ def test_somebody_plays_by_keys_against_a_submission_in_the_sandbox(hostile_seas
     filled, before = hostile_season, descendants()
     with site(filled, "bubblewrap", idle=10.0) as served_site, chromium(*IN_3D) as browser:
         context = browser.new_context(viewport=DESK, base_url=served_site.address)
-        context.add_cookies(
-            [{"name": COOKIE, "value": filled.people["other"].cookie, "url": served_site.address}]
-        )
+        cookie = {"name": COOKIE, "value": filled.people["other"].cookie, "url": served_site.address}
+        context.add_cookies([cookie])
         page, faults = context.new_page(), []
         page.on("pageerror", lambda error: faults.append(str(error)))
         page.goto(f"/submissions/{filled.submissions['active']}")
         page.get_by_role("button", name="Play battle").click()
-        page.wait_for_selector(
-            "#game[data-state=lobby]", timeout=PATIENCE * 1000
-        )  # after the page that waits
+        # Another page waits first.
+        page.wait_for_selector("#game[data-state=lobby]", timeout=PATIENCE * 1000)
         assert "Also in the match: night-owl 1.1" in page.inner_text("#next")
         page.click("#go")
         wait_for_match(page)
@@ -167,9 +158,8 @@ def test_a_guest_comes_by_the_code_and_both_watch_the_match_afterwards(hostile_s
                 async with httpx.AsyncClient(trust_env=False, follow_redirects=True) as browser:
                     wrong = await browser.post(told["link"], data={"code": "BCDFGH"})
                     assert (wrong.status_code, "not valid" in wrong.text) == (403, True)
-                    sent = await browser.post(
-                        f"{served_site.address}/play", data={"code": table.code.lower()}
-                    )
+                    code = {"code": table.code.lower()}
+                    sent = await browser.post(f"{served_site.address}/play", data=code)
                     assert sent.status_code == 200
                     guests = str(sent.url)
                     async with page_of(guests) as guest:
@@ -193,10 +183,7 @@ def test_a_guest_comes_by_the_code_and_both_watch_the_match_afterwards(hostile_s
 
 @pytest.mark.parametrize(
     ("play", "why"),
-    [
-        ({"session": 10.0}, "your time of 10 s is over"),
-        ({"idle": 5.0}, "you did nothing for 5 s"),
-    ],
+    [({"session": 10.0}, "your time of 10 s is over"), ({"idle": 5.0}, "you did nothing for 5 s")],
 )
 def test_a_page_is_told_when_the_time_is_over(
     hostile_season: FilledSeason, play: dict[str, float], why: str

@@ -28,62 +28,54 @@ from wildscav_leaderboard.seasons.state import FINALIZED, write_state
 from wildscav_leaderboard.visibility import shown_until
 
 TRACKS = ("navigation", "battle")
+Played = tuple[Season, Database]
 LATE = NOON + timedelta(days=2)
 
 
-@pytest.fixture(scope="module")
-def folder(played: tuple[Season, Database], tmp_path_factory: pytest.TempPathFactory) -> Path:
-    out = tmp_path_factory.mktemp("out") / "export"
-    export(*played, out)
-    return out
-
-
-def test_its_sums_are_those_that_sha256sum_checks(folder: Path) -> None:
+def test_its_sums_are_those_that_sha256sum_checks(exported: Path) -> None:
     done = subprocess.run(
-        ["sha256sum", "--check", "--strict", "SHA256SUMS"], cwd=folder, capture_output=True, text=True
+        ["sha256sum", "--check", "--strict", "SHA256SUMS"], cwd=exported, capture_output=True, text=True
     )
     assert done.returncode == 0, done.stdout
 
 
-def test_tables_have_a_row_for_each_team_and_each_seat(played: tuple[Season, Database], folder: Path) -> None:
+def test_tables_have_a_row_for_each_team_and_each_seat(played: Played, exported: Path) -> None:
     with played[1].reading() as session:
         board = read_board(session, "navigation")
     assert isinstance(board, SuiteBoard)
-    rows = list(csv.DictReader(io.StringIO((folder / "boards/navigation.csv").read_text())))
+    rows = list(csv.DictReader(io.StringIO((exported / "boards/navigation.csv").read_text())))
     assert [(row["team"], float(row["time mean"])) for row in rows] == [
         (row.team, row.metrics["time"].mean) for row in board.rows
     ]
-    seats = list(csv.DictReader(io.StringIO((folder / "matches/battle.csv").read_text())))
-    lines = [json.loads(line) for line in (folder / "tracks/battle.ndjson").read_text().splitlines()]
+    seats = list(csv.DictReader(io.StringIO((exported / "matches/battle.csv").read_text())))
+    lines = [json.loads(line) for line in (exported / "tracks/battle.ndjson").read_text().splitlines()]
     assert len(seats) == sum(len(line["match"]["seats"]) for line in lines if "match" in line)
 
 
 def test_neither_secrets_nor_hidden_records_nor_what_agents_print_is_published(
-    played: tuple[Season, Database], folder: Path
+    played: Played, exported: Path
 ) -> None:
     season, database = played
     with database.reading() as session:
         ladder = set(session.scalars(select(Match.id).filter_by(kind=LADDER)))
-    assert {int(path.stem) for path in folder.rglob("*.wsr")} == ladder
-    everything = b"".join(path.read_bytes() for path in folder.rglob("*") if path.is_file())
+    assert {int(path.stem) for path in exported.rglob("*.wsr")} == ladder
+    everything = b"".join(path.read_bytes() for path in exported.rglob("*") if path.is_file())
     assert b"what an agent printed" not in everything
     for name in ("secret.txt", "final-secret.txt"):
         secret = (season.folder / name).read_bytes()
         assert secret.strip() not in everything
         assert secret.hex().encode() not in everything
-        assert not (folder / name).exists()
+        assert not (exported / name).exists()
 
 
-def test_a_folder_with_something_in_it_is_left_alone(played: tuple[Season, Database], tmp_path: Path) -> None:
+def test_a_folder_with_something_in_it_is_left_alone(played: Played, tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_text("mine")
     with pytest.raises(UserError, match="not an empty folder"):
         export(*played, tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]
 
 
-def test_an_export_whose_records_are_missing_leaves_nothing_behind(
-    played: tuple[Season, Database], tmp_path: Path
-) -> None:
+def test_an_export_whose_records_are_missing_leaves_nothing_behind(played: Played, tmp_path: Path) -> None:
     season, database = played
     with database.reading() as session:
         number = max(session.scalars(select(Match.id).filter_by(kind=LADDER)))
@@ -103,9 +95,9 @@ def published(database: Database, season: Season) -> dict[str, list[str]]:
 
 
 def test_nothing_that_arrives_after_the_freeze_is_published_before_the_end(
-    played: tuple[Season, Database], folder: Path, tmp_path: Path
+    played: Played, exported: Path, tmp_path: Path
 ) -> None:
-    """Needs the folder, which was exported before."""
+    """Needs the export, which was made before."""
     season, database = played
     before = published(database, season)
     with database.writing() as session:
@@ -119,10 +111,9 @@ def test_nothing_that_arrives_after_the_freeze_is_published_before_the_end(
     with database.reading() as session:
         late = list(session.scalars(select(Match).where(Match.kind == LADDER, Match.id > earlier)))
         assert late, "the ladder went on"
+        why = "the public boards are frozen, so it is hidden until the season is finalized"
         for view in match_views(session, late, None):
-            assert (
-                view.hidden == "the public boards are frozen, so it is hidden until the season is finalized"
-            )
+            assert view.hidden == why
             assert all(seat.metrics is None and seat.status is None for seat in view.seats)
         since = shown_until(session, None)
         assert [history(session, track, [number], since) for track in TRACKS] == [[], []]

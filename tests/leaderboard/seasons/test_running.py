@@ -3,11 +3,11 @@
 import threading
 from pathlib import Path
 
-import httpx
 import pytest
 from sqlalchemy import create_engine
-from tests.leaderboard.seasons_made import NOON, make_season, team_with_member
-from tests.leaderboard.spectating.served import served
+from tests.leaderboard.hosting.clients import serving
+from tests.leaderboard.seasons_made import NOON, changed, make_season, team_with_member
+from tests.leaderboard.seasons_made import opened as make_tables
 
 from wildscav.errors import UserError
 from wildscav_evaluator.executors.local import LocalExecutor
@@ -17,7 +17,6 @@ from wildscav_leaderboard.cli.season.running import status
 from wildscav_leaderboard.conductor.conductor import Conductor
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.database.schema import take_back_to, version_of
-from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.organizing.backups.restore import restore
 from wildscav_leaderboard.organizing.checking import check_rules, check_season
 from wildscav_leaderboard.seasons import disk, watchdog
@@ -94,10 +93,8 @@ def test_other_users_can_read_nothing_of_a_season(tmp_path: Path) -> None:
     season = make_season(tmp_path / "season", current=True)
     season.files.mkdir()
     file = tmp_path / "elsewhere.db"
-    database = Database(f"sqlite:///{file}")
-    database.upgrade()
-    database.close()
-    season = Season(season.folder, season.settings.model_copy(update={"database": f"sqlite:///{file}"}))
+    season = changed(season, database=f"sqlite:///{file}")
+    season.database().upgrade()
     for path, mode in ((season.folder, 0o755), (season.files, 0o775), (file, 0o644)):
         path.chmod(mode)
 
@@ -115,24 +112,18 @@ def test_nothing_is_taken_in_or_begun_while_the_disk_is_nearly_full(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     season = make_season(tmp_path / "season")
-    database = season.database()
-    database.upgrade()
-    with database.writing() as session:
-        _, captain = team_with_member(session, "foxes")
-    monkeypatch.setattr(disk, "FLOOR", 1 << 60)
-
-    with pytest.raises(UnavailableError, match=FULL):
-        check_upload_wanted(database, season, captain, NOON)
-    with pytest.raises(UnavailableError, match=FULL), LocalExecutor(1) as executor:
-        Conductor(season, database).round(executor)
-    app = create_app(season, database)
-    with served(app) as address:
-        answer = httpx.get(f"{address}/ready")
-        assert answer.status_code == 503
-        assert "the disk of the season" in answer.json()["reason"]
-        assert httpx.get(f"{address}/").status_code == 200  # what is there is shown
-    app.state.renders.close()
-    database.close()
+    with make_tables(season) as database:
+        with database.writing() as session:
+            _, captain = team_with_member(session, "foxes")
+        monkeypatch.setattr(disk, "FLOOR", 1 << 60)
+        with pytest.raises(UnavailableError, match=FULL):
+            check_upload_wanted(database, season, captain, NOON)
+        with pytest.raises(UnavailableError, match=FULL), LocalExecutor(1) as executor:
+            Conductor(season, database).round(executor)
+        with serving(season, database) as (_, client):
+            answer = client.get("/ready")
+            assert (answer.status_code, "the disk of the season" in answer.json()["reason"]) == (503, True)
+            assert client.get("/").status_code == 200  # what is there is shown
 
 
 def test_work_that_breaks_is_begun_again_and_counted(

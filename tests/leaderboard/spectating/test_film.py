@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import httpx
 import pytest
@@ -12,31 +12,26 @@ from fastapi import FastAPI
 from fastapi.responses import Response
 from tests.browsers import DESK, chromium
 from tests.leaderboard.filled_season import FilledSeason
+from tests.leaderboard.hosting.clients import Site, serving_filled
 from tests.leaderboard.spectating.served import served
 from tests.recorded_matches import SMALL_MAP
 
-from wildscav_engine.record import write_record
+from wildscav.notes import note_line
+from wildscav_engine.record import read_record, write_record
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_leaderboard.api.matches import file_response
-from wildscav_leaderboard.hosting.app import create_app
-from wildscav_leaderboard.spectating.render import LONGEST, pace_of
-from wildscav_leaderboard.spectating.render_cache import RenderCache
+from wildscav_leaderboard.spectating.render import LONGEST, pace_of, public_notes
+from wildscav_leaderboard.spectating.render_cache import QUIET, RenderCache
 
 PATIENCE = 120.0  # s, on a busy machine
-
-
-class Site(NamedTuple):
-    """A served season, all of whose matches have the record of the same two seconds."""
-
-    filled: FilledSeason
-    client: httpx.Client
 
 
 @pytest.fixture(scope="module")
 def site(
     new_filled_season: Callable[..., FilledSeason], tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[Site]:
+    """A season all of whose matches have the record of the same two seconds."""
     match = Match(
         MatchSpec(track="battle", map=SMALL_MAP, seats=("fighter", "fighter"), time_limit=2.0, seed=3)
     )
@@ -45,11 +40,8 @@ def site(
     write_record(record, match, ["night-owl", "fighter"])
     filled = new_filled_season()
     filled.give_records(record.read_bytes())
-    app = create_app(filled.season, filled.database)
-    with served(app) as address, httpx.Client(base_url=address, timeout=60.0) as client:
-        yield Site(filled, client)
-    app.state.renders.close()
-    filled.database.close()
+    with serving_filled(filled) as one:
+        yield one
 
 
 @pytest.mark.slow
@@ -128,11 +120,22 @@ def test_a_video_is_sent_in_pieces_even_while_it_is_used(tmp_path: Path) -> None
 
 @pytest.mark.parametrize(
     ("seconds", "speed"),
-    [
-        (30.0, 1.0),  # in its own time
-        (LONGEST, 1.0),
-        (2.0 * LONGEST, 2.0),  # twice as fast
-    ],
+    [(30.0, 1.0), (LONGEST, 1.0), (2.0 * LONGEST, 2.0)],  # in its own time, or faster
 )
 def test_no_video_is_longer_than_its_bound(seconds: float, speed: float) -> None:
     assert pace_of(seconds).speed == speed
+
+
+def test_a_video_shows_what_is_public_unless_an_organizer_hides_it(tmp_path: Path) -> None:
+    match = Match(MatchSpec(track="battle", map=SMALL_MAP, seats=("submission", "fighter"), time_limit=0.5))
+    match.play_out()
+    record = tmp_path / "records" / "battle-000-owl.wsr"
+    (tmp_path / "records").mkdir()
+    (tmp_path / "logs").mkdir()
+    write_record(record, match, ["owl", "fighter"])
+    said = note_line(0, say="Good luck!", public=True) + note_line(1, say="He is slow.")
+    (tmp_path / "logs" / "battle-000-owl.log").write_text(said)
+    played = read_record(record)
+
+    assert [note.text for note in public_notes(record, played, Path("7.video-2.mp4"))] == ["Good luck!"]
+    assert public_notes(record, played, Path(f"7{QUIET}.video-2.mp4")) == []

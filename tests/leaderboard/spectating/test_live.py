@@ -141,18 +141,11 @@ def test_a_line_holds_half_a_second_in_a_kilobyte(tmp_path: Path, battle: Record
     assert sum(map(len, lines)) / len(lines) / len(battle.names) < 400  # bytes a seat
 
 
-def test_a_match_that_has_ended_is_gone(tmp_path: Path, battle: Record) -> None:
-    live = LiveMatches(tmp_path)
-    play(live, battle, steps=20)
-
-    live.end("m1")
-
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_what_a_killed_conductor_left_can_be_removed(tmp_path: Path, battle: Record) -> None:
-    play(LiveMatches(tmp_path), battle, steps=20)
-
-    LiveMatches(tmp_path).clear()
-
-    assert list(tmp_path.iterdir()) == []
+def test_a_match_that_has_ended_is_gone_and_so_is_what_a_killed_conductor_left(
+    tmp_path: Path, battle: Record
+) -> None:
+    for remove in (lambda live: live.end("m1"), LiveMatches.clear):
+        live = LiveMatches(tmp_path)
+        play(live, battle, steps=20)
+        remove(live)
+        assert list(tmp_path.iterdir()) == []

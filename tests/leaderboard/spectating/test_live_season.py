@@ -9,11 +9,9 @@ import httpx
 import pytest
 from sqlalchemy import select
 from tests.leaderboard.filled_season import COOKIE, FilledSeason
-from tests.leaderboard.hosting.clients import copied_database
-from tests.leaderboard.spectating.served import served
+from tests.leaderboard.hosting.clients import copied_database, serving_filled
 
 from wildscav_leaderboard.database.connection import Database
-from wildscav_leaderboard.hosting.app import create_app
 from wildscav_leaderboard.matches.models import FINISHED, LADDER, PLAYING, VOID, WAITING, Match
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.spectating import streams
@@ -42,23 +40,23 @@ class Live(NamedTuple):
 @pytest.fixture
 def live(hostile_season: FilledSeason, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Live]:
     monkeypatch.setattr(streams, "CHECK", 0.05)
-    app = create_app(hostile_season.season, hostile_season.database)
-    app.state.renders.close()
     folder = LiveMatches(tmp_path / "live")
-    app.state.streams._live = folder
     folder.folder.mkdir()
-    with copied_database(app, hostile_season, tmp_path) as copy:
+    with (
+        serving_filled(hostile_season, renders=False) as (_, app, client),
+        copied_database(app, hostile_season, tmp_path) as copy,
+    ):
+        app.state.streams._live = folder
         database = Database(f"sqlite:///{copy}")
         last = select(Match.id).where(Match.kind == LADDER, Match.state == FINISHED).order_by(Match.id.desc())
         with database.reading() as session:
             match, other = session.scalars(last.limit(2)).all()
-        with served(app) as address, httpx.Client(base_url=address, timeout=60.0) as client:
-            cookie = {"Cookie": f"{COOKIE}={hostile_season.people['organizer'].cookie}"}
-            found = Live(database, client, folder.path(key_of(match)), match, other, cookie)
-            found.put(match, PLAYING)
-            found.file.write_text("the beginning\n")
-            yield found
-            found.file.unlink(missing_ok=True)
+        cookie = {"Cookie": f"{COOKIE}={hostile_season.people['organizer'].cookie}"}
+        found = Live(database, client, folder.path(key_of(match)), match, other, cookie)
+        found.put(match, PLAYING)
+        found.file.write_text("the beginning\n")
+        yield found
+        found.file.unlink(missing_ok=True)
         database.close()
 
 

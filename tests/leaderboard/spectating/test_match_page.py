@@ -2,24 +2,29 @@
 
 import json
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
+from html import escape
 from pathlib import Path
 from typing import Any
 
 import pytest
-from fastapi import Request
-from fastapi.responses import JSONResponse, Response
+from fastapi import FastAPI, Request
+from fastapi.responses import HTMLResponse, JSONResponse, Response
+from fastapi.staticfiles import StaticFiles
 from tests.browsers import DESK, IN_3D, chromium
 from tests.leaderboard.spectating.moments import moments_of
-from tests.leaderboard.spectating.pages_for_tests import match_page
+from tests.leaderboard.spectating.served import served
 
+import wildscav_leaderboard
 from wildscav_engine.maps import map_of
 from wildscav_engine.record import read_record
+from wildscav_leaderboard.hosting.middleware import POLICY
 from wildscav_leaderboard.spectating.live import LiveMatches, key_of
 from wildscav_leaderboard.spectating.streams import Streams
 from wildscav_stage.scene.document import Trails
 from wildscav_stage.scene.map_file import map_file
 from wildscav_stage.scene.trails import trails_of
+from wildscav_stage.viewer_files import PATH, viewer_addresses, viewer_routes
 
 pytestmark = pytest.mark.slow
 
@@ -27,6 +32,60 @@ Records = Callable[[str], Path]
 HOSTILE = "<img src=x onerror=alert(1)>"
 PATIENCE = 60_000  # ms
 GZIP = {"Content-Encoding": "gzip"}
+STATIC = Path(wildscav_leaderboard.__file__).parent / "web" / "static"
+PAGE = """<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
+<title>A match</title>
+<link rel="stylesheet" href="/static/season.css"><link rel="stylesheet" href="{style}">
+<script type="module" src="{script}"></script>
+</head>
+<body>
+<main><h1>A match</h1><div data-match data-map="/map" data-trails="/trails?v=3" {attributes}></div></main>
+</body>
+</html>
+"""
+
+
+@contextmanager
+def match_page(
+    trails: Callable[[], Response],
+    game_map: Callable[[], Response],
+    names: str = "{}",
+    live: Callable[[Request], Response] | None = None,
+) -> Iterator[str]:
+    """Serve a page with the player, as a match page has it, and give its address; perhaps it is live."""
+    app = FastAPI()
+    app.mount("/static", StaticFiles(directory=STATIC))
+    app.mount(PATH, viewer_routes())
+    script, style = viewer_addresses()
+    is_live = ' data-live="/live"' if live else ""
+    written = f'data-names="{escape(names)}"{is_live}'
+    page = PAGE.format(script=script, style=style, attributes=written)
+
+    @app.get("/")
+    def show() -> HTMLResponse:
+        return HTMLResponse(page, headers={"Content-Security-Policy": POLICY})
+
+    @app.get("/favicon.ico")
+    def icon() -> Response:
+        return Response(status_code=204)
+
+    @app.get("/trails")
+    def answer() -> Response:
+        return trails()
+
+    @app.get("/live")
+    async def follow(request: Request) -> Response:
+        return live(request) if live else Response(status_code=404)
+
+    @app.get("/map")
+    def answer_map() -> Response:
+        return game_map()
+
+    with served(app) as address:
+        yield address
 
 
 @pytest.fixture(scope="module")
@@ -77,9 +136,8 @@ def test_what_is_still_rendered_is_waited_for_and_names_are_text(
 
     names = json.dumps({0: HOSTILE})
     made = Response(game_map, headers=GZIP)
-    with match_page(
-        lambda: answer("trails", answer_with(trails)), lambda: answer("map", made), names
-    ) as address:
+    trails_in, map_in = (lambda: answer("trails", answer_with(trails))), (lambda: answer("map", made))
+    with match_page(trails_in, map_in, names) as address:
         page.goto(address)
         page.get_by_text("Soon …").first.wait_for()
         page.locator(".player-canvas").wait_for()

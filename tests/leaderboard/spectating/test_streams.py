@@ -67,11 +67,15 @@ async def shown() -> str:
     return ""
 
 
-async def read(parts: AsyncIterator[bytes], *until: str) -> list[str]:
+def parts(channel: Channel, *, everything: bool = False) -> AsyncIterator[bytes]:
+    return channel.parts("", everything=everything)
+
+
+async def read(stream: AsyncIterator[bytes], *until: str) -> list[str]:
     """Read a stream until it has told some data, or ends."""
     read: list[bytes] = []
     async with asyncio.timeout(PATIENCE):
-        async for part in parts:
+        async for part in stream:
             read.append(part)
             if until and data_of(unpacked(read))[-len(until) :] == list(until):
                 break
@@ -94,15 +98,16 @@ def watch(
 
 def test_who_joins_in_the_middle_is_told_the_same_as_who_was_there_from_the_start(file: Path) -> None:
     async def story(channel: Channel) -> None:
-        early = asyncio.create_task(read(channel.parts("", everything=False)))
+        early = asyncio.create_task(read(parts(channel)))
         write(file, "begin", "1")
-        await read(channel.parts("", everything=False), "begin", "1")
+        await read(parts(channel), "begin", "1")
         lines = [str(number) for number in range(2, 5 * TOGETHER)]
         write(file, *lines)
-        late = asyncio.create_task(read(channel.parts("", everything=False)))
-        await read(channel.parts("", everything=False), lines[-1])
+        late = asyncio.create_task(read(parts(channel)))
+        await read(parts(channel), lines[-1])
+        write(file, "last")  # is told although the file is gone
         end(file)
-        assert await early == await late == ["begin", "1", *lines, "over"]
+        assert await early == await late == ["begin", "1", *lines, "last", "over"]
 
     watch(file, story)
 
@@ -114,9 +119,8 @@ def test_who_comes_back_is_told_exactly_what_they_missed(seen: int) -> None:
         playing.add(str(number))
     place = playing.after(f"{playing.name}-{seen}")
 
-    parts = [part for part, _ in playing.since(place)]
-
-    assert data_of(unpacked(parts)) == [str(number) for number in range(seen + 1, 3 * TOGETHER)]
+    missed = [part for part, _ in playing.since(place)]
+    assert data_of(unpacked(missed)) == [str(number) for number in range(seen + 1, 3 * TOGETHER)]
     assert all(after > before for before, after in pairwise(place for _, place in playing.since(place)))
 
 
@@ -133,9 +137,9 @@ def test_the_name_of_no_piece_of_this_playing_gives_the_whole(last: str) -> None
 
 def test_a_match_that_is_played_again_begins_anew(file: Path) -> None:
     async def story(channel: Channel) -> None:
-        stream = channel.parts("", everything=False)
+        stream = parts(channel)
         write(file, "begin", "1")
-        assert await read(channel.parts("", everything=False), "1") == ["begin", "1"]
+        assert await read(parts(channel), "1") == ["begin", "1"]
         told = asyncio.create_task(read(stream, "begin", "2"))
         other = file.with_suffix(".part")
         write(other, "begin", "2")
@@ -147,7 +151,7 @@ def test_a_match_that_is_played_again_begins_anew(file: Path) -> None:
 
 def test_half_a_line_waits_for_its_other_half(file: Path) -> None:
     async def story(channel: Channel) -> None:
-        stream = asyncio.create_task(read(channel.parts("", everything=False), "long"))
+        stream = asyncio.create_task(read(parts(channel), "long"))
         write(file, "begin")
         with file.open("a") as opened:
             opened.write("lo")
@@ -159,25 +163,13 @@ def test_half_a_line_waits_for_its_other_half(file: Path) -> None:
     watch(file, story)
 
 
-def test_the_last_news_are_told_although_the_file_is_gone(file: Path) -> None:
-    async def story(channel: Channel) -> None:
-        write(file, "begin")
-        stream = asyncio.create_task(read(channel.parts("", everything=False)))
-        await read(channel.parts("", everything=False), "begin")
-        write(file, "1", "2")
-        end(file)
-        assert await stream == ["begin", "1", "2", "over"]
-
-    watch(file, story)
-
-
 @pytest.mark.parametrize("lines", [[], ["begin", "1"]])
 def test_the_stream_of_a_match_that_is_not_played_ends(file: Path, lines: list[str]) -> None:
     async def answer() -> str:
         return NOT_PLAYED
 
     async def story(channel: Channel) -> None:
-        assert await read(channel.parts("", everything=True)) == [*lines, "over"]
+        assert await read(parts(channel, everything=True)) == [*lines, "over"]
 
     if lines:
         write(file, *lines)
@@ -189,7 +181,7 @@ def test_news_do_not_wait_for_the_answer_whether_all_may_watch(file: Path) -> No
         write(file, "begin")
         await asyncio.wait_for(asked.wait(), PATIENCE)
         write(file, "1")
-        await read(channel.parts("", everything=False), "begin", "1")
+        await read(parts(channel), "begin", "1")
 
     async def never() -> str:
         asked.set()
@@ -209,14 +201,14 @@ def test_a_stream_ends_when_not_everybody_may_watch_anymore_but_not_that_of_an_o
     async def story(channel: Channel) -> None:
         nonlocal why
         write(file, "begin")
-        stranger = asyncio.create_task(read(channel.parts("", everything=False)))
-        organizer = asyncio.create_task(read(channel.parts("", everything=True)))
-        await read(channel.parts("", everything=False), "begin")
+        stranger = asyncio.create_task(read(parts(channel)))
+        organizer = asyncio.create_task(read(parts(channel, everything=True)))
+        await read(parts(channel), "begin")
         why = "the boards are frozen"
         assert (await stranger)[-1] == '"the boards are frozen"'
         write(file, "secret")
-        await read(channel.parts("", everything=True), "secret")
-        assert await read(channel.parts("", everything=False)) == ['"the boards are frozen"']
+        await read(parts(channel, everything=True), "secret")
+        assert await read(parts(channel)) == ['"the boards are frozen"']
         end(file)
         assert await organizer == ["begin", "secret", "over"]
 
@@ -228,7 +220,7 @@ def test_pieces_are_compressed_once_for_everybody(file: Path) -> None:
         write(file, "begin")
         firsts = []
         for _ in range(2):
-            async for part in channel.parts("", everything=False):
+            async for part in parts(channel):
                 firsts.append(part)
                 break
         assert firsts[0] is firsts[1]

@@ -23,13 +23,10 @@ from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.archives import CheckedArchive
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.queue import queue
-from wildscav_leaderboard.submissions.service import (
-    StateError,
-    hand_in,
-    move,
-)
+from wildscav_leaderboard.submissions.service import StateError, hand_in, move
 from wildscav_leaderboard.teams.service import find_team, leave_team, make_team
 
+PLAYS = (states.QUEUED, states.BUILDING, states.VALIDATING, states.ACTIVE)
 AGENT = "from wildscav.agent import Action\n\n\nclass Agent:\n    number = {number}\n"
 
 
@@ -112,8 +109,10 @@ def test_who_submitted_for_a_disqualified_team_submits_for_no_other_one(desk: De
         desk.enter(1, "hares")
 
 
-def test_members_of_a_disqualified_team_stay_in_it(desk: Desk) -> None:
-    desk.disqualify("copied")
+def test_a_disqualified_team_hands_nothing_in_and_its_members_stay_in_it(desk: Desk) -> None:
+    desk.disqualify("it copied the owls")
+    with pytest.raises(RefusalError, match="disqualified: it copied the owls"):
+        desk.enter(0)
     with desk.database.writing() as session, pytest.raises(RefusalError, match="members cannot leave it"):
         leave_team(session, captain_of(session, "foxes"))
 
@@ -122,13 +121,7 @@ def test_members_of_a_disqualified_team_stay_in_it(desk: Desk) -> None:
     ("message", "left_out", "says"), [("x" * 201, "", "message"), ("", "agent.py", "no file")]
 )
 def test_nothing_is_kept_of_an_upload_that_is_refused(
-    *,
-    desk: Desk,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    message: str,
-    left_out: str,
-    says: str,
+    *, desk: Desk, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, message: str, left_out: str, says: str
 ) -> None:
     monkeypatch.setenv("WILDSCAV_CACHE_DIR", str(tmp_path / "cache"))
     (desk.agents[0] / left_out).unlink() if left_out else None
@@ -185,20 +178,13 @@ def test_the_same_content_is_not_taken_twice(desk: Desk) -> None:
 @pytest.mark.parametrize(
     ("steps", "fault", "advice"),
     [
-        (
-            (states.QUEUED, states.BUILDING, states.VALIDATING, states.ACTIVE, states.DISABLED),
-            None,
-            "restore it",
-        ),
+        ((*PLAYS, states.DISABLED), None, "restore it"),
         ((states.QUEUED, states.FAILED), "agent", "change what made it fail"),
         ((states.QUEUED, states.FAILED), "platform", None),
     ],
 )
 def test_a_new_version_string_is_no_new_content_even_of_a_submission_that_is_over(
-    desk: Desk,
-    steps: tuple[str, ...],
-    fault: str | None,
-    advice: str | None,
+    desk: Desk, steps: tuple[str, ...], fault: str | None, advice: str | None
 ) -> None:
     first = desk.enter(0)
     step(desk, first, *steps, fault=fault)
@@ -211,12 +197,6 @@ def test_a_new_version_string_is_no_new_content_even_of_a_submission_that_is_ove
         desk.enter(0)
     manifest.write_text(manifest.read_text().replace("navigation", "battle"))
     desk.enter(0)  # on no track of the first
-
-
-def test_a_disqualified_team_hands_nothing_in(desk: Desk) -> None:
-    desk.disqualify("it copied the owls")
-    with pytest.raises(RefusalError, match="disqualified: it copied the owls"):
-        desk.enter(0)
 
 
 def test_a_state_that_cannot_follow_is_refused(desk: Desk) -> None:

@@ -3,11 +3,12 @@
 from pathlib import Path
 
 import pytest
-from tests.leaderboard.seasons_made import NOON, make_account, make_season
+from tests.leaderboard.seasons_made import NOON, changed, make_account, make_season
 
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import ForbiddenError, RefusalError
+from wildscav_leaderboard.seasons.settings import Quotas
 from wildscav_leaderboard.teams.service import (
     join_team,
     leave_team,
@@ -20,9 +21,7 @@ from wildscav_leaderboard.teams.service import (
 
 @pytest.fixture
 def season(tmp_path: Path) -> Season:
-    made = make_season(tmp_path / "season")
-    quotas = made.settings.quotas.model_copy(update={"members": 2})
-    return Season(made.folder, made.settings.model_copy(update={"quotas": quotas}))
+    return changed(make_season(tmp_path / "season"), quotas=Quotas(members=2))
 
 
 def test_a_team_takes_whoever_has_its_key_until_it_is_full(database: Database, season: Season) -> None:

@@ -16,17 +16,9 @@ END = NOON + 10 * HOUR
 
 
 def point(hours: float, rank: int, last_rank: int | None = None) -> BoardPoint:
-    return BoardPoint(
-        track="battle",
-        submission_id=1,
-        at=NOON + hours * HOUR,
-        rank=rank,
-        last_rank=last_rank or rank,
-        score=1.0,
-        low=0.0,
-        high=2.0,
-        matches=3,
-    )
+    found = {"rank": rank, "last_rank": last_rank or rank, "matches": 3}
+    found |= {"score": 1.0, "low": 0.0, "high": 2.0}
+    return BoardPoint(track="battle", submission_id=1, at=NOON + hours * HOUR, **found)
 
 
 def drawn(
@@ -72,11 +64,8 @@ def test_labels_do_not_cover_each_other_where_ranks_are_shared() -> None:
 
 @pytest.mark.parametrize(
     ("points", "until"),
-    [
-        ([], END),  # nobody was ranked
-        ([point(0, 1)], END),  # one point is no line
-        ([point(0, 1), point(1, 1)], NOON),  # all of it came later
-    ],
+    # Nobody was ranked, one point is no line, and all of it came later.
+    [([], END), ([point(0, 1)], END), ([point(0, 1), point(1, 1)], NOON)],
 )
 def test_without_a_course_there_is_no_chart(points: list[BoardPoint], until: datetime) -> None:
     assert rank_chart([("owls", points)], until) is None

@@ -6,8 +6,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from pathlib import Path
+from socketserver import TCPServer
 from typing import Any
+
+from tests.platform.helpers.certificates import Pair
 
 
 @dataclass
@@ -26,7 +28,7 @@ class Receiver:
 
 @contextmanager
 def receiver(
-    *statuses: int, host: str = "127.0.0.1", certificate: Path | None = None, **headers: str
+    *statuses: int, host: str = "127.0.0.1", pair: Pair | None = None, **headers: str
 ) -> Iterator[Receiver]:
     """Run a receiver that answers with these statuses and headers."""
     found = Receiver(statuses=list(statuses))
@@ -44,16 +46,21 @@ def receiver(
         def log_message(self, *_: Any) -> None:
             pass
 
-    server = ThreadingHTTPServer((host, 0), Handler)
-    if certificate is not None:
+    with running(ThreadingHTTPServer((host, 0), Handler), pair) as found.port:
+        yield found
+
+
+@contextmanager
+def running(server: TCPServer, pair: Pair | None = None) -> Iterator[int]:
+    """Run a server, with TLS if there is a certificate; give its port."""
+    if pair is not None:
         context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
-        context.load_cert_chain(certificate)
+        context.load_cert_chain(pair.cert, pair.key)
         server.socket = context.wrap_socket(server.socket, server_side=True)
-    found.port = server.server_address[1]
     thread = threading.Thread(target=server.serve_forever, args=(0.05,))
     thread.start()
     try:
-        yield found
+        yield server.server_address[1]
     finally:
         server.shutdown()
         thread.join()

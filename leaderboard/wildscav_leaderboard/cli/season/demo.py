@@ -65,11 +65,7 @@ def _place(folder: Path | None) -> Iterator[Path]:
 
 
 def _free_port(wanted: int | None) -> int:
-    """Return a port on which nothing listens yet.
-
-    Raises:
-        UserError: Something listens on the one that is wanted.
-    """
+    """Return a port on which nothing listens yet."""
     from wildscav_leaderboard.hosting.serve import check_port
 
     if wanted is not None:

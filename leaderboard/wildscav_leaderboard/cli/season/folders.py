@@ -88,7 +88,7 @@ def backup(folder: SeasonFolder, out: Backup) -> None:
     if done.missing:
         error_console.print(
             f"missing: {counted(len(done.missing), 'file')}, the first one {done.missing[0]}; "
-            "`wildscav season check` tells more",
+            "`wildscav season check` tells more"
         )
 
 

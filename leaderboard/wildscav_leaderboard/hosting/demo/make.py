@@ -56,7 +56,6 @@ def make_demo(folder: Path, port: int, sandbox: str | None = None) -> tuple[Seas
 
     Args:
         folder: The folder, which must be missing or empty.
-        port: Of its web site.
         sandbox: In which agents run; None for the strongest that works here without containers.
 
     Returns:

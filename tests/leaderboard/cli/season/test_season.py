@@ -19,16 +19,21 @@ WILDSCAV = str(Path(sys.executable).parent / "wildscav")
 LONGEST = 300.0  # s
 
 
+def command(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int:
+    """Run a command of a season in this process, and return its exit code."""
+    monkeypatch.setattr("sys.argv", ["wildscav", "season", *map(str, arguments)])
+    with pytest.raises(SystemExit) as ended:
+        main.main()
+    assert isinstance(ended.value.code, int)
+    return ended.value.code
+
+
 def test_a_port_that_is_taken_is_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with socket.create_server(("127.0.0.1", 0)) as other:
         port = other.getsockname()[1]
-        command = ["wildscav", "season", "demo", "--port", str(port), "--folder", str(tmp_path / "demo")]
-        monkeypatch.setattr("sys.argv", command)
-        with pytest.raises(SystemExit) as ended:
-            main.main()
-    assert ended.value.code == 1
+        assert command(monkeypatch, "demo", "--port", port, "--folder", tmp_path / "demo") == 1
     assert capsys.readouterr().err.startswith(f"wildscav: port {port} of 127.0.0.1 cannot be used: ")
     assert not (tmp_path / "demo").exists()
 
@@ -54,15 +59,6 @@ def test_a_season_opens_with_a_board_and_ends_with_ctrl_c(tmp_path: Path) -> Non
             process.send_signal(signal.SIGINT)
         process.wait(LONGEST)
     assert (tmp_path / "demo" / "season.toml").is_file()
-
-
-def command(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int:
-    """Run a command of a season in this process, and return its exit code."""
-    monkeypatch.setattr("sys.argv", ["wildscav", "season", *map(str, arguments)])
-    with pytest.raises(SystemExit) as ended:
-        main.main()
-    assert isinstance(ended.value.code, int)
-    return ended.value.code
 
 
 def test_a_season_that_is_over_is_published(
