@@ -2,17 +2,27 @@
 
 import asyncio
 import threading
-from collections.abc import AsyncIterator, Iterator
-from contextlib import asynccontextmanager, contextmanager
+from collections.abc import AsyncIterator, Callable, Coroutine, Iterator
+from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
 from dataclasses import replace
+from inspect import Parameter, Signature, signature
 from pathlib import Path
 from typing import Any
+
+from tests.platform.stage.playing.pages import page
 
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_stage.playing.links import Addresses
 from wildscav_stage.playing.plan import Plan, make_plan
 from wildscav_stage.playing.site.serve import prepare, served
 
+PAGES: dict[str, Callable[[Addresses], str]] = {  # the link of each
+    "person": lambda links: links.host,
+    "host": lambda links: links.host,
+    "guest": lambda links: links.guests[0],
+    "second_guest": lambda links: links.guests[1],
+    "spectator": lambda links: links.watch,
+}
 MEADOW = MapConfig(size=60, houses=1, relief=0.0, ruggedness=0.0, water=0.0, vegetation=0.0)
 
 
@@ -43,6 +53,40 @@ async def table(plan: Plan, folder: Path) -> AsyncIterator[str]:
     """Serve a table, and yield its host's link."""
     async with tables_links(plan, folder) as links:
         yield links.host
+
+
+def at_table(
+    *plan: Any, public_url: str | None = None, countdown: int = 0, delay: float = 0.0, **more: Any
+) -> Callable[[Callable[..., Coroutine[Any, Any, None]]], Callable[..., None]]:
+    """Make a test of a coroutine: it gets the pages that it names, in their order, and its table's ``links``.
+
+    Args:
+        plan: As ``small_plan`` takes it, with what ``more`` has.
+    """
+
+    def decorate(test: Callable[..., Coroutine[Any, Any, None]]) -> Callable[..., None]:
+        names = signature(test).parameters
+        fixtures = {"tmp_path", *names} - {"links", *PAGES}
+
+        def run(tmp_path: Path, **given: Any) -> None:
+            async def whole() -> None:
+                served_at = tables_links(small_plan(*plan, **more), tmp_path, public_url, countdown, delay)
+                async with served_at as links, AsyncExitStack() as stack:
+                    known = {**given, "tmp_path": tmp_path, "links": links}
+                    for name in names:
+                        if name in PAGES:
+                            known[name] = await stack.enter_async_context(page(PAGES[name](links)))
+                    await test(**{name: known[name] for name in names})
+
+            asyncio.run(whole())
+
+        run.__signature__ = Signature(  # type: ignore[attr-defined]
+            [Parameter(name, Parameter.POSITIONAL_OR_KEYWORD) for name in sorted(fixtures)]
+        )
+        run.__name__, run.__doc__, run.__module__ = test.__name__, test.__doc__, test.__module__
+        return run
+
+    return decorate
 
 
 @contextmanager

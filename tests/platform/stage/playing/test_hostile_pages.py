@@ -9,10 +9,11 @@ from urllib.parse import urlsplit
 
 import pytest
 from tests.platform.stage.playing.pages import PageClient, page
-from tests.platform.stage.playing.tables import small_plan, tables_links
+from tests.platform.stage.playing.tables import at_table, small_plan, tables_links
 from websockets.exceptions import ConnectionClosed
 
 from wildscav_engine.record import read_record, verify_record
+from wildscav_stage.playing.links import Addresses
 from wildscav_stage.playing.page import MAX_MESSAGES, MAX_UNSEEN, OpenPage
 
 Attack = Callable[[PageClient], Awaitable[None]]
@@ -94,15 +95,13 @@ def test_a_page_that_has_seen_what_it_was_not_sent_costs_no_memory() -> None:
     asyncio.run(play())
 
 
-def test_connections_that_say_nothing_do_not_keep_people_from_their_match(tmp_path: Path) -> None:
-    async def play() -> None:
-        async with tables_links(small_plan("navigation", 1.0), tmp_path) as links, AsyncExitStack() as stack:
-            address = urlsplit(links.host)
-            for _ in range(50):
-                _, silent = await asyncio.open_connection(address.hostname, address.port)
-                stack.callback(silent.close)
-            host = await stack.enter_async_context(page(links.host))
-            await host.send(kind="start")
-            await host.until("over")
-
-    asyncio.run(play())
+@at_table("navigation", 1.0)
+async def test_connections_that_say_nothing_do_not_keep_people_from_their_match(links: Addresses) -> None:
+    async with AsyncExitStack() as stack:
+        address = urlsplit(links.host)
+        for _ in range(50):
+            _, silent = await asyncio.open_connection(address.hostname, address.port)
+            stack.callback(silent.close)
+        host = await stack.enter_async_context(page(links.host))
+        await host.send(kind="start")
+        await host.until("over")
