@@ -32,12 +32,7 @@ class Body:
     """One seat of one match."""
 
     def __init__(self, match: MatchInfo, names: Sequence[str] = ()) -> None:
-        """Begin before the first observation.
-
-        Args:
-            match: What is known of the match.
-            names: The display names of all seats.
-        """
+        """Begin before the first observation."""
         self.match = match
         self.gathers = match.track not in WITHOUT_SUPPLIES
         self.is_armed = match.track not in UNARMED

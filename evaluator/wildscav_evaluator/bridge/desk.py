@@ -12,11 +12,7 @@ class RequestError(Exception):
 
 
 class Desk:
-    """Answers the requests of one agent.
-
-    Args:
-        connection: To the match, which has been joined.
-        names: The display names of all seats.
+    """Answers the requests of one agent by a connection that has joined the match.
 
     Attributes:
         now: What the seat senses; None before the first observation.

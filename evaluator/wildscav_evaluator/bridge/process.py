@@ -30,10 +30,6 @@ async def bridged(launches: Mapping[int, Launch], hosted: HostedMatch) -> AsyncI
 
     An agent that plays by words or keys gets a socket and a token of the bridge in place of the match's.
 
-    Args:
-        launches: The agents, by seat.
-        hosted: Their match, which is cancelled if the bridge fails.
-
     Raises:
         BridgeError: The bridge failed.
         OSError: It could not be started.

@@ -23,9 +23,7 @@ MOST_CONNECTIONS = 64  # of an agent, before one of them has taken the seat
 class SeatBridge:
     """Serves the agent of one seat. The first connection that knows the seat's token takes it for good.
 
-    Args:
-        order: The seat.
-        failed: Gets what goes wrong in the bridge itself.
+    ``failed`` gets what goes wrong in the bridge itself.
     """
 
     def __init__(self, order: Order, failed: "asyncio.Future[Any]") -> None:
@@ -125,12 +123,7 @@ class AgentEnd:
         return _request_in(line)
 
     async def send(self, answer: dict[str, Any], content: bytes = b"") -> None:
-        """Send an answer, and wait until the agent takes it.
-
-        Args:
-            answer: What the line says.
-            content: The bytes that follow it, which the line announces.
-        """
+        """Send an answer and the bytes that follow it, and wait until the agent takes them."""
         line = json.dumps(answer | ({"bytes": len(content)} if content else {})).encode()
         self._writer.write(line + b"\n" + content)
         await self._writer.drain()

@@ -57,8 +57,7 @@ class _FailedError(Exception):
 class ModelServer:
     """The organizer's model, as a context manager. It keeps nothing of one seat for another.
 
-    Args:
-        seats: Those that ask, each one request at a time.
+    Each of its ``seats`` asks one request at a time.
     """
 
     def __init__(self, settings: ModelSettings, key: str, seats: int) -> None:

@@ -56,12 +56,7 @@ class RefusedError(Exception):
 
 
 class UnixServer:
-    """Serves the clients of one socket.
-
-    Args:
-        listener: The socket, which listens and does not block.
-        answer: Answers a request.
-    """
+    """Serves the clients of one socket, which listens and does not block."""
 
     def __init__(
         self, listener: socket.socket, answer: Callable[[Request], Coroutine[Any, Any, Response]]

@@ -21,12 +21,7 @@ LONGEST_WISH = 120.0  # s, likewise, if the server asks for them
 
 
 class ModelServer:
-    """The server of a model, for one match.
-
-    Args:
-        settings: Where it is, and how it is asked.
-        spending: Gets what requests take.
-        log: Gets requests and answers.
+    """The server of a model, for one match, which writes down what requests take.
 
     Raises:
         UserError: The address is not valid.

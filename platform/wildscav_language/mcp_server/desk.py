@@ -11,12 +11,12 @@ from typing import Any, NamedTuple, TypeVar
 from pydantic import ValidationError
 
 from wildscav.errors import UserError
+from wildscav.words import Reply
 from wildscav_engine.specs.validation import one_line
 from wildscav_language.calls import Reason
 from wildscav_language.mcp_server import reports, requests
 from wildscav_language.mcp_server.hosting import image_of
 from wildscav_language.mcp_server.matches import ClientSeat, ClientsMatch, Matches
-from wildscav_language.player import Reply
 from wildscav_language.rules_text import rules
 from wildscav_language.tools import TOOLS
 

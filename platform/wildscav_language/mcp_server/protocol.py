@@ -157,11 +157,7 @@ async def serve_http(
 ) -> None:
     """Serve any number of clients over HTTP until the server is interrupted; then end all matches first.
 
-    Args:
-        desk: Answers them.
-        sockets: That are bound.
-        token: The secret that each request must carry; None if none is needed.
-        hosts: By which names clients reach it, with any port; None for any.
+    With a token, each request must carry it. With ``hosts``, clients reach the server by these names alone.
     """
     names = [name for host in hosts or () for name in (host, f"{host}:*")]
     app = make_server(desk).streamable_http_app(

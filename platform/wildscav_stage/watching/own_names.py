@@ -10,11 +10,9 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 
 
 class OwnNames:
-    """Refuses requests by another name: its owner could lead it here, to have foreign pages read. Middleware.
+    """Middleware that refuses requests by another name than the host's.
 
-    Args:
-        app: What answers the others.
-        host: The address or the name that it is served on.
+    Whoever owns another name could lead it here, to have foreign pages read.
     """
 
     def __init__(self, app: ASGIApp, host: str) -> None:

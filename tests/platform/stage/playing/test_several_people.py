@@ -32,33 +32,31 @@ async def everybody(client: PageClient, *where: str) -> list[str]:
             return [person["name"] for person in people]
 
 
-def test_two_people_play_each_other_and_the_match_is_recorded(tmp_path: Path) -> None:
-    async def play() -> tuple[dict[str, object], dict[str, object]]:
-        plan = small_plan("navigation", 1.2, people=2)
-        async with tables_links(plan, tmp_path) as links, AsyncExitStack() as stack:
-            (host,) = await opened(stack, links.host)
-            assert await everybody(host, "here", "expected") == ["person 1", "person 2"]
-            (guest,) = await opened(stack, *links.guests)
-            await guest.send(kind="rename", name="Ada")
-            while await everybody(host, "here", "here") != ["person 1", "Ada"]:
-                pass
-            await host.send(kind="start")
-            await asyncio.gather(host.until("moment"), guest.until("moment"))
-            await host.send(kind="input", number=1, forward=1.0)
-            await guest.send(kind="input", number=1, turn=45.0)
-            ends = await asyncio.gather(host.until("over"), guest.until("over"))
-            assert host.shown["own"] != guest.shown["own"]
-            return ends[0], ends[1]
-
-    hosts, guests = asyncio.run(play())
-    assert hosts["rows"] == guests["rows"]
-    assert "record" not in guests  # where files lie is the host's business
-    record = read_record(Path(str(hosts["record"])))
-    assert record.names == ("person 1", "Ada")
-    assert verify_record(record).holds
-    assert (record.actions[:, 0, 1] == 10.0).any()
-    assert not record.actions[:, 1, 1].any()
-    assert (record.actions[:, 1, 2] == 45.0).sum() == 1
+@at_table("navigation", 1.2, people=2)
+async def test_two_people_play_each_other_and_the_match_is_recorded(
+    host: PageClient, links: Addresses
+) -> None:
+    async with AsyncExitStack() as stack:
+        assert await everybody(host, "here", "expected") == ["person 1", "person 2"]
+        (guest,) = await opened(stack, *links.guests)
+        await guest.send(kind="rename", name="Ada")
+        while await everybody(host, "here", "here") != ["person 1", "Ada"]:
+            pass
+        await host.send(kind="start")
+        await asyncio.gather(host.until("moment"), guest.until("moment"))
+        await host.send(kind="input", number=1, forward=1.0)
+        await guest.send(kind="input", number=1, turn=45.0)
+        ends = await asyncio.gather(host.until("over"), guest.until("over"))
+        assert host.shown["own"] != guest.shown["own"]
+        hosts, guests = ends[0], ends[1]
+        assert hosts["rows"] == guests["rows"]
+        assert "record" not in guests  # where files lie is the host's business
+        record = read_record(Path(str(hosts["record"])))
+        assert record.names == ("person 1", "Ada")
+        assert verify_record(record).holds
+        assert (record.actions[:, 0, 1] == 10.0).any()
+        assert not record.actions[:, 1, 1].any()
+        assert (record.actions[:, 1, 2] == 45.0).sum() == 1
 
 
 def test_a_seat_stands_idle_until_its_person_is_back(tmp_path: Path) -> None:
@@ -142,7 +140,7 @@ async def test_a_match_of_several_people_is_not_paused(host: PageClient, guest: 
 
 
 @at_table(people=2)
-async def test_a_seat_that_is_freed_has_another_link_and_the_old_one_ends(
+async def test_a_seat_that_is_freed_has_another_link_for_the_host_to_send_and_the_old_one_ends(
     host: PageClient, guest: PageClient, links: Addresses
 ) -> None:
     def ask(link: str) -> str:
@@ -283,23 +281,19 @@ async def test_whoever_watches_by_a_seat_that_is_freed_has_to_go(host: PageClien
         assert closed.value.rcvd.code == RENEWED
 
 
-def test_the_host_chooses_the_robots_and_another_map_for_the_next_match(tmp_path: Path) -> None:
-    async def play() -> list[Path]:
-        plan = small_plan("battle", 0.5, ("fighter-easy",), people=2)
-        async with tables_links(plan, tmp_path) as links, page(links.host) as host:
-            records = []
-            for new_map in (False, True, False):
-                robots = ["walker", "gatherer"] if new_map else ["fighter"]
-                await host.send(kind="arrange", robots=robots, new_map=new_map)
-                told = await host.until("people")
-                while told["robots"] != robots:
-                    told = await host.until("people")
-                assert (told["opponents"], told["new_map"]) == (robots, new_map)
-                await host.send(kind="start")
-                records.append(Path((await host.until("over"))["record"]))
-            return records
-
-    first, second, third = [read_record(path) for path in asyncio.run(play())]
+@at_table("battle", 0.5, ("fighter-easy",), people=2)
+async def test_the_host_chooses_the_robots_and_another_map_for_the_next_match(host: PageClient) -> None:
+    records = []
+    for new_map in (False, True, False):
+        robots = ["walker", "gatherer"] if new_map else ["fighter"]
+        await host.send(kind="arrange", robots=robots, new_map=new_map)
+        told = await host.until("people")
+        while told["robots"] != robots:
+            told = await host.until("people")
+        assert (told["opponents"], told["new_map"]) == (robots, new_map)
+        await host.send(kind="start")
+        records.append(Path((await host.until("over"))["record"]))
+    first, second, third = [read_record(path) for path in records]
     assert (first.names[2:], second.names[2:]) == (("fighter",), ("walker", "gatherer"))
     assert [one.spec.map.seed for one in (first, second, third)] == [5, 6, 6]  # it stays until the host asks
     assert second.spec.map.config == first.spec.map.config
