@@ -2,13 +2,13 @@
 
 import asyncio
 import threading
-from collections.abc import AsyncIterator, Callable, Coroutine, Iterator
+from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
 from dataclasses import replace
-from inspect import Parameter, Signature, signature
 from pathlib import Path
 from typing import Any
 
+from tests.coroutines import Test, within
 from tests.platform.stage.playing.pages import page
 
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
@@ -57,36 +57,26 @@ async def table(plan: Plan, folder: Path) -> AsyncIterator[str]:
 
 def at_table(
     *plan: Any, public_url: str | None = None, countdown: int = 0, delay: float = 0.0, **more: Any
-) -> Callable[[Callable[..., Coroutine[Any, Any, None]]], Callable[..., None]]:
-    """Make a test of a coroutine: it gets the pages that it names, in their order, and its table's ``links``.
+) -> Callable[[Test], Callable[..., None]]:
+    """Make a test of a coroutine: it gets the ``PAGES`` that it names, in their order, and ``links``.
 
     Args:
         plan: As ``small_plan`` takes it, with what ``more`` has.
     """
 
-    def decorate(test: Callable[..., Coroutine[Any, Any, None]]) -> Callable[..., None]:
-        names = signature(test).parameters
-        fixtures = {"tmp_path", *names} - {"links", *PAGES}
+    @asynccontextmanager
+    async def opened(folder: Path, names: list[str]) -> AsyncIterator[dict[str, Any]]:
+        asked = small_plan(*plan, **more)
+        async with (
+            tables_links(asked, folder, public_url, countdown, delay) as links,
+            AsyncExitStack() as stack,
+        ):
+            found: dict[str, Any] = {"links": links}
+            for name in (name for name in names if name in PAGES):
+                found[name] = await stack.enter_async_context(page(PAGES[name](links)))
+            yield found
 
-        def run(tmp_path: Path, **given: Any) -> None:
-            async def whole() -> None:
-                served_at = tables_links(small_plan(*plan, **more), tmp_path, public_url, countdown, delay)
-                async with served_at as links, AsyncExitStack() as stack:
-                    known = {**given, "tmp_path": tmp_path, "links": links}
-                    for name in names:
-                        if name in PAGES:
-                            known[name] = await stack.enter_async_context(page(PAGES[name](links)))
-                    await test(**{name: known[name] for name in names})
-
-            asyncio.run(whole())
-
-        run.__signature__ = Signature(  # type: ignore[attr-defined]
-            [Parameter(name, Parameter.POSITIONAL_OR_KEYWORD) for name in sorted(fixtures)]
-        )
-        run.__name__, run.__doc__, run.__module__ = test.__name__, test.__doc__, test.__module__
-        return run
-
-    return decorate
+    return within(opened, ("links", *PAGES))
 
 
 @contextmanager
