@@ -10,7 +10,7 @@ from contextlib import ExitStack, asynccontextmanager
 from dataclasses import replace
 
 from wildscav.errors import WildscavError
-from wildscav_evaluator.bridge.orders import Order
+from wildscav_evaluator.bridge.desk import Order
 from wildscav_evaluator.sandbox.base import Launch
 from wildscav_server.hosting.hosted_match import HostedMatch
 

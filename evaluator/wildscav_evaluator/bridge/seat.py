@@ -10,9 +10,8 @@ from wildscav.bridge import LONGEST_REQUEST, facts_of
 from wildscav.errors import RefusedError, ServerUnreachableError
 from wildscav.sdk.connection import Connection
 from wildscav.version import __version__
-from wildscav_evaluator.bridge.desk import Desk, RequestError
+from wildscav_evaluator.bridge.desk import Desk, Order, RequestError
 from wildscav_evaluator.bridge.keys import KeysDesk
-from wildscav_evaluator.bridge.orders import Order
 from wildscav_evaluator.bridge.words import WordsDesk
 
 DESKS: dict[str, type[Desk]] = {"words": WordsDesk, "keys": KeysDesk}

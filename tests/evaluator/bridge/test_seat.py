@@ -13,7 +13,7 @@ from tests.coroutines import Test, within
 
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.bridge.orders import Order
+from wildscav_evaluator.bridge.desk import Order
 from wildscav_evaluator.bridge.seat import MOST_CONNECTIONS, MOST_IDLE, SeatBridge
 from wildscav_language.senses import sensors
 from wildscav_server.hosting.hosted_match import HostedMatch
