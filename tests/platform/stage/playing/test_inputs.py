@@ -105,15 +105,6 @@ def test_turns_add_up_and_count_once() -> None:
     assert controls.take(0.0, 5).turn == 0.0
 
 
-def test_a_body_follows_a_mouse_that_is_faster_than_it() -> None:
-    controls = Controls()
-    controls.receive(given(turn=20.0, look=-7.21))  # the body turns 7.2° in a frame
-
-    taken = [controls.take(0.0, frames=1, turn_speed=360.0) for _ in range(4)]
-    assert [action.turn for action in taken] == [7.2, 7.2, 5.6, 0.0]
-    assert [action.look for action in taken] == [-7.2, 0.0, 0.0, 0.0]
-
-
 def test_what_the_body_has_yet_to_turn_is_told_with_the_inputs_that_turn_it() -> None:
     controls = Controls()
     controls.receive(given(turn=10.0))
