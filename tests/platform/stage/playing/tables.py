@@ -22,6 +22,7 @@ PAGES: dict[str, Callable[[Addresses], str]] = {  # the link of each
     "guest": lambda links: links.guests[0],
     "second_guest": lambda links: links.guests[1],
     "spectator": lambda links: links.watch,
+    "second_spectator": lambda links: links.watch,
 }
 MEADOW = MapConfig(size=60, houses=1, relief=0.0, ruggedness=0.0, water=0.0, vegetation=0.0)
 

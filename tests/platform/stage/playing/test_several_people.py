@@ -1,13 +1,12 @@
 """Matches of several people, each with a page of their own, at a real table."""
 
 import asyncio
-from contextlib import AsyncExitStack
 from pathlib import Path
 
 import httpx
 import pytest
 from tests.platform.stage.playing.pages import PageClient, page
-from tests.platform.stage.playing.tables import at_table, small_plan, tables_links
+from tests.platform.stage.playing.tables import at_table, small_plan
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from wildscav_engine.record import read_record, verify_record
@@ -18,10 +17,6 @@ from wildscav_stage.playing.page import RENEWED
 from wildscav_stage.playing.rounds import MatchHosting
 from wildscav_stage.playing.site.app import MAX_COMMANDS
 from wildscav_stage.playing.table import Table
-
-
-async def opened(stack: AsyncExitStack, *links: str) -> list[PageClient]:
-    return [await stack.enter_async_context(page(link)) for link in links]
 
 
 async def everybody(client: PageClient, *where: str) -> list[str]:
@@ -36,9 +31,8 @@ async def everybody(client: PageClient, *where: str) -> list[str]:
 async def test_two_people_play_each_other_and_the_match_is_recorded(
     host: PageClient, links: Addresses
 ) -> None:
-    async with AsyncExitStack() as stack:
-        assert await everybody(host, "here", "expected") == ["person 1", "person 2"]
-        (guest,) = await opened(stack, *links.guests)
+    assert await everybody(host, "here", "expected") == ["person 1", "person 2"]
+    async with page(links.guests[0]) as guest:
         await guest.send(kind="rename", name="Ada")
         while await everybody(host, "here", "here") != ["person 1", "Ada"]:
             pass
@@ -48,7 +42,7 @@ async def test_two_people_play_each_other_and_the_match_is_recorded(
         await guest.send(kind="input", number=1, turn=45.0)
         ends = await asyncio.gather(host.until("over"), guest.until("over"))
         assert host.shown["own"] != guest.shown["own"]
-        hosts, guests = ends[0], ends[1]
+        hosts, guests = ends
         assert hosts["rows"] == guests["rows"]
         assert "record" not in guests  # where files lie is the host's business
         record = read_record(Path(str(hosts["record"])))
@@ -59,50 +53,42 @@ async def test_two_people_play_each_other_and_the_match_is_recorded(
         assert (record.actions[:, 1, 2] == 45.0).sum() == 1
 
 
-def test_a_seat_stands_idle_until_its_person_is_back(tmp_path: Path) -> None:
-    async def play() -> Path:
-        plan = small_plan("navigation", 2.2, people=2)
-        async with tables_links(plan, tmp_path) as links, page(links.host) as host:
-            async with page(links.guests[0]) as guest:
-                await everybody(host, "here", "here")
-                await host.send(kind="start")
-                await guest.until("moment")
-                await guest.send(kind="input", number=1, forward=1.0)
-                while guest.shown["input"] < 1:
-                    await guest.until("moment")
-            await everybody(host, "here", "away")
-            before = (await host.until("moment"))["frame"]
-            while host.shown["frame"] < before + 25:
-                await host.until("moment")  # the match waits for nobody
-            async with page(links.guests[0]) as guest:
-                await guest.until("begin")
-                await everybody(host, "here", "here")
-                await guest.until("moment")
-                await guest.send(kind="input", number=2, forward=-1.0)
-                return Path((await host.until("over"))["record"])
-
-    record = read_record(asyncio.run(play()))
+@at_table("navigation", 2.2, people=2)
+async def test_a_seat_stands_idle_until_its_person_is_back(host: PageClient, links: Addresses) -> None:
+    async with page(links.guests[0]) as guest:
+        await everybody(host, "here", "here")
+        await host.send(kind="start")
+        await guest.until("moment")
+        await guest.send(kind="input", number=1, forward=1.0)
+        while guest.shown["input"] < 1:
+            await guest.until("moment")
+    await everybody(host, "here", "away")
+    before = (await host.until("moment"))["frame"]
+    while host.shown["frame"] < before + 25:
+        await host.until("moment")  # the match waits for nobody
+    async with page(links.guests[0]) as guest:
+        await guest.until("begin")
+        await everybody(host, "here", "here")
+        await guest.until("moment")
+        await guest.send(kind="input", number=2, forward=-1.0)
+        record = read_record(Path((await host.until("over"))["record"]))
     walking = [bool(speed) for speed in record.actions[:, 1, 1]]
     changes = [now for before, now in zip([False, *walking], walking, strict=False) if now != before]
     assert changes == [True, False, True]
     assert verify_record(record).holds
 
 
-def test_a_robot_plays_for_whoever_comes_too_late(tmp_path: Path) -> None:
-    async def play() -> Path:
-        plan = small_plan("navigation", 0.7, people=2)
-        async with tables_links(plan, tmp_path) as links, page(links.host) as host:
-            await host.send(kind="start")
-            await host.until("moment")
-            async with page(links.guests[0]) as guest:
-                await guest.until("elsewhere")
-                over, _ = await asyncio.gather(host.until("over"), guest.until("over"))
-                assert guest.moments == 0
-                await host.send(kind="start")  # they play again
-                await guest.until("begin")
-                return Path(over["record"])
-
-    assert read_record(asyncio.run(play())).names == ("person 1", "seeker-easy")
+@at_table("navigation", 0.7, people=2)
+async def test_a_robot_plays_for_whoever_comes_too_late(host: PageClient, links: Addresses) -> None:
+    await host.send(kind="start")
+    await host.until("moment")
+    async with page(links.guests[0]) as guest:
+        await guest.until("elsewhere")
+        over, _ = await asyncio.gather(host.until("over"), guest.until("over"))
+        assert guest.moments == 0
+        assert read_record(Path(over["record"])).names == ("person 1", "seeker-easy")
+        await host.send(kind="start")  # they play again
+        await guest.until("begin")
 
 
 @at_table(people=3)
@@ -198,25 +184,23 @@ async def test_a_match_of_several_people_is_counted_down(host: PageClient, guest
 
 @at_table("navigation", 0.6, people=3)
 async def test_everybody_who_is_ready_plays_on_without_the_host(
-    links: Addresses, monkeypatch: pytest.MonkeyPatch
+    guest: PageClient, second_guest: PageClient, links: Addresses, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("wildscav_stage.playing.lobby.HOST_RETURNS", 0.2)
-    async with AsyncExitStack() as stack:
-        first, second = await opened(stack, *links.guests)
-        async with page(links.host) as host:
-            await everybody(host, "here", "here", "here")
-            await first.send(kind="ready", ready=True)
-            await second.send(kind="ready", ready=True)
-            while not all(person["ready"] for person in (await host.until("people"))["people"][1:]):
-                pass
-            assert (await host.moments_within(0.3)) == 0  # the host decides while they are here
-            await host.send(kind="start")
-            await asyncio.gather(first.until("moment"), second.until("moment"))
-        await asyncio.gather(first.until("over"), second.until("over"))  # which the host does not end
-        await first.send(kind="ready", ready=True)
-        assert (await first.until("people"))["people"][1]["ready"]
-        await second.send(kind="ready", ready=True)
-        assert (await second.until("begin"))["seats"][0]["name"] == "seeker-easy"  # in the host's seat
+    async with page(links.host) as host:
+        await everybody(host, "here", "here", "here")
+        await guest.send(kind="ready", ready=True)
+        await second_guest.send(kind="ready", ready=True)
+        while not all(person["ready"] for person in (await host.until("people"))["people"][1:]):
+            pass
+        assert (await host.moments_within(0.3)) == 0  # the host decides while they are here
+        await host.send(kind="start")
+        await asyncio.gather(guest.until("moment"), second_guest.until("moment"))
+    await asyncio.gather(guest.until("over"), second_guest.until("over"))  # which the host does not end
+    await guest.send(kind="ready", ready=True)
+    assert (await guest.until("people"))["people"][1]["ready"]
+    await second_guest.send(kind="ready", ready=True)
+    assert (await second_guest.until("begin"))["seats"][0]["name"] == "seeker-easy"  # in the host's seat
 
 
 @at_table(people=2)

@@ -3,13 +3,12 @@
 import asyncio
 import json
 from contextlib import AsyncExitStack
-from pathlib import Path
 from typing import Any
 
 import httpx
 import pytest
 from tests.platform.stage.playing.pages import PageClient, page
-from tests.platform.stage.playing.tables import at_table, small_plan, tables_links
+from tests.platform.stage.playing.tables import at_table, small_plan
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from wildscav_engine.simulation.match import Match
@@ -41,20 +40,17 @@ async def test_a_spectator_is_told_of_everybody(
 
 @at_table()
 async def test_spectators_are_told_the_same_and_one_who_comes_to_a_paused_match_sees_it(
-    links: Addresses,
+    spectator: PageClient, second_spectator: PageClient, host: PageClient, links: Addresses
 ) -> None:
-    async with AsyncExitStack() as stack:
-        links_of_all = (links.watch, links.watch, links.host)
-        first, second, host = [await stack.enter_async_context(page(link)) for link in links_of_all]
-        await host.send(kind="start")
-        await first.until("moment")
-        await host.send(kind="pause", paused=True)
-        await asyncio.gather(first.until("paused"), second.until("paused"))
-        await asyncio.gather(first.moments_within(0.3), second.moments_within(0.3))
-        async with page(links.watch) as late:
-            await late.until("moment")
-            told = [each.rows for each in (first, second, late)]
-        assert told[0] == told[1] == told[2]
+    await host.send(kind="start")
+    await spectator.until("moment")
+    await host.send(kind="pause", paused=True)
+    await asyncio.gather(spectator.until("paused"), second_spectator.until("paused"))
+    await asyncio.gather(spectator.moments_within(0.3), second_spectator.moments_within(0.3))
+    async with page(links.watch) as late:
+        await late.until("moment")
+        told = [each.rows for each in (spectator, second_spectator, late)]
+    assert told[0] == told[1] == told[2]
 
 
 @pytest.mark.parametrize(
@@ -133,37 +129,31 @@ def test_changes_are_small() -> None:
     assert rate * sum(len(text) for _, text in told[1:]) / len(told[1:]) < 5000  # bytes a second
 
 
-def test_what_spectators_see_is_so_many_seconds_old(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@at_table("battle", 2.0, people=2, delay=1000.0)
+async def test_what_spectators_see_is_so_many_seconds_old(
+    spectator: PageClient, host: PageClient, links: Addresses, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Of all that tells where somebody is, and of the end: here, these seconds pass after the match."""
     later: list[tuple[Any, Any]] = []
+    loop = asyncio.get_running_loop()
+    call_later = loop.call_later
 
-    async def play() -> None:
-        loop = asyncio.get_running_loop()
-        call_later = loop.call_later
+    def hold(delay: float, callback: Any, *values: Any, **options: Any) -> Any:
+        if delay == 1000.0:
+            return later.append((callback, values))
+        return call_later(delay, callback, *values, **options)
 
-        def hold(delay: float, callback: Any, *values: Any, **options: Any) -> Any:
-            if delay == 1000.0:
-                return later.append((callback, values))
-            return call_later(delay, callback, *values, **options)
-
-        monkeypatch.setattr(loop, "call_later", hold)
-        plan = small_plan("battle", 2.0, people=2)
-        assert plan.delay > 0.0
-        async with tables_links(plan, tmp_path, delay=1000.0) as links, AsyncExitStack() as stack:
-            spectator, host = [
-                await stack.enter_async_context(page(link)) for link in (links.watch, links.host)
-            ]
-            assert (await spectator.until("table"))["delay"] == 1000.0
-            await host.send(kind="start")
-            await host.until("over")
-            async with page(links.watch) as late:
-                await late.until("lobby")  # to spectators, none has begun
-            for callback, values in later:
-                callback(*values)
-            await spectator.until("begin")
-            await spectator.until("over")
-
-    asyncio.run(play())
+    monkeypatch.setattr(loop, "call_later", hold)
+    assert small_plan(people=2).delay > 0.0
+    assert (await spectator.until("table"))["delay"] == 1000.0
+    await host.send(kind="start")
+    await host.until("over")
+    async with page(links.watch) as late:
+        await late.until("lobby")  # to spectators, none has begun
+    for callback, values in later:
+        callback(*values)
+    await spectator.until("begin")
+    await spectator.until("over")
     told = [values[0] for _, values in later]
     order = ["moment" if isinstance(each, Moment) else each and each["kind"] for each in told]
     assert order.index("begin") < order.index("moment")
@@ -194,9 +184,14 @@ async def test_the_map_is_sent_to_whoever_has_a_link_and_does_not_have_it_yet(
 
 @at_table(people=2)
 async def test_links_of_spectators_and_of_people_open_their_own_pages_alone(links: Addresses) -> None:
-    with pytest.raises(InvalidStatus, match="403"):
-        async with page(links.watch.replace("/watch/", "/play/")):
-            pass
+    for link, options in (
+        (links.watch.replace("/watch/", "/play/"), {}),
+        (f"{links.host}x", {}),
+        (links.host, {"origin": "http://example.org"}),  # another site's page that knows the link
+    ):
+        with pytest.raises(InvalidStatus, match="403"):
+            async with page(link, **options):
+                pass
     async with page(links.host.replace("/play/", "/watch/")) as player:
         with pytest.raises(ConnectionClosed, match="whoever plays does not watch"):
             await player.until("table")
