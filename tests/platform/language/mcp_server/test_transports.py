@@ -70,6 +70,7 @@ def test_a_navigation_over_standard_input_and_output_and_a_client_that_is_gone_l
                 end = await player.read("go", place="target", seconds=30.0)
             assert "success 1" in end
             record = (await player.read("record")).splitlines()[0]
+            player.seat = ""
             await player.start("battle", others=["fighter-easy"], time_limit=1.5)
             await player.read("wait_until", seconds=1.0)
             return record
