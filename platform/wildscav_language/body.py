@@ -32,12 +32,7 @@ class Body:
     """One seat of one match."""
 
     def __init__(self, match: MatchInfo, names: Sequence[str] = ()) -> None:
-        """Begin before the first observation.
-
-        Args:
-            match: What is known of the match.
-            names: The display names of all seats.
-        """
+        """Begin before the first observation."""
         self.match = match
         self.gathers = match.track not in WITHOUT_SUPPLIES
         self.is_armed = match.track not in UNARMED
@@ -71,8 +66,7 @@ class Body:
         found, height = self.gathering.prospecting, self.now.position[1]
         for cell in zip(*np.nonzero(found.walls >= WALL_HITS), strict=True):
             place = (float(found.middle_x[cell]), height, float(found.middle_z[cell]))
-            if not self.memory.is_near_house(place, HOUSE_DISTANCE):
-                self.memory.note_house(place)
+            self.memory.note_house(place, HOUSE_DISTANCE)
 
     @property
     def turn_in_step(self) -> float:
@@ -175,10 +169,6 @@ class Body:
         closing = 35.0 if far > FIGHT_RANGE else 0.0
         walk = Walk(self.dodging.direction(self.now, in_sight.position, closing), FULL_SPEED)
         return self.moving(walk, enemy=in_sight)
-
-    def reloading(self) -> Action:
-        """Begin to reload."""
-        return Action(reload=True)
 
     def moving(self, walk: Walk, aim: Aim | None = None, enemy: VisibleAgent | None = None) -> Action:
         """Return the action of a walk: it looks ahead, or shoots at an enemy unless the seat holds fire."""

@@ -137,9 +137,10 @@ class Memory:
         enemies = [seen for seen in self.agents.values() if seen.team != self.match.team]
         return max(enemies, key=lambda seen: seen.time).position if enemies else self.hit_from
 
-    def note_house(self, place: Vector) -> None:
-        """Remember a building; it gets the next letter."""
-        if len(self.houses) < len(LETTERS):
+    def note_house(self, place: Vector, apart: float) -> None:
+        """Remember a building, which gets the next letter, unless a known one is nearer than some m."""
+        is_known = any(flat_distance(place, house) < apart for house in self.houses)
+        if not is_known and len(self.houses) < len(LETTERS):
             self.houses.append(place)
 
     def places(self) -> dict[str, Vector]:
@@ -164,11 +165,3 @@ class Memory:
         wanted = name.strip().lower()
         known = {key.lower(): place for key, place in self.places().items()}
         return known.get(wanted) or known.get(f"place {wanted}")
-
-    def place_names(self) -> list[str]:
-        """Return the names of all places."""
-        return list(self.places())
-
-    def is_near_house(self, place: Vector, reach: float) -> bool:
-        """Return whether a known building is near a place."""
-        return any(flat_distance(place, house) < reach for house in self.houses)

@@ -20,12 +20,9 @@ INK, PAPER = (255, 255, 255), (20, 24, 28)
 
 
 def picture(image: NDArray[Any], observation: Observation, *, marks: bool) -> bytes:
-    """Return an image of a seat's camera as a PNG file.
+    """Return what a seat's camera shows, (height, width, 3), as a PNG file.
 
-    Args:
-        image: (height, width, 3) what the camera read, with a field of view of ``FIELD_OF_VIEW``.
-        observation: Of the same step.
-        marks: Whether the boxes and agents that the seat is told of have their numbers.
+    With ``marks``, the boxes and agents in the observation of the same step have their numbers.
     """
     from PIL import Image, ImageDraw
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from wildscav.agent import Action, MatchInfo, Observation
+from wildscav.words import Reply
 from wildscav_language.body import Body
 from wildscav_language.calls import Reason, RefusedCallError, Steps, Tool
 from wildscav_language.perception import describe
@@ -13,16 +14,6 @@ from wildscav_language.tools import tools_of
 
 REFUSAL_TIME = 0.5  # s of game time that a bad call costs
 SHOWN = 40  # characters of a tool's name that an answer repeats
-
-
-@dataclass(frozen=True, slots=True)
-class Reply:
-    """What a call brought."""
-
-    text: str  # how it ended, and what the seat senses then
-    ended: Reason
-    steps: int  # played by the call
-    over: bool  # whether the match is
 
 
 @dataclass(slots=True)
@@ -47,12 +38,7 @@ class Player:
     """Plays one seat of one match, a tool at a time."""
 
     def __init__(self, match: MatchInfo, names: Sequence[str] = ()) -> None:
-        """Begin before the first observation.
-
-        Args:
-            match: What is known of the match.
-            names: The display names of all seats.
-        """
+        """Begin before the first observation."""
         self.match = match
         self.body = Body(match, names)
         self.tools: tuple[Tool, ...] = tools_of(self.body)

@@ -12,9 +12,10 @@ from typing import Any
 from numpy.typing import NDArray
 
 from wildscav.agent import Action, Agent, MatchInfo, Observation
+from wildscav.words import Reply
 from wildscav_language.calls import Reason, Tool
 from wildscav_language.pictures import picture
-from wildscav_language.player import Counts, Player, Reply
+from wildscav_language.player import Counts, Player
 
 __all__ = ["Counts", "Reply", "Seat", "Tool", "WordsAgent"]
 
@@ -80,10 +81,7 @@ class Seat:
         return self._is_over or self._has_left
 
     def begun(self, timeout: float = START_TIME) -> MatchInfo:
-        """Return what is known of the match as soon as it has begun.
-
-        Args:
-            timeout: Seconds to wait for that.
+        """Return what is known of the match, which has some seconds to begin.
 
         Raises:
             TimeoutError: It did not begin.
@@ -92,10 +90,7 @@ class Seat:
             return self._begun(timeout).match
 
     def observe(self, timeout: float = START_TIME) -> str:
-        """Return the text of now, 8,000 bytes at most.
-
-        Args:
-            timeout: Seconds to wait for the match to begin.
+        """Return the text of now, 8,000 bytes at most. The match has some seconds to begin.
 
         Raises:
             TimeoutError: It did not begin.
@@ -144,10 +139,7 @@ class Seat:
             return self._reply(player, None if left is None else left - (time.monotonic() - began))
 
     def wait(self, timeout: float | None = None) -> Reply:
-        """Return the reply of the running tool, or that of the last one.
-
-        Args:
-            timeout: Seconds to wait for its end; see ``call``.
+        """Return the reply of the running tool, or that of the last one. For its timeout, see ``call``.
 
         Raises:
             TimeoutError: The match did not begin.
@@ -168,12 +160,7 @@ class Seat:
             self._changed.notify_all()
 
     def play(self, address: str, token: str) -> None:
-        """Play the match at a server with this seat's agent; for a thread of its own.
-
-        Args:
-            address: Of the server.
-            token: Of the seat.
-        """
+        """Play the match at a server with this seat's agent; for a thread of its own."""
         from wildscav.sdk.run import play
 
         try:

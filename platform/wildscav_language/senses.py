@@ -10,11 +10,7 @@ PICTURE = {"width": 480, "height": 270, "field_of_view": FIELD_OF_VIEW, "quality
 
 
 def sensors(*, pictures: bool = False) -> dict[str, dict[str, Any]]:
-    """Return the sensors that a seat of words needs, with their options.
-
-    Args:
-        pictures: Whether its camera is wanted, too.
-    """
+    """Return the sensors that a seat of words needs, with a camera or without, and their options."""
     found: dict[str, dict[str, Any]] = {
         "zone": {},
         "teammates": {},

@@ -1,6 +1,11 @@
-"""The headers of all answers of the stage's own sites."""
+"""What all answers of the stage's own sites say, and by which names these are asked for."""
 
-from starlette.datastructures import MutableHeaders
+import socket
+from ipaddress import ip_address
+from urllib.parse import urlsplit
+
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 HEADERS = {
@@ -33,3 +38,29 @@ class SecurityHeaders:
             await send(message)
 
         await self._app(scope, receive, send_with_headers)
+
+
+class OwnNames:
+    """Middleware that refuses requests by another name than the host's.
+
+    Whoever owns another name could lead it here, to have foreign pages read.
+    """
+
+    def __init__(self, app: ASGIApp, host: str) -> None:
+        self._app = app
+        machine = socket.gethostname().lower()
+        self._names = {host.lower(), "localhost", machine, f"{machine}.local"}
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer a request."""
+        is_own = self._is_own(Headers(scope=scope).get("host", ""))
+        app = self._app if is_own else PlainTextResponse("this is not the name of this site\n", 400)
+        await app(scope, receive, send)
+
+    def _is_own(self, told: str) -> bool:
+        """Return whether a header Host has an address, or a name of this machine."""
+        try:
+            name = urlsplit(f"//{told}").hostname or ""
+            return name in self._names or bool(ip_address(name))
+        except ValueError:
+            return False

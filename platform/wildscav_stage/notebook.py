@@ -12,10 +12,6 @@ HEIGHT = 640  # pixels
 class ShownMatch:
     """A match that Jupyter shows in 3D where it is the value of a cell, and in saved notebooks, too.
 
-    Args:
-        record: The record, or the path of its file.
-        height: Of the frame in the notebook, in pixels.
-
     Raises:
         RecordError: The record cannot be read, or not be played again.
         UserError: The viewer is not built.

@@ -35,10 +35,7 @@ def viewer_file(name: str) -> bytes:
 
 
 def viewer_addresses(root: str = "/") -> tuple[str, str]:
-    """Return the addresses of the script and the style sheet, which change when the files do.
-
-    Args:
-        root: The address of the site, with a slash at its end.
+    """Return where the script and the style sheet are below a root, which changes when the files do.
 
     Raises:
         UserError: The viewer is not built.

@@ -59,7 +59,6 @@ def test_its_submissions_play(interface: str, tmp_path: Path) -> None:
 
 
 def test_its_model_plays() -> None:
-    pytest.importorskip("openai")
     *_, code = blocks(PAGE, "python")
     with ScriptedModel(in_turn(called("go"))) as model:
         names: dict[str, Any] = {"seat": PlayedSeat(), "rules": lambda _: PlayedSeat.rules}

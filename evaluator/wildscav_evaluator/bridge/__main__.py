@@ -10,7 +10,7 @@ import sys
 from typing import Any
 
 from wildscav.sdk.run import use_batch_scheduling
-from wildscav_evaluator.bridge.orders import Order
+from wildscav_evaluator.bridge.desk import Order
 from wildscav_evaluator.bridge.seat import SeatBridge
 
 MOST_ORDERED = 1_000_000  # bytes of the orders

@@ -1,10 +1,21 @@
 """What the desks of all interfaces share: they play a seat over the match's socket as its agent asks."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from wildscav.agent import Action, MatchInfo, Observation
 from wildscav.sdk.connection import Connection
+
+
+class Order(NamedTuple):
+    """What the process of a bridge is told of a seat to serve."""
+
+    interface: str  # "words" or "keys"
+    socket: int  # descriptor of the socket that listens for its agent
+    token: str  # by which its agent takes the seat; the match knows another one
+    address: str  # of the match's socket
+    match_token: str  # of the seat there
+    names: Sequence[str]  # the display names of all seats
 
 
 class RequestError(Exception):
@@ -12,11 +23,7 @@ class RequestError(Exception):
 
 
 class Desk:
-    """Answers the requests of one agent.
-
-    Args:
-        connection: To the match, which has been joined.
-        names: The display names of all seats.
+    """Answers the requests of one agent by a connection that has joined the match.
 
     Attributes:
         now: What the seat senses; None before the first observation.

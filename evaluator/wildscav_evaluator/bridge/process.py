@@ -10,7 +10,7 @@ from contextlib import ExitStack, asynccontextmanager
 from dataclasses import replace
 
 from wildscav.errors import WildscavError
-from wildscav_evaluator.bridge.orders import Order
+from wildscav_evaluator.bridge.desk import Order
 from wildscav_evaluator.sandbox.base import Launch
 from wildscav_server.hosting.hosted_match import HostedMatch
 
@@ -29,10 +29,6 @@ async def bridged(launches: Mapping[int, Launch], hosted: HostedMatch) -> AsyncI
     """Run the bridge of a match for as long as the block lasts; yield what its agents are started with.
 
     An agent that plays by words or keys gets a socket and a token of the bridge in place of the match's.
-
-    Args:
-        launches: The agents, by seat.
-        hosted: Their match, which is cancelled if the bridge fails.
 
     Raises:
         BridgeError: The bridge failed.

@@ -10,9 +10,8 @@ from wildscav.bridge import LONGEST_REQUEST, facts_of
 from wildscav.errors import RefusedError, ServerUnreachableError
 from wildscav.sdk.connection import Connection
 from wildscav.version import __version__
-from wildscav_evaluator.bridge.desk import Desk, RequestError
+from wildscav_evaluator.bridge.desk import Desk, Order, RequestError
 from wildscav_evaluator.bridge.keys import KeysDesk
-from wildscav_evaluator.bridge.orders import Order
 from wildscav_evaluator.bridge.words import WordsDesk
 
 DESKS: dict[str, type[Desk]] = {"words": WordsDesk, "keys": KeysDesk}
@@ -23,9 +22,7 @@ MOST_CONNECTIONS = 64  # of an agent, before one of them has taken the seat
 class SeatBridge:
     """Serves the agent of one seat. The first connection that knows the seat's token takes it for good.
 
-    Args:
-        order: The seat.
-        failed: Gets what goes wrong in the bridge itself.
+    ``failed`` gets what goes wrong in the bridge itself.
     """
 
     def __init__(self, order: Order, failed: "asyncio.Future[Any]") -> None:
@@ -125,12 +122,7 @@ class AgentEnd:
         return _request_in(line)
 
     async def send(self, answer: dict[str, Any], content: bytes = b"") -> None:
-        """Send an answer, and wait until the agent takes it.
-
-        Args:
-            answer: What the line says.
-            content: The bytes that follow it, which the line announces.
-        """
+        """Send an answer and the bytes that follow it, and wait until the agent takes them."""
         line = json.dumps(answer | ({"bytes": len(content)} if content else {})).encode()
         self._writer.write(line + b"\n" + content)
         await self._writer.drain()

@@ -18,12 +18,7 @@ NANOSECOND = 1e-9  # s
 
 
 class Accounts:
-    """The accounts of some seats, in a file that two processes map.
-
-    Args:
-        path: The file, which has been made by ``Accounts.make``.
-        seats: The numbers of the seats, in the order of the file.
-    """
+    """The accounts of some seats, in the file that ``Accounts.make`` made, which two processes map."""
 
     def __init__(self, path: Path, seats: Sequence[int]) -> None:
         self._rows = {seat: row for row, seat in enumerate(seats)}
@@ -48,13 +43,7 @@ class Accounts:
         return bool(self._read(seat, OVER))
 
     def charge(self, seat: int, prompt: int, answer: int, seconds: float) -> None:
-        """Charge a seat for a request.
-
-        Args:
-            prompt: Tokens.
-            answer: Tokens.
-            seconds: The time that the model's server took, s.
-        """
+        """Charge a seat for a request: its tokens, and the s that the model's server took."""
         row = self._counts[self._rows[seat]]
         row[PROMPT] += prompt
         row[ANSWER] += answer
@@ -69,11 +58,7 @@ class Accounts:
         self._counts[self._rows[seat], OVER] = 1
 
     def spent(self, seat: int, settings: ModelSettings, prompt: int) -> str:
-        """Return which part of its budget a seat has spent, in words; an empty text if none.
-
-        Args:
-            prompt: The estimated tokens of its next prompt.
-        """
+        """Return which part of its budget a seat has spent, or its next prompt (tokens) would; "" if none."""
         tokens, seconds = self.tokens(seat), self._read(seat, NANOSECONDS) * NANOSECOND
         if self._read(seat, REQUESTS) >= settings.requests:
             return f"its {settings.requests:,} requests to the model are used up"

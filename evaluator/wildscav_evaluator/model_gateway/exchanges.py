@@ -20,11 +20,7 @@ SHORT = 16  # hexadecimal digits of a digest
 
 
 class Exchanges:
-    """Writes the file in a thread, as a context manager, until a seat has filled its share.
-
-    Args:
-        path: The file; None to write none.
-    """
+    """Writes the file, if any, in a thread, as a context manager, until a seat has filled its share."""
 
     def __init__(self, path: Path | None) -> None:
         self._stack = ExitStack()
@@ -47,11 +43,7 @@ class Exchanges:
     def write(
         self, seat: int, number: int, request: dict[str, Any], result: dict[str, Any]
     ) -> "asyncio.Future[None]":
-        """Write one request of a seat and what became of it, also if nobody waits for that.
-
-        Args:
-            number: Which of the seat's requests it is, from 1.
-        """
+        """Write a seat's request, its number from 1, and what became of it, also if nobody waits for that."""
         loop = asyncio.get_running_loop()
         return loop.run_in_executor(self._thread, self._write, seat, number, request, result)
 

@@ -6,22 +6,19 @@ the server answers that, the request was at fault, and so was its seat; if not, 
 """
 
 import asyncio
-import contextlib
-import http.client
 import json
-import socket
 import time
 from concurrent.futures import ThreadPoolExecutor
+from http.client import HTTPException
 from typing import Any, NamedTuple
-from urllib.parse import urlsplit
 
 from pydantic_core import to_json
 
-from wildscav.harness.answers import BUSY, LARGEST_ANSWER, LONGEST_REASON
+from wildscav.harness.answers import BUSY, LONGEST_REASON
+from wildscav.harness.connection import ModelConnection, Response
 from wildscav_evaluator.model_gateway.chat import ChatAnswer, ChatError, read_answer
 from wildscav_evaluator.model_gateway.settings import ModelSettings
 
-CONNECT_TIME = 10.0  # s
 FIRST_PAUSE, LONGEST_PAUSE = 0.5, 30.0  # s before a request is tried again
 OVERLOADED = (429, 503)  # answers that no request has earned
 REFUSED = (400, 413, 422)  # answers that a request may have earned
@@ -57,77 +54,18 @@ class _FailedError(Exception):
         self.status, self.code, self.pause = status, code, pause
 
 
-class _Connection:
-    """A connection to the model's server, for one request at a time. A thread waits for its answer."""
-
-    def __init__(self, settings: ModelSettings, key: str) -> None:
-        url = urlsplit(settings.url)
-        kind = http.client.HTTPSConnection if url.scheme == "https" else http.client.HTTPConnection
-        self._http = kind(url.hostname or "", url.port, timeout=min(CONNECT_TIME, settings.timeout))
-        self._path = f"{url.path.rstrip('/')}/chat/completions"
-        self._timeout = settings.timeout
-        self._is_cut = False
-        self._headers = {"Content-Type": "application/json", "User-Agent": "wildscav"}
-        if key:
-            self._headers["Authorization"] = f"Bearer {key}"
-
-    def post(self, body: bytes) -> tuple[int, bytes, float]:
-        """Return the status and the content of an answer, and for how long to wait before another try, s.
-
-        Raises:
-            OSError: The server cannot be reached, or leaves.
-            HTTPException: It does not speak HTTP.
-        """
-        is_used = self._http.sock is not None
-        try:
-            try:
-                return self._exchange(body)
-            except (ConnectionError, http.client.BadStatusLine):
-                if not is_used or self._is_cut:
-                    raise
-                self.close()
-                return self._exchange(body)  # servers end connections that have been idle
-        except BaseException:
-            self.close()
-            raise
-
-    def _exchange(self, body: bytes) -> tuple[int, bytes, float]:
-        if self._http.sock is None:
-            self._http.connect()
-        if self._http.sock is not None:
-            self._http.sock.settimeout(self._timeout)
-        self._http.request("POST", self._path, body, self._headers)
-        response = self._http.getresponse()
-        content = response.read(LARGEST_ANSWER + 1)
-        after = response.headers.get("Retry-After", "")
-        if not response.isclosed():
-            self.close()
-        return response.status, content, float(after) if after.isdecimal() else 0.0
-
-    def cut(self) -> None:
-        """Wake the thread that waits for an answer; nothing is asked by this connection any more."""
-        self._is_cut = True
-        with contextlib.suppress(OSError, AttributeError):
-            self._http.sock.shutdown(socket.SHUT_RDWR)
-
-    def close(self) -> None:
-        """Close it; the next request opens it again."""
-        self._http.close()
-
-
 class ModelServer:
     """The organizer's model, as a context manager. It keeps nothing of one seat for another.
 
-    Args:
-        seats: Those that ask, each one request at a time.
+    Each of its ``seats`` asks one request at a time.
     """
 
     def __init__(self, settings: ModelSettings, key: str, seats: int) -> None:
         self._settings, self._key = settings, key
         self._works = False  # whether it has answered a request
         self._threads = ThreadPoolExecutor(2 * seats)  # those whose time is up take a moment to end
-        self._idle: list[_Connection] = []
-        self._busy: set[_Connection] = set()
+        self._idle: list[ModelConnection] = []
+        self._busy: set[ModelConnection] = set()
 
     def __enter__(self) -> "ModelServer":
         return self
@@ -200,34 +138,35 @@ class ModelServer:
         """
         try:
             async with asyncio.timeout(self._settings.timeout):
-                status, content, pause = await self._send(body)
+                status, content, after = await self._send(body)
         except TimeoutError:
             raise _FailedError(f"it does not answer within {self._settings.timeout:g} s") from None
-        except (OSError, http.client.HTTPException, ValueError) as error:
-            raise _FailedError(getattr(error, "strerror", "") or type(error).__name__) from None
-        if len(content) > LARGEST_ANSWER:
-            raise _FailedError(f"its answer has more than {LARGEST_ANSWER:,} bytes")
+        except (OSError, HTTPException, ValueError) as error:
+            said = getattr(error, "strerror", "") or (isinstance(error, OSError) and str(error))
+            raise _FailedError(said or type(error).__name__) from None
         if status == 200:
             try:
                 return await asyncio.to_thread(read_answer, content)
             except ChatError as error:
                 raise _FailedError(str(error)) from None
         reason, code = self._reason(content)
+        pause = float(after) if after.isdecimal() else 0.0
         raise _FailedError(f"status {status}{reason}", status, code, pause)
 
-    async def _send(self, body: bytes) -> tuple[int, bytes, float]:
-        """Post a request by a connection of its own. See ``_Connection.post``."""
-        connection = self._idle.pop() if self._idle else _Connection(self._settings, self._key)
-        self._busy.add(connection)
+    async def _send(self, body: bytes) -> Response:
+        """Post a request by a connection of its own, for which a thread waits."""
+        free = self._idle.pop() if self._idle else ModelConnection(self._settings.url, self._key)
+        self._busy.add(free)
         try:
+            arguments = "/chat/completions", body, self._settings.timeout
             loop = asyncio.get_running_loop()
-            answered = await loop.run_in_executor(self._threads, connection.post, body)
+            answered = await loop.run_in_executor(self._threads, free.ask, *arguments)
         except BaseException:
-            connection.cut()
+            free.cut()
             raise
         finally:
-            self._busy.discard(connection)
-        self._idle.append(connection)
+            self._busy.discard(free)
+        self._idle.append(free)
         return answered
 
     def _reason(self, content: bytes) -> tuple[str, str | None]:

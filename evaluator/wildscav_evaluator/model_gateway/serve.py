@@ -28,10 +28,16 @@ from wildscav_evaluator.model_gateway.model_server import (
     ServerAtFaultError,
 )
 from wildscav_evaluator.model_gateway.settings import ModelSettings
-from wildscav_evaluator.model_gateway.unix_http import CONNECTIONS, Request, Response, UnixServer, refusal
+from wildscav_evaluator.model_gateway.unix_http import (
+    CONNECTIONS,
+    INVALID,
+    Request,
+    Response,
+    UnixServer,
+    refusal,
+)
 
 CHAT, MODELS = "/v1/chat/completions", "/v1/models"
-INVALID = "invalid_request_error"
 LARGEST_SETUP = 1 << 20  # bytes
 OPEN_TO_ALL = 0o666  # its private folder protects a socket from others
 

@@ -6,12 +6,12 @@ request's header is passed on to anybody.
 """
 
 import asyncio
+import contextlib
 import json
 import select
 import socket
 from collections.abc import Callable, Coroutine
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import h11
 
@@ -22,10 +22,10 @@ BODY_TIME = 30.0  # s to send a body, and to receive an answer
 REFUSAL_PAUSE = 0.05  # s before a refusal, in which its client's other requests wait
 LOOKS = 0.1  # s between two looks at whether a client has left
 CHUNK = 64 << 10  # bytes
+INVALID = "invalid_request_error"
 
 
-@dataclass(frozen=True)
-class Request:
+class Request(NamedTuple):
     """What a client asks."""
 
     method: str
@@ -33,8 +33,7 @@ class Request:
     body: bytes
 
 
-@dataclass(frozen=True)
-class Response:
+class Response(NamedTuple):
     """What it gets."""
 
     status: int
@@ -52,16 +51,11 @@ class RefusedError(Exception):
 
     def __init__(self, status: int, message: str) -> None:
         super().__init__(message)
-        self.response = refusal(status, "invalid_request_error", message)
+        self.response = refusal(status, INVALID, message)
 
 
 class UnixServer:
-    """Serves the clients of one socket.
-
-    Args:
-        listener: The socket, which listens and does not block.
-        answer: Answers a request.
-    """
+    """Serves the clients of one socket, which listens and does not block."""
 
     def __init__(
         self, listener: socket.socket, answer: Callable[[Request], Coroutine[Any, Any, Response]]
@@ -87,22 +81,25 @@ class UnixServer:
 
     async def _serve(self, client: socket.socket) -> None:
         """Answer the requests of a connection one by one."""
-        reader, writer = await asyncio.open_connection(sock=client, limit=CHUNK)
-        connection = _Connection(reader, writer)
+        connection = _Connection(*await asyncio.open_connection(sock=client, limit=CHUNK))
         try:
-            while await connection.begins():
+            while isinstance(header := await connection.event(), h11.Request):  # which may take any time
                 async with self._turn:
-                    if not await self._exchange(connection):
+                    if not await self._exchange(connection, header):
                         break
-        except (OSError, TimeoutError, h11.ProtocolError):
+        except h11.RemoteProtocolError as error:
+            await asyncio.sleep(REFUSAL_PAUSE)
+            with contextlib.suppress(OSError, TimeoutError, h11.LocalProtocolError):  # it has been answered
+                await connection.send(refusal(error.error_status_hint, INVALID, "this is not HTTP/1.1"))
+        except (OSError, TimeoutError, h11.LocalProtocolError):
             await asyncio.sleep(REFUSAL_PAUSE)
         finally:
-            writer.close()
+            connection.close()
 
-    async def _exchange(self, connection: "_Connection") -> bool:
-        """Answer a request; return whether the connection goes on."""
+    async def _exchange(self, connection: "_Connection", header: h11.Request) -> bool:
+        """Answer the request that a header begins; return whether the connection goes on."""
         try:
-            response = await self._response(await connection.request(), connection)
+            response = await self._response(await connection.request(header), connection)
         except RefusedError as error:
             response, connection.goes_on = error.response, False
         if response.status >= 400:
@@ -132,35 +129,14 @@ class _Connection:
     def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         self._reader, self._writer = reader, writer
         self._state = h11.Connection(h11.SERVER, max_incomplete_event_size=LARGEST_HEADER)
-        self._header: h11.Request | None = None
         self.goes_on = True
 
-    async def begins(self) -> bool:
-        """Wait for the header of a request, which may take any time; return whether there is one."""
-        try:
-            event = await self._event()
-        except h11.RemoteProtocolError as error:
-            await self._refuse_garbage(error)
-            return False
-        if not isinstance(event, h11.Request):
-            return False
-        self._header = event
-        return True
-
-    async def _refuse_garbage(self, error: h11.RemoteProtocolError) -> None:
-        await asyncio.sleep(REFUSAL_PAUSE)
-        if self._state.our_state in (h11.IDLE, h11.SEND_RESPONSE):
-            await self.send(refusal(error.error_status_hint, "invalid_request_error", "this is not HTTP/1.1"))
-
-    async def request(self) -> Request:
-        """Return the request whose header has begun it.
+    async def request(self, header: h11.Request) -> Request:
+        """Return the request that a header begins.
 
         Raises:
             RefusedError: Its body is too large, too slow, or of no known length.
         """
-        header = self._header
-        if header is None:
-            raise RefusedError(400, "there is no request")
         names = [name for name, _ in header.headers]
         if b"transfer-encoding" in names and b"content-length" in names:
             raise RefusedError(400, "a request has Content-Length or Transfer-Encoding, not both")
@@ -172,8 +148,6 @@ class _Connection:
                 body = await self._body()
         except TimeoutError:
             raise RefusedError(408, f"a request must arrive within {BODY_TIME:g} s") from None
-        except h11.RemoteProtocolError:
-            raise RefusedError(400, "the body of the request is not HTTP/1.1") from None
         return Request(header.method.decode("ascii"), header.target.decode("ascii", "replace"), body)
 
     async def _body(self) -> bytes:
@@ -181,7 +155,7 @@ class _Connection:
         if self._state.they_are_waiting_for_100_continue:
             go_on = h11.InformationalResponse(status_code=100, headers=[])
             self._writer.write(self._state.send(go_on) or b"")
-        while isinstance(event := await self._event(), h11.Data):
+        while isinstance(event := await self.event(), h11.Data):
             body += event.data
             if len(body) > LARGEST_BODY:
                 raise RefusedError(413, f"a request may have {LARGEST_BODY:,} bytes")
@@ -189,7 +163,7 @@ class _Connection:
             raise RefusedError(400, "the request ended before its body did")
         return bytes(body)
 
-    async def _event(self) -> Any:
+    async def event(self) -> Any:
         """Return the next event of the connection."""
         while (event := self._state.next_event()) is h11.NEED_DATA:
             self._state.receive_data(await self._reader.read(CHUNK))
@@ -202,6 +176,10 @@ class _Connection:
         ends = select.poll()
         ends.register(self._writer.get_extra_info("socket"), 0)
         return bool(ends.poll(0))
+
+    def close(self) -> None:
+        """Close it."""
+        self._writer.close()
 
     async def send(self, response: Response) -> None:
         """Send an answer.

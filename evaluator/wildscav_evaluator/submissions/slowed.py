@@ -19,26 +19,37 @@ from {module} import {name} as Thinker
 class Slowed(Thinker):
     """The agent, which thinks longer."""
 
+{method}
+'''
+# Of agents that act in each step, and of those that play by calls of tools.
+ACT = """\
     def act(self, observation):
         time.sleep({seconds!r})
-        return super().act(observation)
-'''
+        return super().act(observation)"""
+PLAY = """\
+    def play(self, seat):
+        call = seat.call
+
+        def think_and_call(*arguments, **named):
+            time.sleep({seconds!r})
+            return call(*arguments, **named)
+
+        seat.call = think_and_call
+        return super().play(seat)"""
 
 
 def slowed(submission: Submission, seconds: float, folder: Path) -> Submission:
     """Return a copy, in a new folder, of a submission that waits for some seconds in each decision.
 
-    UserError if it is no folder with an agent in Python, or one that plays by words.
+    UserError if it is no folder with an agent in Python.
     """
     module, _, name = (submission.manifest.entry_point or "").partition(":")
     if submission.image is not None or not name:
         raise UserError(f"--think slows down agents in Python alone, and {submission.name} is none", 2)
-    if submission.manifest.interface == "words":
-        raise UserError(
-            f"--think slows down each step, and {submission.name} plays many of them by one call", 2
-        )
+    method = (PLAY if submission.manifest.interface == "words" else ACT).format(seconds=seconds)
+    code = CODE.format(module=module, name=name, method=method)
     shutil.copytree(submission.folder, folder)
-    (folder / "slowed_down.py").write_text(CODE.format(module=module, name=name, seconds=seconds), "utf-8")
+    (folder / "slowed_down.py").write_text(code, "utf-8")
     manifest = folder / MANIFEST
     text = manifest.read_text("utf-8")
     manifest.write_text(ENTRY_POINT.sub('entry_point = "slowed_down:Slowed"', text, count=1), "utf-8")

@@ -40,13 +40,7 @@ class ModelError(WildscavError):
 
 
 def refusal(status: int, body: object, retry_after: str | None) -> ModelError:
-    """Return the error of an answer with a status of failure.
-
-    Args:
-        status: Of HTTP.
-        body: What the answer says about it, if that is JSON.
-        retry_after: The header of this name.
-    """
+    """Return the error of an answer with a status of failure, its JSON, and its header ``Retry-After``."""
     body = body.get("error", body) if isinstance(body, dict) else {}
     body = body if isinstance(body, dict) else {"message": body}
     code = str(body.get("code") or body.get("type") or "")
@@ -84,10 +78,8 @@ class Answer(NamedTuple):
 def read_answer(document: object, prompt: object, number: int) -> Answer:
     """Return the answer in what a server sent.
 
-    Args:
-        document: What it sent.
-        prompt: The messages and tools that it got, to estimate their tokens if it does not count right.
-        number: Of the request, from which calls get their ids if they have none.
+    The messages and tools of the ``prompt`` serve to estimate tokens that it does not count right; the
+    ``number`` of the request gives ids to calls that have none.
 
     Raises:
         ModelError: There is no answer in it.

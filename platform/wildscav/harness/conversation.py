@@ -47,13 +47,9 @@ class Exchange(NamedTuple):
 
 
 class Conversation:
-    """The conversation of one match.
+    """The conversation of one match: its rules, the first text of the seat, and what happens after that.
 
-    Args:
-        rules: Of the match.
-        first: The first text of the seat.
-        cost: Seconds of game time that an answer without a call costs.
-        settings: How much of it is kept.
+    ``cost`` is what an answer without a call costs, s of game time.
     """
 
     def __init__(self, rules: str, first: str, cost: float, settings: ModelSettings) -> None:
@@ -93,11 +89,7 @@ class Conversation:
         return True
 
     def messages(self, picture: bytes | None = None) -> list[Message]:
-        """Return the messages of the next request.
-
-        Args:
-            picture: What the seat sees now, as a PNG file.
-        """
+        """Return the messages of the next request, perhaps with a PNG file of what the seat sees now."""
         before = "\n".join(["What you did before:", *self._lines, "", ""]) if self._lines else ""
         found: list[Message] = [
             {"role": "system", "content": self._task},

@@ -16,12 +16,7 @@ LEFT_OUT = "(key)"  # in place of the key, wherever it stands
 
 
 class Log:
-    """Writes the requests and answers of a match.
-
-    Args:
-        path: The file, which is made anew; None to write none.
-        key: What must not be in it.
-    """
+    """Writes the requests and answers of a match into a new file, if there is one, but never the key."""
 
     def __init__(self, path: Path | None, key: str) -> None:
         self._path, self._key = path, json.dumps(key)[1:-1]
@@ -33,12 +28,7 @@ class Log:
             path.write_bytes(b"")
 
     def asked(self, messages: Sequence[Mapping[str, Any]], others: Mapping[str, Any]) -> None:
-        """Note a request.
-
-        Args:
-            messages: Of the request.
-            others: Its other fields.
-        """
+        """Note a request: its messages, and its other fields."""
         if self._path is None:
             return
         plain = [_without_pictures(message) for message in messages]

@@ -7,7 +7,6 @@
     print(course.ending, course.spending)
 
 ``seat`` is a ``wildscav.words.WordsSeat``; or a ``wildscav_language.seat.Seat``, with the rules besides.
-Servers with a URL need a client that the extra ``language`` has; gateways need nothing.
 """
 
 from dataclasses import asdict
@@ -52,7 +51,7 @@ class ModelPlayer:
         rules: Of the match; by default, those that the seat tells.
 
     Raises:
-        UserError: The address is not valid, or the client for it is not installed.
+        UserError: The address is not valid.
     """
 
     def __init__(self, seat: Any, settings: ModelSettings, rules: str | None = None) -> None:

@@ -3,39 +3,36 @@
 At a gateway, a request is waited for and made once, because the gateway has its own limit and tries again.
 """
 
+import json
 import time
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from http.client import HTTPException
+from typing import Any
 
 from wildscav.errors import UserError
-from wildscav.harness.answers import Answer, ModelError, read_answer
-from wildscav.harness.gateway_client import GatewayClient
+from wildscav.harness.answers import Answer, ModelError, read_answer, refusal
+from wildscav.harness.connection import SOCKET, ModelConnection
 from wildscav.harness.log import Log
-from wildscav.harness.settings import SOCKET, ModelSettings
+from wildscav.harness.settings import ModelSettings
 from wildscav.harness.spending import Spending
-
-if TYPE_CHECKING:
-    from wildscav.harness.openai_client import OpenAIClient
 
 LONGEST_PAUSE = 30.0  # s between two tries
 LONGEST_WISH = 120.0  # s, likewise, if the server asks for them
 
 
 class ModelServer:
-    """The server of a model, for one match.
-
-    Args:
-        settings: Where it is, and how it is asked.
-        spending: Gets what requests take.
-        log: Gets requests and answers.
+    """The server of a model, for one match, which writes down what requests take.
 
     Raises:
-        UserError: The address is not valid, or the client for it is not installed.
+        UserError: The address is not valid.
     """
 
     def __init__(self, settings: ModelSettings, spending: Spending, log: Log) -> None:
         self._settings, self._spending, self._log = settings, spending, log
-        self._client = _client_of(settings)
+        try:
+            self._connection = ModelConnection(settings.url, settings.key)
+        except (ValueError, HTTPException) as error:
+            raise UserError(f"the model's url {settings.url!r} is not valid: {error}", 2) from None
         is_gateway = settings.url.startswith(SOCKET)
         self._retries, self._timeout = (
             (0, float("inf")) if is_gateway else (settings.retries, settings.timeout)
@@ -48,25 +45,24 @@ class ModelServer:
         Raises:
             ModelError: It gave none, however often it was asked.
         """
-        for attempt in range(self._retries + 1):
+        attempt = 0
+        while True:
             began = time.monotonic()
             try:
                 document = self._post(messages, tools)
                 answer = read_answer(document, [messages, tools], self._spending.requests)
                 self._log.answered(document, time.monotonic() - began)
-            except ModelError as error:
-                self._fail(error, attempt, time.monotonic() - began)
-            except RecursionError:
-                self._fail(ModelError("the server's answer is too deep"), attempt, time.monotonic() - began)
+            except (ModelError, RecursionError) as error:
+                failed = error if isinstance(error, ModelError) else ModelError("its answer is too deep")
+                self._fail(failed, attempt, time.monotonic() - began)
             else:
-                seconds = time.monotonic() - began
-                self._spending.add(answer.prompt_tokens, answer.answer_tokens, seconds)
+                self._spending.add(answer.prompt_tokens, answer.answer_tokens, time.monotonic() - began)
                 return answer
-        raise ModelError("it was not asked")  # not reached: the last failure is raised
+            attempt += 1
 
     def close(self) -> None:
         """Close its connections."""
-        self._client.close()
+        self._connection.close()
 
     def _fail(self, error: ModelError, attempt: int, seconds: float) -> None:
         """Wait for the next try.
@@ -93,11 +89,30 @@ class ModelServer:
 
     def _post(self, messages: Sequence[Any], tools: Sequence[Any]) -> object:
         """Ask once, and return the JSON that the server answers."""
-        seconds = min(self._timeout, max(0.01, self._left()))
-        self._model = self._model or _first_of(self._client.ask("/models", None, seconds))
+        self._model = self._model or _first_of(self._document("/models", None))
         others = {"model": self._model, "tools": tools, **self._settings.request}
         self._log.asked(messages, others)
-        return self._client.ask("/chat/completions", {"messages": messages, **others}, seconds)
+        return self._document("/chat/completions", {"messages": messages, **others})
+
+    def _document(self, path: str, body: Mapping[str, Any] | None) -> object:
+        """Return the JSON that the server answers to a request."""
+        seconds = min(self._timeout, max(0.01, self._left()))
+        content = None if body is None else json.dumps(body).encode("ascii")
+        try:
+            response = self._connection.ask(path, content, seconds)
+        except TimeoutError:
+            raise ModelError(f"its server gave no answer within {seconds:g} s") from None
+        except (OSError, HTTPException, ValueError) as error:
+            raise ModelError(f"its server cannot be reached: {error}") from None
+        try:
+            document: object = json.loads(response.content)
+        except (ValueError, RecursionError):
+            document = None
+        if response.status >= 300:
+            raise refusal(response.status, document, response.retry_after)
+        if document is None:
+            raise ModelError("the server's answer is not JSON")
+        return document
 
 
 def _first_of(document: Any) -> str:
@@ -106,14 +121,3 @@ def _first_of(document: Any) -> str:
         return str(document["data"][0]["id"])
     except (TypeError, KeyError, IndexError):
         raise ModelError("its server lists no model: name one", may_pass=False) from None
-
-
-def _client_of(settings: ModelSettings) -> "GatewayClient | OpenAIClient":
-    """Return the client for an address. That of OpenAI takes a second to load, which gateways do not need."""
-    if settings.url.startswith(SOCKET):
-        return GatewayClient(settings.url.removeprefix(SOCKET))
-    try:
-        from wildscav.harness.openai_client import OpenAIClient
-    except ModuleNotFoundError as error:
-        raise UserError(f"{error.name} is missing: pip install 'wildscav[language]'", 2) from None
-    return OpenAIClient(settings.url, settings.key)

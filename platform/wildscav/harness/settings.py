@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any, Self
 
 from wildscav.errors import UserError, describe
+from wildscav.harness.connection import SOCKET
 
-SOCKET = "unix:"
 ADDRESS_VARIABLES = ("WILDSCAV_MODEL", "OPENAI_BASE_URL")  # the gateway's of a sandbox comes first
 KEY_VARIABLE = "OPENAI_API_KEY"
 OWN_FIELDS = frozenset(("model", "messages", "tools", "stream"))  # of requests; answers come in one piece

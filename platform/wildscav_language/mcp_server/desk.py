@@ -5,18 +5,20 @@ import sys
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import asynccontextmanager
+from inspect import signature
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
-from pydantic import ValidationError
+from pydantic import ValidationError, create_model
 
 from wildscav.errors import UserError
+from wildscav.words import Reply
 from wildscav_engine.specs.validation import one_line
 from wildscav_language.calls import Reason
-from wildscav_language.mcp_server import reports, requests
+from wildscav_language.mcp_server import reports
 from wildscav_language.mcp_server.hosting import image_of
 from wildscav_language.mcp_server.matches import ClientSeat, ClientsMatch, Matches
-from wildscav_language.player import Reply
+from wildscav_language.mcp_server.requests import Code, Handle, Marks, Request, StartMatch
 from wildscav_language.rules_text import rules
 from wildscav_language.tools import TOOLS
 
@@ -45,6 +47,25 @@ class Answer(NamedTuple):
     is_refusal: bool = False
 
 
+Act = Callable[..., Awaitable[Answer | str]]
+ACTS: dict[str, tuple[type[Request], Act]] = {}  # by name: the model of a request, and who answers it
+
+
+def act(method: Act) -> Act:
+    """Let clients call a method of the desk. Its docstring and its arguments are what they are told of it."""
+    asked = {name: one for name, one in signature(method).parameters.items() if name != "self"}
+    if "request" in asked:  # which has all arguments in it
+        ACTS[method.__name__] = asked["request"].annotation, method
+        return method
+    fields: dict[str, Any] = {
+        name: (one.annotation, ... if one.default is one.empty else one.default)
+        for name, one in asked.items()
+    }
+    model = create_model(method.__name__, __base__=Request, __doc__=method.__doc__, **fields)
+    ACTS[method.__name__] = model, lambda desk, request: method(desk, **dict(request))
+    return method
+
+
 class Desk:
     """Answers the calls of all clients of a server.
 
@@ -68,15 +89,15 @@ class Desk:
         Raises:
             UserError: It cannot be answered; the message says what is allowed.
         """
-        if name not in REQUESTS:
+        if name not in ACTS:
             return await self._play(name, arguments)
-        kind, handle = REQUESTS[name]
+        kind, play = ACTS[name]
         try:
             request = kind.model_validate(arguments)
         except ValidationError as error:
             fields = ", ".join(kind.model_fields) or "no arguments"
             raise UserError(f"{name} takes {fields}; {one_line(error)}") from None
-        answer = await handle(self, request)
+        answer = await play(self, request)
         return Answer(answer) if isinstance(answer, str) else answer
 
     async def _play(self, name: str, arguments: Mapping[str, Any]) -> Answer:
@@ -84,7 +105,7 @@ class Desk:
         given = dict(arguments)
         handle = given.pop("seat", None)
         if not isinstance(handle, str):
-            tools = ", ".join((*REQUESTS, *(tool.name for tool in TOOLS)))
+            tools = ", ".join((*ACTS, *(tool.name for tool in TOOLS)))
             raise UserError(f"{name[:MOST_NAME]!r} needs the handle of your seat; the tools are {tools}")
         match, seat = self.matches.seat(handle)
         thought = str(given.pop("thought", ""))
@@ -130,10 +151,11 @@ class Desk:
             over = match.failure or (OVER if match.is_over_for(seat) else "")
             raise UserError(over or WAITING) from None
 
-    # Requests.
+    # What clients may ask for.
 
-    async def start_match(self, request: requests.StartMatch) -> str:
-        """Start a match, and take its first seat."""
+    @act
+    async def start_match(self, request: StartMatch) -> str:
+        """Start a match, and take its first seat. See ``StartMatch``."""
         try:
             await asyncio.wait_for(asyncio.shield(self._ready), WAIT)
         except TimeoutError:
@@ -142,54 +164,62 @@ class Desk:
         told, others = reports.seated(match, match.next_seat()), len(match.seats) - 1
         return f"{told}\njoin code for {others} more clients: {match.code}" if others else told
 
-    async def join_match(self, request: requests.JoinMatch) -> str:
-        """Take a seat of another client's match."""
-        return reports.seated(*self.matches.join(request.code))
+    @act
+    async def join_match(self, code: Code) -> str:
+        """Take the next free seat of a match that another client has started."""
+        return reports.seated(*self.matches.join(code))
 
-    async def list_matches(self, _: requests.ListMatches) -> str:
-        """List the matches."""
+    @act
+    async def list_matches(self) -> str:
+        """List the matches of this server."""
         return "\n".join(map(reports.state, self.matches)) or "There is no match: start one with start_match."
 
-    async def rules(self, request: requests.OfSeat) -> str:
-        """Return the rules of a match."""
-        match, seat = self.matches.seat(request.seat)
-        async with _turn_of(seat):
-            return rules(await self._in_thread(match, seat, lambda: seat.words.begun(WAIT)))
+    @act
+    async def rules(self, seat: Handle) -> str:
+        """Read the rules of your match."""
+        match, own = self.matches.seat(seat)
+        async with _turn_of(own):
+            return rules(await self._in_thread(match, own, lambda: own.words.begun(WAIT)))
 
-    async def observe(self, request: requests.OfSeat) -> Answer:
-        """Return what a seat senses, or the end of its call."""
-        match, seat = self.matches.seat(request.seat)
-        async with _turn_of(seat):
-            if seat.is_busy or match.is_over_for(seat):
-                return await self._end_of(match, seat, lambda: seat.words.wait(WAIT))
-            return Answer(await self._in_thread(match, seat, lambda: seat.words.observe(WAIT)))
+    @act
+    async def observe(self, seat: Handle) -> Answer:
+        """Read what your seat senses now, or the end of a call that was still being played. It costs no time."""  # noqa: E501
+        match, own = self.matches.seat(seat)
+        async with _turn_of(own):
+            if own.is_busy or match.is_over_for(own):
+                return await self._end_of(match, own, lambda: own.words.wait(WAIT))
+            return Answer(await self._in_thread(match, own, lambda: own.words.observe(WAIT)))
 
-    async def picture(self, request: requests.TakePicture) -> Answer:
-        """Return what a seat sees."""
-        match, seat = self.matches.seat(request.seat)
-        async with _turn_of(seat):
-            if seat.is_busy:
+    @act
+    async def picture(self, seat: Handle, marks: Marks = False) -> Answer:
+        """Get a picture of what your seat sees now. It costs no time."""
+        match, own = self.matches.seat(seat)
+        async with _turn_of(own):
+            if own.is_busy:
                 raise UserError(STILL)
-            await self._in_thread(match, seat, lambda: seat.words.begun(WAIT))
-            picture = seat.words.picture(image_of(match.hosted.match, seat.number), marks=request.marks)
-        return Answer(f"What seat {seat.number} sees now.", picture)
+            await self._in_thread(match, own, lambda: own.words.begun(WAIT))
+            picture = own.words.picture(image_of(match.hosted.match, own.number), marks=marks)
+        return Answer(f"What seat {own.number} sees now.", picture)
 
-    async def score(self, request: requests.OfSeat) -> str:
-        """Return the score of a match."""
-        return reports.score(*self.matches.seat(request.seat))
+    @act
+    async def score(self, seat: Handle) -> str:
+        """Read the score of all seats when your match is over; before, what you and your team carry."""
+        return reports.score(*self.matches.seat(seat))
 
-    async def record(self, request: requests.OfSeat) -> str:
-        """Return where the record of a match is."""
-        match, _ = self.matches.seat(request.seat)
+    @act
+    async def record(self, seat: Handle) -> str:
+        """Get the record of your match when it is over: a small file that anybody can verify."""
+        match, _ = self.matches.seat(seat)
         path = _recorded(match)
         resource = f"resource: {RECORD_ADDRESS.format(key=match.key)}"
         if not self.is_local:
             return f"{resource}\nAnybody can verify it: wildscav verify FILE"
         return f"{path}\n{resource}\nAnybody can verify it: wildscav verify {path}"
 
-    async def replay(self, request: requests.OfSeat) -> str:
-        """Return where a page is that plays a match."""
-        match, _ = self.matches.seat(request.seat)
+    @act
+    async def replay(self, seat: Handle) -> str:
+        """Get a page that plays your match in 3D in any browser, when it is over."""
+        match, _ = self.matches.seat(seat)
         record, page = _recorded(match), match.folder / REPLAY
         if match.replaying is None:
             match.replaying = asyncio.create_task(_make_replay(record, page))
@@ -199,27 +229,14 @@ class Desk:
         match.replaying.result()
         return str(page) if self._link is None else self._link(match)
 
-    async def leave(self, request: requests.OfSeat) -> str:
-        """Let a seat stand still from now on."""
-        match, seat = self.matches.seat(request.seat)
-        match.leave(seat)
+    @act
+    async def leave(self, seat: Handle) -> str:
+        """Leave the match. Your seat stands still from now on, and the others play on."""
+        match, own = self.matches.seat(seat)
+        match.leave(own)
         if all(match.hosted.seats[one.number].gone for one in match.seats):  # then the rest is played at once
             await asyncio.wait({match.task}, timeout=WAIT)
         return f"You have left {match.id}."
-
-
-REQUESTS: dict[str, tuple[type[requests.Request], Callable[[Desk, Any], Awaitable[Answer | str]]]] = {
-    "start_match": (requests.StartMatch, Desk.start_match),
-    "join_match": (requests.JoinMatch, Desk.join_match),
-    "list_matches": (requests.ListMatches, Desk.list_matches),
-    "rules": (requests.ReadRules, Desk.rules),
-    "observe": (requests.Observe, Desk.observe),
-    "picture": (requests.TakePicture, Desk.picture),
-    "score": (requests.ReadScore, Desk.score),
-    "record": (requests.GetRecord, Desk.record),
-    "replay": (requests.GetReplay, Desk.replay),
-    "leave": (requests.Leave, Desk.leave),
-}
 
 
 @asynccontextmanager

@@ -25,12 +25,9 @@ IDLE_LIMITS = 6  # that all actions of a seat may take together
 async def host(
     server: "MatchServer", request: StartMatch, idle_limit: float
 ) -> tuple[HostedMatch, dict[int, Path]]:
-    """Open a match; return it, and the folders of its baselines by their seats.
+    """Open a match whose clients have the first seats; return it, and its baselines' folders by their seats.
 
-    Args:
-        server: Where it is played.
-        request: What it is; its clients have the first seats.
-        idle_limit: s for a client's next action, after which its seat is closed.
+    A client has ``idle_limit`` s for its next action, after which its seat is closed.
 
     Raises:
         UserError: It cannot be played.

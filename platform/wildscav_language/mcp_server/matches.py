@@ -38,12 +38,7 @@ class Bounds(NamedTuple):
 
 
 class ClientSeat:
-    """A seat of a match that a client plays.
-
-    Args:
-        number: The seat's number.
-        names: The display names of all seats.
-    """
+    """A seat of a match that a client plays."""
 
     def __init__(self, number: int, names: Sequence[str]) -> None:
         self.number = number
@@ -56,12 +51,7 @@ class ClientSeat:
         self.is_busy = False  # whether a tool goes on whose end its call did not wait for
 
     async def play(self, address: str, token: str) -> None:
-        """Play to the end of the match, or until the server closes the seat.
-
-        Args:
-            address: Of the server.
-            token: Of the seat.
-        """
+        """Play to the end of the match, or until the server closes the seat."""
         loop, agent = asyncio.get_running_loop(), self.words.agent
         acting = ThreadPoolExecutor(1, self.handle)  # since ``act`` waits for the client's calls
         try:
@@ -77,14 +67,7 @@ class ClientSeat:
 
 
 class ClientsMatch:
-    """A match with seats for clients.
-
-    Args:
-        number: Of the match on its server.
-        hosted: The match.
-        seats: The seats of clients.
-        folder: For its record, and for what baselines print.
-    """
+    """A match with seats for clients; its folder gets the record, and what baselines print."""
 
     def __init__(self, number: int, hosted: HostedMatch, seats: Sequence[ClientSeat], folder: Path) -> None:
         self.id = f"{hosted.match.spec.track}-{number}"
@@ -113,12 +96,7 @@ class ClientsMatch:
         return seat.words.is_over
 
     async def play(self, folders: Mapping[int, Path], address: str) -> None:
-        """Play it to its end, and write its record.
-
-        Args:
-            folders: Of the baselines that play in it, by their seats.
-            address: Where the server listens.
-        """
+        """Play it to its end with the baselines in some folders, by their seats, and write its record."""
         playing_seats: list[asyncio.Task[None]] = []
         try:
             async with playing(folders, self.hosted, dict.fromkeys(folders, address), self.folder):
@@ -274,12 +252,7 @@ def _leave_all(starting: asyncio.Future[ClientsMatch]) -> None:
 
 @asynccontextmanager
 async def serving(folder: Path, bounds: Bounds) -> AsyncIterator[Matches]:
-    """Host matches within the block.
-
-    Args:
-        folder: For records, and for what baselines print.
-        bounds: What is allowed.
-    """
+    """Host matches within the block; their folder gets the records, and what baselines print."""
     with temporary_folder("mcp-") as place:
         server = MatchServer()
         (address,) = await server.start([f"unix:{place}/match"])

@@ -23,9 +23,8 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from wildscav.errors import UserError
 from wildscav.version import __version__
 from wildscav_language.calls import Tool
-from wildscav_language.mcp_server.desk import RECORD_ADDRESS, REPLAY, REQUESTS, Answer, Desk
+from wildscav_language.mcp_server.desk import ACTS, RECORD_ADDRESS, REPLAY, Answer, Desk
 from wildscav_language.mcp_server.matches import Matches
-from wildscav_language.mcp_server.requests import Observe
 from wildscav_language.tools import TOOLS
 
 PATH = "/mcp"
@@ -104,7 +103,7 @@ def all_tools() -> list[types.Tool]:
     """Return all tools: the requests, and the tools of seats of all tracks."""
     requests = [
         types.Tool(name=name, description=kind.__doc__, input_schema=_without_title(kind.model_json_schema()))
-        for name, (kind, _) in REQUESTS.items()
+        for name, (kind, _) in ACTS.items()
     ]
     return [*requests, *(_of_seat(tool) for tool in TOOLS)]
 
@@ -112,7 +111,7 @@ def all_tools() -> list[types.Tool]:
 def _of_seat(tool: Tool) -> types.Tool:
     """Return a tool of a seat, whose calls have the seat's handle besides."""
     schema = _without_title(tool.schema)
-    handle = Observe.model_json_schema()["properties"]["seat"]
+    handle = ACTS["observe"][0].model_json_schema()["properties"]["seat"]
     schema["properties"] = {"seat": handle, **schema.get("properties", {}), "thought": THOUGHT}
     schema["required"] = ["seat", *schema.get("required", ())]
     return types.Tool(name=tool.name, description=tool.description, input_schema=schema)
@@ -157,11 +156,7 @@ async def serve_http(
 ) -> None:
     """Serve any number of clients over HTTP until the server is interrupted; then end all matches first.
 
-    Args:
-        desk: Answers them.
-        sockets: That are bound.
-        token: The secret that each request must carry; None if none is needed.
-        hosts: By which names clients reach it, with any port; None for any.
+    With a token, each request must carry it. With ``hosts``, clients reach the server by these names alone.
     """
     names = [name for host in hosts or () for name in (host, f"{host}:*")]
     app = make_server(desk).streamable_http_app(

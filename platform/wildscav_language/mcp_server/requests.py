@@ -1,4 +1,4 @@
-"""What clients may ask for besides the tools of a seat, and the match that a request describes."""
+"""The arguments of what clients may ask for, and the match that they describe."""
 
 from collections.abc import Sequence
 from typing import Annotated, Literal
@@ -26,6 +26,10 @@ LONGEST = 3600.0  # s of game time
 
 Handle = Annotated[
     str, Field(max_length=40, description="the handle of your seat, from start_match or join_match")
+]
+Code = Annotated[str, Field(max_length=40, description="the join code of the match")]
+Marks = Annotated[
+    bool, Field(description="whether the boxes and agents that you are told of have their numbers in it")
 ]
 Name = Annotated[
     str, Field(pattern=r"^[\w][\w .'-]{0,19}$", description="what the seat is called in results and texts")
@@ -67,54 +71,6 @@ class StartMatch(Request):
         Field(description="what seats are told of agents and boxes; by default, as the rules say"),
     ] = None
     name: Name = "client"
-
-
-class JoinMatch(Request):
-    """Take the next free seat of a match that another client has started."""
-
-    code: Annotated[str, Field(max_length=40, description="the join code of the match")]
-
-
-class ListMatches(Request):
-    """List the matches of this server."""
-
-
-class OfSeat(Request):
-    """Base of requests that a seat makes."""
-
-    seat: Handle
-
-
-class ReadRules(OfSeat):
-    """Read the rules of your match."""
-
-
-class Observe(OfSeat):
-    """Read what your seat senses now, or the end of a call that was still being played. It costs no time."""
-
-
-class TakePicture(OfSeat):
-    """Get a picture of what your seat sees now. It costs no time."""
-
-    marks: Annotated[
-        bool, Field(description="whether the boxes and agents that you are told of have their numbers in it")
-    ] = False
-
-
-class ReadScore(OfSeat):
-    """Read the score of all seats when your match is over; before, what you and your team carry."""
-
-
-class GetRecord(OfSeat):
-    """Get the record of your match when it is over: a small file that anybody can verify."""
-
-
-class GetReplay(OfSeat):
-    """Get a page that plays your match in 3D in any browser, when it is over."""
-
-
-class Leave(OfSeat):
-    """Leave the match. Your seat stands still from now on, and the others play on."""
 
 
 def opponents_of(request: StartMatch) -> tuple[Opponent, ...]:

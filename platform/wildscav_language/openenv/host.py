@@ -50,12 +50,7 @@ class HostedEpisode:
         return self.seat.picture(hosting.image_of(self.hosted.match, 0))
 
     async def play(self, folders: Mapping[int, Path], address: str) -> None:
-        """Play it to its end, and write its record.
-
-        Args:
-            folders: Of the baselines that play in it, by their seats.
-            address: Where the server listens.
-        """
+        """Play it to its end with the baselines in some folders, by their seats, and write its record."""
         try:
             await self._played(folders, address)
         except Exception as error:  # noqa: BLE001 - the client is told
@@ -102,11 +97,7 @@ class Host:
         atexit.register(self.close)
 
     def start(self, request: StartMatch, name: str) -> HostedEpisode:
-        """Start a match.
-
-        Args:
-            request: What it is.
-            name: What the name of its record begins with.
+        """Start a match, the name of whose record begins with ``name``.
 
         Raises:
             UserError: It cannot be played.

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from wildscav.agent import Vector
+from wildscav.agent import Action, Vector
 from wildscav.geometry import direction_to, flat_distance
 from wildscav.skills.fighting import cover_from
 from wildscav.skills.walking import FULL_SPEED, Walk
@@ -113,7 +113,7 @@ def reload(body: Body, _: NoArguments) -> Steps:
         raise RefusedCallError("There are no spare rounds.")
     if body.now.clip >= body.match.clip_size:
         raise RefusedCallError(f"The clip is full with {body.now.clip} rounds.")
-    yield body.reloading()
+    yield Action(reload=True)
     while body.now.reloading:
         yield body.standing()
     return Reason.DONE, ""

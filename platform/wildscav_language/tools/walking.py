@@ -83,7 +83,7 @@ def go(body: Body, order: Go) -> Steps:
         return (yield from fetch(body, order.box, order.seconds, order.stop_for))
     place = body.memory.place(order.place or "")
     if place is None:
-        known = ", ".join(body.memory.place_names())
+        known = ", ".join(body.memory.places())
         raise RefusedCallError(f"There is no such place; known places are {known or 'none yet'}.")
     return (yield from walk(body, place, 0.0, order.seconds, order.stop_for))
 

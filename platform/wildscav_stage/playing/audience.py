@@ -29,13 +29,7 @@ BITS = 1 << np.arange(len(ROW))
 
 
 class Moment:
-    """What is told of one moment.
-
-    Args:
-        match: The match.
-        happened: Shots and deaths since the moment before.
-        before: That moment; None if this is the first.
-    """
+    """What is told of one moment: what has happened since the moment before, and what is different now."""
 
     def __init__(self, match: "Match", happened: dict[str, Any], before: "Moment | None") -> None:
         matches = match.state.matches
@@ -83,11 +77,7 @@ class Moment:
 
 
 class Audience:
-    """Makes the messages of one match after another.
-
-    Args:
-        delay: s after which they are told.
-    """
+    """Makes the messages of one match after another, which are told some s later."""
 
     def __init__(self, delay: float = 0.0) -> None:
         self.delay = delay

@@ -1,5 +1,6 @@
-"""What the seats of a match did to each other, for the table at its end."""
+"""The scores of all, and what they did to each other, for the table at the end of a match."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,11 +15,7 @@ COLUMNS = (("kills", ""), ("deaths", ""), ("dealt", "hp"), ("taken", "hp"), ("ac
 
 
 class Fights:
-    """Adds up the damage of a match, frame by frame.
-
-    Args:
-        match: The match, at its start.
-    """
+    """Adds up the damage of a match, frame by frame, from its start."""
 
     def __init__(self, match: "Match") -> None:
         self._match, self._noted = match, match.frame
@@ -58,3 +55,19 @@ class Fights:
             "accuracy": round(100 * hits / shots) if shots else None,
         }
         return None if figures[title] is None else int(figures[title])
+
+
+def scores_of(match: "Match", names: Sequence[str]) -> list[dict[str, Any]]:
+    """Return the track's metrics of every seat so far, the best first by the first metric."""
+    metrics = match.track.metrics
+    rows = []
+    for seat, name in enumerate(names):
+        values = match.track.measure(match, seat)
+        rows.append({"seat": seat, "name": name, "values": [values[metric.name] for metric in metrics]})
+    sign = 1.0 if metrics[0].lower_is_better else -1.0
+    return sorted(rows, key=lambda row: sign * row["values"][0])
+
+
+def metric_titles(match: "Match") -> list[dict[str, str]]:
+    """Return the titles and units of the metrics in ``scores_of``."""
+    return [{"title": metric.title, "unit": metric.unit} for metric in match.track.metrics]

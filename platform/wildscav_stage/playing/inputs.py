@@ -163,12 +163,9 @@ class Controls:
             self._flags[name] |= getattr(message, name)
 
     def take(self, yaw: float, frames: int, turn_speed: float = AT_ONCE) -> Action:
-        """Return the action of the next step.
+        """Return the action of the next step, which spreads turns over its frames.
 
-        Args:
-            yaw: Where the person looks, degrees.
-            frames: Frames in a step, over which the turn is spread.
-            turn_speed: Degrees/s that a body turns at most.
+        The person looks at ``yaw`` degrees, and turns by ``turn_speed`` degrees/s at most.
         """
         held = self._held
         mouse = self._turn.take(turn_speed, frames), self._look.take(turn_speed, frames)

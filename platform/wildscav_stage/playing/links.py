@@ -14,12 +14,7 @@ SECRET_BYTES = 16
 
 
 class Links:
-    """The secret of each person's seat, and that of spectators.
-
-    Args:
-        seats: How many people have a seat.
-        first: The secret of the first seat, if it is known already.
-    """
+    """The secret of each person's seat, the first of which may be known already, and that of spectators."""
 
     def __init__(self, seats: int, first: str | None = None) -> None:
         self._secrets = [first or new_secret(), *(new_secret() for _ in range(1, seats))]

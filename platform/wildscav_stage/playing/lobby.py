@@ -6,7 +6,7 @@ import time
 import unicodedata
 from collections.abc import Callable, Sequence
 from http import HTTPStatus
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from wildscav.errors import UserError, WildscavError
 from wildscav.sdk.connection import Connection
@@ -14,7 +14,7 @@ from wildscav.version import __version__
 from wildscav_server.hosting.opponents import numbered
 from wildscav_stage.playing.inputs import Controls
 from wildscav_stage.playing.links import Links
-from wildscav_stage.playing.page import RENEWED
+from wildscav_stage.playing.page import RENEWED, OpenPage
 from wildscav_stage.playing.plan import Plan
 from wildscav_stage.playing.room import EntryError, Room
 from wildscav_stage.playing.sight import Known, Sight
@@ -40,13 +40,7 @@ class Person:
         self._changed = asyncio.Event()  # set, and replaced, after each frame
 
     async def play(self, match: "Match", address: str, token: str, noted: Callable[[], None]) -> None:
-        """Play a match to its end.
-
-        Args:
-            match: The match that the server hosts, of which the seat's page is told what it may know.
-            address: Where the server listens.
-            token: The seat's token.
-            noted: Called after each frame.
+        """Play a match that the server at an address hosts to its end; ``noted`` is called after each frame.
 
         Raises:
             ServerUnreachableError: The match was ended before it was over.
@@ -78,11 +72,7 @@ class Person:
         self._changed = asyncio.Event()
 
     async def look(self, known: Known) -> dict[str, Any]:
-        """Wait until there is something to tell a page, and return it.
-
-        Args:
-            known: What the page was told; it is brought up to date.
-        """
+        """Wait until there is something to tell a page; return it, and note in ``known`` that it is told."""
         while (sight := self._sight_for(known)) is None or not sight.has_news_for(known):
             await self._changed.wait()
         told = {"input": self.controls.taken, **sight.message(known)}
@@ -100,28 +90,13 @@ class LobbyError(WildscavError):
     """Somebody asked for what is not possible; the message says why."""
 
 
-class Page(Protocol):
-    """A page that somebody has open."""
-
-    def tell(self, message: dict[str, Any]) -> None:
-        """Send it a message."""
-
-    def dismiss(self, code: int, reason: str) -> None:
-        """Close it."""
-
-
 class PlayerSeat:
-    """One person's seat.
-
-    Args:
-        seat: Its number.
-        name: What the person is called until they say otherwise.
-    """
+    """One person's seat; the name is what they are called until they say otherwise."""
 
     def __init__(self, seat: int, name: str) -> None:
         self.seat = seat
         self.person = Person()
-        self.page: Page | None = None  # the one that the person has open
+        self.page: OpenPage | None = None  # the one that the person has open
         self.left = -math.inf  # s, when they had one last
         self.free(name)
 
@@ -149,12 +124,7 @@ class PlayerSeat:
 
 
 class Lobby:
-    """The people of a table.
-
-    Args:
-        plan: What is played at it.
-        links: Their links.
-    """
+    """The people of a table."""
 
     def __init__(self, plan: Plan, links: Links) -> None:
         self.plan, self._links, self.room = plan, links, Room()

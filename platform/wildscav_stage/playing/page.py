@@ -20,12 +20,7 @@ REPLACED, RENEWED, TOO_MANY, SEATED = 4001, 4002, 4003, 4006
 
 
 class PageClosedError(WildscavError):
-    """A page is to be closed.
-
-    Args:
-        code: Why, for programs.
-        reason: Why, for people.
-    """
+    """A page is to be closed, for a reason."""
 
     def __init__(self, code: int, reason: str) -> None:
         super().__init__(reason)
@@ -33,13 +28,7 @@ class PageClosedError(WildscavError):
 
 
 class Allowance:
-    """How many things of a kind are taken in some time.
-
-    Args:
-        most: So many.
-        seconds: The time.
-        clock: Returns the time, s.
-    """
+    """How many things of a kind are taken in some s."""
 
     def __init__(self, most: int, seconds: float = 1.0, clock: Callable[[], float] = time.monotonic) -> None:
         self._most, self._seconds, self._clock = most, seconds, clock
@@ -55,11 +44,7 @@ class Allowance:
 
 
 class OpenPage:
-    """What pages of players and of spectators have in common.
-
-    Args:
-        socket: The page's connection, which was accepted.
-    """
+    """What pages of players and of spectators have in common."""
 
     def __init__(self, socket: WebSocket) -> None:
         self._socket = socket
@@ -122,9 +107,7 @@ class OpenPage:
     async def _send_moment(self, kind: str, body: str) -> None:
         """Send what is to be seen now, after all messages, and wait until the page has seen the last ones.
 
-        Args:
-            kind: Of the message.
-            body: Its fields as JSON, without the first brace.
+        The body is JSON without the first brace.
         """
         self._sent += 1
         self._sent_at[self._sent] = time.monotonic()

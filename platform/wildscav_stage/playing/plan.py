@@ -115,10 +115,6 @@ class Plan:
     def arranged(self, robots: Sequence[str], *, new_map: bool) -> "Plan":
         """Return the plan with other robots, and perhaps with the next map of its kind.
 
-        Args:
-            robots: Their names.
-            new_map: Whether it is another map.
-
         Raises:
             UserError: There is no such robot, such a match is not possible or cannot be recorded, or this is
                 a shooting range or a given match.
@@ -144,12 +140,7 @@ class Plan:
         return replace(self, spec=arranged, opponents=(*others, *map(Opponent, robots)))
 
     def played(self, times: int, absent: Collection[int] = ()) -> MatchSpec:
-        """Return the spec of the match after it was played some times already.
-
-        Args:
-            times: How often.
-            absent: The seats of people who are not here.
-        """
+        """Return the spec of the match after it was played some times; robots play for the absent."""
         if self.given is not None:
             return self.spec
         seats = (self.stand_in if seat in absent else who for seat, who in enumerate(self.spec.seats))

@@ -16,12 +16,7 @@ MAX_TRIES, MINUTE = 30, 60.0  # codes that all strangers together may try, in so
 
 
 class EntryError(WildscavError):
-    """Somebody is not let in.
-
-    Args:
-        message: Why, and what to do.
-        status: For programs.
-    """
+    """Somebody is not let in; the message says why, and what to do."""
 
     def __init__(self, message: str, status: HTTPStatus) -> None:
         super().__init__(message)
@@ -29,11 +24,7 @@ class EntryError(WildscavError):
 
 
 class Room:
-    """Who may come to a table by a code, and until when.
-
-    Args:
-        clock: Returns the time, s.
-    """
+    """Who may come to a table by a code, and until when."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock, self._code, self._end = clock, "", 0.0

@@ -5,7 +5,7 @@ import time
 from collections.abc import AsyncIterator, Callable, Coroutine, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from wildscav_engine.record import SUFFIX, write_record
 from wildscav_server.hosting.opponents import playing
@@ -23,20 +23,11 @@ LONGEST_PAUSE = 86_400.0  # s, of a match against robots alone, which wait for t
 ROBOT_CLOCK = Clock(time_bank=LONGEST_PAUSE, idle_limit=LONGEST_PAUSE, paused_bank=LONGEST_PAUSE)
 
 
-class Agents(Protocol):
-    """Runs the submissions of a match for as long as the block lasts."""
-
-    def __call__(
-        self, folders: Mapping[int, Path], hosted: "HostedMatch", addresses: Mapping[int, str], logs: Path
-    ) -> AbstractAsyncContextManager[None]:
-        """Run them.
-
-        Args:
-            folders: The submission's folder of each seat that has one.
-            hosted: The match.
-            addresses: Where each of these seats is joined, which nobody else can.
-            logs: The folder for what agents print.
-        """
+# Runs the submissions of a match for as long as the block lasts, given: the folder of each seat that has one,
+# the match, where each of these seats is joined, which nobody else can, and the folder for what agents print.
+Agents: TypeAlias = Callable[
+    [Mapping[int, Path], "HostedMatch", Mapping[int, str], Path], AbstractAsyncContextManager[None]
+]
 
 
 class MatchHosting(NamedTuple):
@@ -82,14 +73,9 @@ async def play_out(
     noted: Callable[[], None],
     path: Path | None = None,
 ) -> Path:
-    """Let people play a match to its end, and return its record.
+    """Let people, by their seats, play a match to its end, and return its record: the path, or a free one.
 
-    Args:
-        hosting: Where it is played.
-        hosted: The match.
-        people: The person of each seat that one has.
-        noted: Called after each frame.
-        path: Where the record goes; None for a path that is free.
+    ``noted`` is called after each frame.
     """
     # The seats are joined at the same time, because the match begins when all are.
     joined = (

@@ -84,11 +84,7 @@ def zone_of(match: "Match") -> list[int] | None:
 
 
 class Happenings:
-    """The shots and deaths of a match, frame by frame.
-
-    Args:
-        match: The match, at its start.
-    """
+    """The shots and deaths of a match, frame by frame from its start."""
 
     def __init__(self, match: "Match") -> None:
         self._match, self._counted = match, match.state.agents.deaths[0].copy()
@@ -121,12 +117,7 @@ class Known:
 
 
 class Sight:
-    """What one seat may know of a match.
-
-    Args:
-        match: The match, at its start.
-        seat: The seat.
-    """
+    """What one seat may know of a match, from its start."""
 
     def __init__(self, match: "Match", seat: int) -> None:
         self._match, self._seat = match, seat

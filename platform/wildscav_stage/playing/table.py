@@ -15,11 +15,10 @@ from wildscav_engine.specs.actions import Field
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 from wildscav_stage.playing import lobby
 from wildscav_stage.playing.audience import Audience
-from wildscav_stage.playing.display import metric_titles, scores_of
-from wildscav_stage.playing.fights import Fights
+from wildscav_stage.playing.fights import Fights, metric_titles, scores_of
 from wildscav_stage.playing.links import Base, Links, new_secret
-from wildscav_stage.playing.lobby import HOST, Lobby, Page, PlayerSeat, only_host
-from wildscav_stage.playing.page import RENEWED, REPLACED, SEATED
+from wildscav_stage.playing.lobby import HOST, Lobby, PlayerSeat, only_host
+from wildscav_stage.playing.page import RENEWED, REPLACED, SEATED, OpenPage
 from wildscav_stage.playing.plan import Plan
 from wildscav_stage.playing.rounds import MatchHosting, beside, hosted_match, play_out
 from wildscav_stage.scene.map_file import map_file
@@ -78,7 +77,7 @@ class Table:
         self.map_file: bytes | None = None  # of the present match, or of the last one
         self.map_key = ""  # the digest of ``map_file``
         # The pages of spectators in the order in which they came, and the seats of those who wait for one.
-        self._spectators: dict[Page, int | None] = {}
+        self._spectators: dict[OpenPage, int | None] = {}
         self._hosting, self._links, self._base, self._say = hosting, links, base, say
         self._countdown, self.at_home = countdown, at_home
         self.records: dict[str, Path] = {}  # of the matches that were played, each with a secret of its own
@@ -102,7 +101,7 @@ class Table:
 
     # The interface for people's pages.
 
-    def attach(self, seat: int, page: Page) -> None:
+    def attach(self, seat: int, page: OpenPage) -> None:
         """Tell everything to a page from now on, first what it needs to know of the present."""
         player = self.lobby.seats[seat]
         if player.page is not None:
@@ -113,7 +112,7 @@ class Table:
         self.tell_people()
         page.tell(self._present_to(player))
 
-    def detach(self, seat: int, page: Page) -> None:
+    def detach(self, seat: int, page: OpenPage) -> None:
         """Tell a page nothing anymore; its seat stands idle, and the match is paused if it may be."""
         player = self.lobby.seats[seat]
         if player.page is page:
@@ -184,12 +183,10 @@ class Table:
         self.tell_people()
         return secret
 
-    def admit(self, page: Page, seat: int | None = None) -> bool:
+    def admit(self, page: OpenPage, seat: int | None = None) -> bool:
         """Tell everything to a spectator's page from now on; return whether there was room for it.
 
-        Args:
-            page: The page.
-            seat: The seat of whoever watches until they can take it; None if they have none.
+        ``seat`` is the seat of whoever watches until they can take it.
         """
         if len(self._spectators) >= MAX_SPECTATORS:
             return False
@@ -206,7 +203,7 @@ class Table:
             if own == seat:
                 page.dismiss(RENEWED, "the host has freed this seat")
 
-    def dismiss(self, page: Page) -> None:
+    def dismiss(self, page: OpenPage) -> None:
         """Tell a spectator's page nothing anymore."""
         del self._spectators[page]
         self.tell_people()
@@ -422,7 +419,7 @@ class Table:
         for page in self._spectators:
             page.tell(message)
 
-    def _people(self) -> list[tuple[Page, PlayerSeat]]:
+    def _people(self) -> list[tuple[OpenPage, PlayerSeat]]:
         """Return the pages of people with their seats."""
         return [(player.page, player) for player in self.lobby.seats if player.page is not None]
 

@@ -38,11 +38,7 @@ class Scene(NamedTuple):
 
 
 def scene_of(path: Path, logs: Path | None = None) -> Scene:
-    """Return what the record in a file is drawn from.
-
-    Args:
-        path: The file of the record.
-        logs: Where its agents' notes are; see ``notes_beside``.
+    """Return what the record in a file is drawn from; for its agents' logs, see ``notes_beside``.
 
     Raises:
         UserError: It cannot be read, or not be played again.
@@ -98,12 +94,7 @@ class Shown(NamedTuple):
 
 
 def match_page(match: Shown, other: Shown | None = None, root: str = "/") -> str:
-    """Return the page of a match on a site that has the viewer's files, or of two that are compared.
-
-    Args:
-        match: The match.
-        other: The one beside it.
-        root: The address of the site, with a slash at its end.
+    """Return the page of a match on a site that has the viewer's files below a root, or of two side by side.
 
     Raises:
         UserError: The viewer is not built.
@@ -127,12 +118,7 @@ def _element(match: Shown, more: str = "") -> str:
 
 
 def list_page(title: str, links: Iterable[tuple[str, str]]) -> str:
-    """Return the page with a list of matches.
-
-    Args:
-        title: Of the list.
-        links: The name and the address of each match.
-    """
+    """Return the page with a list of matches: the name and the address of each."""
     items = (f'<li><a href="{address}">{escape(name)}</a></li>' for name, address in links)
     return _page(title, _linked_style(), f"<ul>{''.join(items)}</ul>")
 

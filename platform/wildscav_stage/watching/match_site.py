@@ -18,7 +18,7 @@ from starlette.staticfiles import StaticFiles
 
 from wildscav.errors import UserError
 from wildscav_engine.view.web import LOOPBACK
-from wildscav_stage.headers import SecurityHeaders
+from wildscav_stage.headers import OwnNames, SecurityHeaders
 from wildscav_stage.listening import GRACE
 from wildscav_stage.viewer_files import PATH, viewer_routes
 from wildscav_stage.watching.match_page import (
@@ -32,7 +32,6 @@ from wildscav_stage.watching.match_page import (
     text_page,
     title_of,
 )
-from wildscav_stage.watching.own_names import OwnNames
 
 SCENES = 8  # that are kept
 

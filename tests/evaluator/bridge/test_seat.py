@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.coroutines import Test, within
 
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.bridge.orders import Order
+from wildscav_evaluator.bridge.desk import Order
 from wildscav_evaluator.bridge.seat import MOST_CONNECTIONS, MOST_IDLE, SeatBridge
 from wildscav_language.senses import sensors
 from wildscav_server.hosting.hosted_match import HostedMatch
@@ -96,80 +97,63 @@ async def bridge_to(interface: str, folder: Path) -> AsyncIterator[Bridged]:
         await server.stop()
 
 
-Play = Callable[[Bridged], Coroutine[Any, Any, None]]
+def behind(interface: str) -> Callable[[Test], Callable[..., None]]:
+    """Make a test of what an agent does at a bridge; it gets the match, ``bridged``."""
+
+    @asynccontextmanager
+    async def opened(folder: Path, _names: list[str]) -> AsyncIterator[dict[str, Any]]:
+        async with bridge_to(interface, folder) as bridged:
+            yield {"bridged": bridged}
+
+    return within(opened, ("bridged",))
 
 
-@pytest.fixture
-def behind(tmp_path: Path) -> Callable[[str, Play], None]:
-    """Run what an agent does at a bridge."""
-
-    def run(interface: str, play: Play) -> None:
-        async def whole() -> None:
-            async with bridge_to(interface, tmp_path) as bridged:
-                await play(bridged)
-
-        asyncio.run(whole())
-
-    return run
-
-
-Behind = Callable[[str, Play], None]
+@behind("words")
+async def test_words_lead_to_the_target(bridged: Bridged) -> None:
+    asker = await bridged.connect()
+    told = await asker.ask("hello", token=TOKEN)
+    assert told["match"]["track"] == "navigation"
+    assert not {"start", "target", "supply_waves"} & told["match"].keys()
+    assert "Reach the target" in told["rules"]
+    assert [tool["name"] for tool in told["tools"]][:3] == ["look_around", "turn", "go"]
+    assert "\nTarget: " in (await asker.ask("observe"))["text"]
+    reply = await asker.ask("call", tool="go", arguments={"place": "target", "seconds": 20})
+    assert (reply["ended"], reply["over"]) == ("match_over", True)
+    assert (await asker.ask("observe"))["text"] == "The match is over."
+    assert await bridged.report() == ("finished", "")
 
 
-def test_words_lead_to_the_target(behind: Behind) -> None:
-    async def play(bridged: Bridged) -> None:
-        asker = await bridged.connect()
-        told = await asker.ask("hello", token=TOKEN)
-        assert told["match"]["track"] == "navigation"
-        assert not {"start", "target", "supply_waves"} & told["match"].keys()
-        assert "Reach the target" in told["rules"]
-        assert [tool["name"] for tool in told["tools"]][:3] == ["look_around", "turn", "go"]
-        assert "\nTarget: " in (await asker.ask("observe"))["text"]
-        reply = await asker.ask("call", tool="go", arguments={"place": "target", "seconds": 20})
-        assert (reply["ended"], reply["over"]) == ("match_over", True)
-        assert (await asker.ask("observe"))["text"] == "The match is over."
-        assert await bridged.report() == ("finished", "")
-
-    behind("words", play)
+@behind("words")
+async def test_a_picture_follows_the_line_that_announces_it(bridged: Bridged) -> None:
+    asker = await bridged.joined()
+    told = await asker.ask("picture", marks=True)
+    assert (await asker.reader.readexactly(told["bytes"])).startswith(b"\x89PNG")
 
 
-def test_a_picture_follows_the_line_that_announces_it(behind: Behind) -> None:
-    async def play(bridged: Bridged) -> None:
-        asker = await bridged.joined()
-        told = await asker.ask("picture", marks=True)
-        assert (await asker.reader.readexactly(told["bytes"])).startswith(b"\x89PNG")
-
-    behind("words", play)
-
-
-def test_bad_calls_cost_game_time_and_are_answered_with_what_is_allowed(behind: Behind) -> None:
-    async def play(bridged: Bridged) -> None:
-        asker = await bridged.joined()
-        for tool, arguments in [("fly", {}), ("go", {"bearing": 10**4000}), ("go", {"seconds": [[[1]]]})]:
-            reply = await asker.ask("call", tool=tool, arguments=arguments)
-            assert (reply["ended"], reply["steps"]) == ("refused", 5)
-
-    behind("words", play)
+@behind("words")
+async def test_bad_calls_cost_game_time_and_are_answered_with_what_is_allowed(bridged: Bridged) -> None:
+    asker = await bridged.joined()
+    for tool, arguments in [("fly", {}), ("go", {"bearing": 10**4000}), ("go", {"seconds": [[[1]]]})]:
+        reply = await asker.ask("call", tool=tool, arguments=arguments)
+        assert (reply["ended"], reply["steps"]) == ("refused", 5)
 
 
-def test_keys_move_the_body_and_the_screen_is_all_that_is_told(behind: Behind) -> None:
-    async def play(bridged: Bridged) -> None:
-        asker = await bridged.connect()
-        assert (await asker.ask("hello", token=TOKEN)).keys() == {"match"}
-        told = await asker.ask("look")
-        assert told == {"step": 0, "over": False, "width": 64, "height": 36, "bytes": 64 * 36 * 3}
-        first = await asker.reader.readexactly(told["bytes"])
-        told = await asker.ask("press", forward=True, mouse_x=500.0)
-        assert told["step"] == 1
-        assert await asker.reader.readexactly(told["bytes"]) != first
-        for keys in ({"fly": True}, {"forward": 1}, {"mouse_x": 1e7}, {"mouse_y": True}):
-            assert next(iter(keys)) in (await asker.ask("press", **keys))["error"]
-        while not told["over"]:
-            told = await asker.ask("press")
-            await asker.reader.readexactly(told.get("bytes", 0))
-        assert await bridged.report() == ("finished", "")
-
-    behind("keys", play)
+@behind("keys")
+async def test_keys_move_the_body_and_the_screen_is_all_that_is_told(bridged: Bridged) -> None:
+    asker = await bridged.connect()
+    assert (await asker.ask("hello", token=TOKEN)).keys() == {"match"}
+    told = await asker.ask("look")
+    assert told == {"step": 0, "over": False, "width": 64, "height": 36, "bytes": 64 * 36 * 3}
+    first = await asker.reader.readexactly(told["bytes"])
+    told = await asker.ask("press", forward=True, mouse_x=500.0)
+    assert told["step"] == 1
+    assert await asker.reader.readexactly(told["bytes"]) != first
+    for keys in ({"fly": True}, {"forward": 1}, {"mouse_x": 1e7}, {"mouse_y": True}):
+        assert next(iter(keys)) in (await asker.ask("press", **keys))["error"]
+    while not told["over"]:
+        told = await asker.ask("press")
+        await asker.reader.readexactly(told.get("bytes", 0))
+    assert await bridged.report() == ("finished", "")
 
 
 @pytest.mark.parametrize(
@@ -181,13 +165,11 @@ def test_keys_move_the_body_and_the_screen_is_all_that_is_told(behind: Behind) -
         b'{"request": "call", "tool": "go", "arguments": ' + b'{"a":' * 900 + b"1" + b"}" * 901,
     ],
 )
-def test_what_is_no_request_is_answered_with_what_is_allowed(behind: Behind, line: bytes) -> None:
-    async def play(bridged: Bridged) -> None:
-        asker = await bridged.joined()
-        assert (await asker.send(line)).keys() & {"error", "ended"}
-        assert "text" in await asker.ask("observe")
-
-    behind("words", play)
+@behind("words")
+async def test_what_is_no_request_is_answered_with_what_is_allowed(bridged: Bridged, line: bytes) -> None:
+    asker = await bridged.joined()
+    assert (await asker.send(line)).keys() & {"error", "ended"}
+    assert "text" in await asker.ask("observe")
 
 
 async def too_long(asker: Asker) -> dict[str, Any]:
@@ -211,54 +193,46 @@ async def leaves(asker: Asker) -> dict[str, Any]:
     ("misbehave", "said"),
     [(too_long, "65,536 bytes"), (too_many, "100 requests in a row"), (leaves, "has left")],
 )
-def test_who_floods_or_leaves_loses_the_seat_and_the_match_goes_on(
-    behind: Behind, misbehave: Callable[[Asker], Coroutine[Any, Any, dict[str, Any]]], said: str
+@behind("words")
+async def test_who_floods_or_leaves_loses_the_seat_and_the_match_goes_on(
+    bridged: Bridged, misbehave: Callable[[Asker], Coroutine[Any, Any, dict[str, Any]]], said: str
 ) -> None:
-    async def play(bridged: Bridged) -> None:
-        asker = await bridged.joined()
-        await asker.ask("observe")
-        assert said in (await misbehave(asker))["closed"]
-        assert (await bridged.report())[0] == "crashed"
-
-    behind("words", play)
+    asker = await bridged.joined()
+    await asker.ask("observe")
+    assert said in (await misbehave(asker))["closed"]
+    assert (await bridged.report())[0] == "crashed"
 
 
-def test_a_seat_is_taken_once_by_whoever_has_its_token(behind: Behind) -> None:
-    async def play(bridged: Bridged) -> None:
-        asker, late = await bridged.connect(), await bridged.connect()
-        for hello in ({"token": "another"}, {"token": 1}, {}, {"token": "\ud800"}):
-            stranger = await bridged.connect()
-            assert "token" in (await stranger.ask("hello", **hello))["closed"]
-        assert "hello" in (await (await bridged.connect()).ask("observe"))["closed"]
-        assert "match" in await asker.ask("hello", token=TOKEN)
-        assert "another connection" in (await late.ask("hello", token=TOKEN))["closed"]
-        assert "text" in await asker.ask("observe")
-        with pytest.raises(ConnectionRefusedError):
-            await bridged.connect()
-
-    behind("words", play)
+@behind("words")
+async def test_a_seat_is_taken_once_by_whoever_has_its_token(bridged: Bridged) -> None:
+    asker, late = await bridged.connect(), await bridged.connect()
+    for hello in ({"token": "another"}, {"token": 1}, {}, {"token": "\ud800"}):
+        stranger = await bridged.connect()
+        assert "token" in (await stranger.ask("hello", **hello))["closed"]
+    assert "hello" in (await (await bridged.connect()).ask("observe"))["closed"]
+    assert "match" in await asker.ask("hello", token=TOKEN)
+    assert "another connection" in (await late.ask("hello", token=TOKEN))["closed"]
+    assert "text" in await asker.ask("observe")
+    with pytest.raises(ConnectionRefusedError):
+        await bridged.connect()
 
 
-def test_connections_are_counted(behind: Behind) -> None:
-    async def play(bridged: Bridged) -> None:
-        asker = await bridged.connect()
-        for _ in range(MOST_CONNECTIONS - 1):
-            (await bridged.connect()).writer.close()
-        await until(lambda: bridged.bridge._connections == MOST_CONNECTIONS)
-        with pytest.raises(ConnectionRefusedError):
-            await bridged.connect()
-        assert "match" in await asker.ask("hello", token=TOKEN)
-
-    behind("words", play)
+@behind("words")
+async def test_connections_are_counted(bridged: Bridged) -> None:
+    asker = await bridged.connect()
+    for _ in range(MOST_CONNECTIONS - 1):
+        (await bridged.connect()).writer.close()
+    await until(lambda: bridged.bridge._connections == MOST_CONNECTIONS)
+    with pytest.raises(ConnectionRefusedError):
+        await bridged.connect()
+    assert "match" in await asker.ask("hello", token=TOKEN)
 
 
-def test_an_agent_that_reads_nothing_stops_nobody_else(behind: Behind) -> None:
-    async def play(bridged: Bridged) -> None:
-        asker = await bridged.joined()
-        line = b'{"request": "picture"}\n'
-        asker.writer.write(line * 50)
-        await until(lambda: asker.reader._paused)  # type: ignore[attr-defined]
-        bridged.hosted.give_up(0, "its process ended")
-        assert (await bridged.report())[0] == "crashed"
-
-    behind("words", play)
+@behind("words")
+async def test_an_agent_that_reads_nothing_stops_nobody_else(bridged: Bridged) -> None:
+    asker = await bridged.joined()
+    line = b'{"request": "picture"}\n'
+    asker.writer.write(line * 50)
+    await until(lambda: asker.reader._paused)  # type: ignore[attr-defined]
+    bridged.hosted.give_up(0, "its process ended")
+    assert (await bridged.report())[0] == "crashed"

@@ -1,15 +1,15 @@
 """A gateway in this process, and clients of its seats."""
 
 import asyncio
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from collections.abc import Awaitable, Callable
+from contextlib import nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import httpx
 import pytest
-from tests.scripted_model import ScriptedModel
+from tests.scripted_model import Asked, Script, ScriptedModel
 
 from wildscav_evaluator.model_gateway import model_server
 from wildscav_evaluator.model_gateway import serve as serving
@@ -27,6 +27,7 @@ class Served:
 
     folder: Path
     accounts: Accounts
+    requests: list[Asked]  # that reach the model's server
     reports: list[dict[str, Any]] = field(default_factory=list)
 
     def socket(self, seat: int = 0) -> Path:
@@ -43,34 +44,42 @@ class Served:
             return await client.post("/v1/chat/completions", json={"messages": said, **fields})
 
 
-@asynccontextmanager
-async def served(
-    model: ScriptedModel | str, folder: Path, monkeypatch: pytest.MonkeyPatch, **settings: Any
-) -> AsyncIterator[Served]:
-    """Serve two seats as the process of a gateway does."""
-    url = model if isinstance(model, str) else model.url
-    paths = {seat: folder / f"{seat}.sock" for seat in SEATS}
-    gateway = Served(folder, Accounts.make(folder / "accounts", SEATS))
+Serve: TypeAlias = Callable[..., Served]
+
+
+@pytest.fixture
+def serve(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Serve:
+    """Serve two seats as the process of a gateway does, while a function asks."""
     ready = asyncio.Event()
 
-    def report(**facts: Any) -> None:
-        gateway.reports.append(facts)
-        ready.set()
+    def run(script: Script | str, ask: Callable[[Served], Awaitable[object]], **settings: Any) -> Served:
+        def report(**facts: Any) -> None:
+            gateway.reports.append(facts)
+            ready.set()
 
-    monkeypatch.setattr(serving, "report", report)
-    monkeypatch.setattr(model_server, "FIRST_PAUSE", 0.01)
-    setup = serving.Setup(
-        settings=ModelSettings(url=url, name="tiny", **settings),
-        key=KEY,
-        sockets=paths,
-        accounts=folder / "accounts",
-        exchanges=folder / "exchanges.jsonl.gz",
-    )
-    end: asyncio.Future[None] = asyncio.get_running_loop().create_future()
-    task = asyncio.create_task(serving.serve(setup, end))
-    await ready.wait()
-    try:
-        yield gateway
-    finally:
-        end.set_result(None)
-        await task
+        async def whole() -> None:
+            end: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+            task = asyncio.create_task(serving.serve(setup, end))
+            await ready.wait()
+            try:
+                await ask(gateway)
+            finally:
+                end.set_result(None)
+                await task
+
+        monkeypatch.setattr(serving, "report", report)
+        monkeypatch.setattr(model_server, "FIRST_PAUSE", 0.01)
+        with nullcontext() if isinstance(script, str) else ScriptedModel(script, KEY) as model:
+            setup = serving.Setup(
+                settings=ModelSettings(url=model.url if model else script, name="tiny", **settings),
+                key=KEY,
+                sockets={seat: tmp_path / f"{seat}.sock" for seat in SEATS},
+                accounts=tmp_path / "accounts",
+                exchanges=tmp_path / "exchanges.jsonl.gz",
+            )
+            accounts = Accounts.make(tmp_path / "accounts", SEATS)
+            gateway = Served(tmp_path, accounts, model.requests if model else [])
+            asyncio.run(whole())
+        return gateway
+
+    return run

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.evaluator.model_gateway.served import KEY, served
+from tests.evaluator.model_gateway.served import KEY, Serve, Served
 from tests.scripted_model import (
     NO_CHOICES,
     Answer,
@@ -18,7 +18,6 @@ from tests.scripted_model import (
     Raw,
     Reset,
     Said,
-    ScriptedModel,
     called,
     disturbed,
     in_turn,
@@ -26,36 +25,30 @@ from tests.scripted_model import (
     too_many,
 )
 
-from wildscav_evaluator.model_gateway import exchanges, serve
+from wildscav_evaluator.model_gateway import exchanges
+from wildscav_evaluator.model_gateway import serve as serving
 from wildscav_evaluator.model_gateway.accounts import Accounts
 from wildscav_evaluator.model_gateway.chat import ChatAnswer
 from wildscav_evaluator.model_gateway.model_server import ModelServer
 from wildscav_evaluator.model_gateway.settings import ModelSettings
 
 TOOL = {"type": "function", "function": {"name": "go", "parameters": {"type": "object"}}}
+YES = in_turn(said("yes"))
 
 
-def test_a_seat_gets_the_answer_and_nothing_else_of_the_server(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    async def ask() -> dict[str, Any]:
-        async with served(model, tmp_path, monkeypatch, max_tokens=50, extra={"top_k": 5}) as gateway:
-            answer = await gateway.ask(
-                "Where?", tools=[TOOL], temperature=0.5, user="spy", n=9, max_tokens=900
-            )
-            assert gateway.accounts.tokens(0) == answer.json()["usage"]["total_tokens"] > 0
-            assert gateway.accounts.tokens(1) == 0
-            document: dict[str, Any] = answer.json()
-            return document
+def test_a_seat_gets_the_answer_and_nothing_else_of_the_server(serve: Serve) -> None:
+    async def ask(gateway: Served) -> None:
+        answer = await gateway.ask("Where?", tools=[TOOL], temperature=0.5, user="spy", n=9, max_tokens=900)
+        document = answer.json()
+        assert gateway.accounts.tokens(0) == document["usage"]["total_tokens"] > 0
+        assert gateway.accounts.tokens(1) == 0
+        (choice,) = document["choices"]
+        assert choice["message"]["tool_calls"][0]["function"]["arguments"] == '{"place": "target"}'
+        assert (choice["finish_reason"], document["model"]) == ("tool_calls", "tiny")
 
-    with ScriptedModel(in_turn(called("go", place="target")), key=KEY) as model:
-        document = asyncio.run(ask())
+    gateway = serve(in_turn(called("go", place="target")), ask, max_tokens=50, extra={"top_k": 5})
 
-    (choice,) = document["choices"]
-    assert choice["message"]["tool_calls"][0]["function"]["arguments"] == '{"place": "target"}'
-    assert (choice["finish_reason"], document["model"]) == ("tool_calls", "tiny")
-    (asked,) = model.requests
-    assert asked.body == {
+    assert gateway.requests[0].body == {
         "messages": [{"role": "user", "content": "Where?"}],
         "tools": [TOOL],
         "temperature": 0.5,
@@ -66,19 +59,14 @@ def test_a_seat_gets_the_answer_and_nothing_else_of_the_server(
 
 
 @pytest.mark.parametrize("usage", [None, "many", {"prompt_tokens": 10**9, "completion_tokens": -1}, [7]])
-def test_a_server_that_counts_nothing_or_nonsense_is_estimated(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, usage: object
-) -> None:
-    async def ask() -> dict[str, int]:
-        async with served(model, tmp_path, monkeypatch) as gateway:
-            usage: dict[str, int] = (await gateway.ask("x" * 400)).json()["usage"]
-            return usage
+def test_a_server_that_counts_nothing_or_nonsense_is_estimated(serve: Serve, usage: object) -> None:
+    async def ask(gateway: Served) -> None:
+        counted = (await gateway.ask("x" * 400)).json()["usage"]
+        asked, answered = '{"messages": [{"role": "user", "content": ""}]}', '{"content": ""}'
+        assert counted["prompt_tokens"] == (len(asked) + 400) // 4
+        assert counted["completion_tokens"] == (len(answered) + 40) // 4
 
-    with ScriptedModel(in_turn(Said("y" * 40, usage=usage))) as model:
-        counted = asyncio.run(ask())
-
-    assert counted["prompt_tokens"] == (len('{"messages": [{"role": "user", "content": ""}]}') + 400) // 4
-    assert counted["completion_tokens"] == (len('{"content": ""}') + 40) // 4
+    serve(in_turn(Said("y" * 40, usage=usage)), ask)
 
 
 @pytest.mark.parametrize(
@@ -91,23 +79,19 @@ def test_a_server_that_counts_nothing_or_nonsense_is_estimated(
     ],
 )
 def test_a_budget_that_is_spent_ends_a_seat_and_no_other(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, budget: dict[str, Any], reason: str
+    serve: Serve, budget: dict[str, Any], reason: str
 ) -> None:
-    async def ask() -> None:
-        async with served(model, tmp_path, monkeypatch, **budget) as gateway:
-            answers = [await gateway.ask("Where should I go now, please?") for _ in range(4)]
-            refused = next(one for one in answers if one.status_code != 200)
-            assert refused.status_code == 429
-            assert refused.json()["error"]["code"] == "insufficient_quota"
-            assert reason in refused.json()["error"]["message"]
-            assert [one for one in gateway.reports if "over" in one] == [
-                {"over": 0, "reason": refused.json()["error"]["message"]}
-            ]
-            assert gateway.accounts.is_over(0)
-            assert (await gateway.ask("And I?", seat=1)).status_code == 200
+    async def ask(gateway: Served) -> None:
+        answers = [await gateway.ask("Where should I go now, please?") for _ in range(4)]
+        refused = next(one for one in answers if one.status_code != 200)
+        error = refused.json()["error"]
+        assert (refused.status_code, error["code"]) == (429, "insufficient_quota")
+        assert reason in error["message"]
+        assert gateway.reports == [{"ready": True}, {"over": 0, "reason": error["message"]}]
+        assert gateway.accounts.is_over(0)
+        assert (await gateway.ask("And I?", seat=1)).status_code == 200
 
-    with ScriptedModel(in_turn(said("To the target, and then on to the next one."))) as model:
-        asyncio.run(ask())
+    serve(in_turn(said("To the target, and then on to the next one.")), ask, **budget)
 
 
 def test_money_is_spent_when_the_next_prompt_would_spend_it(tmp_path: Path) -> None:
@@ -118,23 +102,15 @@ def test_money_is_spent_when_the_next_prompt_would_spend_it(tmp_path: Path) -> N
     assert accounts.spent(0, settings, prompt=20) == "its 2e-05 of money for the model are used up"
 
 
-def test_an_answer_may_not_be_longer_than_what_is_left_of_the_budget(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    async def ask() -> None:
-        async with served(model, tmp_path, monkeypatch, tokens=100, max_tokens=1000) as gateway:
-            await gateway.ask("x" * 40)
+def test_an_answer_may_not_be_longer_than_what_is_left_of_the_budget(serve: Serve) -> None:
+    gateway = serve(YES, lambda gateway: gateway.ask("x" * 40), tokens=100, max_tokens=1000)
 
-    with ScriptedModel(in_turn(said("yes"))) as model:
-        asyncio.run(ask())
-
-    assert model.requests[0].body["max_tokens"] == 100 - 21
+    assert gateway.requests[0].body["max_tokens"] == 100 - 21
 
 
+NO_REQUESTS_FAULT = [Failed(401, "Incorrect API key provided"), too_many()]
 BROKEN = [
     Failed(500),
-    Failed(401, "Incorrect API key provided"),
-    too_many(),
     Reset(),
     Raw(b"<html>"),
     NO_CHOICES,
@@ -144,31 +120,20 @@ BROKEN = [
 ]
 
 
-@pytest.mark.parametrize("broken", BROKEN, ids=str)
+@pytest.mark.parametrize("broken", [*BROKEN, *NO_REQUESTS_FAULT, None], ids=str)
 def test_a_server_that_fails_for_everybody_is_the_platforms_fault(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, broken: Answer
+    serve: Serve, broken: Answer | None
 ) -> None:
-    async def ask() -> None:
-        async with served(model, tmp_path, monkeypatch, timeout=0.3, retries=1) as gateway:
-            assert (await gateway.ask("Where?")).status_code == 503
-            assert ["fault" in one for one in gateway.reports] == [False, True]
-            assert KEY not in str(gateway.reports)
+    async def ask(gateway: Served) -> None:
+        assert (await gateway.ask("Where?")).status_code == 503
+        assert [one.keys() for one in gateway.reports] == [{"ready"}, {"fault"}]
+        assert KEY not in str(gateway.reports)
+        if broken is None:
+            assert (
+                gateway.reports[1]["fault"] == "the model's server at 127.0.0.1:9 fails: Connection refused"
+            )
 
-    with ScriptedModel(in_turn(broken)) as model:
-        asyncio.run(ask())
-
-
-def test_a_server_that_is_not_there_is_the_platforms_fault(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    async def ask() -> None:
-        async with served("http://127.0.0.1:9/v1", tmp_path, monkeypatch, retries=0) as gateway:
-            assert (await gateway.ask("Where?")).status_code == 503
-            assert gateway.reports[-1] == {
-                "fault": "the model's server at 127.0.0.1:9 fails: Connection refused"
-            }
-
-    asyncio.run(ask())
+    serve("http://127.0.0.1:9/v1" if broken is None else in_turn(broken), ask, timeout=0.3, retries=1)
 
 
 def for_evil(broken: Answer) -> Any:
@@ -190,85 +155,61 @@ class Impatient(ModelServer):
 
 
 @pytest.mark.parametrize("status", [429, 503])
-def test_an_overloaded_server_is_waited_for_and_blamed_on_no_seat(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, status: int
-) -> None:
-    async def ask() -> None:
-        async with served(model, tmp_path, monkeypatch, timeout=0.3, retries=0) as gateway:
-            assert (await gateway.ask("evil")).status_code == 503
-            assert f"is overloaded: status {status}" in gateway.reports[-1]["fault"]
+def test_an_overloaded_server_is_waited_for_and_blamed_on_no_seat(serve: Serve, status: int) -> None:
+    async def ask(gateway: Served) -> None:
+        assert (await gateway.ask("evil")).status_code == 503
+        assert f"is overloaded: status {status}" in gateway.reports[-1]["fault"]
 
-    with ScriptedModel(for_evil(Failed(status))) as model:
-        asyncio.run(ask())
-    assert len(model.requests) > 1
+    assert len(serve(for_evil(Failed(status)), ask, timeout=0.3, retries=0).requests) > 1
 
 
-NO_REQUESTS_FAULT = [Failed(401, "Incorrect API key provided"), too_many()]
-
-
-@pytest.mark.parametrize("broken", [one for one in BROKEN if one not in NO_REQUESTS_FAULT])
+@pytest.mark.parametrize("broken", BROKEN)
 def test_a_request_that_breaks_a_server_which_works_is_its_seats_fault(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, broken: Answer
+    serve: Serve, monkeypatch: pytest.MonkeyPatch, broken: Answer
 ) -> None:
-    monkeypatch.setattr(serve, "ModelServer", Impatient)
+    monkeypatch.setattr(serving, "ModelServer", Impatient)
 
-    async def ask() -> None:
-        async with served(model, tmp_path, monkeypatch, retries=0) as gateway:
-            refused = await gateway.ask("evil")
-            assert refused.status_code in (400, 502)
-            assert "the model's server failed this request" in refused.json()["error"]["message"]
-            assert gateway.reports == [{"ready": True}]
-            assert gateway.accounts.tokens(0) > 0
+    async def ask(gateway: Served) -> None:
+        refused = await gateway.ask("evil")
+        assert refused.status_code in (400, 502)
+        assert "the model's server failed this request" in refused.json()["error"]["message"]
+        assert gateway.reports == [{"ready": True}]
+        assert gateway.accounts.tokens(0) > 0
 
-    with ScriptedModel(for_evil(broken)) as model:
-        asyncio.run(ask())
+    serve(for_evil(broken), ask, retries=0)
 
 
 def test_an_answer_that_comes_too_late_is_not_asked_for_in_secret(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    serve: Serve, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(serve, "ModelServer", Impatient)
+    monkeypatch.setattr(serving, "ModelServer", Impatient)
 
-    async def ask() -> None:
-        async with served(model, tmp_path, monkeypatch, retries=0) as gateway:
-            assert [(await gateway.ask(said)).status_code for said in ("good", "evil", "good")] == [
-                200,
-                502,
-                200,
-            ]
+    async def ask(gateway: Served) -> None:
+        answers = [await gateway.ask(said) for said in ("good", "evil", "good")]
+        assert [one.status_code for one in answers] == [200, 502, 200]
 
-    with ScriptedModel(for_evil(Late(30.0))) as model:
-        asyncio.run(ask())
+    gateway = serve(for_evil(Late(30.0)), ask, retries=0)
 
-    asked = [one.body["messages"][0]["content"] for one in model.requests]
+    asked = [one.body["messages"][0]["content"] for one in gateway.requests]
     assert asked == ["good", "evil", "Answer with the word yes.", "good"]
 
 
-def test_a_short_failure_of_the_server_is_nobodys_fault(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    async def ask() -> None:
-        async with served(model, tmp_path, monkeypatch) as gateway:
-            assert (await gateway.ask("Where?")).status_code == 200
-            assert gateway.reports == [{"ready": True}]
+def test_a_short_failure_of_the_server_is_nobodys_fault(serve: Serve) -> None:
+    async def ask(gateway: Served) -> None:
+        assert (await gateway.ask("Where?")).status_code == 200
 
-    with ScriptedModel(disturbed(in_turn(said("yes")), {0: Failed(503), 1: Reset()})) as model:
-        asyncio.run(ask())
+    assert serve(disturbed(YES, {0: Failed(503), 1: Reset()}), ask).reports == [{"ready": True}]
 
 
-def test_the_file_has_what_was_asked_and_answered_and_each_message_once(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    async def ask() -> None:
-        async with served(model, tmp_path, monkeypatch) as gateway:
-            await gateway.ask("first", tools=[TOOL])
-            await gateway.ask("first", "second", tools=[TOOL])
-            await gateway.ask("first", seat=1)
+def test_the_file_has_what_was_asked_and_answered_and_each_message_once(serve: Serve) -> None:
+    async def ask(gateway: Served) -> None:
+        await gateway.ask("first", tools=[TOOL])
+        await gateway.ask("first", "second", tools=[TOOL])
+        await gateway.ask("first", seat=1)
 
-    with ScriptedModel(in_turn(said("yes"))) as model:
-        asyncio.run(ask())
+    file = serve(YES, ask).folder / "exchanges.jsonl.gz"
 
-    text = gzip.decompress((tmp_path / "exchanges.jsonl.gz").read_bytes()).decode()
+    text = gzip.decompress(file.read_bytes()).decode()
     assert KEY not in text
     lines = [json.loads(line) for line in text.splitlines()]
     known = {(one["seat"], one["digest"]): one["is"] for one in lines if "digest" in one}
@@ -297,19 +238,14 @@ def test_nothing_more_is_written_once_a_share_is_full(
     assert gzip.decompress((tmp_path / "exchanges.jsonl.gz").read_bytes()) == b'{"seat": 0, "cut": true}\n'
 
 
-def test_nothing_of_one_seat_reaches_the_requests_of_another(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    async def ask() -> None:
-        async with served(model, tmp_path, monkeypatch, cache_salt=True) as gateway:
-            await asyncio.gather(gateway.ask("mine"), gateway.ask("yours", seat=1), gateway.ask("mine"))
+def test_nothing_of_one_seat_reaches_the_requests_of_another(serve: Serve) -> None:
+    async def ask(gateway: Served) -> None:
+        await asyncio.gather(gateway.ask("mine"), gateway.ask("yours", seat=1), gateway.ask("mine"))
 
-    with ScriptedModel(in_turn(said("yes"))) as model:
-        asyncio.run(ask())
+    requests = serve(YES, ask, cache_salt=True).requests
 
-    bodies = [one.body for one in model.requests]
-    salts = {one["messages"][0]["content"]: one["cache_salt"] for one in bodies}
-    assert sorted(len(one["messages"]) for one in bodies) == [1, 1, 1]
+    salts = {one.body["messages"][0]["content"]: one.body["cache_salt"] for one in requests}
+    assert [len(one.body["messages"]) for one in requests] == [1, 1, 1]
     assert salts["mine"] != salts["yours"]
-    headers = {name.lower() for one in model.requests for name in one.headers}
+    headers = {name.lower() for one in requests for name in one.headers}
     assert not headers & {"cookie", "x-seat", "user"}

@@ -6,13 +6,12 @@ import contextlib
 import json
 import threading
 from io import BytesIO
-from pathlib import Path
 from typing import Any
 
 import pytest
 from PIL import Image
-from tests.evaluator.model_gateway.served import KEY, Served, served
-from tests.scripted_model import Late, ScriptedModel, in_turn, said
+from tests.evaluator.model_gateway.served import KEY, Serve, Served
+from tests.scripted_model import Late, in_turn, said
 
 from wildscav_evaluator.model_gateway import unix_http
 from wildscav_evaluator.model_gateway.chat import ChatError, read_request
@@ -20,14 +19,9 @@ from wildscav_evaluator.model_gateway.model_server import ModelServer
 from wildscav_evaluator.model_gateway.serve import Prompt
 from wildscav_evaluator.model_gateway.settings import ModelSettings
 
+YES = in_turn(said("yes"))
 BODY = json.dumps({"messages": [{"role": "user", "content": "Where?"}]}).encode()
 HEAD = b"POST /v1/chat/completions HTTP/1.1\r\nHost: model\r\n"
-
-
-@pytest.fixture
-def model() -> Any:
-    with ScriptedModel(in_turn(said("yes")), key=KEY) as server:
-        yield server
 
 
 async def send(gateway: Served, sent: bytes, seconds: float = 20.0, *, ends: bool = True) -> bytes:
@@ -81,43 +75,30 @@ CHUNKED = b"%x\r\n%s\r\n0\r\n\r\n" % (len(BODY), BODY)
         (sized(b"[" * 100_000), 400),
     ],
 )
-def test_bytes_are_one_question_or_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, model: ScriptedModel, sent: bytes, status: int
-) -> None:
-    async def attack() -> bytes:
-        async with served(model, tmp_path, monkeypatch) as gateway:
-            return await send(gateway, sent)
+def test_bytes_are_one_question_or_refused(serve: Serve, sent: bytes, status: int) -> None:
+    async def attack(gateway: Served) -> None:
+        answered = await send(gateway, sent)
+        assert answered.startswith(b"HTTP/1.1 %d" % status)
+        assert answered.count(b"HTTP/1.1 ") == 1
+        assert KEY.encode() not in answered
 
-    answered = asyncio.run(attack())
-
-    assert answered.startswith(b"HTTP/1.1 %d" % status)
-    assert answered.count(b"HTTP/1.1 ") == 1
-    assert all(one.path == "/v1/chat/completions" for one in model.requests)
-    assert KEY.encode() not in answered
+    assert all(one.path == "/v1/chat/completions" for one in serve(YES, attack).requests)
 
 
-def test_what_follows_a_request_is_another_request_of_the_same_seat(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, model: ScriptedModel
-) -> None:
-    async def attack() -> bytes:
-        async with served(model, tmp_path, monkeypatch) as gateway:
-            return await send(gateway, sized(BODY) + SMUGGLED)
+def test_what_follows_a_request_is_another_request_of_the_same_seat(serve: Serve) -> None:
+    async def attack(gateway: Served) -> None:
+        assert (await send(gateway, sized(BODY) + SMUGGLED)).count(b"HTTP/1.1 200") == 2
 
-    assert asyncio.run(attack()).count(b"HTTP/1.1 200") == 2
-    assert len(model.requests) == 1
+    assert len(serve(YES, attack).requests) == 1
 
 
-def test_no_header_of_a_seat_reaches_the_model(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, model: ScriptedModel
-) -> None:
+def test_no_header_of_a_seat_reaches_the_model(serve: Serve) -> None:
     evil = b"Authorization: Bearer evil\r\nX-Forwarded-For: 1.2.3.4\r\nCookie: a=b\r\n"
+    sent = sized(BODY).replace(b"Content-Length", evil + b"Content-Length")
 
-    async def attack() -> bytes:
-        async with served(model, tmp_path, monkeypatch) as gateway:
-            return await send(gateway, sized(BODY).replace(b"Content-Length", evil + b"Content-Length"))
+    (asked,) = serve(YES, lambda gateway: send(gateway, sent)).requests
 
-    assert asyncio.run(attack()).startswith(b"HTTP/1.1 200")
-    headers = {name.lower(): value for name, value in model.requests[0].headers.items()}
+    headers = {name.lower(): value for name, value in asked.headers.items()}
     assert headers["authorization"] == f"Bearer {KEY}"
     assert headers.keys() <= {
         *("host", "accept", "accept-encoding", "connection", "user-agent"),
@@ -126,61 +107,46 @@ def test_no_header_of_a_seat_reaches_the_model(
 
 
 def test_a_slow_body_and_idle_connections_take_time_from_their_own_seat_alone(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, model: ScriptedModel
+    serve: Serve, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(unix_http, "BODY_TIME", 0.3)
 
-    async def attack() -> tuple[bytes, int]:
-        async with served(model, tmp_path, monkeypatch) as gateway:
-            idle = [await asyncio.open_unix_connection(str(gateway.socket())) for _ in range(10)]
-            slow = asyncio.create_task(send(gateway, sized(BODY)[:-5], ends=False))
-            others = await gateway.ask("Where?", seat=1)
-            answered = await slow
-            for _, writer in idle:
-                writer.close()
-            return answered, others.status_code
+    async def attack(gateway: Served) -> None:
+        idle = [await asyncio.open_unix_connection(str(gateway.socket())) for _ in range(10)]
+        slow = asyncio.create_task(send(gateway, sized(BODY)[:-5], ends=False))
+        assert (await gateway.ask("Where?", seat=1)).status_code == 200
+        assert (await slow).startswith(b"HTTP/1.1 408")
+        for _, writer in idle:
+            writer.close()
 
-    answered, others = asyncio.run(attack())
-
-    assert answered.startswith(b"HTTP/1.1 408")
-    assert others == 200
+    serve(YES, attack)
 
 
-def test_too_many_connections_wait(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, model: ScriptedModel
-) -> None:
-    async def attack() -> tuple[bytes, int, bytes]:
-        async with served(model, tmp_path, monkeypatch) as gateway:
-            path = str(gateway.socket())
-            many = [await asyncio.open_unix_connection(path) for _ in range(unix_http.CONNECTIONS)]
-            own = await send(gateway, sized(BODY), 0.2)
-            others = await gateway.ask("Where?", seat=1)
-            for _, writer in many:
-                writer.close()
-            return own, others.status_code, await send(gateway, sized(BODY))
+def test_too_many_connections_wait(serve: Serve) -> None:
+    async def attack(gateway: Served) -> None:
+        path = str(gateway.socket())
+        many = [await asyncio.open_unix_connection(path) for _ in range(unix_http.CONNECTIONS)]
+        assert await send(gateway, sized(BODY), 0.2) == b""
+        assert (await gateway.ask("Where?", seat=1)).status_code == 200
+        for _, writer in many:
+            writer.close()
+        assert (await send(gateway, sized(BODY))).startswith(b"HTTP/1.1 200")
 
-    own, others, later = asyncio.run(attack())
-
-    assert (own, others) == (b"", 200)
-    assert later.startswith(b"HTTP/1.1 200")
+    serve(YES, attack)
 
 
-def test_a_request_is_cancelled_when_its_client_leaves(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    async def attack() -> int:
-        async with served(model, tmp_path, monkeypatch, max_tokens=50) as gateway:
-            await send(gateway, sized(BODY), 0.5)  # closes the connection after that
-            assert (await gateway.ask("And now?")).status_code == 200
-            return gateway.accounts.written(0)
+def test_a_request_is_cancelled_when_its_client_leaves(serve: Serve) -> None:
+    async def attack(gateway: Served) -> None:
+        await send(gateway, sized(BODY), 0.5)  # closes the connection after that
+        assert (await gateway.ask("And now?")).status_code == 200
+        assert gateway.accounts.written(0) >= 50  # for the answer that nobody got
 
-    with ScriptedModel(in_turn(Late(30.0), said("yes"))) as model:
-        assert asyncio.run(attack()) >= 50  # for the answer that nobody got
+    serve(in_turn(Late(30.0), said("yes")), attack, max_tokens=50)
 
 
 @pytest.mark.parametrize("heavy", [(Prompt, "read"), (ModelServer, "_body")], ids=str)
 def test_what_is_heavy_for_one_seat_stops_no_other(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, model: ScriptedModel, heavy: tuple[type, str]
+    serve: Serve, monkeypatch: pytest.MonkeyPatch, heavy: tuple[type, str]
 ) -> None:
     light, others_are_served = getattr(*heavy), threading.Event()
 
@@ -190,28 +156,25 @@ def test_what_is_heavy_for_one_seat_stops_no_other(
 
     monkeypatch.setattr(*heavy, work)
 
-    async def attack() -> list[int]:
-        async with served(model, tmp_path, monkeypatch) as gateway:
-            slow = asyncio.create_task(gateway.ask("heavy"))
-            await asyncio.sleep(0.1)
-            quick = await gateway.ask("Where?", seat=1)
-            others_are_served.set()
-            return [quick.status_code, (await slow).status_code]
+    async def attack(gateway: Served) -> None:
+        slow = asyncio.create_task(gateway.ask("heavy"))
+        await asyncio.sleep(0.1)
+        assert (await gateway.ask("Where?", seat=1)).status_code == 200
+        others_are_served.set()
+        assert (await slow).status_code == 200
 
-    assert asyncio.run(attack()) == [200, 200]
+    serve(YES, attack)
 
 
-def test_a_flood_of_refusals_is_slowed_down(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, model: ScriptedModel
-) -> None:
-    async def attack() -> float:
-        async with served(model, tmp_path, monkeypatch) as gateway, gateway.client() as client:
-            loop = asyncio.get_running_loop()
-            before = loop.time()
+def test_a_flood_of_refusals_is_slowed_down(serve: Serve) -> None:
+    async def attack(gateway: Served) -> None:
+        loop = asyncio.get_running_loop()
+        before = loop.time()
+        async with gateway.client() as client:
             await asyncio.gather(*(client.get("/nothing") for _ in range(6)))
-            return loop.time() - before
+        assert loop.time() - before >= 6 * unix_http.REFUSAL_PAUSE  # one after another
 
-    assert asyncio.run(attack()) >= 6 * unix_http.REFUSAL_PAUSE  # one after another
+    serve(YES, attack)
 
 
 def picture(size: tuple[int, int] = (2, 2), kind: str = "PNG") -> str:

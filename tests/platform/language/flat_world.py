@@ -8,7 +8,8 @@ from tests.platform.wildscav.skills.observations import match_info, seen
 
 from wildscav import Action, SupplyBox, Vector, VisibleAgent
 from wildscav.geometry import distance, moved
-from wildscav_language.player import Player, Reply
+from wildscav.words import Reply
+from wildscav_language.player import Player
 
 OPEN = np.full((30, 96), 60.0, np.float32)  # what the LIDAR reads where nothing is
 STEP = 0.1  # s

@@ -8,43 +8,90 @@ import pytest
 from tests.platform.language.flat_world import FlatWorld
 from tests.platform.wildscav.skills.observations import enemy
 
+from wildscav import SupplyBox, Vector, VisibleAgent
 from wildscav_language.calls import Reason
 from wildscav_language.player import Player
 
 TARGET = (0.0, 0.0, 30.0)
+EAST = enemy((20.0, 0.0, 0.0))
+HIT, DEAD = {"hit_by_seat": 1}, {"alive": False, "health": 0, "respawn_in": 10.0}
+NORTH = {"bearing": 0, "seconds": 30.0}
 
 
-def shown(world: FlatWorld, **changes: Any) -> None:
-    """Show an enemy 20 m to the east."""
-    world.agents = (enemy((20.0, 0.0, 0.0), **changes),)
+def seeing(*agents: VisibleAgent) -> FlatWorld:
+    world = FlatWorld()
+    world.agents = agents
+    return world
 
 
-def test_a_walk_to_the_target_ends_there() -> None:
+@pytest.mark.parametrize(
+    ("now", "later", "call", "arguments", "reason", "steps"),
+    [
+        ({"changes": {"target": TARGET}}, {}, "go", {"place": "target"}, Reason.ARRIVED, 30),
+        ({}, {}, "go", {"bearing": 90, "seconds": 2.0}, Reason.OUT_OF_TIME, 20),
+        ({"walled": True}, {}, "go", NORTH, Reason.STUCK, 40),  # after four seconds
+        ({}, {"changes": HIT}, "go", NORTH, Reason.HIT, 5),
+        ({}, {"changes": DEAD}, "go", NORTH, Reason.DIED, 5),
+        ({}, {"agents": (EAST,)}, "go", NORTH | {"stop_for": ["enemy"]}, Reason.ENEMY_SEEN, 5),
+        (
+            {},
+            {"agents": (EAST,)},
+            "go",
+            {"bearing": 0, "seconds": 1.0, "stop_for": []},
+            Reason.OUT_OF_TIME,
+            10,
+        ),
+        ({}, {"boxes": {2: SupplyBox(2, (50.0, 0.0, 50.0), 5)}}, "explore", {}, Reason.BOX_SEEN, 5),
+        ({}, {}, "look_around", {}, Reason.DONE, 8),  # of 45 degrees
+        ({}, {}, "wait_until", {"event": "enemy", "seconds": 1.5}, Reason.OUT_OF_TIME, 15),
+        ({"changes": DEAD}, {"changes": {}}, "go", {"bearing": 0}, Reason.DONE, 5),  # back to life
+        ({}, {}, "turn", {"bearing": 0}, Reason.DONE, 1),  # a call takes a step even if it has nothing to do
+    ],
+)
+def test_a_tool_ends_for_a_reason(
+    now: dict[str, Any],
+    later: dict[str, Any],
+    call: str,
+    arguments: Mapping[str, Any],
+    reason: Reason,
+    steps: int,
+) -> None:
+    """``later`` is what changes in the fifth step."""
+    world = FlatWorld(target=TARGET)
+    vars(world).update(now)
+    world.at[5] = lambda: vars(world).update(later)
+
+    reply = world.call(call, arguments)
+
+    assert (reply.ended, reply.steps) == (reason, steps)
+    assert world.player.counts.refused == 0
+
+
+@pytest.mark.parametrize(
+    ("call", "arguments", "place", "yaw"),
+    [
+        ("go", {"bearing": 90, "seconds": 2.0}, (20.0, 0.0, 0.0), 90.0),
+        ("turn", {"bearing": 200}, (0.0, 0.0, 0.0), -160.0),
+        ("turn", {"right": -30}, (0.0, 0.0, 0.0), -30.0),
+        ("look_around", {}, (0.0, 0.0, 0.0), 0.0),  # a full turn
+    ],
+)
+def test_where_a_tool_leads(call: str, arguments: Mapping[str, float], place: Vector, yaw: float) -> None:
+    world = FlatWorld(track="navigation", target=TARGET)
+
+    world.call(call, arguments)
+
+    assert world.position == pytest.approx(place)
+    assert world.yaw == pytest.approx(yaw, abs=1e-9)
+
+
+def test_a_reply_tells_where_the_target_is_and_what_was_seen() -> None:
     world = FlatWorld(track="navigation", target=TARGET)
     world.changes = {"target": TARGET}
 
-    reply = world.call("go", {"place": "target"})
+    text = world.call("go", {"place": "target"}).text
 
-    assert (reply.ended, reply.steps) == (Reason.ARRIVED, 30)
-    assert "Target: 12 o'clock, bearing 0°" in reply.text or "Target: here" in reply.text
-
-
-def test_a_walk_in_a_direction_lasts_as_long_as_it_may() -> None:
-    world = FlatWorld(track="navigation", target=TARGET)
-
-    reply = world.call("go", {"bearing": 90, "seconds": 2.0})
-
-    assert (reply.ended, reply.steps) == (Reason.OUT_OF_TIME, 20)
-    assert world.position == pytest.approx((20.0, 0.0, 0.0))
-
-
-def test_a_wall_ends_a_walk_after_four_seconds() -> None:
-    world = FlatWorld(track="navigation", target=TARGET)
-    world.walled = True
-
-    reply = world.call("go", {"bearing": 0, "seconds": 30.0})
-
-    assert (reply.ended, reply.steps) == (Reason.STUCK, 40)
+    assert "Target: 12 o'clock, bearing 0°" in text or "Target: here" in text
 
 
 def test_a_box_is_fetched_and_others_on_the_way_are_taken() -> None:
@@ -59,68 +106,8 @@ def test_a_box_is_fetched_and_others_on_the_way_are_taken() -> None:
     assert world.boxes == {}
 
 
-@pytest.mark.parametrize(
-    ("event", "change", "reason"),
-    [
-        ("hit", {"hit_by_seat": 1}, Reason.HIT),
-        ("died", {"alive": False, "health": 0, "respawn_in": 10.0}, Reason.DIED),
-    ],
-)
-def test_what_happens_to_the_body_ends_a_walk(event: str, change: Mapping[str, Any], reason: Reason) -> None:
-    world = FlatWorld()
-    world.at[5] = lambda: setattr(world, "changes", change)
-
-    reply = world.call("go", {"bearing": 0, "seconds": 30.0})
-
-    assert (reply.ended, reply.steps) == (reason, 5)
-
-
-@pytest.mark.parametrize(("stop_for", "reason"), [(["enemy"], Reason.ENEMY_SEEN), ([], Reason.OUT_OF_TIME)])
-def test_an_enemy_ends_a_walk_if_the_caller_says_so(stop_for: list[str], reason: Reason) -> None:
-    world = FlatWorld()
-    world.at[5] = lambda: shown(world)
-
-    assert world.call("go", {"bearing": 0, "seconds": 1.0, "stop_for": stop_for}).ended == reason
-
-
-def test_exploring_ends_at_a_box() -> None:
-    world = FlatWorld()
-    world.at[5] = lambda: world.put_box(2, (50.0, 0.0, 50.0))
-
-    reply = world.call("explore")
-
-    assert (reply.ended, reply.steps) == (Reason.BOX_SEEN, 5)
-    assert "You see box 2." in reply.text
-
-
-def test_looking_around_is_a_full_turn() -> None:
-    world = FlatWorld(track="navigation", target=TARGET)
-
-    reply = world.call("look_around")
-
-    assert (reply.ended, reply.steps) == (Reason.DONE, 8)  # of 45 degrees
-    assert world.yaw == pytest.approx(0.0, abs=1e-9)
-
-
-@pytest.mark.parametrize(("arguments", "yaw"), [({"bearing": 200}, -160.0), ({"right": -30}, -30.0)])
-def test_turning(arguments: Mapping[str, float], yaw: float) -> None:
-    world = FlatWorld(track="navigation", target=TARGET)
-
-    assert world.call("turn", arguments).ended == Reason.DONE
-    assert world.yaw == pytest.approx(yaw)
-
-
-def test_waiting_for_what_does_not_happen_ends_in_time() -> None:
-    world = FlatWorld()
-
-    reply = world.call("wait_until", {"event": "enemy", "seconds": 1.5})
-
-    assert (reply.ended, reply.steps) == (Reason.OUT_OF_TIME, 15)
-
-
 def test_an_attack_shoots_and_ends_when_the_enemy_is_out_of_sight_for_long() -> None:
-    world = FlatWorld()
-    shown(world)
+    world = seeing(EAST)
     world.at[10] = lambda: setattr(world, "agents", ())
 
     reply = world.call("attack", {"agent": 1})
@@ -131,8 +118,7 @@ def test_an_attack_shoots_and_ends_when_the_enemy_is_out_of_sight_for_long() -> 
 
 
 def test_who_holds_fire_shoots_at_nobody() -> None:
-    world = FlatWorld()
-    shown(world)
+    world = seeing(EAST)
 
     world.call("hold_fire")
     world.call("go", {"bearing": 0, "seconds": 1.0, "stop_for": []})
@@ -141,8 +127,7 @@ def test_who_holds_fire_shoots_at_nobody() -> None:
 
 
 def test_a_follower_keeps_its_distance() -> None:
-    world = FlatWorld()
-    shown(world)
+    world = seeing(EAST)
 
     world.call("follow", {"agent": 1, "metres": 5.0, "seconds": 5.0})
 
@@ -150,24 +135,12 @@ def test_a_follower_keeps_its_distance() -> None:
 
 
 def test_cover_is_from_an_enemy() -> None:
-    world = FlatWorld()
-    shown(world)
+    world = seeing(EAST)
 
     reply = world.call("take_cover", {"seconds": 2.0})
 
     assert (reply.ended, "no cover" in reply.text) == (Reason.OUT_OF_TIME, True)
     assert world.position[0] < -15.0  # so it runs
-
-
-def test_the_dead_wait_until_they_come_back() -> None:
-    world = FlatWorld()
-    world.changes = {"alive": False, "health": 0, "respawn_in": 0.5}
-    world.at[5] = lambda: setattr(world, "changes", {})
-
-    reply = world.call("go", {"bearing": 0})
-
-    assert (reply.ended, reply.steps) == (Reason.DONE, 5)
-    assert world.player.counts.refused == 0
 
 
 @pytest.mark.parametrize(
@@ -207,14 +180,6 @@ def test_a_bad_call_gets_a_sentence_and_costs_half_a_second(
     assert len(first) < 500
     assert all(action.walk_speed == 0.0 for action in world.actions)
     assert (world.player.counts.calls, world.player.counts.refused) == (1, 1)
-
-
-def test_a_call_that_has_nothing_to_do_takes_a_step() -> None:
-    world = FlatWorld()
-
-    reply = world.call("turn", {"bearing": 0})
-
-    assert (reply.ended, reply.steps) == (Reason.DONE, 1)
 
 
 @pytest.mark.parametrize(

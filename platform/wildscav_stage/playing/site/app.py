@@ -70,13 +70,7 @@ PROBLEMS = {  # with links: a title and what to do, in HTML
 
 
 class SpectatorPage(OpenPage):
-    """Serves a spectator's page until it is closed.
-
-    Args:
-        socket: The page's connection, which was accepted.
-        table: The table.
-        seat: The seat of whoever watches until they can take it; None if they have none.
-    """
+    """Serves a spectator's page, who may have a seat that they can take later, until it is closed."""
 
     def __init__(self, socket: WebSocket, table: Table, seat: int | None) -> None:
         super().__init__(socket)
@@ -107,13 +101,7 @@ class SpectatorPage(OpenPage):
 
 
 class PlayerPage(OpenPage):
-    """Serves the page of a seat until it is closed.
-
-    Args:
-        socket: The page's connection, which was accepted.
-        table: The table.
-        seat: The seat of the page's person.
-    """
+    """Serves the page of a seat until it is closed."""
 
     def __init__(self, socket: WebSocket, table: Table, seat: int) -> None:
         super().__init__(socket)
@@ -177,13 +165,7 @@ class PlayerPage(OpenPage):
 
 
 class Site:
-    """The site of one table.
-
-    Args:
-        table: The table.
-        links: Its links.
-        base: Where its pages are reached.
-    """
+    """The site of one table."""
 
     def __init__(self, table: Table, links: Links, base: Base) -> None:
         self._table, self._links, self._base = table, links, base

@@ -26,11 +26,7 @@ HEADERS_OF_FORM = {
 
 
 class Entrance:
-    """The page where guests enter the code of a table.
-
-    Args:
-        table: The table.
-    """
+    """The page where guests enter the code of a table."""
 
     def __init__(self, table: Table) -> None:
         self._table = table
@@ -63,12 +59,7 @@ async def typed_code(body: AsyncIterator[bytes]) -> str:
 
 
 def join_page(code: str = "", error: EntryError | None = None) -> Response:
-    """Return the page where a code is entered.
-
-    Args:
-        code: What is in the field.
-        error: Why it was not taken.
-    """
+    """Return the page where a code is entered, with what is in the field and why it was not taken."""
     page = PAGE.read_text("utf-8").replace("{problem}", escape(str(error or "")))
     page = page.replace("{code}", escape(code[:LONGEST_FORM]))
     status = error.status if error else HTTPStatus.OK

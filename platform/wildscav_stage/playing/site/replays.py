@@ -23,11 +23,7 @@ UNSHOWN = "Its record cannot be read, or not be played again here."  # guests ar
 
 
 class Replays:
-    """The pages of these matches in 3D, and at home their records.
-
-    Args:
-        table: The table.
-    """
+    """The pages of these matches in 3D, and at home their records."""
 
     def __init__(self, table: "Table") -> None:
         self._table = table

@@ -45,15 +45,7 @@ async def served(
 ) -> AsyncIterator[tuple[Addresses, asyncio.Task[None]]]:
     """Serve a table within the block.
 
-    Args:
-        plan: What is played at it.
-        folder: For records, and for the output of agents.
-        host: The address that the web server listens on.
-        port: Its port; 0 for any free one.
-        say: Called with a line for whoever started the table.
-        public_url: The URL of a proxy's root by which others reach it; None if there is no proxy.
-        countdown: s before a match of several people.
-        delay: s after which spectators see a match; None for what the plan says.
+    See ``served_on``. The ``public_url`` is a proxy's root, by which others reach it; port 0 is any free one.
 
     Yields:
         The links, and the task of the web server, which ends on Ctrl-C.
@@ -95,9 +87,9 @@ async def served_on(
     """Serve a table on a socket within the block.
 
     Args:
-        listening: The socket, which listens; it is closed at the end.
+        listening: The socket, which is closed at the end.
         base: Where the site is reached.
-        links: The table's links.
+        links: Of the table.
         plan: What is played at it.
         folder: For records, and for the output of agents.
         say: Called with a line for whoever started the table.

@@ -2,23 +2,24 @@
 
 import asyncio
 import re
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from mcp import Client
 from mcp_types import CallToolResult, TextContent
+from tests.coroutines import Test, within
 
 from wildscav_engine.sensors import parse_sensors
 from wildscav_language.mcp_server.desk import Desk
-from wildscav_language.mcp_server.matches import Bounds, Matches, serving
+from wildscav_language.mcp_server.matches import Bounds, serving
 from wildscav_language.mcp_server.protocol import make_server
 from wildscav_language.senses import sensors
 from wildscav_server.hosting.precompile import precompile
 
 SMALL = {"map": 103, "time_limit": 20.0}  # 100 m
-Result = TypeVar("Result")
+PLAYERS = ("player", "first", "second")
 
 
 class Player:
@@ -59,23 +60,23 @@ def text_of(result: CallToolResult) -> str:
 
 
 @asynccontextmanager
-async def clients(matches: Matches, count: int) -> AsyncIterator[list[Player]]:
-    """Connect some clients to a server of these matches."""
+async def clients(folder: Path, bounds: Bounds | None = None) -> AsyncIterator[list[Player]]:
+    """Connect three clients to a server of their own."""
+    precompile(parse_sensors(sensors(pictures=True)).values())  # compiling is not what is tested
     ready = asyncio.get_running_loop().create_future()
     ready.set_result(None)
-    server = make_server(Desk(matches, ready, None))
-    async with Client(server) as first, Client(server) as second, Client(server) as third:
-        yield [Player(one) for one in (first, second, third)][:count]
+    async with serving(folder, bounds or Bounds()) as matches, asyncio.timeout(120.0):
+        server = make_server(Desk(matches, ready, None))
+        async with Client(server) as first, Client(server) as second, Client(server) as third:
+            yield [Player(one) for one in (first, second, third)]
 
 
-def with_clients(
-    folder: Path, count: int, play: Callable[..., Awaitable[Result]], bounds: Bounds | None = None
-) -> Result:
-    """Let clients play, and return what comes of it."""
+def at_server(bounds: Bounds | None = None) -> Callable[[Test], Callable[..., None]]:
+    """Make a test of a coroutine: it gets the clients that it names of ``PLAYERS``."""
 
-    async def run() -> Result:
-        async with serving(folder, bounds or Bounds()) as matches, clients(matches, count) as players:
-            return await asyncio.wait_for(play(*players), 120.0)
+    @asynccontextmanager
+    async def opened(folder: Path, names: list[str]) -> AsyncIterator[dict[str, Any]]:
+        async with clients(folder, bounds) as players:
+            yield dict(zip((name for name in names if name in PLAYERS), players, strict=False))
 
-    precompile(parse_sensors(sensors(pictures=True)).values())  # compiling is not what is tested
-    return asyncio.run(run())
+    return within(opened, PLAYERS)

@@ -12,7 +12,7 @@ pytest.importorskip("mcp")
 
 from mcp_types import ImageContent
 from PIL import Image
-from tests.platform.language.mcp_server.clients import SMALL, Player, text_of, with_clients
+from tests.platform.language.mcp_server.clients import SMALL, Player, at_server, clients, text_of
 
 from wildscav.errors import UserError
 from wildscav_engine.record import read_record, verify_record
@@ -29,9 +29,13 @@ class Played:
     def __init__(self, folder: Path) -> None:
         self.begun = self.observed = self.rules = self.early = self.end = self.record = ""
         self.blob, self.picture = b"", b""
-        with_clients(folder, 1, self._play)
+        asyncio.run(self._play(folder))
 
-    async def _play(self, player: Player) -> None:
+    async def _play(self, folder: Path) -> None:
+        async with clients(folder) as (player, *_):
+            await self._ask(player)
+
+    async def _ask(self, player: Player) -> None:
         self.begun = await player.start("navigation", time_limit=60.0)
         self.rules = await player.read("rules")
         self.observed = await player.read("observe")
@@ -89,61 +93,53 @@ def test_the_picture_is_of_the_seats_camera(navigation: Played) -> None:
     assert len(navigation.picture) < 1 << 20
 
 
-def test_two_clients_play_one_battle(tmp_path: Path) -> None:
-    async def play(first: Player, second: Player) -> list[str]:
-        begun = await first.start("battle", clients=2, others=["fighter-easy"], time_limit=3.0, name="Ada")
-        assert '0 "Ada 1", 1 "Ada 2", 2 "fighter-easy"' in await second.join(begun)
-        assert "no free seat" in text_of(await second.ask("join_match", code=begun.rsplit(" ", 1)[1]))
-        waiting = asyncio.create_task(first.read("wait_until", seconds=1.0))
-        await asyncio.sleep(0.2)
-        assert not waiting.done(), "the world waits for the other client"
-        ends = await asyncio.gather(waiting, second.read("wait_until", seconds=1.0))
-        assert all(end.startswith("wait_until ended after 1.0 s: done") for end in ends)
-        await asyncio.gather(*(one.read("wait_until", seconds=10.0) for one in (first, second)))
-        return [await one.read("score") for one in (first, second)]
-
-    scores = with_clients(tmp_path, 2, play)
+@at_server()
+async def test_two_clients_play_one_battle(first: Player, second: Player) -> None:
+    begun = await first.start("battle", clients=2, others=["fighter-easy"], time_limit=3.0, name="Ada")
+    assert '0 "Ada 1", 1 "Ada 2", 2 "fighter-easy"' in await second.join(begun)
+    assert "no free seat" in text_of(await second.ask("join_match", code=begun.rsplit(" ", 1)[1]))
+    waiting = asyncio.create_task(first.read("wait_until", seconds=1.0))
+    await asyncio.sleep(0.2)
+    assert not waiting.done(), "the world waits for the other client"
+    ends = await asyncio.gather(waiting, second.read("wait_until", seconds=1.0))
+    assert all(end.startswith("wait_until ended after 1.0 s: done") for end in ends)
+    await asyncio.gather(*(one.read("wait_until", seconds=10.0) for one in (first, second)))
+    scores = [await one.read("score") for one in (first, second)]
 
     assert 'seat 0 "Ada 1" (you): ' in scores[0]
     assert 'seat 1 "Ada 2" (you): ' in scores[1]
     assert all("battle-1: over, because of time up, after 3.0 s" in score for score in scores)
 
 
-def test_a_client_that_vanishes_costs_its_own_seat_alone(tmp_path: Path) -> None:
-    async def play(first: Player, second: Player) -> tuple[str, str, str]:
-        await second.join(await first.start("battle", clients=2, others=[], time_limit=2.0))
-        ended = await first.read("wait_until", seconds=1.0)  # the other has said nothing
-        gone = await second.read("observe") and await second.read("look_around")
-        return ended, gone, await first.read("wait_until", seconds=5.0)
-
-    ended, gone, last = with_clients(tmp_path, 2, play, Bounds(idle_limit=2.0))
+@at_server(Bounds(idle_limit=2.0))
+async def test_a_client_that_vanishes_costs_its_own_seat_alone(first: Player, second: Player) -> None:
+    await second.join(await first.start("battle", clients=2, others=[], time_limit=2.0))
+    ended = await first.read("wait_until", seconds=1.0)  # the other has said nothing
+    gone = await second.read("observe") and await second.read("look_around")
+    last = await first.read("wait_until", seconds=5.0)
 
     assert ended.startswith("wait_until ended after 1.0 s: done")
     assert gone.startswith("Your seat is closed: gave no answer for 2 s.")
     assert "The match is over." in last
 
 
-def test_a_baseline_plays_with_a_client(tmp_path: Path) -> None:
-    async def play(player: Player) -> str:
-        await player.start("gathering", others=["homing", "gatherer-easy"], time_limit=1.0)
-        await player.read("wait_until", seconds=10.0)
-        return await player.read("record")
-
-    path = Path(with_clients(tmp_path, 1, play).splitlines()[0])
+@at_server()
+async def test_a_baseline_plays_with_a_client(player: Player) -> None:
+    await player.start("gathering", others=["homing", "gatherer-easy"], time_limit=1.0)
+    await player.read("wait_until", seconds=10.0)
+    path = Path((await player.read("record")).splitlines()[0])
 
     assert read_record(path).names == ("client", "homing", "gatherer-easy")
 
 
-def test_whoever_leaves_stands_still_and_the_match_is_recorded(tmp_path: Path) -> None:
-    async def play(player: Player) -> str:
-        await player.start("navigation", time_limit=5.0)
-        await player.read("leave")
-        return await player.read("observe")
-
-    said = with_clients(tmp_path, 1, play)
+@at_server()
+async def test_whoever_leaves_stands_still_and_the_match_is_recorded(player: Player, tmp_path: Path) -> None:
+    await player.start("navigation", time_limit=5.0)
+    await player.read("leave")
+    said = await player.read("observe")
 
     assert said.startswith("Your seat is closed: its client left the match.")
-    (record,) = tmp_path.glob("*/match.wsr")
+    (record,) = tmp_path.glob("*/match.wsr")  # noqa: ASYNC240
     assert not read_record(record).actions.any()
 
 
@@ -167,62 +163,58 @@ def test_whoever_leaves_stands_still_and_the_match_is_recorded(tmp_path: Path) -
         ("fly", {}, "'fly' needs the handle of your seat; the tools are start_match"),
     ],
 )
-def test_a_bad_call_is_answered_with_what_is_allowed(
-    tmp_path: Path, name: str, arguments: dict[str, Any], says: str
+@at_server()
+async def test_a_bad_call_is_answered_with_what_is_allowed(
+    player: Player, name: str, arguments: dict[str, Any], says: str
 ) -> None:
-    result = with_clients(tmp_path, 1, lambda player: player.ask(name, **arguments))
+    result = await player.ask(name, **arguments)
 
     assert result.is_error
     assert says in text_of(result)
     assert "\n" not in text_of(result)
 
 
-def test_a_bad_call_of_a_tool_costs_game_time_and_is_counted(tmp_path: Path) -> None:
-    async def play(player: Player) -> tuple[str, str]:
-        await player.start("navigation")
-        result = await player.ask("go", place="mars")
-        assert result.is_error
-        return text_of(result), await player.read("score")
-
-    refused, score = with_clients(tmp_path, 1, play)
+@at_server()
+async def test_a_bad_call_of_a_tool_costs_game_time_and_is_counted(player: Player) -> None:
+    await player.start("navigation")
+    result = await player.ask("go", place="mars")
+    assert result.is_error
+    refused, score = text_of(result), await player.read("score")
 
     assert refused.startswith("go ended after 0.5 s: refused. There is no such place")
     assert "Your calls: 1, refused: 1, steps played: 5." in score
     assert "You carry 0 supplies, your team 0." in score
 
 
-def test_while_a_match_is_played_its_score_tells_nothing_of_others(tmp_path: Path) -> None:
-    async def play(player: Player) -> str:
-        await player.start("battle", others=["fighter-easy"])
-        await player.read("wait_until", seconds=0.5)
-        return await player.read("score")
-
-    score = with_clients(tmp_path, 1, play)
+@at_server()
+async def test_while_a_match_is_played_its_score_tells_nothing_of_others(player: Player) -> None:
+    await player.start("battle", others=["fighter-easy"])
+    await player.read("wait_until", seconds=0.5)
+    score = await player.read("score")
 
     assert "fighter-easy" not in score
     assert "kills" not in score
 
 
-def test_calls_after_the_end_write_no_notes_and_notes_are_bounded(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@at_server()
+async def test_calls_after_the_end_write_no_notes_and_notes_are_bounded(
+    player: Player, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(matches, "MOST_NOTES", 200)
-
-    async def play(player: Player) -> int:
-        await player.start("navigation", time_limit=5.0)
-        for _ in range(3):
-            await player.read("wait_until", seconds=0.1, thought="I wait and see what comes of it.")
-        size = logged()
-        await player.read("leave")
-        await player.read("wait_until", seconds=0.1)
-        assert logged() == size
-        return size
 
     def logged() -> int:
         (log,) = tmp_path.glob("*/match.seat-0.log")
         return log.stat().st_size
 
-    assert 100 < with_clients(tmp_path, 1, play) <= 200
+    await player.start("navigation", time_limit=5.0)
+    for _ in range(3):
+        await player.read("wait_until", seconds=0.1, thought="I wait and see what comes of it.")
+    size = logged()
+    await player.read("leave")
+    await player.read("wait_until", seconds=0.1)
+    assert logged() == size
+
+    assert 100 < size <= 200
 
 
 def test_a_match_that_is_being_made_takes_a_place_and_is_left_if_its_client_gives_up(tmp_path: Path) -> None:
@@ -261,41 +253,35 @@ def test_a_match_that_has_failed_before_it_began_says_so(tmp_path: Path, name: s
     assert asyncio.run(play()).startswith("the match was cancelled")
 
 
-def test_one_call_of_a_seat_waits_at_a_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@at_server()
+async def test_one_call_of_a_seat_waits_at_a_time(
+    first: Player, second: Player, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(desk, "TURN", 0.01)
-
-    async def play(first: Player, second: Player) -> str:
-        await second.join(await first.start("battle", clients=2, others=[], time_limit=1.0))
-        waiting = asyncio.create_task(first.read("wait_until", seconds=1.0))
-        await asyncio.sleep(0.1)
-        refused = text_of(await first.ask("rules"))
-        await second.read("leave")
-        await waiting
-        return refused
-
-    assert with_clients(tmp_path, 2, play) == desk.BUSY
+    await second.join(await first.start("battle", clients=2, others=[], time_limit=1.0))
+    waiting = asyncio.create_task(first.read("wait_until", seconds=1.0))
+    await asyncio.sleep(0.1)
+    assert text_of(await first.ask("rules")) == desk.BUSY
+    await second.read("leave")
+    await waiting
 
 
-def test_only_so_many_matches_are_played_at_one_time(tmp_path: Path) -> None:
-    async def play(player: Player) -> tuple[str, str]:
-        await player.start("navigation")
-        full = await player.client.call_tool("start_match", {"track": "navigation"} | SMALL)
-        await player.read("leave")
-        player.seat = ""
-        return text_of(full), await player.start("navigation")
-
-    full, again = with_clients(tmp_path, 1, play, Bounds(matches=1))
+@at_server(Bounds(matches=1))
+async def test_only_so_many_matches_are_played_at_one_time(player: Player) -> None:
+    await player.start("navigation")
+    full = await player.client.call_tool("start_match", {"track": "navigation"} | SMALL)
+    await player.read("leave")
+    player.seat = ""
+    full, again = text_of(full), await player.start("navigation")
 
     assert full == "1 matches are being played: finish or leave one first"
     assert again.startswith("match: navigation-2")
 
 
-def test_a_list_of_matches_opens_no_seat(tmp_path: Path) -> None:
-    async def play(player: Player, other: Player) -> tuple[str, str]:
-        begun = await player.start("navigation", clients=2)
-        return begun, await other.read("list_matches")
-
-    begun, listed = with_clients(tmp_path, 2, play)
+@at_server()
+async def test_a_list_of_matches_opens_no_seat(first: Player, second: Player) -> None:
+    begun = await first.start("navigation", clients=2)
+    listed = await second.read("list_matches")
 
     assert (
         listed == 'navigation-1: played for 0.0 s of game time; seats "client 1", "client 2"; 1 free for '

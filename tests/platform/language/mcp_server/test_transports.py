@@ -48,13 +48,6 @@ async def running(folder: Path, *options: str) -> AsyncIterator[tuple[str, async
 
 
 @asynccontextmanager
-async def served(folder: Path, *options: str) -> AsyncIterator[str]:
-    """A server over HTTP, by its URL."""
-    async with running(folder, *options) as (url, _):
-        yield url
-
-
-@asynccontextmanager
 async def by_http(url: str, token: str = "") -> AsyncIterator[Player]:
     headers = {"Authorization": f"Bearer {token}"} if token else {}
     async with (
@@ -66,7 +59,9 @@ async def by_http(url: str, token: str = "") -> AsyncIterator[Player]:
         yield Player(session)
 
 
-def test_a_navigation_over_standard_input_and_output(tmp_path: Path) -> None:
+def test_a_navigation_over_standard_input_and_output_and_a_client_that_is_gone_leaves_a_record(
+    tmp_path: Path,
+) -> None:
     async def play() -> str:
         async with by_stdio(tmp_path) as player:
             await player.start("navigation", time_limit=60.0)
@@ -74,27 +69,21 @@ def test_a_navigation_over_standard_input_and_output(tmp_path: Path) -> None:
             while "The match is over." not in end:
                 end = await player.read("go", place="target", seconds=30.0)
             assert "success 1" in end
-            return (await player.read("record")).splitlines()[0]
+            record = (await player.read("record")).splitlines()[0]
+            player.seat = ""
+            await player.start("battle", others=["fighter-easy"], time_limit=1.5)
+            await player.read("wait_until", seconds=1.0)
+            return record
 
     done = run_command("verify", asyncio.run(play()))
 
     assert done.returncode == 0, done.stdout + done.stderr
-
-
-def test_a_client_that_is_gone_leaves_a_record(tmp_path: Path) -> None:
-    async def play() -> None:
-        async with by_stdio(tmp_path) as player:
-            await player.start("battle", others=["fighter-easy"], time_limit=1.5)
-            await player.read("wait_until", seconds=1.0)
-
-    asyncio.run(play())
-
     assert len([*tmp_path.glob("battle-*/match.wsr")]) == 1
 
 
 def test_two_clients_over_http_play_one_battle(tmp_path: Path) -> None:
     async def play() -> list[str]:
-        async with served(tmp_path) as url, by_http(url) as first, by_http(url) as second:
+        async with running(tmp_path) as (url, _), by_http(url) as first, by_http(url) as second:
             await second.join(await first.start("battle", clients=2, others=[], time_limit=2.0))
             await asyncio.gather(*(one.read("wait_until", seconds=9.0) for one in (first, second)))
             page = await first.read("replay")
@@ -143,7 +132,7 @@ def test_a_token_opens_the_server_and_nothing_else_does(tmp_path: Path) -> None:
     (tmp_path / "token").write_text(WORD)
 
     async def play() -> tuple[str, int, int]:
-        async with served(tmp_path / "out", "--token-file", str(tmp_path / "token")) as url:
+        async with running(tmp_path / "out", "--token-file", str(tmp_path / "token")) as (url, _):
             async with by_http(url, WORD) as player:
                 listed = text_of(await player.ask("list_matches"))
                 await player.start("navigation", time_limit=1.0)

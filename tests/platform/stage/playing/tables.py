@@ -2,17 +2,28 @@
 
 import asyncio
 import threading
-from collections.abc import AsyncIterator, Iterator
-from contextlib import asynccontextmanager, contextmanager
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+
+from tests.coroutines import Test, within
+from tests.platform.stage.playing.pages import page
 
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_stage.playing.links import Addresses
 from wildscav_stage.playing.plan import Plan, make_plan
 from wildscav_stage.playing.site.serve import prepare, served
 
+PAGES: dict[str, Callable[[Addresses], str]] = {  # the link of each
+    "person": lambda links: links.host,
+    "host": lambda links: links.host,
+    "guest": lambda links: links.guests[0],
+    "second_guest": lambda links: links.guests[1],
+    "spectator": lambda links: links.watch,
+    "second_spectator": lambda links: links.watch,
+}
 MEADOW = MapConfig(size=60, houses=1, relief=0.0, ruggedness=0.0, water=0.0, vegetation=0.0)
 
 
@@ -43,6 +54,30 @@ async def table(plan: Plan, folder: Path) -> AsyncIterator[str]:
     """Serve a table, and yield its host's link."""
     async with tables_links(plan, folder) as links:
         yield links.host
+
+
+def at_table(
+    *plan: Any, public_url: str | None = None, countdown: int = 0, delay: float = 0.0, **more: Any
+) -> Callable[[Test], Callable[..., None]]:
+    """Make a test of a coroutine: it gets the ``PAGES`` that it names, in their order, and ``links``.
+
+    Args:
+        plan: As ``small_plan`` takes it, with what ``more`` has.
+    """
+
+    @asynccontextmanager
+    async def opened(folder: Path, names: list[str]) -> AsyncIterator[dict[str, Any]]:
+        asked = small_plan(*plan, **more)
+        async with (
+            tables_links(asked, folder, public_url, countdown, delay) as links,
+            AsyncExitStack() as stack,
+        ):
+            found: dict[str, Any] = {"links": links}
+            for name in (name for name in names if name in PAGES):
+                found[name] = await stack.enter_async_context(page(PAGES[name](links)))
+            yield found
+
+    return within(opened, ("links", *PAGES))
 
 
 @contextmanager

@@ -9,10 +9,11 @@ from urllib.parse import urlsplit
 
 import pytest
 from tests.platform.stage.playing.pages import PageClient, page
-from tests.platform.stage.playing.tables import small_plan, tables_links
+from tests.platform.stage.playing.tables import at_table
 from websockets.exceptions import ConnectionClosed
 
 from wildscav_engine.record import read_record, verify_record
+from wildscav_stage.playing.links import Addresses
 from wildscav_stage.playing.page import MAX_MESSAGES, MAX_UNSEEN, OpenPage
 
 Attack = Callable[[PageClient], Awaitable[None]]
@@ -20,10 +21,6 @@ Attack = Callable[[PageClient], Awaitable[None]]
 
 async def garbage(guest: PageClient) -> None:
     await guest.socket.send(bytes(range(256)))
-
-
-async def nonsense(guest: PageClient) -> None:
-    await guest.socket.send("{" * 4000)
 
 
 async def huge_message(guest: PageClient) -> None:
@@ -46,37 +43,27 @@ async def attacked(guest: PageClient, attack: Attack) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("attack", [garbage, nonsense, huge_message, act_for_another, flood])
-def test_the_attacker_is_closed_and_the_match_of_the_others_goes_on(tmp_path: Path, attack: Attack) -> None:
-    async def play() -> Path:
-        plan = small_plan("navigation", 0.8, people=2)
-        async with tables_links(plan, tmp_path) as links, AsyncExitStack() as stack:
-            host, guest = [
-                await stack.enter_async_context(page(link)) for link in (links.host, *links.guests)
-            ]
-            await host.send(kind="start")
-            await asyncio.gather(host.until("moment"), guest.until("moment"))
-            with pytest.raises(ConnectionClosed):
-                await attacked(guest, attack)
-            return Path((await host.until("over"))["record"])
-
-    record = read_record(asyncio.run(play()))
+@pytest.mark.parametrize("attack", [garbage, huge_message, act_for_another, flood])
+@at_table("navigation", 0.8, people=2)
+async def test_the_attacker_is_closed_and_the_match_of_the_others_goes_on(
+    host: PageClient, guest: PageClient, attack: Attack
+) -> None:
+    await host.send(kind="start")
+    await asyncio.gather(host.until("moment"), guest.until("moment"))
+    with pytest.raises(ConnectionClosed):
+        await attacked(guest, attack)
+    record = read_record(Path((await host.until("over"))["record"]))
     assert record.steps == 40  # all of its 0.8 s
     assert not record.actions[:, 0].any()  # nobody acted for the host
     assert verify_record(record).holds
 
 
-def test_a_page_that_stops_reading_stops_nobody(tmp_path: Path) -> None:
-    async def play() -> Path:
-        plan = small_plan("navigation", 1.0, people=2)
-        async with tables_links(plan, tmp_path) as links, AsyncExitStack() as stack:
-            host = await stack.enter_async_context(page(links.host))
-            deaf = await stack.enter_async_context(page(links.guests[0], max_queue=1))  # which reads nothing
-            stack.callback(deaf.socket.transport.abort)
-            await host.send(kind="start")
-            return Path((await host.until("over"))["record"])
-
-    assert verify_record(read_record(asyncio.run(play()))).holds
+@at_table("navigation", 1.0, people=2)
+async def test_a_page_that_stops_reading_stops_nobody(host: PageClient, links: Addresses) -> None:
+    async with page(links.guests[0], max_queue=1) as deaf:  # which reads nothing
+        await host.send(kind="start")
+        assert verify_record(read_record(Path((await host.until("over"))["record"]))).holds
+        deaf.socket.transport.abort()
 
 
 def test_a_page_that_has_seen_what_it_was_not_sent_costs_no_memory() -> None:
@@ -94,15 +81,13 @@ def test_a_page_that_has_seen_what_it_was_not_sent_costs_no_memory() -> None:
     asyncio.run(play())
 
 
-def test_connections_that_say_nothing_do_not_keep_people_from_their_match(tmp_path: Path) -> None:
-    async def play() -> None:
-        async with tables_links(small_plan("navigation", 1.0), tmp_path) as links, AsyncExitStack() as stack:
-            address = urlsplit(links.host)
-            for _ in range(50):
-                _, silent = await asyncio.open_connection(address.hostname, address.port)
-                stack.callback(silent.close)
-            host = await stack.enter_async_context(page(links.host))
-            await host.send(kind="start")
-            await host.until("over")
-
-    asyncio.run(play())
+@at_table("navigation", 1.0)
+async def test_connections_that_say_nothing_do_not_keep_people_from_their_match(links: Addresses) -> None:
+    async with AsyncExitStack() as stack:
+        address = urlsplit(links.host)
+        for _ in range(50):
+            _, silent = await asyncio.open_connection(address.hostname, address.port)
+            stack.callback(silent.close)
+        host = await stack.enter_async_context(page(links.host))
+        await host.send(kind="start")
+        await host.until("over")

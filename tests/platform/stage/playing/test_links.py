@@ -12,6 +12,9 @@ def test_each_seat_has_a_secret_of_its_own() -> None:
     assert [links.seat_of(secret) for secret in secrets] == [0, 1, 2]
     assert len({*secrets, links.watching}) == 4
     assert all(len(secret) >= 22 for secret in secrets)  # 128 bits
+    assert links.seat_of(links.watching) is None
+    assert links.is_watching(links.watching)
+    assert not links.is_watching(secrets[0])
 
 
 @pytest.mark.parametrize("text", ["", "x", "ü", "\ud800", "x" * 10_000])
@@ -19,13 +22,6 @@ def test_anything_else_is_no_secret(text: str) -> None:
     links = Links(2)
     assert links.seat_of(text) is None
     assert not links.is_watching(text)
-
-
-def test_spectators_have_no_seat() -> None:
-    links = Links(2)
-    assert links.seat_of(links.watching) is None
-    assert links.is_watching(links.watching)
-    assert not links.is_watching(links.of_seat(0))
 
 
 def test_a_link_ends_when_it_is_replaced() -> None:

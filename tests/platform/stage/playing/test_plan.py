@@ -13,17 +13,38 @@ HOMING = Path(__file__).parents[4] / "submissions" / "homing"
 READER = HOMING.parents[1] / "benchmarks" / "strength" / "reader"
 
 
-def test_the_person_has_the_first_seat_and_plays_fifty_steps_a_second() -> None:
-    plan = make_plan("battle", None, 4, ["fighter-easy", "gatherer", "gatherer"], 30.0)
-    assert plan.spec.seats == ("submission", "fighter-easy", "gatherer", "gatherer")
-    assert plan.names == ("person", "fighter-easy", "gatherer 1", "gatherer 2")
-    assert plan.spec.frames_per_action == 1
-    assert plan.spec.time_limit == 30.0
+@pytest.mark.parametrize(
+    ("track", "opponents", "people", "seats", "names"),
+    [
+        ("navigation", None, 1, "submission", "person"),
+        (  # those of the same kind have numbers
+            *("battle", ["fighter-easy", "gatherer", "gatherer"], 1),
+            *("submission fighter-easy gatherer gatherer", "person, fighter-easy, gatherer 1, gatherer 2"),
+        ),
+        (  # each track has opponents that suit it, fewer with more people
+            *("battle", None, 3, "submission submission submission fighter-easy"),
+            "person 1, person 2, person 3, fighter-easy",
+        ),
+        ("battle", ["fighter"], 2, "submission submission fighter", "person 1, person 2, fighter"),
+        (  # a submission has a seat with its sensors, before robots, which the host may change
+            *("navigation", ["seeker", str(HOMING)], 1, "submission submission seeker"),
+            "person, homing, seeker",
+        ),
+    ],
+)
+def test_people_have_the_first_seats_and_opponents_the_others(
+    track: str, opponents: list[str] | None, people: int, seats: str, names: str
+) -> None:
+    plan = make_plan(track, None, 4, opponents, 30.0, people)
+    assert plan.spec.seats == tuple(seats.split())
+    assert plan.names == tuple(names.split(", "))
+    assert (plan.spec.frames_per_action, plan.spec.time_limit) == (1, 30.0)  # fifty steps a second
+    assert plan.may_pause == (people == 1 and "homing" not in names)  # which need their time
 
 
 def test_each_track_has_opponents_that_suit_it() -> None:
-    assert make_plan("navigation", None, 0, None, None).spec.seats == ("submission",)
     assert len(make_plan("battle", None, 0, None, None).spec.seats) == 4
+    assert make_plan("battle", None, 0, None, None, people=6).spec.seats == ("submission",) * 6
     assert make_plan("royale", None, 0, None, None).spec.time_limit == 300.0
 
 
@@ -34,17 +55,9 @@ def test_the_next_match_has_the_next_seed_on_the_same_map() -> None:
     assert plan.played(1).map == plan.spec.map
 
 
-def test_a_submission_has_a_seat_with_its_sensors() -> None:
-    plan = make_plan("navigation", None, 0, [str(HOMING), "seeker"], None)
-    assert plan.spec.seats == ("submission", "submission", "seeker")
-    assert plan.names == ("person", "homing", "seeker")
-    assert plan.opponents[0].folder == HOMING
-    assert not plan.may_pause  # it needs its time, so the match cannot be paused
-
-
 def test_submissions_come_before_robots_which_the_host_may_change() -> None:
     plan = make_plan("navigation", 101, 0, ["seeker", str(HOMING)], None)
-    assert plan.names == ("person", "homing", "seeker")
+    assert plan.opponents[0].folder == HOMING
     changed = plan.arranged(["walker", "walker"], new_map=True)
     assert changed.names == ("person", "homing", "walker 1", "walker 2")
     assert changed.spec.seats == ("submission", "submission", "walker", "walker")
@@ -57,15 +70,6 @@ def test_submissions_come_before_robots_which_the_host_may_change() -> None:
 def test_an_arrangement_that_is_no_match_is_refused() -> None:
     with pytest.raises(UserError, match="such a match is not possible: seats"):
         make_plan("battle", None, 3, (), None).arranged(["fighter"] * 10_000, new_map=False)
-
-
-def test_people_have_the_first_seats_and_robots_the_rest() -> None:
-    plan = make_plan("battle", None, 0, None, None, people=3)
-    assert plan.spec.seats == ("submission", "submission", "submission", "fighter-easy")
-    assert plan.names == ("person 1", "person 2", "person 3", "fighter-easy")
-    assert not plan.may_pause
-    assert make_plan("battle", None, 0, None, None, people=6).spec.seats == ("submission",) * 6
-    assert make_plan("battle", None, 0, ["fighter"], None, people=2).spec.seats[2:] == ("fighter",)
 
 
 def test_a_robot_plays_for_each_person_who_is_not_here() -> None:

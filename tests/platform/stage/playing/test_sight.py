@@ -187,41 +187,32 @@ def test_of_ones_own_shots_all_ends_are_told() -> None:
     assert all(len(shot) == 7 for shot in shots)
 
 
-def test_who_is_hit_from_behind_knows_by_whom_alone() -> None:
-    match = two_in_the_open()
-    agents, sight = match.state.agents, Sight(match, 0)
-    agents.yaw[0] = 180.0
-    match.step(shooting(1))
-    sight.note()
-    message = sight.message(Known())
-    assert message["hurt"] == [1]
-    assert not {"shots", "others"} & message.keys()
-
-
-@pytest.mark.parametrize(("rules", "told"), [("original", ("place", "health")), ("fair", ("place",))])
-def test_who_dies_is_told_where_the_killer_in_sight_stood_and_health_if_agents_are(
-    rules: str, told: tuple[str, ...]
+@pytest.mark.parametrize(
+    ("rules", "yaw", "health", "told"),
+    [
+        ("original", 180.0, 100, {"hurt"}),  # from behind: by whom, and nothing else
+        ("original", 180.0, 20, {"hurt", "deaths"}),  # nor from where, for those who die of it
+        ("original", 0.0, 20, {"hurt", "deaths", "killer", "others", "shots"}),
+        ("fair", 0.0, 20, {"hurt", "deaths", "killer", "others", "shots"}),
+    ],
+)
+def test_who_is_shot_is_told_of_a_killer_in_sight_where_it_stood_and_its_health_if_agents_are(
+    rules: str, yaw: float, health: int, told: set[str]
 ) -> None:
     match = two_in_the_open(rules)
     agents, sight = match.state.agents, Sight(match, 0)
-    agents.yaw[0], agents.health[0] = (0.0, 180.0), (20, 70)
+    agents.yaw[0], agents.health[0] = (yaw, 180.0), (health, 70)
     match.step(shooting(1))
     sight.note()
     message = sight.message(Known())
-    place = np.rint(100 * agents.position[0, 1]).tolist()
-    assert message["deaths"] == [[0, 1]]
-    assert message["killer"] == [1, *place, *([70] if "health" in told else [])]
-
-
-def test_who_is_shot_from_behind_is_not_told_from_where() -> None:
-    match = two_in_the_open()
-    agents, sight = match.state.agents, Sight(match, 0)
-    agents.yaw[0], agents.health[0] = 180.0, 20
-    match.step(shooting(1))
-    sight.note()
-    message = sight.message(Known())
-    assert message["deaths"] == [[0, 1]]
-    assert "killer" not in message
+    happened = {"shots", "others", "hurt", "deaths", "killer"} & message.keys()
+    assert happened - {"others", "shots"} == told - {"others", "shots"}
+    assert happened <= told
+    assert message["hurt"] == [1]
+    if "killer" in told:
+        place = np.rint(100 * agents.position[0, 1]).tolist()
+        assert message["deaths"] == [[0, 1]]
+        assert message["killer"] == [1, *place, *([70] if rules == "original" else [])]
 
 
 def test_of_others_only_their_invincibility_is_told() -> None:

@@ -3,12 +3,14 @@
 import gzip
 from collections import Counter
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 
-from wildscav_engine.record import read_record, record_of, resimulate
+from wildscav_engine.record import Record, read_record, record_of, resimulate
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.systems.zone import zone_at
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
@@ -20,9 +22,27 @@ TRACKS = ("navigation", "gathering", "battle", "capture", "royale")
 Records = Callable[[str], Path]
 
 
-@pytest.fixture(params=TRACKS)
-def path(request: pytest.FixtureRequest, record_of_track: Records) -> Path:
-    return record_of_track(request.param)
+class Shown(NamedTuple):
+    """A record and its trails."""
+
+    record: Record
+    trails: Trails
+
+
+@pytest.fixture(scope="module")
+def shown(record_of_track: Records) -> Callable[[str], Shown]:
+    """What is shown of the match of a track."""
+
+    @cache
+    def of_track(track: str) -> Shown:
+        record = read_record(record_of_track(track))
+        return Shown(record, trails_of(record))
+
+    return of_track
+
+
+Of = Callable[[str], Shown]
+on_each_track = pytest.mark.parametrize("track", TRACKS)
 
 
 def circle_at(phases: list[ZonePhase], frame: int) -> tuple[float, float, float]:
@@ -36,10 +56,11 @@ def circle_at(phases: list[ZonePhase], frame: int) -> tuple[float, float, float]
     return between("x"), between("z"), between("radius")
 
 
-def test_every_sample_is_where_the_agents_stood(path: Path) -> None:
-    record, trails = read_record(path), trails_of(read_record(path))
+@on_each_track
+def test_every_sample_is_where_the_agents_stood(shown: Of, track: str) -> None:
+    record, trails = shown(track)
     samples = {frame: place for place, frame in enumerate(values_of(trails.samples.frames))}
-    shown = [
+    courses = [
         {name: values_of(values) for name, values in seat.model_dump().items()}
         for seat in trails.samples.seats
     ]
@@ -49,7 +70,7 @@ def test_every_sample_is_where_the_agents_stood(path: Path) -> None:
         if match.frame not in samples:
             continue
         place, agents = samples[match.frame], match.state.agents
-        for seat, values in enumerate(shown):
+        for seat, values in enumerate(courses):
             here = {name: column[place] for name, column in values.items()}
             there = [here["x"], here["height"], here["z"]]
             np.testing.assert_allclose(np.array(there) / 100, agents.position[0, seat], atol=0.00501)
@@ -62,11 +83,9 @@ def test_every_sample_is_where_the_agents_stood(path: Path) -> None:
     assert compared == len(samples)
 
 
-def test_with_many_agents_samples_are_farther_apart(
-    record_of_track: Records, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    record = read_record(record_of_track("battle"))
-    frames = values_of(trails_of(record).samples.frames)
+def test_with_many_agents_samples_are_farther_apart(shown: Of, monkeypatch: pytest.MonkeyPatch) -> None:
+    record, trails = shown("battle")
+    frames = values_of(trails.samples.frames)
     monkeypatch.setattr("wildscav_stage.scene.trails.MANY", 2)  # half of its seats
     assert values_of(trails_of(record).samples.frames) == sorted({*frames[::2], frames[-1]})
 
@@ -76,59 +95,46 @@ def test_differences_add_up_to_the_values(values: list[int]) -> None:
     assert values_of(differences(values)) == values
 
 
-def test_a_turn_is_never_the_long_way_round(path: Path) -> None:
-    seats = trails_of(read_record(path)).samples.seats
-    assert max(abs(turn) for seat in seats for turn in seat.yaw[1:]) <= 180
-
-
-def test_shots_end_where_they_did(record_of_track: Records) -> None:
-    path = record_of_track("battle")
-    shots, fired = trails_of(read_record(path)).shots, 0
+def test_shots_end_where_they_did(shown: Of) -> None:
+    record, trails = shown("battle")
+    shots, fired = trails.shots, 0
     columns = [values_of(each) for each in (shots.frames, shots.seats, shots.x, shots.height, shots.z)]
     there = {(frame, seat): place for frame, seat, *place in zip(*columns, strict=True)}
 
-    for match in resimulate(read_record(path)):
+    for match in resimulate(record):
         agents = match.state.agents
         for seat in np.flatnonzero(agents.fired[0]).tolist() if match.frame else ():
-            shown = np.array(there[match.frame, seat]) / 100
-            np.testing.assert_allclose(shown, agents.shot_end[0, seat], atol=0.00501)
+            end = np.array(there[match.frame, seat]) / 100
+            np.testing.assert_allclose(end, agents.shot_end[0, seat], atol=0.00501)
             fired += 1
 
     assert fired == len(there) > 10
 
 
-def test_a_document_is_read_again_as_it_was(path: Path) -> None:
-    trails = trails_of(read_record(path))
-
-    assert Trails.model_validate_json(gzip.decompress(trails.compressed())) == trails
-
-
-def test_there_are_ten_samples_a_second_and_the_last_moment(path: Path) -> None:
-    trails = trails_of(read_record(path))
+@on_each_track
+def test_a_document_has_whole_turns_ten_samples_a_second_and_what_the_record_says(
+    shown: Of, track: str
+) -> None:
+    record, trails = shown(track)
     frames = np.array(values_of(trails.samples.frames))
 
-    assert frames[0] == 0
-    assert frames[-1] == trails.frames
+    assert Trails.model_validate_json(gzip.decompress(trails.compressed())) == trails
+    assert max(abs(turn) for seat in trails.samples.seats for turn in seat.yaw[1:]) <= 180
+    assert (frames[0], frames[-1]) == (0, trails.frames)
     assert set(np.diff(frames)[:-1].tolist()) == {5}
     assert 0 < frames[-1] - frames[-2] <= 5
-
-
-def test_names_kinds_teams_and_results_are_those_of_the_record(path: Path) -> None:
-    record, trails = read_record(path), trails_of(read_record(path))
-
-    for seat, shown in enumerate(trails.seats):
+    for seat, told in enumerate(trails.seats):
         result = record.result.seats[seat]
-        assert (shown.name, shown.kind) == (record.names[seat], record.spec.seats[seat])
-        assert shown.team == result.team
-        assert shown.result is not None
-        assert shown.result.metrics == result.metrics
-        assert (shown.result.kills, shown.result.deaths) == (result.kills, result.deaths)
-    assert trails.over
-    assert trails.ending == record.result.ending
+        assert (told.name, told.kind) == (record.names[seat], record.spec.seats[seat])
+        assert told.team == result.team
+        assert told.result is not None
+        assert told.result.metrics == result.metrics
+        assert (told.result.kills, told.result.deaths) == (result.kills, result.deaths)
+    assert (trails.over, trails.ending) == (True, record.result.ending)
 
 
-def test_events_add_up_to_the_results_of_a_battle(record_of_track: Records) -> None:
-    trails = trails_of(read_record(record_of_track("battle")))
+def test_events_add_up_to_the_results_of_a_battle(shown: Of) -> None:
+    trails = shown("battle").trails
     results = [seat.result for seat in trails.seats if seat.result]
     kinds = Counter(event.kind for event in trails.events)
 
@@ -141,8 +147,8 @@ def test_events_add_up_to_the_results_of_a_battle(record_of_track: Records) -> N
     assert frames == sorted(frames)
 
 
-def test_who_is_out_of_a_royale_is_said_once(record_of_track: Records) -> None:
-    trails = trails_of(read_record(record_of_track("royale")))
+def test_who_is_out_of_a_royale_is_said_once(shown: Of) -> None:
+    trails = shown("royale").trails
     out = [event.seat for event in trails.events if event.kind == "out"]
 
     assert sorted(out) == sorted(
@@ -151,33 +157,32 @@ def test_who_is_out_of_a_royale_is_said_once(record_of_track: Records) -> None:
     assert out
 
 
-def test_the_safe_zone_of_a_page_is_that_of_the_rules(record_of_track: Records) -> None:
-    path = record_of_track("royale")
-    trails = trails_of(read_record(path))
-    *_, match = resimulate(read_record(path))
+def test_the_safe_zone_of_a_page_is_that_of_the_rules(shown: Of) -> None:
+    record, trails = shown("royale")
+    *_, match = resimulate(record)
 
     for frame in range(0, trails.frames, 50):
         now = zone_at(match.state.matches, 0, frame)
-        shown = circle_at(trails.zone, frame)
-        np.testing.assert_allclose(np.array(shown) / 100, (now.x, now.z, now.radius), atol=0.006)
+        circle = circle_at(trails.zone, frame)
+        np.testing.assert_allclose(np.array(circle) / 100, (now.x, now.z, now.radius), atol=0.006)
     assert any(event.kind == "zone" for event in trails.events)
 
 
 @pytest.mark.parametrize(("track", "has"), [("navigation", True), ("capture", True), ("battle", False)])
-def test_only_tracks_with_a_target_show_one(record_of_track: Records, track: str, has: bool) -> None:
-    assert (trails_of(read_record(record_of_track(track))).target is not None) is has
+def test_only_tracks_with_a_target_show_one(shown: Of, track: str, has: bool) -> None:
+    assert (shown(track).trails.target is not None) is has
 
 
-def test_reaching_the_target_is_an_event(record_of_track: Records) -> None:
-    trails = trails_of(read_record(record_of_track("navigation")))
+def test_reaching_the_target_is_an_event(shown: Of) -> None:
+    trails = shown("navigation").trails
 
     reached = [event for event in trails.events if event.kind == "target"]
     success = [seat.result and seat.result.metrics["success"] for seat in trails.seats]
     assert len(reached) == min(1, success.count(1.0))
 
 
-def test_boxes_lie_there_until_somebody_takes_them(record_of_track: Records) -> None:
-    trails = trails_of(read_record(record_of_track("gathering")))
+def test_boxes_lie_there_until_somebody_takes_them(shown: Of) -> None:
+    trails = shown("gathering").trails
     taken = [box for box in trails.boxes if box.taken is not None]
 
     assert 0 < len(taken) < len(trails.boxes)

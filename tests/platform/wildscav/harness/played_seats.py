@@ -5,7 +5,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
-import pytest
 from tests.scripted_model import Answer, Script, ScriptedModel, in_turn
 
 from wildscav.errors import AgentError
@@ -54,20 +53,16 @@ class PlayedSeat:
         return b"PNG with marks" if marks else b"PNG"
 
 
-def served(script: Script, folder: str, at_socket: bool) -> ScriptedModel:
-    """Return a scripted model at a unix socket in a folder, or at a URL, which needs OpenAI's client."""
-    if not at_socket:
-        pytest.importorskip("openai", reason="needs OpenAI's client: pip install 'wildscav[language]'")
-    return ScriptedModel(script, path=Path(folder) / "model.sock" if at_socket else None)
-
-
 def played(
     script: Script | Answer, seat: PlayedSeat | None = None, *, at_socket: bool = True, **settings: Any
 ) -> "Played":
     """Let a scripted model play a seat to the end; at a unix socket, or at a URL."""
     seat = seat or PlayedSeat()
     script = script if callable(script) else in_turn(script)
-    with TemporaryDirectory() as folder, served(script, folder, at_socket) as model:
+    with (
+        TemporaryDirectory() as folder,
+        ScriptedModel(script, path=Path(folder) / "model.sock" if at_socket else None) as model,
+    ):
         asked = ModelSettings(**{"url": model.url, "pause": 0.001, "retries": 2, **settings})
         course = ModelPlayer(seat, asked).play()
     return Played(course, seat, [request.body for request in model.requests], model)

@@ -1,8 +1,7 @@
-"""A scripted model plays whole matches of a real server, by the texts and tools of a seat."""
+"""A scripted model plays a whole match of a real server, by the texts and tools of a seat."""
 
 from pathlib import Path
 
-import pytest
 from tests.platform.helpers.seats import small_spec
 from tests.platform.wildscav.harness.model_matches import model_match
 from tests.scripted_mind import mind
@@ -22,17 +21,4 @@ def test_a_navigation_is_played_in_spite_of_all_disturbances(tmp_path: Path) -> 
     assert result.seats[0].metrics["success"] == 1.0
     assert (course.ending, course.spending.failures) == (Ending.MATCH_OVER, 2)
     assert course.spending.without_call == 2
-    assert verify_record(read_record(record)).holds
-
-
-@pytest.mark.slow
-def test_a_battle_is_played_with_pictures(tmp_path: Path) -> None:
-    filled = ("submission", "fighter-easy", "fighter-easy")
-    spec = small_spec("battle", seconds=20.0, clock="paused", filled_by=filled)
-
-    course, result, record = model_match(spec, mind, tmp_path, pictures=True)
-
-    assert course.ending == Ending.MATCH_OVER
-    assert result.seats[0].shots > 0
-    assert result.seats[0].metrics["supplies"] > 0
     assert verify_record(read_record(record)).holds

@@ -37,18 +37,14 @@ def test_of_several_calls_the_first_is_played_and_the_others_are_refused() -> No
 
 
 def test_prose_is_reminded_of_once_and_then_costs_game_time() -> None:
-    course, seat, *_ = went = played(in_turn(said("I think."), said("I think on."), said("Well."), GO))
+    prose = [said("I think."), said("I think on."), said("Well.")]
+    course, seat, *_ = went = played(in_turn(*prose, GO, said("Hm."), GO), PlayedSeat(4))
 
-    assert seat.calls == [WAITED, WAITED, ("go", {"place": "target"})]
-    assert course.spending.without_call == 3
+    went_to = ("go", {"place": "target"})
+    assert seat.calls == [WAITED, WAITED, went_to, went_to]  # after a call there is a reminder again
+    assert course.spending.without_call == 4
     assert "costs 0.5 s of game time" in went.told(1).rpartition("I think.")[2]
     assert "so 0.5 s have passed" in went.told(2)
-
-
-def test_after_a_call_there_is_a_reminder_again() -> None:
-    assert (
-        played(in_turn(said("Hm."), GO, said("Hm."), GO, GO)).seat.calls == [("go", {"place": "target"})] * 3
-    )
 
 
 @pytest.mark.parametrize(

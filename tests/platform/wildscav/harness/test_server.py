@@ -109,8 +109,6 @@ def test_a_server_gets_the_key() -> None:
 
 @pytest.mark.parametrize("url", ["http://127.0.0.1:9/v1", "unix:/nowhere/model.sock"])
 def test_a_server_that_does_not_exist_has_failed(url: str) -> None:
-    if url.startswith("http"):
-        pytest.importorskip("openai")
     course = ModelPlayer(PlayedSeat(), ModelSettings(url=url, pause=0.0)).play()
 
     assert course.ending == Ending.MODEL_FAILED
@@ -129,6 +127,5 @@ def test_tokens_are_estimated_where_a_server_does_not_count_right(usage: object)
 
 
 def test_an_address_that_is_none_is_refused() -> None:
-    pytest.importorskip("openai")
     with pytest.raises(UserError, match="not valid"):
         ModelPlayer(PlayedSeat(), ModelSettings(url="http://[::bad"))
