@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import CELL, Kind, Solid
 from wildscav_engine.maps.errors import MapError
-from wildscav_engine.maps.ground.terrain import DEEPEST_WATER
+from wildscav_engine.maps.ground.lakes import DEEPEST_WATER
 from wildscav_engine.storage.binary_format import (
     BinaryFormatError,
     Layout,

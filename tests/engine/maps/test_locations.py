@@ -43,8 +43,8 @@ def flat_world(*solids: Solid, heights: np.ndarray | None = None, water: np.ndar
     return build_world((-20.0, -20.0), heights, water, list(solids), np.zeros((0, 3)))
 
 
-def everything(world: World) -> np.ndarray:
-    return np.arange(len(world.solid_kind))
+def are_covered(world: World, places: np.ndarray) -> list[bool]:
+    return is_covered(world, places, np.arange(len(world.solid_kind))).tolist()
 
 
 def places_of(world: World) -> Places:
@@ -57,7 +57,7 @@ def in_room(house: House, level: int, places: np.ndarray) -> np.ndarray:
     storey = (places[:, 1] - house.ground) / house.storey_height
     inside = np.zeros(len(places), bool)
     for wing in house.wings:
-        inside |= (across > wing.left) & (across < wing.right) & (along > wing.back) & (along < wing.front)
+        inside |= wing.holds(across, along)
     return inside & (storey > level - 0.05) & (storey < level + 0.95)
 
 
@@ -111,9 +111,8 @@ def test_no_outdoor_place_is_in_a_house(game_map: GameMap) -> None:
     for house in game_map.houses:
         for level in range(house.storeys):
             inside = game_map.outdoor[in_room(house, level, game_map.outdoor)]
-            assert not is_covered(
-                game_map.world, inside, everything(game_map.world)
-            ).any()  # at most on a lower part's roof
+            # At most on a lower part's roof.
+            assert not any(are_covered(game_map.world, inside))
 
 
 def least_distance(places: np.ndarray) -> float:
@@ -126,8 +125,8 @@ def test_high_places_and_those_in_a_room_keep_their_distance(game_map: GameMap) 
     assert least_distance(game_map.outdoor[len(game_map.world.spawns) :]) >= HIGH_SPACING - 1e-9
     for house in game_map.houses:
         across, along = house.pose.inside(game_map.indoor[:, 0], game_map.indoor[:, 2])
-        for level, (left, back, right, front) in house.rooms:
-            within = (across > left) & (across < right) & (along > back) & (along < front)
+        for level, area in house.rooms:
+            within = area.holds(across, along)
             places = game_map.indoor[within & in_room(house, level, game_map.indoor)]
             assert least_distance(places) >= INDOOR_SPACING - 1e-9
 
@@ -153,12 +152,9 @@ def test_there_are_no_places_behind_a_wall_that_nobody_can_pass() -> None:
 
 
 def test_a_gap_as_wide_as_a_doorway_is_a_way() -> None:
-    walls = [
-        box(Kind.WALL, NORTH, (-4.0, -1.0, -30.0), (-3.0, 3.0, -0.65)),
-        box(Kind.WALL, NORTH, (-4.0, -1.0, 0.65), (-3.0, 3.0, 30.0)),
-    ]
-
-    assert places_of(flat_world(*walls)).ground[:, 0].min() < -16.0
+    south = box(Kind.WALL, NORTH, (-4.0, -1.0, -30.0), (-3.0, 3.0, -0.65))
+    north = box(Kind.WALL, NORTH, (-4.0, -1.0, 0.65), (-3.0, 3.0, 30.0))
+    assert places_of(flat_world(south, north)).ground[:, 0].min() < -16.0
 
 
 def test_a_cliff_that_one_only_gets_down_is_left_out() -> None:
@@ -201,8 +197,7 @@ def test_no_place_is_in_water() -> None:
 def test_what_has_a_ceiling_is_indoors(kind: Kind, low: float, covered: bool) -> None:
     world = flat_world(box(kind, NORTH, (-5.0, low, -5.0), (5.0, low + 0.2, 5.0)))
 
-    spots = np.array([[0.0, 0.0, 0.0], [8.0, 0.0, 0.0]])
-    assert is_covered(world, spots, everything(world)).tolist() == [covered, False]
+    assert are_covered(world, np.array([[0.0, 0.0, 0.0], [8.0, 0.0, 0.0]])) == [covered, False]
 
 
 COORDINATE = st.floats(-20.0, 20.0)
