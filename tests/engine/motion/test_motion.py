@@ -130,13 +130,6 @@ def test_a_jump_rises_as_high_as_gravity_allows_and_takes_a_second() -> None:
     assert position(match)[1] == 0
 
 
-def test_a_metre_high_wall_is_jumped_onto() -> None:
-    match = make_match(world=flat_world(solids=[box((1.5, 0, -5), (8, 1, 5))]))
-    place(match, 0, (0, 0, 0))
-    act(match, 20, seat_0={"walk_direction": 90, "walk_speed": 4, "jump": 1})
-    assert position(match)[0] > 3
-
-
 def test_a_ceiling_stops_a_jump() -> None:
     match = make_match(world=flat_world(solids=[box((-5, 2.2, -5), (5, 2.4, 5), Kind.FLOOR)]))
     place(match, 0, (0, 0, 0))
@@ -166,30 +159,3 @@ def test_a_fall_accelerates_and_lands() -> None:
     act(match, 20)
     assert position(match)[1] == 0
     assert match.state.agents.velocity[0, 0, 1] == 0
-
-
-def test_stairs_are_walked_up_and_down() -> None:
-    steps = [box((2 + 0.25 * i, 0, -1), (8, 0.2 * (i + 1), 1), Kind.STAIR) for i in range(12)]
-    match = make_match(world=flat_world(solids=steps))
-    place(match, 0, (0, 0, 0))
-    act(match, 14, seat_0={"walk_direction": 90, "walk_speed": 5})
-    assert position(match)[1] == pytest.approx(2.4, abs=3 * SKIN)
-    act(match, 14, seat_0={"walk_direction": 270, "walk_speed": 5})
-    assert position(match) == pytest.approx([0, 0, 0], abs=0.01)
-
-
-def test_bodies_do_not_walk_through_each_other() -> None:
-    match = make_match(seats=2)
-    place(match, 0, (0, 0, 0))
-    place(match, 1, (3, 0, 0))
-    act(match, 10, seat_0={"walk_direction": 90, "walk_speed": 5})
-    assert position(match)[0] == pytest.approx(3 - 2 * BODY_RADIUS, abs=0.01)
-
-
-def test_a_thin_wall_stops_the_fastest_fall() -> None:
-    match = make_match(world=flat_world(solids=[box((-5, 5, -5), (5, 5.02, 5), Kind.ROOF)]))
-    place(match, 0, (0, 60, 0))
-    match.state.agents.on_ground[0, 0] = False
-    match.state.agents.velocity[0, 0, 1] = -50
-    act(match, 20)
-    assert position(match)[1] == pytest.approx(5.02, abs=3 * SKIN)

@@ -4,17 +4,13 @@ from functools import partial
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from tests.engine.maps.by_hand import level_ground
 
 from wildscav_engine.geometry.segments import nearest_on
 from wildscav_engine.maps.ground.terrain import distance_to_footprint, make_terrain
 from wildscav_engine.maps.house import draw_plan
-from wildscav_engine.maps.settlements.footprints import farthest_out
 from wildscav_engine.maps.settlements.sites import (
     CLOSE_GAP,
-    EDGE_MARGIN,
     Settlement,
     Site,
     door_paths,
@@ -49,28 +45,6 @@ def distance_to_nearest(sites: list[Site]) -> float:
     apart = np.hypot(*(middles[:, None] - middles[None]).transpose(2, 0, 1))
     np.fill_diagonal(apart, np.inf)
     return float(apart.min(axis=1).mean())
-
-
-@pytest.mark.slow
-@given(
-    st.integers(0, 2**64 - 1),
-    st.sampled_from(["low", "high"]),
-    st.sampled_from([60, 120, 300]),
-    st.integers(0, 25),
-)
-@settings(max_examples=30)
-def test_houses_stand_apart_on_dry_ground_of_the_map(seed: int, density: str, size: int, houses: int) -> None:
-    config = MapConfig.model_validate({"size": size, "houses": houses, "density": density})
-    terrain = make_terrain(config, seed)
-    sites = settle(config, seed, terrain, sizes_of(houses, seed % 1000)).sites
-    footprints = footprints_of(sites)
-
-    assert len(sites) <= houses
-    for number, footprint in enumerate(footprints):
-        assert farthest_out(footprint) <= size / 2 - EDGE_MARGIN
-        assert sites[number].ground > terrain.water_level
-        for other in footprints[:number]:
-            assert gap_between(footprint, other) >= CLOSE_GAP
 
 
 @pytest.mark.parametrize("seed", [0, 1])

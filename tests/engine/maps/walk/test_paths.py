@@ -52,22 +52,6 @@ def test_every_path_between_places_of_any_map_is_walked_to_its_end(config: MapCo
         )
 
 
-def test_a_path_over_open_ground_is_the_straight_line() -> None:
-    graph = build_graph(flat_world())
-    path = find_path(graph, (-15.3, 0, -11.2), (14.7, 0, 8.9))
-    assert path is not None
-    assert path.length == pytest.approx(math.dist((-15.3, -11.2), (14.7, 8.9)), rel=0.01)
-
-
-def test_a_path_goes_round_a_wall_by_the_shorter_end() -> None:
-    # From (0, -5) to (0, 5); the wall reaches from x = -12 to x = 6, and a body keeps 0.45 m from its end.
-    graph = build_graph(flat_world(solids=[box((-12, 0, -0.5), (6, 3, 0.5))]))
-    path = find_path(graph, (0, 0, -5), (0, 0, 5))
-    shortest = 2 * math.dist((0, -5), (6.45, -0.95)) + 1.9
-    assert path is not None
-    assert shortest <= path.length <= 1.05 * shortest
-
-
 @pytest.mark.parametrize("seed", [7, 13, 22, 25, 35, 36])
 def test_no_way_with_room_is_more_than_a_percent_shorter_than_a_path(seed: int) -> None:
     blocks = rectangles(seed)

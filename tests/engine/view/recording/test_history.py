@@ -1,5 +1,4 @@
 from collections.abc import Iterator
-from itertools import repeat
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,6 @@ from wildscav_engine.view.recording.colors import team_color
 from wildscav_engine.view.recording.history import (
     COLOR_CAMERA,
     DEPTH_CAMERA,
-    MAX_PICTURES,
     History,
     ImageSequence,
     changes,
@@ -83,23 +81,6 @@ def test_the_image_at_a_row_is_what_the_followed_agents_camera_sees_then(
     assert kept.rows.tolist() == list(range(21))
     for row, match in enumerate(duel(20)):
         np.testing.assert_array_equal(kept.images[row], camera.read(match, [0])[0], err_msg=f"row {row}")
-
-
-def test_the_pictures_of_a_duel_show_the_enemy_until_it_is_dead(history: History) -> None:
-    assert history.color is not None
-    alive, dead = history.color.images[0], history.color.images[3]  # dead after step 3
-
-    assert np.count_nonzero((alive != dead).any(axis=-1)) > 100
-
-
-def test_of_a_long_match_a_replay_has_so_many_pictures_at_the_most() -> None:
-    steps = 5 * MAX_PICTURES  # and the start: one row too many for every fifth
-    match = make_match("battle", seats=2, time_limit=60.0)
-    _, history = collect_history(repeat(match, 13), steps, images_of=0)
-
-    assert history.color is not None
-    assert history.color.rows.tolist() == [0, 6, 12]
-    assert len(range(0, steps + 1, 6)) <= MAX_PICTURES < len(range(0, steps + 1, 5))
 
 
 def test_the_last_picture_is_of_the_last_step(monkeypatch: pytest.MonkeyPatch) -> None:
