@@ -120,13 +120,11 @@ def draw_town(
         sites.append(Site(pose(x, z, yaw), yaw, plan.size, level))
     streets = _Streets(dice, area, count, plans, sites, gates)
     is_open = streets.main_street() if config.pieces == "unseen" else streets.maze()
-    walls = [_wall(rectangle, level) for rectangle in streets.walled_up(is_open)]
-    return Town(area, level, tuple(plans), tuple(sites), tuple(walls))
-
-
-def _wall(area: Rectangle, ground: float) -> Solid:
-    low, high = (area.left, ground - 0.6, area.back), (area.right, ground + HEIGHT, area.front)
-    return box(Kind.WALL, pose(0.0, 0.0, 0.0), low, high)
+    walls = tuple(
+        box(Kind.WALL, pose(0.0, 0.0, 0.0), (left, level - 0.6, back), (right, level + HEIGHT, front))
+        for left, back, right, front in streets.walled_up(is_open)
+    )
+    return Town(area, level, tuple(plans), tuple(sites), walls)
 
 
 class _Streets:

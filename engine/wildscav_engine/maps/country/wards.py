@@ -100,8 +100,8 @@ def draw_wards(size: int, country: Country, seed: int, blocks: Sequence[Block]) 
     dice = RandomStream(seed, Stream.COUNTRY)
     numbers = np.arange(count * count).reshape(count, count)
     for block in blocks:
-        part = _cells(block)
-        numbers[part] = numbers[part].min()
+        part = numbers[block.row : block.row + block.side, block.column : block.column + block.side]
+        part[:] = part.min()
     corners = _draw_corners(dice, size, count, side, blocks)
     kinds = _draw_kinds(dice, country, numbers)
     levels = _draw_levels(dice, kinds, count, blocks)
@@ -115,10 +115,6 @@ def draw_wards(size: int, country: Country, seed: int, blocks: Sequence[Block]) 
         share = dice.uniform(*GATE_RANGE)
         borders.append(border._replace(gate=share * border.length) if opened else border)
     return Wards(corners, numbers, kinds, levels, tuple(borders))
-
-
-def _cells(block: Block) -> tuple[slice, slice]:
-    return slice(block.row, block.row + block.side), slice(block.column, block.column + block.side)
 
 
 def _point(corner: NDArray[np.float64]) -> tuple[float, float]:

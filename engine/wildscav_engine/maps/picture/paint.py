@@ -94,7 +94,7 @@ def paint(seen: TopView, style: Style) -> Image:
     """Return the picture of a top view, one pixel per sample; the outermost samples have no outlines."""
     picture = _ground(seen, style)
     wet = seen.kind == Kind.WATER
-    picture[wet] = _water(seen.depth[wet])
+    picture[wet] = SHALLOW + (DEEP - SHALLOW) * np.sqrt(np.clip(seen.depth[wet] / DEEPEST, 0, 1))[:, None]
     _draw_contours(picture, seen, style)
     on_solid = (seen.solid >= 0) & (seen.kind != Kind.WATER)
     picture[on_solid] = _solids(seen, style, on_solid)
@@ -115,11 +115,6 @@ def _ground(seen: TopView, style: Style) -> Image:
     away = -seen.depth / np.maximum(seen.slope, SHORE_SLOPE)  # m from the water, about
     sandy = np.clip(2 - 2 * away / SHORE_WIDTH, 0, 1)[..., None] * (1 - rocky)
     return np.asarray(ground + (SHORE - ground) * sandy, np.float32)
-
-
-def _water(depth: NDArray[np.float32]) -> NDArray[np.float32]:
-    way = np.sqrt(np.clip(depth / DEEPEST, 0, 1))[:, None]
-    return np.asarray(SHALLOW + (DEEP - SHALLOW) * way, np.float32)
 
 
 def _draw_contours(picture: Image, seen: TopView, style: Style) -> None:

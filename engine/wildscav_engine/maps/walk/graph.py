@@ -155,7 +155,9 @@ def build_graph(world: World) -> NavGraph:
     whole = lattice.side // 2 + 1
     fine = np.count_nonzero(lattice.marks == FINE)
     nodes = _no_nodes(lattice, int(whole * whole + LAYERS * fine) + 4 * DIRECTIONS)
-    leaps = _no_leaps(int(LEAPS_PER_NODE * len(nodes.point)))
+    most = int(LEAPS_PER_NODE * len(nodes.point))
+    start, end = np.empty(most, np.int32), np.empty(most, np.int32)
+    leaps = Leaps(start, end, np.empty(most, np.bool_), np.zeros(1, np.int64))
     for row in range(BORDER, lattice.side - BORDER, 2):
         add_ground(world, lattice, nodes, row)
     nodes, leaps = _explore_all(world, lattice, nodes, leaps)
@@ -171,11 +173,6 @@ def _no_nodes(lattice: Lattice, capacity: int) -> Nodes:
         edges=np.empty((capacity, DIRECTIONS), np.int32),
         found=np.zeros(1, np.int64),
     )
-
-
-def _no_leaps(capacity: int) -> Leaps:
-    start, end = np.empty(capacity, np.int32), np.empty(capacity, np.int32)
-    return Leaps(start, end, np.empty(capacity, np.bool_), np.zeros(1, np.int64))
 
 
 def _explore_all(world: World, lattice: Lattice, nodes: Nodes, leaps: Leaps) -> tuple[Nodes, Leaps]:

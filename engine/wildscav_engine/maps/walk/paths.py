@@ -185,8 +185,10 @@ def node_near(graph: NavGraph, place: Place, *, leave: bool) -> int | None:
     for index in np.argsort((offsets * offsets).sum(axis=1), kind="stable"):
         here, there = Point(x, y, z), Point(*places[index])
         start, end = (here, there) if leave else (there, here)
-        if abs(there.y - y) <= ATTACH and _leads_to(graph, start, end):
-            return int(nodes[index])
+        if abs(there.y - y) <= ATTACH:
+            height = walk_straight(graph.world, NO_BODIES, start, end.x, end.z, SPACING)
+            if abs(height - end.y) <= SAME_SURFACE:
+                return int(nodes[index])
     return None
 
 
@@ -202,11 +204,6 @@ def _nodes_around(graph: NavGraph, x: float, z: float) -> NDArray[np.int64]:
                 found.append(node)
                 node = int(graph.nodes.following[node])
     return np.array(found, np.int64)
-
-
-def _leads_to(graph: NavGraph, start: Point, end: Point) -> bool:
-    height = walk_straight(graph.world, NO_BODIES, start, end.x, end.z, SPACING)
-    return bool(abs(height - end.y) <= SAME_SURFACE)
 
 
 def _legs(

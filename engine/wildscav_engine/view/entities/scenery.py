@@ -33,7 +33,9 @@ def static_scene(game_map: GameMap) -> Iterator[tuple[str, rr.AsComponents]]:
     """Yield the entities of a map and their components."""
     world = game_map.world
     yield "/", rr.ViewCoordinates.RIGHT_HAND_Z_UP
-    yield "world/terrain", _terrain(world)
+    ground = ground_appearance(world)
+    lit = shaded(ground.color.reshape(-1, 3), ground.normal.reshape(-1, 3))
+    yield "world/terrain", _mesh(terrain_mesh(world), vertex_colors=lit)
     yield "world/edge", _edge(world)
     water = water_mesh(world)
     if len(water.triangles):
@@ -57,12 +59,6 @@ def _flat_shaded(mesh: Mesh, base: NDArray[np.float64]) -> rr.Mesh3D:
         triangle_indices=order,
         vertex_colors=np.repeat(lit, 3, axis=0),
     )
-
-
-def _terrain(world: World) -> rr.Mesh3D:
-    appearance = ground_appearance(world)
-    lit = shaded(appearance.color.reshape(-1, 3), appearance.normal.reshape(-1, 3))
-    return _mesh(terrain_mesh(world), vertex_colors=lit)
 
 
 def _edge(world: World) -> rr.Mesh3D:

@@ -95,12 +95,9 @@ class Follower:
         smooth = running_mean(forwards, steps)
         self._yaw = np.unwrap(np.degrees(np.arctan2(smooth[:, 0], smooth[:, 2])), period=360.0)
         self._pitch = TILT + 0.4 * running_mean(agents.pitch[:, seat], steps)
-        self._distance = -_greatest(-self._free(world, agents.position[:, seat]), _steps(history, WALL))
-
-    def _free(self, world: World, positions: NDArray[np.float64]) -> Vector:
-        """Return (T + 1,) m how far from the head there is room for a camera."""
-        poses = zip(positions, self._yaw.tolist(), self._pitch.tolist(), strict=True)
-        return np.array([_room(world, position, yaw, pitch) for position, yaw, pitch in poses])
+        poses = zip(agents.position[:, seat], self._yaw.tolist(), self._pitch.tolist(), strict=True)
+        room = np.array([_room(world, *pose) for pose in poses])
+        self._distance = -_greatest(-room, _steps(history, WALL))
 
     def at(self, moment: InterpolatedState) -> Camera:
         """Return the camera at a moment."""
