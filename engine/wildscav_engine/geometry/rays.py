@@ -14,11 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.geometry.world import BLOCK, CELL, Kind, World
+from wildscav_engine.geometry.world import BLOCK, CELL, World
 
 NOTHING_HIT = -2
 TERRAIN_HIT = -1
-NOTHING, TERRAIN = int(Kind.NOTHING), int(Kind.TERRAIN)
 
 
 class Hit(NamedTuple):
@@ -229,16 +228,6 @@ def sight_is_clear(world: World, x: float, y: float, z: float, to_x: float, to_y
         return True
     hit = raycast(world, x, y, z, dx / distance, dy / distance, dz / distance, distance)
     return hit.solid == NOTHING_HIT
-
-
-@kernel
-def kind_of(world: World, hit: Hit) -> int:
-    """Return the Kind of what a ray met."""
-    if hit.solid == NOTHING_HIT:
-        return NOTHING
-    if hit.solid == TERRAIN_HIT:
-        return TERRAIN
-    return int(np.int64(world.solid_kind[hit.solid]))
 
 
 def __getattr__(name: str) -> Any:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from wildscav_engine.compilation.kernel import array_kernel, kernel
 from wildscav_engine.geometry.world import Kind, Solid, convex_solid, set_plane, write_plane
 
 Corner = tuple[float, float, float]  # m: across, up, along
+Number = TypeVar("Number", float, NDArray[np.float64])
 
 # The corners of a box are numbered by the bits (along, up, across): 0 = low, 1 = high.
 BOX_FACES = np.array([[0, 1, 4], [2, 3, 6], [0, 1, 2], [4, 5, 6], [0, 2, 4], [1, 3, 5]])
@@ -35,6 +36,10 @@ class Rectangle(NamedTuple):
         """In m²."""
         return (self.right - self.left) * (self.front - self.back)
 
+    def holds(self, across: NDArray[np.float64], along: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Return which of some points in m lie between its edges."""
+        return (across > self.left) & (across < self.right) & (along > self.back) & (along < self.front)
+
 
 class Pose(NamedTuple):
     """A position and a yaw; the axes of a pose are *across* (to its right) and *along* (ahead)."""
@@ -51,8 +56,8 @@ class Pose(NamedTuple):
             self.z - across * self.sine + along * self.cosine,
         )
 
-    def inside(self, x: float, z: float) -> tuple[float, float]:
-        """Return a point of the map in the axes of the pose."""
+    def inside(self, x: Number, z: Number) -> tuple[Number, Number]:
+        """Return a point of the map, or several, in the axes of the pose."""
         east, north = x - self.x, z - self.z
         return east * self.cosine - north * self.sine, east * self.sine + north * self.cosine
 
@@ -153,20 +158,12 @@ def _box_corners(where: Pose, low: Corner, high: Corner) -> NDArray[np.float64]:
 
 def polygon(sides: int, turn: float) -> NDArray[np.float64]:
     """Return the corners (sides, 2) in m of a regular polygon of radius 1, its first at a yaw in degrees."""
-    return rounded_polygon([turn + corner * 360.0 / sides for corner in range(sides)])
-
-
-def rounded_polygon(yaws: Sequence[float], across: float = 1.0) -> NDArray[np.float64]:
-    """Return corners (N, 2) in m on a circle of radius 1 at ascending yaws, then widened across (x)."""
-    return np.array([(across * sine(yaw), cosine(yaw)) for yaw in yaws])
+    yaws = [turn + corner * 360.0 / sides for corner in range(sides)]
+    return np.array([(sine(yaw), cosine(yaw)) for yaw in yaws])
 
 
 def stack(
-    kind: Kind,
-    x: float,
-    z: float,
-    outline: NDArray[np.float64],
-    rings: Sequence[tuple[float, float]],
+    kind: Kind, x: float, z: float, outline: NDArray[np.float64], rings: Sequence[tuple[float, float]]
 ) -> Solid:
     """Make a solid from scaled copies of one outline above each other: a prism, frustum, pyramid or spindle.
 
@@ -276,6 +273,8 @@ def _write_box(stacks: RingStacks, row: int, low: NDArray[np.float64], high: NDA
 @kernel
 def _write_planes(stacks: RingStacks, row: int, first: int, planes: NDArray[np.float64]) -> None:
     sides, top = stacks.sides[row], stacks.levels[row] - 1
+    height = 0.5 * (stacks.rings[row, 0, 0] + stacks.rings[row, top, 0])
+    behind = (stacks.axis[row, 0], height, stacks.axis[row, 1])
     written = first
     for ring in range(top):
         is_tip = stacks.rings[row, ring, 1] == 0.0
@@ -284,24 +283,10 @@ def _write_planes(stacks: RingStacks, row: int, first: int, planes: NDArray[np.f
             a = _corner(stacks, row, ring, corner)
             b = _corner(stacks, row, ring + 1 if is_tip else ring, following)
             c = _corner(stacks, row, ring + 1, corner)
-            _write_plane(stacks, row, a, b, c, planes[written])
+            write_plane(a, b, c, behind, planes[written])
             written += 1
     if stacks.rings[row, 0, 1] > 0.0:
         set_plane(planes[written], 0.0, -1.0, 0.0, -stacks.rings[row, 0, 0])
         written += 1
     if stacks.rings[row, top, 1] > 0.0:
         set_plane(planes[written], 0.0, 1.0, 0.0, stacks.rings[row, top, 0])
-
-
-@kernel
-def _write_plane(
-    stacks: RingStacks,
-    row: int,
-    a: tuple[float, float, float],
-    b: tuple[float, float, float],
-    c: tuple[float, float, float],
-    plane: NDArray[np.float64],
-) -> None:
-    """Write the plane through three corners; the axis at half the height lies behind it."""
-    height = 0.5 * (stacks.rings[row, 0, 0] + stacks.rings[row, stacks.levels[row] - 1, 0])
-    write_plane(a, b, c, (stacks.axis[row, 0], height, stacks.axis[row, 1]), plane)

@@ -1,10 +1,10 @@
 """Laying out a map: the ground and everything that stands on it."""
 
 from collections.abc import Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wildscav_engine.geometry.world import CELL, Solid
 from wildscav_engine.maps.base import Base, load_base
@@ -109,16 +109,17 @@ def settle_houses(
     if country:
         fixed_plans, fixed_sites = fixed_plans + country.plans, fixed_sites + country.sites
         avoided, kept_off = [*avoided, *(town.site for town in country.towns)], country.kept_off
+    settled = partial(settle, config, seed, terrain, fixed=fixed_sites, avoided=avoided, kept_off=kept_off)
     for small in (False, True):
         plans = [
             draw_house(config.pieces, seed, number, config.storeys, small=small)
             for number in range(config.houses)
         ]
         sizes = [plan.size for plan in plans]
-        found = settle(config, seed, terrain, sizes, fixed_sites, avoided, kept_off)
+        found = settled(sizes)
         if len(found.sites) == len(plans):
             return fixed_plans + plans, Settlement(fixed_sites + found.sites, found.lanes)
-    most = room_for(config, seed, terrain, sizes, fixed_sites, avoided, kept_off)
+    most = room_for(settled, sizes)
     raise MapError(
         f"houses is {config.houses}: a map of {config.size} m with seed {seed}, relief {config.relief} and "
         f"water {config.water} has room for 0 to {most}"
@@ -140,15 +141,6 @@ def _clear_of(parts: Sequence[Solid], plants: list[Solid]) -> list[Solid]:
     """Return the plants that stand clear of imported parts."""
     if not parts or not plants:
         return plants
-    low, high = _boxes(parts)
-    kept = []
-    for solid in plants:
-        x_apart = (low[:, 0] > solid.high[0]) | (high[:, 0] < solid.low[0])
-        z_apart = (low[:, 2] > solid.high[2]) | (high[:, 2] < solid.low[2])
-        if (x_apart | z_apart).all():
-            kept.append(solid)
-    return kept
-
-
-def _boxes(solids: Sequence[Solid]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    return np.array([solid.low for solid in solids]), np.array([solid.high for solid in solids])
+    low, high = np.array([solid.low for solid in parts]), np.array([solid.high for solid in parts])
+    apart = [((low > solid.high) | (high < solid.low))[:, [0, 2]].any(axis=1).all() for solid in plants]
+    return [solid for solid, is_apart in zip(plants, apart, strict=True) if is_apart]

@@ -166,7 +166,7 @@ def _in_rooms(
         across, along = house.pose.inside(places[near, 0], places[near, 2])
         storey = (places[near, 1] - house.ground) / house.storey_height
         for level, area in house.rooms:
-            within = (across > area.left) & (across < area.right) & (along > area.back) & (along < area.front)
+            within = area.holds(across, along)
             in_room = near[within & (storey > level - 0.05) & (storey < level + 0.95)]
             taken[in_room] = True
             off_floor = places[in_room, 1] - house.ground - level * house.storey_height
@@ -183,7 +183,7 @@ def houses_cut_off(houses: Sequence[House], indoor: NDArray[np.float64]) -> list
         x, y, z = indoor[_is_near(house, indoor)].T
         across, along = house.pose.inside(x, z)
         for level, area in house.rooms:
-            within = (across > area.left) & (across < area.right) & (along > area.back) & (along < area.front)
+            within = area.holds(across, along)
             floor = house.ground + level * house.storey_height
             if not (within & (np.abs(y - floor) <= ON_FLOOR)).any():
                 cut_off.append(number)

@@ -35,10 +35,8 @@ PLANT_MARGIN = 0.5  # m between the axis of a single plant and the edge of the m
 YARD = 3.0  # m around a house that an area of plants leaves free, in addition to the usual margin
 CATEGORIES = {"tree": TREES, "bush": BUSHES, "rock": ROCKS}
 THICKEST = {"tree": 0.04, "bush": 0.1, "rock": 0.06}  # per m², of an area with density 1
-FIRST_KEY, KEYS = (
-    2**28,
-    2**18,
-)  # the keys of the first placement's plants start here; each placement has this many
+# The keys of the first placement's plants start at the one; each placement has as many as the other.
+FIRST_KEY, KEYS = 2**28, 2**18
 
 
 def fixed_houses(config: MapConfig, seed: int, terrain: Terrain) -> tuple[list[HousePlan], list[Site]]:

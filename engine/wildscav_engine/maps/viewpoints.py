@@ -68,7 +68,7 @@ def viewpoint_of(game_map: GameMap) -> Viewpoint:
 def _view_of(game_map: GameMap, house: House) -> Viewpoint | None:
     """Return the best viewpoint of a house on open ground, None if it is hidden from all."""
     places = game_map.outdoor
-    across, along = house.pose.inside(places[:, 0], places[:, 2])  # type: ignore[arg-type]
+    across, along = house.pose.inside(places[:, 0], places[:, 2])
     best = AWAY[0] * max(house.size) + AWAY[1]
     off = np.degrees(np.arctan2(np.abs(across), along))
     awkward = np.abs(np.hypot(across, along) - best) / best + np.abs(off - CORNER_ON) / 45.0

@@ -80,22 +80,15 @@ def blueprint(layout: Layout, overview: Overview) -> rrb.Blueprint:
     below: list[rrb.View | rrb.Container] = [_plots(layout)]
     if layout.images:
         below.append(rrb.Spatial2DView(origin=COLOR, name=f"Camera of {name}"))
-        below.append(
-            rrb.Spatial2DView(origin=DEPTH, name=f"Depth map of {name}", visual_bounds=_depth_bounds())
-        )
+        # The area of a depth map and its scale, so that no number of the scale is cut off.
+        across, down = (-MARGIN, DEPTH_CAMERA.width + MARGIN), (-MARGIN, DEPTH_CAMERA.height + SCALE_HEIGHT)
+        bounds = rrb.VisualBounds2D(x_range=across, y_range=down)
+        below.append(rrb.Spatial2DView(origin=DEPTH, name=f"Depth map of {name}", visual_bounds=bounds))
     return rrb.Blueprint(
         rrb.Vertical(above, rrb.Horizontal(*below, column_shares=[7, 3, 3][: len(below)]), row_shares=[5, 2]),
         rrb.BlueprintPanel(state="collapsed"),
         rrb.SelectionPanel(state="collapsed"),
         rrb.TimePanel(state="collapsed", timeline=MATCH_TIME, play_state="playing"),
-    )
-
-
-def _depth_bounds() -> rrb.VisualBounds2D:
-    """Return the area of a depth map and its scale, so that no number of the scale is cut off."""
-    return rrb.VisualBounds2D(
-        x_range=(-MARGIN, DEPTH_CAMERA.width + MARGIN),
-        y_range=(-MARGIN, DEPTH_CAMERA.height + SCALE_HEIGHT),
     )
 
 

@@ -17,15 +17,12 @@ RADIUS = 0.25  # m
 
 def said(notes: Sequence[Note], history: History, names: Sequence[str]) -> list[Event]:
     """Return what agents said as events, in the colours of their teams."""
+    team_colors = [colors.team_color(team) for team in history.teams.tolist()]
     return [
-        Event(note.step, "SAYS", f"{names[note.seat]}: {note.text}", _color(note, history))
+        Event(note.step, "SAYS", f"{names[note.seat]}: {note.text}", team_colors[note.seat])
         for note in notes
         if note.text
     ]
-
-
-def _color(note: Note, history: History) -> colors.Color:
-    return colors.team_color(history.team_of(note.seat))
 
 
 def drawn(notes: Sequence[Note], history: History) -> Iterator[Columns]:
@@ -47,7 +44,7 @@ def drawn(notes: Sequence[Note], history: History) -> Iterator[Columns]:
 
 def _mark(path: str, rows: np.ndarray, notes: Sequence[Note], history: History) -> Iterator[Columns]:
     """Yield a mark as a line with its points; a removed one has none."""
-    color = _color(notes[0], history)
+    color = colors.team_color(history.team_of(notes[0].seat))
     strips = [coordinates.points(np.array(note.points, np.float64).reshape(-1, 3)) for note in notes]
     lengths = [len(strip) for strip in strips]
     everything = np.concatenate(strips)

@@ -1,5 +1,6 @@
 """The initial camera of the free view of a replay, which shows the whole map or all agents."""
 
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -41,22 +42,20 @@ def _corners(history: History, world: World) -> NDArray[np.float64]:
         low = np.array([-half[0], world.heights.min(), -half[1]])
         high = np.array([half[0], world.heights.max() + OBJECT_HEIGHT, half[1]])
     short = np.maximum(0.0, MIN_EXTENT - (high - low)) / 2 * [1, 0, 1]
-    low, high = low - short, high + short
-    return np.array(
-        [[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]
-    )
+    return box_corners(low - short, high + short)
+
+
+def box_corners(low: NDArray[np.float64], high: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return (8, 3) m the corners of a box."""
+    return np.array(list(product(*zip(low, high, strict=True))))
 
 
 def fitted(
     corners: NDArray[np.float64], wide: float, tall: float, way: NDArray[np.float64] = FROM
 ) -> Overview:
-    """Return the camera whose view some corners fill: center them, then move as close as possible.
+    """Return the camera whose view (N, 3) m corners fill: center them, then move as close as possible.
 
-    Args:
-        corners: (N, 3) m, that must be in view.
-        wide: The tangent of half the horizontal angle of view.
-        tall: That of half the vertical one.
-        way: (3,) the direction from what is seen to the camera.
+    The tangents of half its angles of view are ``wide`` and ``tall``; ``way`` leads to it from what is seen.
     """
     back = way / np.linalg.norm(way)
     right = np.cross([0.0, 1.0, 0.0], -back)

@@ -51,7 +51,8 @@ def rendered(
     Raises:
         ViewError: Rerun is not installed, or there is no such seat.
     """
-    seat = _followed(record) if follow is None else follow
+    seats = record.spec.seats
+    seat = follow if follow is not None else seats.index(SUBMISSION) if SUBMISSION in seats else 0
     if not 0 <= seat < len(record.names):
         raise ViewError(
             f"there is no seat {seat} to follow: the record has seats 0 to {len(record.names) - 1}"
@@ -65,8 +66,3 @@ def rendered(
     match, history = collect_history(resimulate(record), len(record.actions), seat if images else None)
     with RENDERING:
         return render(record, match.game_map, history, seat, notes)
-
-
-def _followed(record: Record) -> int:
-    seats = record.spec.seats
-    return seats.index(SUBMISSION) if SUBMISSION in seats else 0

@@ -30,7 +30,15 @@ def render(
     names = agents.distinct(record.names)
     overlay = ground_overlay.GroundOverlay(game_map.world)
     scene = dict(scenery.static_scene(game_map))
-    layout = _layout(record, history, names, seat, scene, notes)
+    layout = Layout(
+        names,
+        seat,
+        plots=_plots(record, history),
+        images=history.depth is not None,
+        kills=Field.SHOOT in TRACKS[record.spec.track].fields,
+        transparent=tuple(path for path in TRANSPARENT_PATHS if path in scene),
+        own_plots=any(note.value is not None for note in notes),
+    )
     identity = _identity(record, layout)
     # A viewer keeps one layout per application id. With a common id, a second replay that is opened in the
     # same viewer would get the layout of the first.
@@ -63,33 +71,12 @@ def render(
     return memory.drain_as_bytes()
 
 
-def _layout(
-    record: Record,
-    history: History,
-    names: tuple[str, ...],
-    seat: int,
-    scene: dict[str, Any],
-    notes: Sequence[Note],
-) -> Layout:
-    return Layout(
-        names,
-        seat,
-        _plots(record, history),
-        history.depth is not None,
-        Field.SHOOT in TRACKS[record.spec.track].fields,
-        tuple(path for path in TRANSPARENT_PATHS if path in scene),
-        any(note.value is not None for note in notes),
-    )
-
-
 def _logs(
     record: Record, history: History, names: tuple[str, ...], notes: Sequence[Note]
 ) -> Iterator[Columns]:
     """Yield the log of all events and the log of kills."""
-    title, limit = (
-        TRACKS[record.spec.track].title,
-        format_time(round(record.spec.time_limit * FRAMES_PER_SECOND)),
-    )
+    title = TRACKS[record.spec.track].title
+    limit = format_time(round(record.spec.time_limit * FRAMES_PER_SECOND))
     count = "1 agent" if len(names) == 1 else f"{len(names)} agents"
     opening, ending = f"{title}: {count}, {limit} at most", describe_outcome(record.result, names)
     events = [*events_of(history, names, opening, ending), *said(notes, history, names)]

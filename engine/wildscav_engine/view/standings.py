@@ -61,7 +61,9 @@ def _table(record: Record, history: History, names: tuple[str, ...], followed: i
         columns.append(Column("Supplies", agents.supplies))
     if Field.SHOOT in track.fields:
         columns += [Column("Kills", agents.kills), Column("Deaths", agents.deaths)]
-        columns.append(Column("Health", agents.health, _health, False))
+        columns.append(
+            Column("Health", agents.health, lambda left: f"{left:.0f}" if left > 0 else "dead", False)
+        )
     return Table(
         track.title,
         spec.time_limit,
@@ -98,10 +100,6 @@ def _line(table: Table, row: int, seat: int, place: int) -> str:
     name = _plain(table.names[seat])
     cells = "".join(f" {column.write(float(column.values[row, seat]))} |" for column in table.columns)
     return f"| {place} | {f'**{name}**' if seat == table.followed else name} |{cells}"
-
-
-def _health(left: float) -> str:
-    return f"{left:.0f}" if left > 0 else "dead"
 
 
 def _plain(text: str) -> str:

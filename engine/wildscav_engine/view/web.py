@@ -14,7 +14,7 @@ from http.client import HTTPException
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, ClassVar, Final
+from typing import Any, ClassVar, Final, NamedTuple
 from urllib.error import URLError
 from urllib.parse import urlencode
 from urllib.request import ProxyHandler, build_opener
@@ -30,6 +30,8 @@ TYPES = {
     "/favicon.ico": "image/x-icon",
 }
 RECORDING = "/replay.rrd"
+PLAIN = "text/plain; charset=utf-8"
+VIEWER_OPTIONS = {"hide_welcome_screen": "", "persist": "0", "renderer": "webgl"}
 POLICY = (
     "default-src 'none'; connect-src 'self'; img-src 'self' data: blob:; style-src 'unsafe-inline'; "
     "script-src 'self' 'unsafe-inline' 'wasm-unsafe-eval'; worker-src 'self' blob:"
@@ -37,12 +39,11 @@ POLICY = (
 HOST = re.compile(r"[A-Za-z0-9.-]+(:\d+)?|\[[0-9A-Fa-f:.]+\](:\d+)?")
 
 
-class Content:
+class Content(NamedTuple):
     """The response body of one path."""
 
-    def __init__(self, media_type: str, body: bytes) -> None:
-        """Store a body and its media type."""
-        self.media_type, self.body = media_type, body
+    media_type: str
+    body: bytes
 
 
 class ReplayServer(ThreadingHTTPServer):
@@ -101,7 +102,7 @@ class _Handler(BaseHTTPRequestHandler):
         if path == "/" and "url=" not in query:
             self._redirect(query)
         elif (found := self.server.content.get("/index.html" if path == "/" else path)) is None:
-            self._answer(404, Content("text/plain; charset=utf-8", b"there is no such page\n"))
+            self._answer(404, Content(PLAIN, b"there is no such page\n"))
         else:
             self._answer(200, found)
 
@@ -111,19 +112,10 @@ class _Handler(BaseHTTPRequestHandler):
         """Redirect to the viewer with the recording's URL, which must be absolute."""
         host = self.headers.get("Host", "")
         if not HOST.fullmatch(host):
-            return self._answer(
-                400, Content("text/plain; charset=utf-8", b"the request has no Host header\n")
-            )
-        options = urlencode(
-            {
-                "url": f"http://{host}{RECORDING}",
-                "hide_welcome_screen": "",
-                "persist": "0",
-                "renderer": "webgl",
-            }
-        )
-        place = f"/?{options}" + (f"&{query}" if query else "")
-        return self._answer(302, Content("text/plain; charset=utf-8", b""), {"Location": place})
+            return self._answer(400, Content(PLAIN, b"the request has no Host header\n"))
+        options = {"url": f"http://{host}{RECORDING}", **VIEWER_OPTIONS}
+        place = f"/?{urlencode(options)}" + (f"&{query}" if query else "")
+        return self._answer(302, Content(PLAIN, b""), {"Location": place})
 
     def _answer(self, status: int, content: Content, more: Mapping[str, str] | None = None) -> None:
         self.send_response(status)

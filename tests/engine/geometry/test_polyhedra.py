@@ -35,12 +35,33 @@ def test_six_planes_make_a_cube() -> None:
     assert abs(volume(corners, triangles)) == pytest.approx(1.0)
 
 
-def test_triangles_all_look_the_same_way() -> None:
-    for planes in (CUBE, pitched_roof(Kind.ROOF, pose(0, 0, 30), (-4, 3, -5), (4, 6, 5), 0.2, (2, 0)).planes):
-        corners, triangles = polyhedron(planes)
-        middle = corners.mean(axis=0)
-        for a, b, c in corners[triangles]:
-            assert np.dot(np.cross(b - a, c - a), a - middle) > 0
+def rock(seed: int) -> NDArray[np.float64]:
+    """Return random planes around the origin: up to twenty faces of all shapes."""
+    generator = np.random.default_rng(seed)
+    normals = generator.normal(size=(20, 3))
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    return np.concatenate([normals, generator.uniform(0.8, 1.2, (20, 1))], axis=1)
+
+
+@pytest.mark.parametrize(
+    "planes",
+    [
+        CUBE,
+        pitched_roof(Kind.ROOF, pose(0, 0, 30), (-4, 3, -5), (4, 6, 5), 0.2, (2, 0)).planes,
+        *map(rock, range(20)),
+    ],
+)
+def test_a_surface_is_closed_and_looks_outwards_and_its_corners_are_where_planes_meet(
+    planes: NDArray[np.float64],
+) -> None:
+    corners, triangles = polyhedron(planes)
+    a, b, c = corners[triangles].transpose(1, 0, 2)
+    away = corners @ planes[:, :3].T - planes[:, 3]
+
+    assert is_closed(triangles)
+    assert (np.sum(np.cross(b - a, c - a) * (a - corners.mean(axis=0)), axis=1) > 0).all()
+    assert (np.sum(np.abs(away) < 1e-5, axis=1) >= 3).all()
+    assert away.max() < 1e-5
 
 
 def test_a_corner_that_is_cut_off_becomes_a_triangle() -> None:
@@ -53,9 +74,13 @@ def test_a_corner_that_is_cut_off_becomes_a_triangle() -> None:
     assert volume(corners, triangles) == pytest.approx(1.0 - 0.5**3 / 6)
 
 
-def test_a_plane_that_only_touches_a_corner_changes_nothing() -> None:
-    touching = np.vstack([CUBE, [THIRD, THIRD, THIRD, 3.0 * THIRD]])
-    corners, triangles = polyhedron(touching)
+@pytest.mark.parametrize(
+    "plane",
+    [(THIRD, THIRD, THIRD, 3.0 * THIRD), (np.sqrt(0.5), 0.0, np.sqrt(0.5), np.sqrt(2.0))],
+    ids=["a corner", "an edge"],
+)
+def test_a_plane_that_only_touches_changes_nothing(plane: tuple[float, ...]) -> None:
+    corners, triangles = polyhedron(np.vstack([CUBE, plane]))
 
     assert (len(corners), len(triangles)) == (8, 12)
     assert volume(corners, triangles) == pytest.approx(1.0)

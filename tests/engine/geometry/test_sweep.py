@@ -53,14 +53,6 @@ def test_how_far_a_body_goes(
     assert contact[1:] == pytest.approx(normal)
 
 
-def test_of_several_solids_the_first_one_counts() -> None:
-    walls = [box((east, 0, -5), (east + 1, 3, 5)) for east in (9, 5, 13)]
-
-    assert sweep_world(flat_world(40, walls), 0.0, 0.0, 0.0, 20.0, 0.0, 0.0).fraction * 20 == pytest.approx(
-        5 - 0.45 - SKIN
-    )
-
-
 def test_no_way_is_too_fast_for_a_thin_wall() -> None:
     thin = flat_world(40, [box((2, 0, -5), (2.01, 3, 5))])
 

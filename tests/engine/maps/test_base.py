@@ -1,7 +1,9 @@
 """Bases: they are found by their digest; damaged ones are refused in one line."""
 
 import json
+import re
 import zlib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,11 +12,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tests.builders import box
 
-from wildscav_engine.geometry.world import Kind, Solid
+from wildscav_engine.geometry.world import Kind
 from wildscav_engine.maps import MapError, base
 from wildscav_engine.maps.base import Base, BaseError, decode, digest_of, encode, load_base, save_base
 from wildscav_engine.storage import binary_format as container
 
+NONE = "0" * 32  # the digest of no base
 HEIGHTS = np.linspace(-3.0, 12.5, 21 * 21).reshape(21, 21)
 SOLIDS = (box((-5, 0, -5), (5, 3, 5)), box((10, 1, 10), (21, 2, 12), Kind.ROCK))
 COUNTRY = Base(HEIGHTS, -1.5, SOLIDS, 40, "country")
@@ -27,10 +30,6 @@ def maps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "maps"
 
 
-def same(one: Base, other: Base) -> bool:
-    return encode(one) == encode(other)
-
-
 @pytest.mark.parametrize(
     "country", [COUNTRY, Base(None, -np.inf, (), 2000, ""), COUNTRY._replace(heights=None)]
 )
@@ -40,13 +39,9 @@ def test_a_base_reads_back_as_it_was_written(country: Base, maps: Path) -> None:
 
     assert path == maps / f"{digest}.wsb"
     assert (again.water_level, again.size, again.name) == country[1:2] + country[3:]
-    assert (again.heights is None) == (country.heights is None)
-    if again.heights is not None and country.heights is not None:
-        assert again.heights.tobytes() == country.heights.tobytes()
+    np.testing.assert_equal(again.heights, country.heights)
     for one, other in zip(again.solids, country.solids, strict=True):
-        assert one.kind is other.kind
-        for name in ("planes", "low", "high"):
-            assert getattr(one, name).tobytes() == getattr(other, name).tobytes()
+        np.testing.assert_equal(vars(one), vars(other))
 
 
 def test_anything_that_differs_is_another_base() -> None:
@@ -73,7 +68,7 @@ def test_a_user_without_a_home_needs_a_folder_for_bases(maps: Path, monkeypatch:
 def test_a_base_is_found_in_any_of_the_folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     digest, _ = save_base(COUNTRY)
     monkeypatch.setenv("WILDSCAV_MAPS", f"{tmp_path / 'nothing'}::{tmp_path / 'maps'}")
-    assert same(load_base(digest), COUNTRY)
+    assert digest_of(load_base(digest)) == digest
 
 
 @pytest.mark.parametrize("named", ["", None])
@@ -90,19 +85,18 @@ def test_without_a_named_folder_the_users_own_is_used(
 
 
 def test_a_base_that_is_not_there_says_how_to_bring_it_in(maps: Path) -> None:
-    with pytest.raises(MapError) as caught:
-        load_base("0" * 32)
-    assert str(caught.value) == (
-        f"base is {'0' * 32}: no imported map with this digest in {maps}; "
-        "bring it in with: wildscav map import"
+    said = (
+        f"base is {NONE}: no imported map with this digest in {maps}; bring it in with: wildscav map import"
     )
+    with pytest.raises(MapError, match=f"^{re.escape(said)}$"):
+        load_base(NONE)
 
 
 def test_a_base_under_the_name_of_another_is_refused() -> None:
     _, path = save_base(COUNTRY)
-    path.rename(path.with_name(f"{'0' * 32}.wsb"))
-    with pytest.raises(MapError, match=f"base is {'0' * 32}: .* holds another map"):
-        load_base("0" * 32)
+    path.rename(path.with_name(f"{NONE}.wsb"))
+    with pytest.raises(MapError, match=f"base is {NONE}: .* holds another map"):
+        load_base(NONE)
 
 
 @given(st.data())
@@ -112,9 +106,7 @@ def test_damage_anywhere_is_one_clear_line(data: st.DataObject) -> None:
         raw = raw[: data.draw(st.integers(0, len(raw) - 1))]
     else:
         raw[data.draw(st.integers(0, len(raw) - 1))] ^= data.draw(st.integers(1, 255))
-    with pytest.raises(BaseError) as caught:
-        decode(bytes(raw))
-    assert "\n" not in str(caught.value)
+    assert re.fullmatch(".+", refusal(bytes(raw)))
 
 
 def refusal(data: bytes) -> str:
@@ -162,11 +154,8 @@ def test_a_header_of_endless_brackets_is_refused() -> None:
         decode(body + container.blake2b(body, digest_size=32).digest())
 
 
-def with_planes(planes: np.ndarray) -> Solid:
-    return Solid(Kind.WALL, planes, np.zeros(3), np.ones(3))
-
-
 UNIT_BOX = box((0, 0, 0), (1, 1, 1))
+PLANES = UNIT_BOX.planes
 
 
 @pytest.mark.parametrize(
@@ -184,11 +173,11 @@ UNIT_BOX = box((0, 0, 0), (1, 1, 1))
         ({"solids": (box((30, 0, 0), (41, 1, 1)),)}, "a part lies outside the map of 40 m"),
         ({"solids": (box((21, 0, 0), (22, 1, 1)),)}, "a part lies outside the map of 40 m"),
         ({"solids": (box((0, 0, 0), (1, 1001, 1)),)}, "a part lies outside the map of 40 m"),
-        ({"solids": (with_planes(UNIT_BOX.planes[:3]),)}, "3 to 3 faces, must have 4 to 100"),
-        ({"solids": (with_planes(np.tile(UNIT_BOX.planes, (17, 1))),)}, "102 to 102 faces"),
-        ({"solids": (with_planes(UNIT_BOX.planes * 2),)}, "no unit normal"),
-        ({"solids": (with_planes(UNIT_BOX.planes * np.nan),)}, "no unit normal"),
-        ({"solids": (Solid(Kind.WALL, UNIT_BOX.planes, np.zeros(3), np.zeros(3)),)}, "has no volume"),
+        ({"solids": (replace(UNIT_BOX, planes=PLANES[:3]),)}, "3 to 3 faces, must have 4 to 100"),
+        ({"solids": (replace(UNIT_BOX, planes=np.tile(PLANES, (17, 1))),)}, "102 to 102 faces"),
+        ({"solids": (replace(UNIT_BOX, planes=PLANES * 2),)}, "no unit normal"),
+        ({"solids": (replace(UNIT_BOX, planes=PLANES * np.nan),)}, "no unit normal"),
+        ({"solids": (replace(UNIT_BOX, high=np.zeros(3)),)}, "has no volume"),
         ({"solids": (UNIT_BOX,) * 20_001}, "20001 parts, 20000 are allowed"),
     ],
 )
@@ -215,7 +204,7 @@ def test_a_base_of_another_version_says_so() -> None:
 
 def test_what_is_no_base_is_named(maps: Path) -> None:
     maps.mkdir()
-    path = maps / f"{'0' * 32}.wsb"
+    path = maps / f"{NONE}.wsb"
     path.write_text(json.dumps({"hello": "world"}) * 10)
-    with pytest.raises(MapError, match=f"base is {'0' * 32}: .*: not an imported map"):
-        load_base("0" * 32)
+    with pytest.raises(MapError, match=f"base is {NONE}: .*: not an imported map"):
+        load_base(NONE)

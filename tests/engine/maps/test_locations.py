@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.builders import box, flat_world
 
 from wildscav_engine.geometry.clearance import has_clearance, is_clear
 from wildscav_engine.geometry.rays import raycast
-from wildscav_engine.geometry.shapes import box, pose
 from wildscav_engine.geometry.terrain import ground_at, water_at
-from wildscav_engine.geometry.world import Kind, Solid, World, build_world
+from wildscav_engine.geometry.world import Kind, World
 from wildscav_engine.maps import GameMap, House, generate_map
 from wildscav_engine.maps.locations import (
     CEILING,
@@ -27,7 +27,6 @@ CONFIGS = [
     MapConfig(size=80, houses=4, storeys=(1, 3), water=0.2, vegetation=1.0),
     MapConfig(size=100, houses=5, storeys=(2, 4), density="high", relief=1.8, ruggedness=0.8),
 ]
-NORTH = pose(0.0, 0.0, 0.0)
 PLANTS = (Kind.TRUNK, Kind.CROWN, Kind.BUSH)
 
 
@@ -36,15 +35,8 @@ def game_map(request: pytest.FixtureRequest) -> GameMap:
     return generate_map(CONFIGS[request.param], request.param)
 
 
-def flat_world(*solids: Solid, heights: np.ndarray | None = None, water: np.ndarray | None = None) -> World:
-    """Return a world of 40 × 40 m."""
-    heights = np.zeros((21, 21)) if heights is None else heights
-    water = np.full((20, 20), -np.inf) if water is None else water
-    return build_world((-20.0, -20.0), heights, water, list(solids), np.zeros((0, 3)))
-
-
-def everything(world: World) -> np.ndarray:
-    return np.arange(len(world.solid_kind))
+def are_covered(world: World, places: np.ndarray) -> list[bool]:
+    return is_covered(world, places, np.arange(len(world.solid_kind))).tolist()
 
 
 def places_of(world: World) -> Places:
@@ -57,7 +49,7 @@ def in_room(house: House, level: int, places: np.ndarray) -> np.ndarray:
     storey = (places[:, 1] - house.ground) / house.storey_height
     inside = np.zeros(len(places), bool)
     for wing in house.wings:
-        inside |= (across > wing.left) & (across < wing.right) & (along > wing.back) & (along < wing.front)
+        inside |= wing.holds(across, along)
     return inside & (storey > level - 0.05) & (storey < level + 0.95)
 
 
@@ -111,9 +103,8 @@ def test_no_outdoor_place_is_in_a_house(game_map: GameMap) -> None:
     for house in game_map.houses:
         for level in range(house.storeys):
             inside = game_map.outdoor[in_room(house, level, game_map.outdoor)]
-            assert not is_covered(
-                game_map.world, inside, everything(game_map.world)
-            ).any()  # at most on a lower part's roof
+            # At most on a lower part's roof.
+            assert not any(are_covered(game_map.world, inside))
 
 
 def least_distance(places: np.ndarray) -> float:
@@ -126,8 +117,8 @@ def test_high_places_and_those_in_a_room_keep_their_distance(game_map: GameMap) 
     assert least_distance(game_map.outdoor[len(game_map.world.spawns) :]) >= HIGH_SPACING - 1e-9
     for house in game_map.houses:
         across, along = house.pose.inside(game_map.indoor[:, 0], game_map.indoor[:, 2])
-        for level, (left, back, right, front) in house.rooms:
-            within = (across > left) & (across < right) & (along > back) & (along < front)
+        for level, area in house.rooms:
+            within = area.holds(across, along)
             places = game_map.indoor[within & in_room(house, level, game_map.indoor)]
             assert least_distance(places) >= INDOOR_SPACING - 1e-9
 
@@ -144,49 +135,20 @@ def test_the_same_seed_gives_the_same_places_and_another_one_others(game_map: Ga
 
 def test_there_are_no_places_behind_a_wall_that_nobody_can_pass() -> None:
     # A wall from edge to edge: 16 m of the map lie west of it, 23 m east.
-    world = flat_world(box(Kind.WALL, NORTH, (-4.0, -1.0, -30.0), (-3.0, 3.0, 30.0)))
-    places = places_of(world)
+    places = places_of(flat_world(solids=[box((-4, -1, -30), (-3, 3, 30))]))
 
     assert len(places.ground) > 20
     assert places.ground[:, 0].min() > -3.0
     assert len(places.indoor) == 0
 
 
-def test_a_gap_as_wide_as_a_doorway_is_a_way() -> None:
-    walls = [
-        box(Kind.WALL, NORTH, (-4.0, -1.0, -30.0), (-3.0, 3.0, -0.65)),
-        box(Kind.WALL, NORTH, (-4.0, -1.0, 0.65), (-3.0, 3.0, 30.0)),
-    ]
-
-    assert places_of(flat_world(*walls)).ground[:, 0].min() < -16.0
-
-
-def test_a_cliff_that_one_only_gets_down_is_left_out() -> None:
-    # North of the edge it is 6 m higher: a body can drop from there, but never get back up.
-    heights = np.zeros((21, 21))
-    heights[14:] = 6.0
-
-    assert places_of(flat_world(heights=heights)).ground[:, 2].max() < 8.0
-
-
 def test_a_rock_that_can_be_jumped_onto_has_a_place_and_a_higher_one_none() -> None:
-    low = box(Kind.ROCK, NORTH, (-6.0, -1.0, -3.0), (-2.0, 1.0, 3.0))
-    high = box(Kind.ROCK, NORTH, (2.0, -1.0, -3.0), (6.0, 2.5, 3.0))
-    places = places_of(flat_world(low, high)).high
+    low = box((-6, -1, -3), (-2, 1, 3), Kind.ROCK)
+    high = box((2, -1, -3), (6, 2.5, 3), Kind.ROCK)
+    places = places_of(flat_world(solids=[low, high])).high
 
     assert len(places) > 0
     assert places[:, 1] == pytest.approx(1.0, abs=0.01)
-
-
-def test_no_place_is_in_water() -> None:
-    heights, water = np.zeros((21, 21)), np.full((20, 20), -np.inf)
-    heights[:, 9:12] = -1.0
-    water[:, 8:12] = -0.1
-    ground = places_of(flat_world(heights=heights, water=water)).ground
-
-    assert ground[:, 0].min() < -5.0  # water can be waded, so there are places on either side
-    assert ground[:, 0].max() > 5.0
-    assert not ((ground[:, 0] > -2.0) & (ground[:, 0] < 2.0)).any()
 
 
 @pytest.mark.parametrize(
@@ -199,10 +161,9 @@ def test_no_place_is_in_water() -> None:
     ],
 )
 def test_what_has_a_ceiling_is_indoors(kind: Kind, low: float, covered: bool) -> None:
-    world = flat_world(box(kind, NORTH, (-5.0, low, -5.0), (5.0, low + 0.2, 5.0)))
+    world = flat_world(solids=[box((-5, low, -5), (5, low + 0.2, 5), kind)])
 
-    spots = np.array([[0.0, 0.0, 0.0], [8.0, 0.0, 0.0]])
-    assert is_covered(world, spots, everything(world)).tolist() == [covered, False]
+    assert are_covered(world, np.array([[0.0, 0.0, 0.0], [8.0, 0.0, 0.0]])) == [covered, False]
 
 
 COORDINATE = st.floats(-20.0, 20.0)

@@ -44,7 +44,6 @@ def test_the_maps_of_other_processes_are_the_same(monkeypatch: pytest.MonkeyPatc
 
     making.make_maps(MAPS, make)
 
-    assert here[:3] == [0, 1, 2]
     assert sorted(here + [n for n, specs in MAPS.items() if cache.path_of(specs[0]).exists()]) == list(MAPS)
     kept = cache.load_cached(MAPS[5][0])
     assert kept is not None

@@ -53,20 +53,10 @@ def play(
     worst: NDArray[np.float64],
     stuck: NDArray[np.float64],
 ) -> None:
-    """Play all bodies at random.
+    """Play all bodies at random, and raise ``worst``.
 
-    Args:
-        world: The static world.
-        closed: The same world, but with a ceiling that forces the general path everywhere.
-        position: (A + 1, 3) m; the last body is a ghost that is only used for trials.
-        others: (A,) all bodies, which collide with each other.
-        nobody: (0,) trials of being stuck ignore other bodies, which move away by themselves.
-        rise: (A,) m/s.
-        on_ground: (A,).
-        frames: To play.
-        seed: Of the actions.
-        worst: (11,) as in ``Worst``, raised.
-        stuck: (3,) m, where a body could not get away.
+    The last body is a ghost that is only used for trials of being stuck; those ignore others, which move away
+    by themselves. The closed world has a ceiling that forces the general path everywhere.
     """
     for frame in range(frames):
         for seat in range(rise.shape[0]):

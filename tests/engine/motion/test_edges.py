@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 from tests.builders import act, flat_world, make_match, place, position
 
-from wildscav_engine.geometry.shapes import box as solid_box
-from wildscav_engine.geometry.shapes import pose
 from wildscav_engine.geometry.terrain import ground_at
-from wildscav_engine.geometry.world import Kind, Solid, build_world
+from wildscav_engine.geometry.world import build_world
 
 
 def test_nobody_leaves_the_map() -> None:
@@ -17,33 +15,6 @@ def test_nobody_leaves_the_map() -> None:
     place(match, 0, (15, 0, 15))
     act(match, 30, seat_0={"walk_direction": 45, "walk_speed": 10})
     assert position(match) == pytest.approx([19.5, 0, 19.5])
-
-
-@pytest.mark.parametrize(
-    ("bodies", "solids"),
-    [
-        ([(0, 19.04)], []),
-        ([(1.2 * n, 19.04 - 0.05 * n) for n in range(8)], []),
-        ([], [solid_box(Kind.WALL, pose(0.0, 18.5, -12.0), (-6.0, 0.0, -0.25), (6.0, 2.0, 0.25))]),
-    ],
-)
-def test_what_stands_at_the_edge_leads_nobody_over_it(
-    bodies: list[tuple[float, float]], solids: list[Solid]
-) -> None:
-    """The edge of the map is at z = 20, and a body keeps half a metre off it."""
-    match = make_match(world=flat_world(solids=solids), seats=1 + len(bodies), frames_per_action=1)
-    place(match, 0, (-8, 0, 19.5))
-    for seat, (x, z) in enumerate(bodies, start=1):
-        place(match, seat, (x, 0, z))
-    for direction in (90, 80, 100, 45, 135):
-        for jump in (0, 1):
-            place(match, 0, (-8, 0, 19.5))
-            for _ in range(100):
-                before = position(match)
-                act(match, 1, seat_0={"walk_direction": direction, "walk_speed": 10, "jump": jump})
-                way = position(match) - before
-                assert position(match)[2] <= 19.5 + 1e-9
-                assert math.hypot(way[0], way[2]) <= 0.2 + 1e-9
 
 
 def test_a_body_beyond_the_margin_is_not_pulled_back_but_walks_back() -> None:

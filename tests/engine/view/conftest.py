@@ -2,11 +2,12 @@ from pathlib import Path
 
 import pytest
 
-from wildscav_engine.record import Record, record_of
+from wildscav_engine.record import Record, record_of, resimulate
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.view import write_replay
+from wildscav_engine.view.recording.history import History, collect_history
 
 SMALL_MAP = MapSpec(config=MapConfig(size=60, houses=1, water=0.1), seed=1)
 ROBOTS = {
@@ -34,3 +35,18 @@ def battle_file(battle: Record, tmp_path_factory: pytest.TempPathFactory) -> Pat
     path = tmp_path_factory.mktemp("replay") / "battle.rrd"
     write_replay(battle, path, follow=1)
     return path
+
+
+@pytest.fixture(scope="package")
+def bare_files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """A replay without images of each track."""
+    folder = tmp_path_factory.mktemp("bare")
+    for track in ROBOTS:
+        write_replay(robots_play(track), folder / f"{track}.rrd", images=False)
+    return {track: folder / f"{track}.rrd" for track in ROBOTS}
+
+
+@pytest.fixture(scope="package")
+def seen(battle: Record) -> History:
+    """The battle, with what seat 1 sees."""
+    return collect_history(resimulate(battle), battle.steps, images_of=1)[1]

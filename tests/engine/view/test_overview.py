@@ -18,10 +18,8 @@ def on_screen(camera: Overview, points: np.ndarray) -> np.ndarray:
     depth = offsets @ ahead
     assert (depth > 0).all()
     tall = np.tan(np.radians(VIEW_ANGLE) / 2)
-    return (
-        np.stack([offsets @ right / (tall * ASPECT), offsets @ np.cross(ahead, right) / tall], -1)
-        / depth[:, None]
-    )
+    across, up = offsets @ right / (tall * ASPECT), offsets @ np.cross(ahead, right) / tall
+    return np.stack([across, up], -1) / depth[:, None]
 
 
 @pytest.mark.parametrize("size", [40, 100, 500])

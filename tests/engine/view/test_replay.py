@@ -10,9 +10,8 @@ from PIL import Image
 from rerun.chunk import RrdReader
 from tests.builders import make_match
 from tests.engine.view.agent_note import AgentNote
-from tests.engine.view.conftest import robots_play
 
-from wildscav_engine.record import Record, resimulate
+from wildscav_engine.record import Record
 from wildscav_engine.sensors.display.colors import distance_colors
 from wildscav_engine.view import ViewError, rendered, write_replay
 from wildscav_engine.view.entities.agents import line_color
@@ -30,11 +29,6 @@ BATTLE_ENTITIES = [
 ]
 
 
-@pytest.fixture(scope="module")
-def seen(battle: Record) -> History:
-    return collect_history(resimulate(battle), battle.steps, images_of=1)[1]
-
-
 def rows_of(path: Path, entity: str, ending: str) -> tuple[list[int], list[object]]:
     """All values of one component of an entity over time, with their steps."""
     steps: list[int] = []
@@ -49,30 +43,34 @@ def rows_of(path: Path, entity: str, ending: str) -> tuple[list[int], list[objec
     return [steps[index] for index in order], [values[index] for index in order]
 
 
+def entities_of(path: Path) -> set[str]:
+    return set(RrdReader(path).store().schema().entity_paths())
+
+
 def test_everything_of_a_battle_is_in_the_file(battle_file: Path) -> None:
-    entities = set(RrdReader(battle_file).store().schema().entity_paths())
+    checked = subprocess.run([*RERUN, "rrd", "verify", str(battle_file)], capture_output=True, text=True)
 
-    assert entities.issuperset(BATTLE_ENTITIES)
+    assert checked.returncode == 0, checked.stderr
+    assert entities_of(battle_file).issuperset(BATTLE_ENTITIES)
+    assert len(RrdReader(battle_file).blueprints()) == 1
 
 
-def test_agents_stand_where_they_stood(battle: Record, battle_file: Path) -> None:
-    _, history = collect_history(resimulate(battle), battle.steps, None)
+def test_agents_stand_where_they_stood(seen: History, battle_file: Path) -> None:
     for seat in range(3):
         steps, places = rows_of(battle_file, f"/agents/seat_{seat}", "translation")
 
         shown = np.array([place[0] for place in places])  # type: ignore[index]
         np.testing.assert_allclose(
-            shown, history.agents.position[steps][:, seat][:, [0, 2, 1]], atol=1e-5, err_msg=str(seat)
+            shown, seen.agents.position[steps][:, seat][:, [0, 2, 1]], atol=1e-5, err_msg=str(seat)
         )
 
 
-def test_the_log_has_every_pick_up(battle: Record, battle_file: Path) -> None:
-    _, history = collect_history(resimulate(battle), battle.steps, None)
+def test_the_log_has_every_pick_up(seen: History, battle_file: Path) -> None:
     _, texts = rows_of(battle_file, "/events", "text")
 
     picked = [text for text in texts if "picks up" in str(text)]
 
-    assert len(picked) == int(np.count_nonzero(history.agents.gained)) > 0
+    assert len(picked) == int(np.count_nonzero(seen.agents.gained)) > 0
 
 
 def test_notes_are_in_the_log_drawn_and_plotted_from_their_step_on(battle: Record, tmp_path: Path) -> None:
@@ -87,9 +85,7 @@ def test_notes_are_in_the_log_drawn_and_plotted_from_their_step_on(battle: Recor
     path.write_bytes(rendered(battle, images=False, notes=notes))
     steps, texts = rows_of(path, "/events", "text")
     (place,) = [at for at, text in enumerate(texts) if text == [f"{battle.names[1]}: I hide."]]
-    (mark,) = {
-        entity for entity in RrdReader(path).store().schema().entity_paths() if entity.endswith("/line")
-    }
+    (mark,) = {entity for entity in entities_of(path) if entity.endswith("/line")}
 
     assert steps[place] == 4
     assert steps == sorted(steps)
@@ -149,18 +145,20 @@ def test_the_standings_end_with_the_winner(battle: Record, battle_file: Path) ->
     assert outcome.split(" with ")[0] not in str(texts[0]).replace("\\", "")
 
 
-def test_two_replays_in_one_viewer_keep_their_own_layouts(battle_file: Path, tmp_path: Path) -> None:
-    write_replay(robots_play("navigation"), tmp_path / "other.rrd", images=False)
-    stores = [RrdReader(path).recordings()[0] for path in (battle_file, tmp_path / "other.rrd")]
+def test_two_replays_in_one_viewer_keep_their_own_layouts(bare_files: dict[str, Path]) -> None:
+    stores = [RrdReader(bare_files[track]).recordings()[0] for track in ("battle", "navigation")]
 
     assert stores[0].application_id != stores[1].application_id
 
 
-def test_labels_tell_health_only_where_somebody_can_be_hurt(battle_file: Path, tmp_path: Path) -> None:
-    write_replay(robots_play("navigation"), tmp_path / "walk.rrd", images=False)
+def test_labels_tell_health_only_where_somebody_can_be_hurt(bare_files: dict[str, Path]) -> None:
+    assert rows_of(bare_files["battle"], "/agents/seat_1/name", "labels")[1][0] == ["fighter 1 · 100"]
+    assert rows_of(bare_files["navigation"], "/agents/seat_0/name", "labels")[1] == [["walker 0"]]
 
-    assert rows_of(battle_file, "/agents/seat_1/name", "labels")[1][0] == ["fighter 1 · 100"]
-    assert rows_of(tmp_path / "walk.rrd", "/agents/seat_0/name", "labels")[1] == [["walker 0"]]
+
+def test_a_royale_shows_its_zone_and_other_tracks_have_none(bare_files: dict[str, Path]) -> None:
+    for track, path in bare_files.items():
+        assert ({"/zone/edge", "/zone/next", "/zone/outside"} <= entities_of(path)) == (track == "royale")
 
 
 @pytest.mark.parametrize(
@@ -178,16 +176,6 @@ def test_lines_in_plots_are_told_apart(teams: tuple[int, ...], colors: int) -> N
     assert len({line_color(history, seat) for seat in range(3)}) == colors
 
 
-def test_there_is_a_blueprint(battle_file: Path) -> None:
-    assert len(RrdReader(battle_file).blueprints()) == 1
-
-
-def test_reruns_own_check_passes(battle_file: Path) -> None:
-    checked = subprocess.run([*RERUN, "rrd", "verify", str(battle_file)], capture_output=True, text=True)
-
-    assert checked.returncode == 0, checked.stderr
-
-
 def test_the_same_record_gives_the_same_recording(battle: Record, battle_file: Path, tmp_path: Path) -> None:
     write_replay(battle, tmp_path / "again.rrd", follow=1)
 
@@ -201,21 +189,15 @@ def test_the_same_record_gives_the_same_recording(battle: Record, battle_file: P
 
 
 @pytest.mark.parametrize("entity", ["/follow/depth", "/follow/color"])
-def test_a_replay_without_images_has_none(battle: Record, tmp_path: Path, entity: str) -> None:
-    write_replay(battle, tmp_path / "small.rrd", images=False)
-
-    chunks = RrdReader(tmp_path / "small.rrd").stream().filter(content=entity)
+def test_a_replay_without_images_has_none(bare_files: dict[str, Path], entity: str) -> None:
+    chunks = RrdReader(bare_files["battle"]).stream().filter(content=entity)
     assert [chunk for chunk in chunks if "step" in chunk.timeline_names] == []
 
 
-def test_the_first_seat_of_a_submission_is_followed(battle: Record, tmp_path: Path) -> None:
-    path = tmp_path / "followed.rrd"
-    write_replay(battle, path, images=False)
-    _, history = collect_history(resimulate(battle), battle.steps, None)
+def test_the_first_seat_of_a_submission_is_followed(seen: History, bare_files: dict[str, Path]) -> None:
+    steps, eyes = rows_of(bare_files["battle"], "/follow/eyes", "translation")
 
-    steps, eyes = rows_of(path, "/follow/eyes", "translation")
-
-    expected = history.agents.position[steps][:, 0][:, [0, 2, 1]] + np.array([0.0, 0.0, 1.5])
+    expected = seen.agents.position[steps][:, 0][:, [0, 2, 1]] + np.array([0.0, 0.0, 1.5])
     np.testing.assert_allclose(np.array([eye[0] for eye in eyes]), expected, atol=1e-5)  # type: ignore[index]
 
 
@@ -224,11 +206,6 @@ def test_a_seat_that_is_not_there_cannot_be_followed(battle: Record, tmp_path: P
         write_replay(battle, tmp_path / "none.rrd", follow=3)
 
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_folder_that_is_not_there_is_one_clear_error(battle: Record, tmp_path: Path) -> None:
-    with pytest.raises(FileNotFoundError, match=r"nowhere/match\.rrd"):
-        write_replay(battle, tmp_path / "nowhere" / "match.rrd", images=False)
 
 
 def test_a_failed_write_leaves_nothing(battle: Record, tmp_path: Path) -> None:

@@ -11,73 +11,49 @@ from wildscav_engine.view.recording.history import collect_history
 from wildscav_engine.view.standings import MAX_LINES, moving_standings
 
 
-def result(track: str, *seats: tuple[int, dict[str, float]], frames: int = 2000) -> MatchResult:
-    """The end of a match: the team and the metrics of each seat."""
+def result(track: str, seats: list[tuple[int, float]]) -> MatchResult:
+    """The end of a match after 40 s: each seat has a team and a score, or the time to its target."""
     nothing = {"supplies": 0, "kills": 0, "deaths": 0, "shots": 0, "hits": 0, "walked": 0.0}
-    return MatchResult(
-        track=track,
-        frames=frames,
-        steps=frames // 5,
-        seats=tuple(
-            SeatResult(seat=seat, filled_by="walker", team=team, metrics=metrics, **nothing)
-            for seat, (team, metrics) in enumerate(seats)
-        ),
+
+    def metrics(score: float) -> dict[str, float]:
+        time = {"time": score, "used_time": 40.0, "punish_time": score - 40.0, "success": score == 40.0}
+        return time if track in {"navigation", "capture"} else {"supplies": score, "points": score}
+
+    ended = tuple(
+        SeatResult(seat=seat, filled_by="walker", team=team, metrics=metrics(score), **nothing)
+        for seat, (team, score) in enumerate(seats)
     )
-
-
-def supplies(number: float) -> dict[str, float]:
-    return {"supplies": number, "kills": 0.0, "deaths": 0.0}
-
-
-def time(seconds: float, success: float) -> dict[str, float]:
-    return {"time": seconds, "used_time": 40.0, "punish_time": seconds - 40.0, "success": success}
+    return MatchResult(track=track, frames=2000, steps=400, seats=ended)
 
 
 @pytest.mark.parametrize(
-    ("ended", "told"),
+    ("track", "seats", "told"),
     [
+        ("battle", [(0, 3), (1, 8), (2, 5)], "bob wins with 8 supplies, ahead of eve with 5 supplies"),
+        ("battle", [(0, 8), (1, 8)], "ann and bob tie at 8 supplies"),
+        ("battle", [(0, 3), (1, 8), (0, 3)], "bob wins with 8 supplies, ahead of Team 1 with 3 supplies"),
+        ("gathering", [(0, 7)], "ann ends with 7 supplies"),
+        ("gathering", [(0, 7), (0, 7)], "The team ends with 7 supplies"),
+        ("navigation", [(0, 40.0)], "ann reached the target after 40.0 s"),
+        ("navigation", [(0, 52.5)], "ann did not reach the target: 52.5 s with the punish time"),
         (
-            result("battle", (0, supplies(3)), (1, supplies(8)), (2, supplies(5))),
-            "bob wins with 8 supplies, ahead of eve with 5 supplies",
-        ),
-        (result("battle", (0, supplies(8)), (1, supplies(8))), "ann and bob tie at 8 supplies"),
-        (
-            result("battle", (0, supplies(3)), (1, supplies(8)), (0, supplies(3))),
-            "bob wins with 8 supplies, ahead of Team 1 with 3 supplies",
-        ),
-        (result("gathering", (0, supplies(7))), "ann ends with 7 supplies"),
-        (result("gathering", (0, supplies(7)), (0, supplies(7))), "The team ends with 7 supplies"),
-        (result("navigation", (0, time(40.0, 1.0))), "ann reached the target after 40.0 s"),
-        (
-            result("navigation", (0, time(52.5, 0.0))),
-            "ann did not reach the target: 52.5 s with the punish time",
-        ),
-        (
-            result("navigation", (0, time(52.5, 0.0)), (1, time(44.0, 0.0))),
+            "navigation",
+            [(0, 52.5), (1, 44.0)],
             "Nobody reached the target; bob was nearest: 44.0 s with the punish time",
         ),
-        (
-            result("capture", (0, time(40.0, 1.0)), (0, time(40.0, 1.0))),
-            "The team reached the target after 40.0 s",
-        ),
-        (
-            result("royale", (0, {"points": 35.5}), (1, {"points": 195.0})),
-            "bob wins with 195 points, ahead of ann with 35.5 points",
-        ),
+        ("capture", [(0, 40.0), (0, 40.0)], "The team reached the target after 40.0 s"),
+        ("royale", [(0, 35.5), (1, 195.0)], "bob wins with 195 points, ahead of ann with 35.5 points"),
     ],
 )
-def test_the_outcome_says_who_won_and_with_what(ended: MatchResult, told: str) -> None:
-    assert describe_outcome(ended, ("ann", "bob", "eve")) == told
+def test_the_outcome_says_who_won_and_with_what(
+    track: str, seats: list[tuple[int, float]], told: str
+) -> None:
+    assert describe_outcome(result(track, seats), ("ann", "bob", "eve")) == told
 
 
 def test_a_clock_shows_minutes_and_seconds() -> None:
-    assert [format_time(frame) for frame in (0, 49, 50, 3000, 30_050)] == [
-        "0:00",
-        "0:00",
-        "0:01",
-        "1:00",
-        "10:01",
-    ]
+    times = {0: "0:00", 49: "0:00", 50: "0:01", 3000: "1:00", 30_050: "10:01"}
+    assert {frame: format_time(frame) for frame in times} == times
 
 
 def pages(record: Record, followed: int = 0, game_map: GameMap | None = None) -> list[str]:

@@ -12,7 +12,7 @@ from wildscav_engine.maps.country.landforms import wards_at
 from wildscav_engine.maps.country.plan import CountryPlan
 from wildscav_engine.maps.ground.terrain import Terrain
 from wildscav_engine.maps.settlements.houses import House
-from wildscav_engine.maps.walk.graph import NavGraph, successor
+from wildscav_engine.maps.walk.graph import NavGraph, Network, successor
 from wildscav_engine.maps.walk.lattice import SPACING, Lattice, Nodes, node_at
 from wildscav_engine.maps.walk.search import HEAP_FIRST, pop, push
 
@@ -22,28 +22,15 @@ UPSTAIRS, INDOORS, DEAD_ENDS = 6, 4, 6  # targets of each kind, if the map has t
 NEAREST = 1.0  # m, the least straight distance that detours are measured over
 
 
-class Sources(NamedTuple):
-    """The edges and leaps of a walkable graph, by the nodes that they lead to."""
-
-    first: NDArray[np.int64]  # (N + 1,) where the sources of each node start
-    node: NDArray[np.int32]  # (E,) from which an edge or leap leads there
-
-
-def sources_of(graph: NavGraph) -> Sources:
-    """Return the edges and leaps of a graph, reversed."""
-    return Sources(*_reverse(graph.nodes.edges, graph.leap_start, graph.leap_end))
-
-
 @array_kernel
-def _reverse(
-    edges: NDArray[np.int32], leap_start: NDArray[np.int64], leap_end: NDArray[np.int32]
-) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
-    count = edges.shape[0]
+def _reverse(network: Network) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
+    """Return where the sources of each node start, (N + 1,), and all sources, (E,): nodes that lead there."""
+    count = network.edges.shape[0]
     first = np.zeros(count + 2, np.int64)
     for node in range(count):
         number, other = 0, 0
         while other > -2:
-            other = successor(node, number, edges, leap_start, leap_end)
+            other = successor(network, node, number)
             number += 1
             if other >= 0:
                 first[other + 2] += 1
@@ -53,7 +40,7 @@ def _reverse(
     for node in range(count):
         number, other = 0, 0
         while other > -2:
-            other = successor(node, number, edges, leap_start, leap_end)
+            other = successor(network, node, number)
             number += 1
             if other >= 0:
                 sources[first[other + 1]] = node
@@ -93,15 +80,11 @@ def distances_to(
     return far
 
 
-def nodes_of(graph: NavGraph, places: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Return (P,) the nodes at places (P, 3) m, -1 where there is none."""
-    return np.asarray(_nodes_of(graph.world.corner, graph.lattice, graph.nodes, places))
-
-
 @array_kernel
 def _nodes_of(
     corner: NDArray[np.float64], lattice: Lattice, nodes: Nodes, places: NDArray[np.float64]
 ) -> NDArray[np.int64]:
+    """Return (P,) the nodes at places (P, 3) m, -1 where there is none."""
     found = np.empty(len(places), np.int64)
     for index in range(len(places)):
         column = int((places[index, 0] - corner[0]) / SPACING + 0.5)
@@ -127,18 +110,10 @@ def hide_targets(
     ground: NDArray[np.float64],
     seed: int,
 ) -> Hidden:
-    """Choose the places where targets may be, and measure the ways to them.
-
-    Args:
-        indoor: (I, 3) m, its places in houses.
-        ground: (S, 3) m, its places on open ground: the starts.
-    """
+    """Choose where targets may be, and measure the ways to them from the starts: places on open ground."""
     is_upstairs = np.zeros(len(indoor), np.bool_)
-    x, _, z = indoor.T
     for house in houses:
-        across, along = house.pose.inside(x, z)
-        within = (np.abs(across) < house.size[0] / 2.0) & (np.abs(along) < house.size[1] / 2.0)
-        is_upstairs |= within & (indoor[:, 1] > house.ground + house.storey_height / 2.0)
+        is_upstairs |= house.covers(indoor) & (indoor[:, 1] > house.ground + house.storey_height / 2.0)
     is_dead_end = plan.wards.ways[wards_at(plan.wards, terrain, ground[:, 0], ground[:, 2])] == 1
     dice = RandomStream(seed, Stream.HIDING)
     chosen = [
@@ -158,11 +133,13 @@ def _draw(dice: RandomStream, places: NDArray[np.float64], wanted: int) -> NDArr
 
 def measure(graph: NavGraph, targets: NDArray[np.float64], starts: NDArray[np.float64]) -> Hidden:
     """Measure the ways to targets (T, 3) m from starts (S, 3) m; all of them are nodes of the graph."""
-    positions, sources = graph.positions(), sources_of(graph)
-    from_nodes = nodes_of(graph, starts)
+    positions, (first, sources) = graph.positions(), _reverse(graph.network)
+    from_nodes, to_nodes = (
+        _nodes_of(graph.world.corner, graph.lattice, graph.nodes, places) for places in (starts, targets)
+    )
     detours = np.zeros((len(targets), len(starts)), np.float32)
-    for row, node in enumerate(nodes_of(graph, targets).tolist()):
-        way = distances_to(positions, sources.first, sources.node, node)[from_nodes] / LONGER
+    for row, node in enumerate(to_nodes.tolist()):
+        way = distances_to(positions, first, sources, node)[from_nodes] / LONGER
         east, north = starts[:, 0] - targets[row, 0], starts[:, 2] - targets[row, 2]
         detours[row] = way / np.maximum(NEAREST, np.sqrt(east * east + north * north))
     return Hidden(targets, detours)

@@ -25,13 +25,7 @@ from wildscav_engine.specs.map_spec import Country, MapConfig
 KEPT_OFF = 3.0  # m beside a border, the lines that houses keep off
 POINT_STEP = 2.0  # m between the points of these lines
 # m on either side of a border where nothing else grows
-CLEAR = {
-    Barrier.WALL: 1.5,
-    Barrier.THICKET: 2.6,
-    Barrier.RIDGE: 2.6,
-    Barrier.CLIFF: 1.5,
-    Barrier.TOWN_WALL: 1.5,
-}
+CLEAR = dict.fromkeys(Barrier, 1.5) | {Barrier.THICKET: 2.6, Barrier.RIDGE: 2.6}
 HEIGHTS = {Barrier.WALL: 2.5, Barrier.TOWN_WALL: 4.0}  # m above the highest ground at its foot
 THICKNESS = {Barrier.WALL: 0.4, Barrier.TOWN_WALL: 0.7}  # m
 GATE_WIDTH = 2.8  # m
@@ -102,11 +96,8 @@ def plan_country(config: MapConfig, seed: int, terrain: Terrain) -> CountryPlan 
     towns = []
     for number, block in enumerate(blocks):
         ward = int(wards.numbers[block.row, block.column])
-        gates = [
-            border.at(border.gate)
-            for border in wards.borders
-            if border.gate is not None and ward in border.wards
-        ]
+        gated = [border for border in wards.borders if border.gate is not None and ward in border.wards]
+        gates = [border.at(border.gate or 0.0) for border in gated]
         towns.append(draw_town(config, config.country, seed, number, block, gates, terrain))
     return CountryPlan(config.country, wards, tuple(towns))
 

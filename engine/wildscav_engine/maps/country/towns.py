@@ -93,11 +93,9 @@ def draw_town(
     gates: Sequence[Point],
     terrain: Terrain,
 ) -> Town:
-    """Draw a town. Its streets are a maze; among pieces kept for testing, a main street with lanes off it.
+    """Draw a town with gates in its wall, on ground that is not levelled yet.
 
-    Args:
-        gates: m, x and z, of the gates in its wall.
-        terrain: Before any ground is levelled.
+    Its streets are a maze; among pieces kept for testing, a main street with lanes off it.
     """
     area = _area(block, config.size, grid_of(config.size, country)[1])
     ground = _heights_in(area, terrain)
@@ -122,13 +120,11 @@ def draw_town(
         sites.append(Site(pose(x, z, yaw), yaw, plan.size, level))
     streets = _Streets(dice, area, count, plans, sites, gates)
     is_open = streets.main_street() if config.pieces == "unseen" else streets.maze()
-    walls = [_wall(rectangle, level) for rectangle in streets.walled_up(is_open)]
-    return Town(area, level, tuple(plans), tuple(sites), tuple(walls))
-
-
-def _wall(area: Rectangle, ground: float) -> Solid:
-    low, high = (area.left, ground - 0.6, area.back), (area.right, ground + HEIGHT, area.front)
-    return box(Kind.WALL, pose(0.0, 0.0, 0.0), low, high)
+    walls = tuple(
+        box(Kind.WALL, pose(0.0, 0.0, 0.0), (left, level - 0.6, back), (right, level + HEIGHT, front))
+        for left, back, right, front in streets.walled_up(is_open)
+    )
+    return Town(area, level, tuple(plans), tuple(sites), walls)
 
 
 class _Streets:
@@ -261,10 +257,6 @@ class _Streets:
 
 def _on_map(site: Site, outline: Rectangle) -> Rectangle:
     """Return a rectangle of a house in the axes of the map; the yaw of the house is a multiple of 90°."""
-    corners = [
-        site.pose.outside(across, along)
-        for across in (outline.left, outline.right)
-        for along in (outline.back, outline.front)
-    ]
-    x, z = [corner[0] for corner in corners], [corner[1] for corner in corners]
+    ends = site.pose.outside(outline.left, outline.back), site.pose.outside(outline.right, outline.front)
+    x, z = zip(*ends, strict=True)
     return Rectangle(min(x), min(z), max(x), max(z))

@@ -92,19 +92,16 @@ def grid_of(size: int, country: Country) -> tuple[int, float]:
 
 
 def draw_wards(size: int, country: Country, seed: int, blocks: Sequence[Block]) -> Wards:
-    """Draw the wards of a map.
+    """Draw the wards of a map of a size in m.
 
     Every ward can be reached from every other: the ways through borders form a tree, plus a few loops.
-
-    Args:
-        size: m, of the map.
     """
     count, side = grid_of(size, country)
     dice = RandomStream(seed, Stream.COUNTRY)
     numbers = np.arange(count * count).reshape(count, count)
     for block in blocks:
-        part = _cells(block)
-        numbers[part] = numbers[part].min()
+        part = numbers[block.row : block.row + block.side, block.column : block.column + block.side]
+        part[:] = part.min()
     corners = _draw_corners(dice, size, count, side, blocks)
     kinds = _draw_kinds(dice, country, numbers)
     levels = _draw_levels(dice, kinds, count, blocks)
@@ -118,10 +115,6 @@ def draw_wards(size: int, country: Country, seed: int, blocks: Sequence[Block]) 
         share = dice.uniform(*GATE_RANGE)
         borders.append(border._replace(gate=share * border.length) if opened else border)
     return Wards(corners, numbers, kinds, levels, tuple(borders))
-
-
-def _cells(block: Block) -> tuple[slice, slice]:
-    return slice(block.row, block.row + block.side), slice(block.column, block.column + block.side)
 
 
 def _point(corner: NDArray[np.float64]) -> tuple[float, float]:
@@ -185,12 +178,8 @@ def _draw_levels(
             if kinds[number] is not Barrier.CLIFF or near_town[row, column]:
                 continue
             beside = [levels[number - 1] if column else -1.0, levels[number - count] if row else -1.0]
-            free = [
-                level * LEVEL_HEIGHT
-                for level in (*range(first, LEVELS), *range(first))
-                if level * LEVEL_HEIGHT not in beside
-            ]
-            levels[number] = free[0]
+            choices = [LEVEL_HEIGHT * level for level in (*range(first, LEVELS), *range(first))]
+            levels[number] = next(level for level in choices if level not in beside)
     return levels
 
 
@@ -203,13 +192,11 @@ def _sides_between(
         for column in range(count):
             here = int(numbers[row, column])
             if column + 1 < count and numbers[row, column + 1] != here:
-                sides.append(
-                    ((row, column + 1), (row + 1, column + 1), (here, int(numbers[row, column + 1])))
-                )
+                pair = here, int(numbers[row, column + 1])
+                sides.append(((row, column + 1), (row + 1, column + 1), pair))
             if row + 1 < count and numbers[row + 1, column] != here:
-                sides.append(
-                    ((row + 1, column), (row + 1, column + 1), (int(numbers[row + 1, column]), here))
-                )
+                pair = int(numbers[row + 1, column]), here
+                sides.append(((row + 1, column), (row + 1, column + 1), pair))
     return sides
 
 

@@ -162,17 +162,8 @@ def locations_of(game_map: GameMap) -> dict[str, list[list[float]]]:
 
 def description_of(game_map: GameMap) -> dict[str, Any]:
     """Return the map's spec, digest and houses."""
-    houses = [
-        {
-            "center": list(house.center),
-            "size": list(house.size),
-            "yaw": house.yaw,
-            "ground": house.ground,
-            "storeys": house.storeys,
-            "storey_height": house.storey_height,
-        }
-        for house in game_map.houses
-    ]
+    told = ("center", "size", "yaw", "ground", "storeys", "storey_height")
+    houses = [{name: getattr(house, name) for name in told} for house in game_map.houses]
     return {
         "spec": game_map.spec.model_dump(mode="json"),
         "digest": game_map.digest,

@@ -21,10 +21,7 @@ def rain(seed: np.uint64, number: int, drops: int, heights: NDArray[np.float64])
     """Let drops run downhill one after another; they take up soil where they speed up and leave it below.
 
     Beyer, "Implementation of a Method for Hydraulic Erosion", TU München 2015, without its brush: callers
-    smooth the change instead.
-
-    Args:
-        heights: (R, C) m, changed.
+    smooth the change of the (R, C) heights in m instead.
     """
     rows, columns = heights.shape
     for drop in range(drops):
@@ -74,12 +71,9 @@ def _run(x: float, z: float, heights: NDArray[np.float64]) -> None:
 
 @kernel
 def add_finely(coarseness: int, change: NDArray[np.float64], heights: NDArray[np.float64]) -> None:
-    """Add a change of coarse ground to fine ground, with bilinear interpolation.
+    """Add a change of coarse ground in m to fine ground, (R, C) m, with bilinear interpolation.
 
-    Args:
-        coarseness: Points of the fine ground per point of the coarse ground.
-        change: (ceil(R / coarseness), ceil(C / coarseness)) m.
-        heights: (R, C) m, changed.
+    There are ``coarseness`` points of the fine ground per point of the coarse one, along each side.
     """
     last_row, last_column = change.shape[0] - 1.001, change.shape[1] - 1.001
     for row in range(heights.shape[0]):
@@ -101,10 +95,8 @@ def _height_at(x: float, z: float, heights: NDArray[np.float64]) -> float:
 def crumble(steepest: float, cliffs: NDArray[np.float64], rounds: int, heights: NDArray[np.float64]) -> None:
     """Let soil that is too steep slide down, half of the excess each round, except on rock.
 
-    Args:
-        steepest: m, greatest stable height difference between neighbours without rock.
-        cliffs: (R, C) how rocky the ground is, 0 to 1.
-        heights: (R, C) m, changed.
+    Without rock, neighbours may differ by ``steepest`` m. Cliffs, (R, C) from 0 to 1, say how rocky the
+    ground is.
     """
     rows, columns = heights.shape
     for _ in range(rounds):

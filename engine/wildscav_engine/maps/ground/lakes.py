@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.compilation.kernel import array_kernel, kernel
 from wildscav_engine.geometry.world import CELL
 
 DEEPEST_WATER = 1.2  # m; agents wade, and their eyes stay above the surface
@@ -20,16 +20,10 @@ FAR = 1e6  # m, more than any distance on a map
 def flood(
     heights: NDArray[np.float64], bumps: NDArray[np.float64], water: float, scale: float
 ) -> NDArray[np.float64]:
-    """Fill the hollows with water.
+    """Fill the hollows of (R, C) m with water, and return the heights above its surface, times ``scale``.
 
-    Args:
-        heights: (R, C) m.
-        bumps: (R, C) m, added to the heights when deciding where water stands, which bends the shores.
-        water: Share of the points to be under water, above 0.
-        scale: Factor of the heights above the water.
-
-    Returns:
-        (R, C) m above the water's surface.
+    A share of the points, ``water``, is to be under water. The bumps, (R, C) m, are added to the heights when
+    deciding where it stands, which bends the shores.
     """
     smooth = heights.copy()
     for _ in range(3):
@@ -47,7 +41,7 @@ def flood(
     for _ in range(SHORE_ROUNDS):
         from_shore = softened(from_shore)
     wet = (from_shore < 0.0).astype(np.int8)
-    flip_small_components(1, LEAST_LEFT * _least_points(water, wet.size), np.empty(wet.size, np.int32), wet)
+    flip_small_components(1, LEAST_LEFT * _least_points(water, wet.size), wet)
     _shape_shores(np.where(wet == 1, from_shore, np.abs(from_shore)), above)
     return above
 
@@ -76,9 +70,8 @@ def _lakes_at(level: float, smooth: NDArray[np.float64], water: float) -> NDArra
     """Return (R, C) 1 for water at a level, without small ponds and islands, else 0."""
     wet = (smooth < level).astype(np.int8)
     least = _least_points(water, smooth.size)
-    queue = np.empty(smooth.size, np.int32)
-    flip_small_components(1, least, queue, wet)
-    flip_small_components(0, least, queue, wet)
+    flip_small_components(1, least, wet)
+    flip_small_components(0, least, wet)
     return wet
 
 
@@ -89,14 +82,10 @@ def _least_points(water: float, points: int) -> float:
 
 @kernel
 def _measure(value: int, wet: NDArray[np.int8], away: NDArray[np.float64]) -> None:
-    """Write the distance of each point from the nearest one with a value, within a few percent.
+    """Write how far, in m within a few percent, each point is from the nearest one with a value, 0 or 1.
 
-    Borgefors, "Distance Transformations in Digital Images", 1986: two passes over neighbours.
-
-    Args:
-        value: 0 or 1.
-        wet: (R, C) zeros and ones.
-        away: (R + 2, C + 2) m, FAR everywhere; all but its border is changed.
+    Borgefors, "Distance Transformations in Digital Images", 1986: two passes over neighbours. At first,
+    ``away``, (R + 2, C + 2), is FAR everywhere; its border stays.
     """
     rows, columns = wet.shape
     for row in range(rows):
@@ -119,9 +108,7 @@ def _measure(value: int, wet: NDArray[np.int8], away: NDArray[np.float64]) -> No
 def _shape_shores(from_shore: NDArray[np.float64], above: NDArray[np.float64]) -> None:
     """Make beds shallow and shores gentle, and lift land that is too low into dry flats.
 
-    Args:
-        from_shore: (R, C) m to the nearest shore, negative in a lake.
-        above: (R, C) m above the water's level, changed.
+    Both are (R, C) m: to the nearest shore, negative in a lake; and above the water's level, changed.
     """
     for row in range(above.shape[0]):
         for column in range(above.shape[1]):
@@ -146,19 +133,10 @@ def smooth_least(one: float, other: float, width: float) -> float:
     return min(one, other) - near * near / (4.0 * width) if width > 0.0 else min(one, other)
 
 
-@kernel
-def flip_small_components(
-    value: int, least: float, queue: NDArray[np.int32], cells: NDArray[np.int8]
-) -> None:
-    """Flip connected components of a value to the other value if they are too small.
-
-    Args:
-        value: 0 or 1.
-        least: Cells of the smallest component that stays.
-        queue: (R * C,) scratch buffer.
-        cells: (R, C) zeros and ones, changed.
-    """
-    columns = cells.shape[1]
+@array_kernel
+def flip_small_components(value: int, least: float, cells: NDArray[np.int8]) -> None:
+    """Flip the connected components of a value, 0 or 1, that have fewer than ``least`` cells."""
+    queue, columns = np.empty(cells.size, np.int32), cells.shape[1]
     for start in range(cells.size):
         if cells[start // columns, start % columns] == value:
             found = _mark_component(value, start, queue, cells)
@@ -171,10 +149,10 @@ def flip_small_components(
                 cells[row, column] = value
 
 
-@kernel
-def largest_component(queue: NDArray[np.int32], cells: NDArray[np.int8]) -> int:
+@array_kernel
+def largest_component(cells: NDArray[np.int8]) -> int:
     """Return the size in cells of the largest connected component of ones; afterwards all ones are threes."""
-    most = 0
+    queue, most = np.empty(cells.size, np.int32), 0
     for start in range(cells.size):
         if cells[start // cells.shape[1], start % cells.shape[1]] == 1:
             most = max(most, _mark_component(1, start, queue, cells))

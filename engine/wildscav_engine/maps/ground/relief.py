@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream, uniform
-from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.compilation.kernel import array_kernel, kernel
 from wildscav_engine.geometry.world import CELL
 from wildscav_engine.specs.map_spec import MapConfig
 
@@ -64,26 +64,29 @@ def draw_landform(config: MapConfig, relief: float, seed: int) -> Landform:
     )
 
 
-def draw_gradients(seed: int) -> NDArray[np.float64]:
-    """Return (LATTICE, LATTICE, 2) the gradients of the noise: unit vectors in random directions."""
+@array_kernel
+def _draw_gradients(seed: np.uint64) -> NDArray[np.float64]:
     gradients = np.empty((LATTICE, LATTICE, 2))
-    _draw_gradients(np.uint64(seed), gradients)
-    return gradients
-
-
-@kernel
-def _draw_gradients(seed: np.uint64, gradients: NDArray[np.float64]) -> None:
     for row in range(LATTICE):
         for column in range(LATTICE):
             turn = 360.0 * uniform(seed, STREAM, GRADIENTS_KEY, row, column)
             gradients[row, column, 0] = cosine(turn)
             gradients[row, column, 1] = sine(turn)
+    return gradients
 
 
-def draw_origins(seed: int) -> NDArray[np.float64]:
-    """Return (LAYERS, 2) the origin of each layer of noise in the lattice."""
+class Noise(NamedTuple):
+    """The noise that a map's relief is made of."""
+
+    gradients: NDArray[np.float64]  # (LATTICE, LATTICE, 2) unit vectors in random directions
+    origins: NDArray[np.float64]  # (LAYERS, 2) of each layer in the lattice
+
+
+def draw_noise(seed: int) -> Noise:
+    """Draw the noise of a map."""
     dice = RandomStream(seed, Stream.TERRAIN, agent=2)
-    return np.array([[dice.uniform(0.0, LATTICE) for _ in range(2)] for _ in range(LAYERS)])
+    origins = np.array([[dice.uniform(0.0, LATTICE) for _ in range(2)] for _ in range(LAYERS)])
+    return Noise(_draw_gradients(np.uint64(seed)), origins)
 
 
 @kernel
@@ -104,16 +107,9 @@ def _noise(gradients: NDArray[np.float64], x: float, z: float) -> float:
 
 
 @kernel
-def _layer(
-    gradients: NDArray[np.float64],
-    origins: NDArray[np.float64],
-    layer: int,
-    octaves: int,
-    gain: float,
-    x: float,
-    z: float,
-) -> float:
+def _layer(noise: Noise, layer: int, octaves: int, gain: float, x: float, z: float) -> float:
     """Return a sum of octaves of noise, each with half the wavelength and ``gain`` times the height."""
+    gradients, origins = noise
     x, z = x + origins[layer, 0], z + origins[layer, 1]
     total, height = 0.0, 1.0
     for _ in range(octaves):
@@ -124,11 +120,12 @@ def _layer(
 
 
 @kernel
-def _crests(gradients: NDArray[np.float64], origins: NDArray[np.float64], x: float, z: float) -> float:
+def _crests(noise: Noise, x: float, z: float) -> float:
     """Return ridged noise, 0 to about 1 along crests; only the crests branch into finer ones.
 
     Musgrave, in Ebert et al., "Texturing and Modeling: A Procedural Approach", 3rd ed., chapter 16.
     """
+    gradients, origins = noise
     x, z = x + origins[CHAINS, 0], z + origins[CHAINS, 1]
     total, height, weight = 0.0, 0.62, 1.0
     for _ in range(4):
@@ -153,18 +150,15 @@ def smooth_step(low: float, high: float, value: float) -> float:
 @kernel
 def compose_land(
     landform: Landform,
-    gradients: NDArray[np.float64],
-    origins: NDArray[np.float64],
+    noise: Noise,
     broad: NDArray[np.float64],
     hills: NDArray[np.float64],
     cliffs: NDArray[np.float64],
 ) -> None:
     """Compose the land from noise of low and high frequency.
 
-    Args:
-        broad: (R, C) m, uplands and mountain chains, written.
-        hills: (R, C) m, to be added to them, written.
-        cliffs: (R, C) 0 to 1, how much slopes are gathered into cliffs, written.
+    It writes the uplands and mountain chains, (R, C) m; the hills to be added to them, (R, C) m; and how much
+    slopes are gathered into cliffs, (R, C) from 0 to 1.
     """
     octaves = 1
     while octaves < HILL_OCTAVES + 3 and 0.4 * landform.wave / 2.0**octaves >= FINEST_HILLS:
@@ -172,49 +166,43 @@ def compose_land(
     for row in range(broad.shape[0]):
         for column in range(broad.shape[1]):
             x, z = column * CELL / landform.wave, row * CELL / landform.wave
-            warp_x = 0.3 * _layer(gradients, origins, WARP_EAST, 2, 0.5, 1.3 * x, 1.3 * z)
-            warp_z = 0.3 * _layer(gradients, origins, WARP_NORTH, 2, 0.5, 1.3 * x, 1.3 * z)
-            plain = _layer(gradients, origins, PLAIN, 1, 0.5, 0.8 * x + warp_x, 0.8 * z + warp_z)
+            warp_x = 0.3 * _layer(noise, WARP_EAST, 2, 0.5, 1.3 * x, 1.3 * z)
+            warp_z = 0.3 * _layer(noise, WARP_NORTH, 2, 0.5, 1.3 * x, 1.3 * z)
+            plain = _layer(noise, PLAIN, 1, 0.5, 0.8 * x + warp_x, 0.8 * z + warp_z)
             plain = smooth_step(landform.plains - 0.3, landform.plains + 0.3, plain)
-            rocky = _layer(gradients, origins, CLIFFY, 1, 0.5, x + warp_x, z + warp_z)
-            gap = _layer(gradients, origins, BREAKS, 1, 0.5, CELL * column / 46.0, CELL * row / 46.0)
+            rocky = _layer(noise, CLIFFY, 1, 0.5, x + warp_x, z + warp_z)
+            gap = _layer(noise, BREAKS, 1, 0.5, CELL * column / 46.0, CELL * row / 46.0)
             rocky = smooth_step(landform.cliffs - 0.2, landform.cliffs + 0.2, rocky)
             cliffs[row, column] = rocky * smooth_step(-0.3, 0.1, gap)
-            mountain = _layer(gradients, origins, MOUNTAINOUS, 1, 0.5, 0.55 * x + warp_x, 0.55 * z + warp_z)
+            mountain = _layer(noise, MOUNTAINOUS, 1, 0.5, 0.55 * x + warp_x, 0.55 * z + warp_z)
             mountain = smooth_step(landform.mountains - 0.45, landform.mountains + 0.45, mountain)
             x, z = x + warp_x, z + warp_z
-            upland = _layer(gradients, origins, UPLANDS, 2, 0.4, x, z)
+            upland = _layer(noise, UPLANDS, 2, 0.4, x, z)
             along = (x * landform.east + z * landform.north) / landform.stretch
             across = x * landform.north - z * landform.east
-            crest = _crests(gradients, origins, 0.9 * across, 0.9 * along)
+            crest = _crests(noise, 0.9 * across, 0.9 * along)
             flat = 1.0 - 0.75 * plain * (1.0 - mountain)
             broad[row, column] = landform.height * (0.5 * upland * flat + 1.1 * mountain * crest)
-            hill = _layer(gradients, origins, HILLS, octaves, 0.42, 2.5 * x, 2.5 * z)
+            hill = _layer(noise, HILLS, octaves, 0.42, 2.5 * x, 2.5 * z)
             hills[row, column] = landform.height * hill * (0.04 + 0.18 * (1.0 - plain))
 
 
 @kernel
-def draw_bumps(
-    relief: float, gradients: NDArray[np.float64], origins: NDArray[np.float64], bumps: NDArray[np.float64]
-) -> None:
+def draw_bumps(relief: float, noise: Noise, bumps: NDArray[np.float64]) -> None:
     """Write (R, C) m, the bumps that bend the shores of lakes with flat banks."""
     for row in range(bumps.shape[0]):
         for column in range(bumps.shape[1]):
             x, z = column * CELL / SHORE_WAVE, row * CELL / SHORE_WAVE
-            bumps[row, column] = SHORE_HEIGHT * relief * _layer(gradients, origins, SHORES, 2, 0.5, x, z)
+            bumps[row, column] = SHORE_HEIGHT * relief * _layer(noise, SHORES, 2, 0.5, x, z)
 
 
 @kernel
 def raise_cliffs(
     step: float, broad: NDArray[np.float64], cliffs: NDArray[np.float64], heights: NDArray[np.float64]
 ) -> None:
-    """Gather slopes into steps where the land is rocky; all steps are equally steep.
+    """Gather slopes into steps where the land is rocky; all steps are equally steep, ``step`` m high.
 
-    Args:
-        step: m, from one terrace to the next.
-        broad: (R, C) m.
-        cliffs: (R, C) how far the ground follows the terraces, 0 to 1.
-        heights: (R, C) m, of the terraced ground, written.
+    Cliffs, (R, C) from 0 to 1, say how far the ground follows the terraces. It is written to ``heights``.
     """
     rows, columns = broad.shape
     width = min(CLIFF_WIDTH * step, WIDEST_CLIFF)

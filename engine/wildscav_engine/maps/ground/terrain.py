@@ -5,32 +5,21 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.compilation.kernel import array_kernel, kernel
 from wildscav_engine.geometry.world import CELL
 from wildscav_engine.maps.ground.erosion import add_finely, crumble, rain
-from wildscav_engine.maps.ground.lakes import DEEPEST_WATER, flood, largest_component, smooth_least, softened
+from wildscav_engine.maps.ground.lakes import flood, largest_component, smooth_least, softened
 from wildscav_engine.maps.ground.relief import (
     LEAST_RANGE,
+    Noise,
     compose_land,
     draw_bumps,
-    draw_gradients,
     draw_landform,
-    draw_origins,
+    draw_noise,
     raise_cliffs,
 )
 from wildscav_engine.specs.body import TAN_SLOPE_LIMIT
 from wildscav_engine.specs.map_spec import MapConfig
-
-__all__ = [
-    "DEEPEST_WATER",
-    "LEVEL_MARGIN",
-    "Terrain",
-    "distance_to_footprint",
-    "level_ground",
-    "make_terrain",
-    "points_within",
-    "water_of_cells",
-]
 
 FLATTEST_SHAPE = 0.25  # the least relief with which land is shaped; flatter land is scaled down afterwards
 # Rain carves valleys into coarse ground first, then gullies into the fine ground. Each pair: points of the
@@ -62,25 +51,28 @@ def make_terrain(config: MapConfig, seed: int) -> Terrain:
     """Return the terrain of a map; height 0 is the water level, or the lowest ground of a dry map."""
     corner = (-config.size / 2.0, -config.size / 2.0)
     cells = int(config.size // CELL)
-    heights, cliffs = _shape_land(config, seed, cells + 1)
+    noise = draw_noise(seed)
+    heights, cliffs = _shape_land(config, seed, noise, cells + 1)
     scale = config.relief / max(config.relief, FLATTEST_SHAPE)
     if config.water == 0.0:
         heights = (heights - heights.min()) * scale
         _connect_ground(cliffs, heights)
         return Terrain(corner, heights, -np.inf)
     bumps = np.empty(heights.shape)
-    draw_bumps(max(config.relief, FLATTEST_SHAPE), draw_gradients(seed), draw_origins(seed), bumps)
+    draw_bumps(max(config.relief, FLATTEST_SHAPE), noise, bumps)
     heights = flood(heights, bumps, config.water, scale)
     _connect_ground(cliffs, heights)
     return Terrain(corner, heights, 0.0)
 
 
-def _shape_land(config: MapConfig, seed: int, points: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _shape_land(
+    config: MapConfig, seed: int, noise: Noise, points: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return (points, points) heights in m with cliffs and erosion, and how rocky the ground is."""
     key = np.uint64(seed)
     landform = draw_landform(config, max(config.relief, FLATTEST_SHAPE), seed)
     broad, hills, cliffs, heights = (np.empty((points, points)) for _ in range(4))
-    compose_land(landform, draw_gradients(seed), draw_origins(seed), broad, hills, cliffs)
+    compose_land(landform, noise, broad, hills, cliffs)
     broad *= max(1.0, LEAST_RANGE * landform.height / (broad.max() - broad.min()))
     for coarseness, drops in VALLEY_RAINS:
         _erode(key, coarseness, drops, broad)
@@ -113,7 +105,7 @@ def _connected_share(heights: NDArray[np.float64]) -> float:
     )
     steepest = TAN_SLOPE_LIMIT * CELL
     cells = (rise < steepest * steepest).astype(np.int8)
-    return largest_component(np.empty(cells.size, np.int32), cells) / cells.size
+    return largest_component(cells) / cells.size
 
 
 def _erode(seed: np.uint64, coarseness: int, drops: float, heights: NDArray[np.float64]) -> None:
@@ -147,7 +139,7 @@ def points_within(corner: float, coordinate: float, reach: float, count: int) ->
 
 @kernel
 def distance_to_footprint(footprint: NDArray[np.float64], x: float, z: float) -> float:
-    """Return the distance in m of (x, z) from a footprint (see ``sites.Site``), 0 inside it."""
+    """Return the distance in m of (x, z) from a footprint (see ``footprints.Site``), 0 inside it."""
     east, north = x - footprint[0], z - footprint[1]
     across = abs(east * footprint[3] - north * footprint[2]) - footprint[4]
     along = abs(east * footprint[2] + north * footprint[3]) - footprint[5]
@@ -155,6 +147,7 @@ def distance_to_footprint(footprint: NDArray[np.float64], x: float, z: float) ->
     return float(np.sqrt(across * across + along * along))
 
 
+@array_kernel
 def level_ground(
     corner: tuple[float, float],
     footprints: NDArray[np.float64],
@@ -169,28 +162,15 @@ def level_ground(
 
     Args:
         corner: m, x and z of the south-west corner.
-        footprints: (H, 6), see ``sites.Site``.
+        footprints: (H, 6), see ``footprints.Site``.
         grounds: (H,) m, the level around each.
         heights: (R + 1, C + 1) m, changed.
     """
     least, most = np.full(heights.shape, -np.inf), np.full(heights.shape, np.inf)
-    _limit(corner, footprints, grounds, least, most)
-    _keep_within(least, most, heights)
-
-
-@kernel
-def _limit(
-    corner: tuple[float, float],
-    footprints: NDArray[np.float64],
-    grounds: NDArray[np.float64],
-    least: NDArray[np.float64],
-    most: NDArray[np.float64],
-) -> None:
-    """Narrow the limits of the ground's height, (R + 1, C + 1) m each, so that it joins each level area."""
     for house in range(footprints.shape[0]):
         reach = footprints[house, 4] + footprints[house, 5] + LEVEL_MARGIN + LONGEST_JOIN
-        first_row, last_row = points_within(corner[1], footprints[house, 1], reach, least.shape[0])
-        first_column, last_column = points_within(corner[0], footprints[house, 0], reach, least.shape[1])
+        first_row, last_row = points_within(corner[1], footprints[house, 1], reach, heights.shape[0])
+        first_column, last_column = points_within(corner[0], footprints[house, 0], reach, heights.shape[1])
         for row in range(first_row, last_row + 1):
             for column in range(first_column, last_column + 1):
                 x, z = corner[0] + column * CELL, corner[1] + row * CELL
@@ -199,6 +179,10 @@ def _limit(
                     room = room_of_join(away)
                     least[row, column] = max(least[row, column], grounds[house] - room)
                     most[row, column] = min(most[row, column], grounds[house] + room)
+    for row in range(heights.shape[0]):
+        for column in range(heights.shape[1]):
+            if most[row, column] < np.inf:
+                heights[row, column] = _within(heights[row, column], least[row, column], most[row, column])
 
 
 @kernel
@@ -212,15 +196,6 @@ def room_of_join(away: float) -> float:
     away = max(0.0, away)
     share = (away / LONGEST_JOIN) * (away / LONGEST_JOIN)
     return JOIN_SLOPE * away * away / (away + JOIN_START) / (1.0 - share * share)
-
-
-@kernel
-def _keep_within(least: NDArray[np.float64], most: NDArray[np.float64], heights: NDArray[np.float64]) -> None:
-    """Cut and fill the ground to its limits."""
-    for row in range(heights.shape[0]):
-        for column in range(heights.shape[1]):
-            if most[row, column] < np.inf:
-                heights[row, column] = _within(heights[row, column], least[row, column], most[row, column])
 
 
 @kernel

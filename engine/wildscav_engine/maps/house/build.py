@@ -52,13 +52,7 @@ class Builder:
         self._corners: list[tuple[float, ...]] = []
 
     def block(self, kind: Kind, area: Rectangle, bottom: float, top: float) -> None:
-        """Add a box over a rectangle, unless it is only as thick as a rounding error.
-
-        Args:
-            area: Its horizontal extent.
-            bottom: m above the ground floor.
-            top: m above the ground floor.
-        """
+        """Add a box over a rectangle, unless it is only as thick as a rounding error."""
         if min(area.right - area.left, area.front - area.back) < TOUCHING:
             return
         self._kinds.append(kind)
@@ -72,10 +66,7 @@ class Builder:
     def wall(self, wall: Wall, floor: float, bottom: float, top: float) -> None:
         """Add a wall: one lintel over all its openings, pillars between them, sills under windows.
 
-        Args:
-            floor: m, the height that its openings refer to.
-            bottom: m, its bottom.
-            top: m, its top.
+        Openings are above ``floor`` m, and the wall reaches from ``bottom`` to ``top`` m.
         """
         side = Side.FRONT if wall.is_across else Side.RIGHT
         ends = [span_of(wall.outline, side)]
@@ -104,12 +95,9 @@ class Builder:
             self.block(Kind.FLOOR, part, bottom, top)
 
     def stairs(self, stairs: Stairs, floor: float, *, hangs: bool) -> None:
-        """Add the stairs from a floor to the next.
+        """Add the stairs from a floor, in m, to the next.
 
-        Args:
-            floor: m, the height where they start.
-            hangs: Whether there are other stairs below, which need headroom; else the stairs stand on the
-                floor.
+        If they hang, other stairs below need headroom; else they stand on the floor.
         """
         for flight in stairs.flights:
             for area, height in steps_of(flight):
@@ -181,6 +169,7 @@ def doorsteps(plan: HousePlan, site: Site, distance: float) -> list[tuple[float,
 
 def house_of(plan: HousePlan, site: Site) -> House:
     """Return the house of a map for a plan on a site."""
+    rooms = [MapRoom(level, room.area) for level, storey in enumerate(plan.storeys) for room in storey.rooms]
     return House(
         center=(site.pose.x, site.pose.z),
         size=plan.size,
@@ -189,9 +178,7 @@ def house_of(plan: HousePlan, site: Site) -> House:
         storeys=len(plan.storeys),
         storey_height=STOREY_HEIGHT,
         wings=tuple(wing.outline for wing in plan.wings),
-        rooms=tuple(
-            MapRoom(level, room.area) for level, storey in enumerate(plan.storeys) for room in storey.rooms
-        ),
+        rooms=tuple(rooms),
     )
 
 

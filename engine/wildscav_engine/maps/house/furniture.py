@@ -44,12 +44,12 @@ class Piece(NamedTuple):
     widths: tuple[float, float]  # m, least and most
     depth: float  # m
     height: float  # m
-    boxes: Callable[[float], tuple[Box, ...]]  # a function of its width
+    parts: Callable[[float], tuple[Box, ...]] | None = None  # a function of its width; None: one box
     in_middle: bool = False  # whether it preferably stands in the middle of a room
 
-
-def _plain(depth: float, height: float) -> Callable[[float], tuple[Box, ...]]:
-    return lambda width: ((0.0, 0.0, 0.0, width, depth, height),)
+    def boxes(self, width: float) -> tuple[Box, ...]:
+        """Return its boxes at a width in m."""
+        return self.parts(width) if self.parts else ((0.0, 0.0, 0.0, width, self.depth, self.height),)
 
 
 PIECES: dict[str, Piece] = {
@@ -57,28 +57,23 @@ PIECES: dict[str, Piece] = {
         (1.2, 1.8), 2.1, 0.95, lambda w: ((0.0, 0.0, 0.0, w, 0.12, 0.95), (0.0, 0.12, 0.0, w, 2.1, 0.5))
     ),
     "cot": Piece(
-        (1.9, 2.1),
-        0.95,
-        0.85,
-        lambda w: ((0.0, 0.0, 0.0, 0.12, 0.95, 0.85), (0.12, 0.0, 0.0, w, 0.95, 0.48)),
+        (1.9, 2.1), 0.95, 0.85, lambda w: ((0, 0, 0, 0.12, 0.95, 0.85), (0.12, 0, 0, w, 0.95, 0.48))
     ),
-    "wardrobe": Piece((1.2, 2.2), 0.6, 2.05, _plain(0.6, 2.05)),
-    "shelf": Piece((1.0, 2.4), 0.4, 1.9, _plain(0.4, 1.9)),
-    "chest": Piece((0.9, 1.4), 0.5, 0.85, _plain(0.5, 0.85)),
-    "sofa": Piece(
-        (1.6, 2.4), 0.9, 0.85, lambda w: ((0.0, 0.0, 0.0, w, 0.3, 0.85), (0.0, 0.3, 0.0, w, 0.9, 0.42))
-    ),
-    "counter": Piece((1.8, 3.2), 0.62, 0.92, _plain(0.62, 0.92)),
-    "fridge": Piece((0.7, 0.8), 0.7, 1.85, _plain(0.7, 1.85)),
+    "wardrobe": Piece((1.2, 2.2), 0.6, 2.05),
+    "shelf": Piece((1.0, 2.4), 0.4, 1.9),
+    "chest": Piece((0.9, 1.4), 0.5, 0.85),
+    "sofa": Piece((1.6, 2.4), 0.9, 0.85, lambda w: ((0, 0, 0, w, 0.3, 0.85), (0, 0.3, 0, w, 0.9, 0.42))),
+    "counter": Piece((1.8, 3.2), 0.62, 0.92),
+    "fridge": Piece((0.7, 0.8), 0.7, 1.85),
     "desk": Piece(
-        (1.3, 1.7), 0.75, 0.75, lambda w: ((0.0, 0.0, 0.68, w, 0.75, 0.75), (0.0, 0.0, 0.0, 0.5, 0.75, 0.68))
+        (1.3, 1.7), 0.75, 0.75, lambda w: ((0, 0, 0.68, w, 0.75, 0.75), (0, 0, 0, 0.5, 0.75, 0.68))
     ),
-    "tub": Piece((1.6, 1.8), 0.8, 0.58, _plain(0.8, 0.58)),
-    "basin": Piece((0.6, 0.9), 0.5, 0.85, _plain(0.5, 0.85)),
+    "tub": Piece((1.6, 1.8), 0.8, 0.58),
+    "basin": Piece((0.6, 0.9), 0.5, 0.85),
     "crates": Piece(
-        (1.1, 1.9), 0.95, 1.65, lambda w: ((0.0, 0.0, 0.0, w, 0.95, 0.9), (0.1, 0.1, 0.9, 0.9, 0.85, 1.65))
+        (1.1, 1.9), 0.95, 1.65, lambda w: ((0, 0, 0, w, 0.95, 0.9), (0.1, 0.1, 0.9, 0.9, 0.85, 1.65))
     ),
-    "crate": Piece((0.8, 1.1), 0.85, 0.9, _plain(0.85, 0.9)),
+    "crate": Piece((0.8, 1.1), 0.85, 0.9),
     "table": Piece(
         (1.5, 2.2),
         0.95,
@@ -86,8 +81,8 @@ PIECES: dict[str, Piece] = {
         lambda w: ((0.0, 0.0, 0.68, w, 0.95, 0.75), (0.3, 0.25, 0.0, w - 0.3, 0.7, 0.68)),
         in_middle=True,
     ),
-    "rack": Piece((2.0, 3.2), 0.8, 2.0, _plain(0.8, 2.0), in_middle=True),
-    "island": Piece((1.6, 2.2), 0.8, 0.92, _plain(0.8, 0.92), in_middle=True),
+    "rack": Piece((2.0, 3.2), 0.8, 2.0, in_middle=True),
+    "island": Piece((1.6, 2.2), 0.8, 0.92, in_middle=True),
 }
 
 # The smaller piece to use where another one does not fit.
@@ -168,15 +163,7 @@ class _Arrangement:
 def furnish(
     dice: RandomStream, area: Rectangle, purpose: str, gaps: list[Gap], sides: tuple[Side, ...]
 ) -> list[Furniture]:
-    """Furnish a room.
-
-    Args:
-        area: The part of it that may be furnished, between its walls.
-        sides: The walls that furniture may stand at.
-
-    Returns:
-        One to four pieces; none if none fits.
-    """
+    """Furnish an area of a room with up to four pieces, at some of its walls and in its middle."""
     most = (purpose != "hall") + 1 + (area.area > 12.0) + (area.area > PIECES_OF_LARGE_ROOM)
     arrangement = _Arrangement(area, gaps)
     placed: list[Furniture] = []
@@ -228,9 +215,8 @@ def _in_middle(dice: RandomStream, core: Rectangle, piece: Piece, width: float) 
     """Return the outline of a piece in the middle of a room, aligned with the room, and its back side."""
     across, along = (core.left + core.right) / 2.0, (core.back + core.front) / 2.0
     lies_across = core.right - core.left >= core.front - core.back
-    half_across, half_along = (
-        (width / 2.0, piece.depth / 2.0) if lies_across else (piece.depth / 2.0, width / 2.0)
-    )
+    half = (width / 2.0, piece.depth / 2.0)
+    half_across, half_along = half if lies_across else half[::-1]
     outline = Rectangle(across - half_across, along - half_along, across + half_across, along + half_along)
     turned = dice.uniform() < 0.5
     if lies_across:

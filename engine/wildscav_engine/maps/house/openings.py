@@ -129,11 +129,7 @@ def choose_outer_doors(
 def choose_terrace_door(
     dice: RandomStream, faces: list[Face], edges: list[Edge], wings: tuple[Wing, ...], level: int
 ) -> tuple[int, Edge] | None:
-    """Choose a door to the flat roof of a lower wing.
-
-    Returns:
-        The wing, and the door with its span; or None.
-    """
+    """Choose a door to the flat roof of a lower wing, and return it with its wing; None without one."""
     for number, wing in enumerate(wings):
         if wing.joint is None or wing.storeys != level or wing.roof is not Roof.FLAT:
             continue

@@ -175,10 +175,8 @@ class Flight(NamedTuple):
     @property
     def ends(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """The middles of its lower and of its upper end."""
-        middle = (
-            (self.outline.left + self.outline.right) / 2.0,
-            (self.outline.back + self.outline.front) / 2.0,
-        )
+        left, back, right, front = self.outline
+        middle = (left + right) / 2.0, (back + front) / 2.0
         foot, head = (line_of(self.outline, side) for side in (self.climbs.opposite, self.climbs))
         if self.climbs.is_across:
             return (middle[0], foot), (middle[0], head)

@@ -24,6 +24,12 @@ MAIN_LEAST = 7.0  # m, least side of a main block: space for stairs and rooms be
 SMALLEST, LARGEST = MAIN_LEAST, 24.0  # m, range of the sides of a house
 WING_LEAST = 3.6  # m, least side
 YARD_LEAST = 3.0  # m, beside a wing
+# The roofs of each kind of wing, each with the random number below which it is drawn.
+ROOFS = {
+    "main": ((Roof.FLAT, 0.4), (Roof.GABLE, 0.75), (Roof.HIP, 1.0)),
+    "lower": ((Roof.FLAT, 0.55), (Roof.GABLE, 0.8), (Roof.HIP, 1.0)),
+    "annex": ((Roof.FLAT, 0.4), (Roof.LEAN_TO, 0.85), (Roof.GABLE, 1.0)),
+}
 TYPE_TRIES = 64  # plans drawn for a house until one is of a wanted type; two in five are unseen
 NEXT_TRY = 100_000  # from the number of one plan to that of the next, beyond the numbers of all houses
 
@@ -85,16 +91,9 @@ def _place_stairs(dice: RandomStream, wings: tuple[Wing, ...]) -> HallPlace:
 
 
 def draw_wings(dice: RandomStream, size: tuple[float, float], storeys: int) -> tuple[Wing, ...]:
-    """Draw the blocks of a house that fill a rectangle of a size in m, the main block first.
-
-    Args:
-        size: Across and along.
-
-    Returns:
-        One or two wings.
-    """
+    """Draw the one or two blocks of a house that fill a rectangle of a size in m, the main block first."""
     whole = Rectangle(-size[0] / 2.0, -size[1] / 2.0, size[0] / 2.0, size[1] / 2.0)
-    main_roof = _draw_main_roof(dice)
+    main_roof = _draw_roof(dice, "main")
     shape = dice.uniform()
     sides = [side for side in Side if _has_room(size, side)]
     if shape < 0.3 or not sides:
@@ -103,9 +102,11 @@ def draw_wings(dice: RandomStream, size: tuple[float, float], storeys: int) -> t
     is_annex = shape < 0.62 and storeys > 1
     main, outline = _part(dice, whole, side, is_annex)
     if is_annex:
-        return Wing(main, storeys, None, main_roof), Wing(outline, 1, side.opposite, _draw_annex_roof(dice))
+        return Wing(main, storeys, None, main_roof), Wing(
+            outline, 1, side.opposite, _draw_roof(dice, "annex")
+        )
     lower = storeys > 1 and dice.uniform() < 0.4
-    roof = _draw_low_roof(dice) if lower else main_roof
+    roof = _draw_roof(dice, "lower") if lower else main_roof
     return Wing(main, storeys, None, main_roof), Wing(outline, storeys - lower, side.opposite, roof)
 
 
@@ -132,19 +133,9 @@ def _part(dice: RandomStream, whole: Rectangle, side: Side, is_annex: bool) -> t
     return with_line(whole, side, cut), wing
 
 
-def _draw_main_roof(dice: RandomStream) -> Roof:
+def _draw_roof(dice: RandomStream, kind: str) -> Roof:
     chance = dice.uniform()
-    return Roof.FLAT if chance < 0.4 else Roof.GABLE if chance < 0.75 else Roof.HIP
-
-
-def _draw_low_roof(dice: RandomStream) -> Roof:
-    chance = dice.uniform()
-    return Roof.FLAT if chance < 0.55 else Roof.GABLE if chance < 0.8 else Roof.HIP
-
-
-def _draw_annex_roof(dice: RandomStream) -> Roof:
-    chance = dice.uniform()
-    return Roof.FLAT if chance < 0.4 else Roof.LEAN_TO if chance < 0.85 else Roof.GABLE
+    return next(roof for roof, below in ROOFS[kind] if chance < below)
 
 
 def is_unseen(plan: HousePlan) -> bool:

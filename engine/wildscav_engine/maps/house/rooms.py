@@ -1,5 +1,6 @@
 """Dividing a storey into rooms and connecting them by doorways."""
 
+from itertools import product
 from typing import NamedTuple
 
 from wildscav_engine.arithmetic.random_numbers import RandomStream
@@ -128,14 +129,13 @@ def possible_doors(layout: Layout, stairs: Stairs | None) -> list[Door]:
         low, high = (Side.BACK, Side.LEFT)[not is_across], (Side.FRONT, Side.RIGHT)[not is_across]
         befores = _rooms_at(layout.rooms, wall, low)
         behinds = _rooms_at(layout.rooms, wall, high)
-        for before in befores:
-            for behind in behinds:
-                for one in clear_of_stairs(layout.rooms[before], high, stairs):
-                    for other in clear_of_stairs(layout.rooms[behind], low, stairs):
-                        start, end = within(one, other)
-                        if end - start >= DOOR_WIDTH + 2.0 * DOOR_MARGIN:
-                            span = (start + DOOR_MARGIN, end - DOOR_MARGIN)
-                            doors.append(Door(number, (before, behind), span))
+        for before, behind in product(befores, behinds):
+            ahead = clear_of_stairs(layout.rooms[before], high, stairs)
+            for one, other in product(ahead, clear_of_stairs(layout.rooms[behind], low, stairs)):
+                start, end = within(one, other)
+                if end - start >= DOOR_WIDTH + 2.0 * DOOR_MARGIN:
+                    span = (start + DOOR_MARGIN, end - DOOR_MARGIN)
+                    doors.append(Door(number, (before, behind), span))
     return doors
 
 
@@ -154,10 +154,8 @@ def _rooms_at(rooms: list[Rectangle], wall: Rectangle, side: Side) -> list[int]:
 def choose_doors(dice: RandomStream, layout: Layout, stairs: Stairs | None) -> list[Door] | None:
     """Choose doorways that connect all rooms: a random spanning tree, and some more.
 
-    This is Kruskal's algorithm with random weights that favour doorways to the hall.
-
-    Returns:
-        The doorways, each with its span; None if no doorways can connect all rooms.
+    This is Kruskal's algorithm with random weights that favour doorways to the hall. It returns None if no
+    doorways can connect all rooms.
     """
     hall = layout.rooms.index(stairs.hall) if stairs else -1
     weighted = sorted(

@@ -64,11 +64,7 @@ class HallPlace(NamedTuple):
 
 
 def draw_stairs(dice: RandomStream, inside: Rectangle) -> HallPlace:
-    """Cut a hall with stairs out of a block, all the way across or along it.
-
-    Args:
-        inside: The area within the walls of the block, at least 6.5 m per side.
-    """
+    """Cut a hall with stairs, all the way through, out of a block that is at least 6.5 m wide inside."""
     runs_along = dice.uniform() < 0.7
     low, high = (inside.left, inside.right) if runs_along else (inside.back, inside.front)
     strip = _draw_strip(dice, low, high)
@@ -86,11 +82,8 @@ def draw_stairs(dice: RandomStream, inside: Rectangle) -> HallPlace:
     if behind:
         cut = end - behind - INNER_WALL if at_end else start + behind
         hall_start, hall_end = (start, cut) if at_end else (cut + INNER_WALL, end)
-    entry = (
-        (Side.FRONT if entry_ahead else Side.BACK)
-        if runs_along
-        else (Side.RIGHT if entry_ahead else Side.LEFT)
-    )
+    ahead = Side.FRONT if runs_along else Side.RIGHT
+    entry = ahead if entry_ahead else ahead.opposite
     rest, walls = _around(inside, runs_along, strip, cut, at_end)
     hall = _oriented(runs_along, strip[0], hall_start, strip[1], hall_end)
     axes = _HallAxes(hall, entry, dice.uniform() < 0.5)
@@ -178,9 +171,7 @@ def steps_of(flight: Flight) -> list[tuple[Rectangle, float]]:
     steps = []
     for step in range(round((high - low) / GOING)):
         near = step * GOING
-        if flight.climbs.is_ahead:
-            span = (low + near, low + near + GOING)
-        else:
-            span = (high - near - GOING, high - near)
+        is_ahead = flight.climbs.is_ahead
+        span = (low + near, low + near + GOING) if is_ahead else (high - near - GOING, high - near)
         steps.append((part_of(flight.outline, flight.climbs.aside, *span), (flight.first + step + 1) * RISE))
     return steps

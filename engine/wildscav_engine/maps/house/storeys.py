@@ -82,14 +82,9 @@ class _Draft:
 def draw_storey(
     dice: RandomStream, wings: tuple[Wing, ...], level: int, top: int, place: HallPlace | None, style: str
 ) -> tuple[Storey, list[int], list[OuterDoor]]:
-    """Draw one storey.
+    """Draw one storey of a house whose stairs, if it has a place for them, end at the level ``top``.
 
-    Args:
-        top: The level where the stairs end, a storey or the roof.
-        place: The hall with stairs, if there is one.
-
-    Returns:
-        The storey, the wings to whose roofs a doorway leads, and the outer doors on the ground floor.
+    It returns the storey, the wings to whose roofs a doorway leads, and the outer doors on the ground floor.
     """
     stairs = place.stairs if place else None
     faces = draw_faces(wings, level)
@@ -107,10 +102,8 @@ def draw_storey(
             for face, openings in zip(faces, draft.in_faces, strict=True)
         ),
         inner=tuple(
-            Wall(outline, is_across, tuple(sorted(openings)), None)
-            for (outline, is_across), openings in zip(
-                layout.walls[:inner], draft.in_walls[:inner], strict=True
-            )
+            Wall(*wall, tuple(sorted(openings)), None)
+            for wall, openings in zip(layout.walls[:inner], draft.in_walls[:inner], strict=True)
         ),
         furniture=tuple(_draw_furniture(dice, rooms, draft.gaps, stairs)),
         stairs=stairs if level < top else None,

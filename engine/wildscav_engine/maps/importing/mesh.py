@@ -188,14 +188,7 @@ def ground_from(
 def _drape(
     vertices: NDArray[np.float64], triangles: NDArray[np.int64], corner: float, heights: NDArray[np.float64]
 ) -> None:
-    """Raise every point of the grid to the highest triangle at its position.
-
-    Args:
-        vertices: (V, 3) m.
-        triangles: (T, 3) vertices.
-        corner: m, x and z of the first point.
-        heights: (R, C) m, raised.
-    """
+    """Raise every point of a grid, (R, C) m from a corner on, to the highest triangle at its position."""
     rows, columns = heights.shape
     for number in range(triangles.shape[0]):
         a, b, c = triangles[number, 0], triangles[number, 1], triangles[number, 2]

@@ -72,11 +72,7 @@ def draw_map(
 
 
 def _check(
-    game_map: GameMap,
-    width: int,
-    storey: int | None,
-    center: tuple[float, float] | None,
-    span: float | None,
+    game_map: GameMap, width: int, storey: int | None, center: tuple[float, float] | None, span: float | None
 ) -> None:
     highest = max((house.storeys for house in game_map.houses), default=0)
     if not NARROWEST <= width <= WIDEST:
@@ -98,13 +94,8 @@ def _window(
     rows, columns = game_map.world.water.shape
     x, z = center or (corner[0] + columns * CELL / 2, corner[1] + rows * CELL / 2)
     step = (span or columns * CELL) / layout.columns
-    return Window(
-        float(x - step * layout.columns / 2),
-        float(z + step * layout.rows / 2),
-        float(step),
-        layout.rows,
-        layout.columns,
-    )
+    west, north = float(x - step * layout.columns / 2), float(z + step * layout.rows / 2)
+    return Window(west, north, float(step), layout.rows, layout.columns)
 
 
 def _shown_indoor(game_map: GameMap, storey: int | None) -> NDArray[np.float64]:
@@ -132,11 +123,8 @@ def _shown_outdoor(game_map: GameMap, storey: int | None) -> NDArray[np.float64]
 
 def _over(house: House, places: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Return (N,) whether places, (N, 3) m, lie within a house's outline."""
-    across, along = house.pose.inside(places[:, 0], places[:, 2])  # type: ignore[arg-type]
-    inside = np.zeros(len(places), np.bool_)
-    for left, back, right, front in outlines(house):
-        inside |= (left <= across) & (across <= right) & (back <= along) & (along <= front)
-    return inside
+    across, along = house.pose.inside(places[:, 0], places[:, 2])
+    return np.asarray(np.any([outline.holds(across, along) for outline in outlines(house)], axis=0))
 
 
 def _mark(picture: "Image", window: Window, places: NDArray[np.float64], color: tuple[int, int, int]) -> None:
@@ -169,10 +157,8 @@ def _legend(game_map: GameMap, storey: int | None, locations: bool) -> "list[Ent
 
     entries = []
     for storeys, houses in sorted(Counter(house.storeys for house in game_map.houses).items()):
-        color = _color(STOREYS[min(storeys, 4) - 1])
-        entries.append(
-            Entry(f"{storeys} {'storey' if storeys == 1 else 'storeys'}: {houses}", color, "house")
-        )
+        color, word = _color(STOREYS[min(storeys, 4) - 1]), "storey" if storeys == 1 else "storeys"
+        entries.append(Entry(f"{storeys} {word}: {houses}", color, "house"))
     if storey is not None:
         entries.append(Entry(f"wall, cut at storey {storey}", CUT_WALL, "house"))
     world = game_map.world

@@ -54,14 +54,8 @@ RELIEF = 0.72  # strength of the shading
 FINER = 2  # samples along each side of a pixel
 BAND = 48  # rows of pixels painted at once
 BORDER = 1  # samples around a band, for outlines
+THICK = 5  # every so many contour lines, one is thick
 ABOVE = 1.0  # m above the highest point of the world, where rays start
-
-
-class Contours(NamedTuple):
-    """Lines of equal height."""
-
-    interval: float  # m between them
-    every: int = 5  # every n-th line is drawn thick
 
 
 class Style(NamedTuple):
@@ -69,7 +63,7 @@ class Style(NamedTuple):
 
     lowest: float  # m, of the ground
     highest: float
-    contours: Contours
+    contours: float  # m between lines of equal height
     step: float  # m between samples
     solids: NDArray[np.float32]  # (S, 3) colours
     house_of: NDArray[np.int16]  # (S,) -1 for none
@@ -83,7 +77,7 @@ def style_of(game_map: GameMap, step: float) -> Style:
     return Style(
         lowest,
         highest,
-        Contours(contour_interval(highest - lowest)),
+        contour_interval(highest - lowest),
         step,
         BRIGHTER * of_solids(game_map.world.solid_kind, game_map.solid_house).astype(np.float32),
         game_map.solid_house,
@@ -100,7 +94,7 @@ def paint(seen: TopView, style: Style) -> Image:
     """Return the picture of a top view, one pixel per sample; the outermost samples have no outlines."""
     picture = _ground(seen, style)
     wet = seen.kind == Kind.WATER
-    picture[wet] = _water(seen.depth[wet])
+    picture[wet] = SHALLOW + (DEEP - SHALLOW) * np.sqrt(np.clip(seen.depth[wet] / DEEPEST, 0, 1))[:, None]
     _draw_contours(picture, seen, style)
     on_solid = (seen.solid >= 0) & (seen.kind != Kind.WATER)
     picture[on_solid] = _solids(seen, style, on_solid)
@@ -123,16 +117,11 @@ def _ground(seen: TopView, style: Style) -> Image:
     return np.asarray(ground + (SHORE - ground) * sandy, np.float32)
 
 
-def _water(depth: NDArray[np.float32]) -> NDArray[np.float32]:
-    way = np.sqrt(np.clip(depth / DEEPEST, 0, 1))[:, None]
-    return np.asarray(SHALLOW + (DEEP - SHALLOW) * way, np.float32)
-
-
 def _draw_contours(picture: Image, seen: TopView, style: Style) -> None:
     """Draw lines of equal height on the ground, faintly under water, and the shore."""
-    interval, every = style.contours
+    interval = style.contours
     number = np.round(seen.ground / interval)
-    thick = number % every == 0
+    thick = number % THICK == 0
     rise = np.maximum(seen.slope, LEAST_SLOPE) * style.step  # m a sample
     beside = np.abs(seen.ground - number * interval) / rise  # samples from the line
     ink = np.clip(np.where(thick, 1.75, 1.15) - beside, 0, 1) * np.where(thick, 0.75, 0.5)

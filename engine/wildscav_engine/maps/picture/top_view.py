@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT, raycast
+from wildscav_engine.geometry.shapes import Rectangle
 from wildscav_engine.geometry.world import CELL, Kind, World, cell_of
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.maps.settlements.houses import House
@@ -19,10 +20,8 @@ from wildscav_engine.maps.settlements.houses import House
 CUT_HEIGHT = 1.35  # m above the floor: above window sills, below the tops of doors
 EAVES = 0.9  # m that a roof may reach beyond the walls
 LIFT = 0.01  # m that a ray to the sun starts off the surface
-SUN_YAW, SUN_HEIGHT = (
-    315.0,
-    40.0,
-)  # degrees; light from the upper left, so that hills do not look like hollows
+# Light comes from the upper left, so that hills do not look like hollows.
+SUN_YAW, SUN_HEIGHT = 315.0, 40.0  # degrees
 SUN_RADIUS = 1.0  # degrees; neighbouring samples aim at four corners of the sun, for soft shadows
 EXAGGERATION = 1.25  # factor of the terrain's slopes in its shading
 
@@ -63,14 +62,10 @@ def allocate_top_view(rows: int, columns: int) -> TopView:
 
 
 def cuts_at(game_map: GameMap, storey: int | None) -> NDArray[np.float64]:
-    """Return the rectangles in which rays start lower, so that houses are cut open at a storey.
+    """Return the rectangles in which rays start lower, so that houses are cut open at a storey, from 1 on.
 
-    Args:
-        storey: The storey, 1 for the ground floor; None cuts nothing.
-
-    Returns:
-        (N, 9): x and z in m, sine and cosine of the yaw, then left, back, right and front edges in those
-        axes, and the height of the cut, all in m.
+    Each is a row, (N, 9): x and z in m, sine and cosine of the yaw, then left, back, right and front edges in
+    those axes, and the height of the cut, all in m.
     """
     if storey is None:
         return np.zeros((0, 9))
@@ -84,10 +79,9 @@ def cuts_at(game_map: GameMap, storey: int | None) -> NDArray[np.float64]:
     return np.array(rows, np.float64).reshape(-1, 9)
 
 
-def outlines(house: House) -> list[tuple[float, float, float, float]]:
-    """Return the outlines of a house's parts in its own axes, m: left, back, right, front."""
-    across, along = house.size[0] / 2, house.size[1] / 2
-    return [(*wing,) for wing in house.wings] or [(-across, -along, across, along)]
+def outlines(house: House) -> list[Rectangle]:
+    """Return the outlines of a house's parts in its own axes."""
+    return [*house.wings] or [house.outline]
 
 
 @kernel
@@ -99,13 +93,9 @@ def cast_top_view(
     window: Window,
     seen: TopView,
 ) -> None:
-    """Cast the rays of a window.
+    """Cast the rays of a window from a height above everything, or from the ``cuts_at`` a storey.
 
-    Args:
-        water: (R, C) m, height of the water in or near each cell, -inf without any.
-        sky: m, the height where rays start, above everything.
-        cuts: (N, 9) from ``cuts_at``.
-        window: The part of the map to show.
+    The water, (R, C) m, is that in or near each cell; see ``water_nearby``.
     """
     suns = _direction_to_sun(0), _direction_to_sun(1), _direction_to_sun(2), _direction_to_sun(3)
     for row in range(window.rows):
@@ -156,11 +146,8 @@ def _cast_sample(
         kind, height = NOTHING, 0.0
     elif hit.solid != TERRAIN_HIT:
         kind = int(np.int64(world.solid_kind[hit.solid]))
-        normal_x, normal_y, normal_z = (
-            world.faces[hit.face, 0],
-            world.faces[hit.face, 1],
-            world.faces[hit.face, 2],
-        )
+        face = world.faces[hit.face]
+        normal_x, normal_y, normal_z = face[0], face[1], face[2]
     elif ground < surface:
         kind, height, normal_x, normal_z = WATER, surface, 0.0, 0.0
     is_open = start < sky

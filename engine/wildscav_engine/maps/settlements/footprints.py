@@ -118,13 +118,3 @@ def heights_under(terrain: Terrain, footprint: NDArray[np.float64]) -> tuple[flo
                 total += heights[row, column]
                 count += 1
     return lowest, highest, total / max(1, count)
-
-
-@kernel
-def nearest_on_lane(lane: NDArray[np.float64], x: float, z: float) -> tuple[float, float]:
-    """Return x and z in m of the point nearest to (x, z) on a segment, given by x and z of both its ends."""
-    east, north = lane[2] - lane[0], lane[3] - lane[1]
-    length = east * east + north * north
-    share = ((x - lane[0]) * east + (z - lane[1]) * north) / length if length > 0.0 else 0.0
-    share = min(1.0, max(0.0, share))
-    return lane[0] + share * east, lane[1] + share * north

@@ -3,6 +3,9 @@
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from wildscav_engine.geometry.shapes import Pose, Rectangle, pose
 
 
@@ -30,3 +33,13 @@ class House:
     def pose(self) -> Pose:
         """The axes of the house: across, and along towards its front."""
         return pose(*self.center, self.yaw)
+
+    @property
+    def outline(self) -> Rectangle:
+        """All of it with its walls, in its own axes."""
+        across, along = self.size[0] / 2.0, self.size[1] / 2.0
+        return Rectangle(-across, -along, across, along)
+
+    def covers(self, places: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Return (N,) which places, (N, 3) m, lie within its outline, seen from above."""
+        return self.outline.holds(*self.pose.inside(places[:, 0], places[:, 2]))

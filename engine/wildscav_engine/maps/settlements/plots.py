@@ -36,6 +36,7 @@ JOIN_REACH = 24.0  # m between their level grounds; beyond, the join may be stee
 SHARED_LEVEL = 2.0 * LEVEL_MARGIN + 0.5  # m between two houses; nearer ones share one level
 DEEPEST_CUT = 1.5  # m between the level of a house and the mean height of the ground
 
+Rows = NDArray[np.float64]  # (N, 6) footprints, (N, 2) m points of lanes, or (N,) m levels
 Place = tuple[float, float, float]  # x and z in m, and a yaw in degrees
 
 
@@ -43,12 +44,7 @@ class Plots:
     """The ground of a map with the houses placed on it so far."""
 
     def __init__(
-        self,
-        config: MapConfig,
-        terrain: Terrain,
-        fixed: Sequence[Site],
-        most: int,
-        avoided: Sequence[Site] = (),
+        self, config: MapConfig, terrain: Terrain, fixed: Sequence[Site], most: int, avoided: Sequence[Site]
     ) -> None:
         """Start with ``fixed`` houses and sites to avoid; at most ``most`` more houses can be placed."""
         self.terrain = terrain
@@ -71,29 +67,16 @@ class Plots:
         return taken or _is_near(self._placed, x, z, margin)
 
     def place_house(self, places: Sequence[Place], size: tuple[float, float], gap: float) -> int:
-        """Place a house at the first of some places where it fits.
+        """Place a house of a size in m at the first of some places where it is ``gap`` m from all others.
 
-        Args:
-            places: Candidates for its middle and its yaw.
-            size: m, across and along.
-            gap: m to every other house.
-
-        Returns:
-            The number of the place; -1 if it fits nowhere.
+        It returns the number of the place; -1 if it fits nowhere.
         """
         rows = np.empty((len(places), 6))
         rows[:, 4:] = size[0] * 0.5, size[1] * 0.5
         for number, (x, z, yaw) in enumerate(places):
             rows[number, :4] = x, z, sine(yaw), cosine(yaw)
-        number, ground = _first_fit(
-            self.terrain,
-            rows,
-            self._footprints[: self._count],
-            self._grounds[: self._count],
-            self._placed,
-            self._lanes,
-            gap,
-        )
+        others, grounds = self._footprints[: self._count], self._grounds[: self._count]
+        number, ground = _first_fit(self.terrain, rows, others, grounds, self._placed, self._lanes, gap)
         if number >= 0:
             self._footprints[self._count], self._grounds[self._count] = rows[number], ground
             self._count += 1
@@ -104,13 +87,7 @@ class Plots:
 
 @kernel
 def _first_fit(
-    terrain: Terrain,
-    rows: NDArray[np.float64],
-    others: NDArray[np.float64],
-    grounds: NDArray[np.float64],
-    placed: NDArray[np.float64],
-    lanes: NDArray[np.float64],
-    gap: float,
+    terrain: Terrain, rows: Rows, others: Rows, grounds: Rows, placed: Rows, lanes: Rows, gap: float
 ) -> tuple[int, float]:
     """Return the first footprint on which a house can stand, and its level in m; -1 if there is none."""
     for number in range(rows.shape[0]):
@@ -128,7 +105,7 @@ def _first_fit(
 
 
 @kernel
-def _is_clear(footprint: NDArray[np.float64], others: NDArray[np.float64], gap: float) -> bool:
+def _is_clear(footprint: Rows, others: Rows, gap: float) -> bool:
     for other in range(others.shape[0]):
         if _may_meet(footprint, others[other], gap) and gap_between(footprint, others[other]) < gap:
             return False
@@ -136,7 +113,7 @@ def _is_clear(footprint: NDArray[np.float64], others: NDArray[np.float64], gap: 
 
 
 @kernel
-def _may_meet(one: NDArray[np.float64], other: NDArray[np.float64], gap: float) -> bool:
+def _may_meet(one: Rows, other: Rows, gap: float) -> bool:
     """Return whether the circles around two footprints are nearer than a gap: a cheap first test."""
     reach = half_diagonal(one) + half_diagonal(other) + gap
     east, north = one[0] - other[0], one[1] - other[1]
@@ -144,7 +121,7 @@ def _may_meet(one: NDArray[np.float64], other: NDArray[np.float64], gap: float) 
 
 
 @kernel
-def _is_on_lane(footprint: NDArray[np.float64], lanes: NDArray[np.float64]) -> bool:
+def _is_on_lane(footprint: Rows, lanes: Rows) -> bool:
     for point in range(lanes.shape[0]):
         if distance_to_footprint(footprint, lanes[point, 0], lanes[point, 1]) < LANE_MARGIN:
             return True
@@ -152,7 +129,7 @@ def _is_on_lane(footprint: NDArray[np.float64], lanes: NDArray[np.float64]) -> b
 
 
 @kernel
-def _is_near(footprints: NDArray[np.float64], x: float, z: float, margin: float) -> bool:
+def _is_near(footprints: Rows, x: float, z: float, margin: float) -> bool:
     near = False
     for row in range(footprints.shape[0]):
         near = near or distance_to_footprint(footprints[row], x, z) < margin
@@ -160,12 +137,7 @@ def _is_near(footprints: NDArray[np.float64], x: float, z: float, margin: float)
 
 
 @kernel
-def level_for(
-    terrain: Terrain,
-    footprint: NDArray[np.float64],
-    others: NDArray[np.float64],
-    grounds: NDArray[np.float64],
-) -> float:
+def level_for(terrain: Terrain, footprint: Rows, others: Rows, grounds: Rows) -> float:
     """Return the level in m for a house with this footprint, or -inf if the ground does not allow one."""
     lowest, highest, mean = heights_under(terrain, footprint)
     if lowest < terrain.water_level + SHORE_MARGIN or highest - lowest > STEEPEST_GROUND:

@@ -1,6 +1,6 @@
 """Choosing the sites of houses: in towns and hamlets along streets, or on farmsteads far apart."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -8,14 +8,14 @@ from numpy.typing import NDArray
 
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream
-from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.compilation.kernel import array_kernel
+from wildscav_engine.geometry.segments import nearest_on
 from wildscav_engine.maps.ground.terrain import Terrain
 from wildscav_engine.maps.settlements.footprints import (
     Site,
     corner_of,
     footprints_of,
     gap_between,
-    nearest_on_lane,
 )
 from wildscav_engine.maps.settlements.plots import EDGE_MARGIN, Place, Plots
 from wildscav_engine.maps.settlements.streets import (
@@ -93,22 +93,12 @@ def settle(
     return best
 
 
-def room_for(
-    config: MapConfig,
-    seed: int,
-    terrain: Terrain,
-    sizes: Sequence[Size],
-    fixed: Sequence[Site] = (),
-    avoided: Sequence[Site] = (),
-    kept_off: NDArray[np.float64] = NOWHERE,
-) -> int:
+def room_for(settled: Callable[[Sequence[Size]], Settlement], sizes: Sequence[Size]) -> int:
     """Return how many of the houses, counted from the first, certainly fit if no more are asked for."""
     asked = len(sizes)
-    while True:
-        found = len(settle(config, seed, terrain, sizes[:asked], fixed, avoided, kept_off).sites)
-        if found == asked:
-            return found
+    while (found := len(settled(sizes[:asked]).sites)) != asked:
         asked = found
+    return asked
 
 
 def _segments(lanes: list[NDArray[np.float64]]) -> NDArray[np.float64]:
@@ -233,11 +223,11 @@ def _sides_of_square(street: Street) -> list[NDArray[np.float64]]:
     if end <= start:
         return []
     rows = list(range(start, end + 1, LANE_STEP))
-    sides = []
-    for across in (1.0 - SQUARE_DEPTH, SQUARE_DEPTH - 1.0):
-        shifts = [(across * cosine(yaw), -across * sine(yaw)) for yaw in street.yaws[rows].tolist()]
-        sides.append(street.points[rows] + np.array(shifts))
-    return sides
+    yaws = street.yaws[rows].tolist()
+    return [
+        street.points[rows] + np.array([(across * cosine(yaw), -across * sine(yaw)) for yaw in yaws])
+        for across in (1.0 - SQUARE_DEPTH, SQUARE_DEPTH - 1.0)
+    ]
 
 
 def _scatter(dice: RandomStream, plots: Plots, sizes: Sequence[Size]) -> None:
@@ -245,15 +235,13 @@ def _scatter(dice: RandomStream, plots: Plots, sizes: Sequence[Size]) -> None:
     span = -2.0 * plots.terrain.corner[0]
     gap = min(WIDEST_SCATTER, 0.5 * span / float(np.sqrt(max(1, len(sizes)))))
     for size in sizes:
-        while (
-            plots.place_house(_random_places(dice, plots, RANDOM_PLACES), size, max(gap, SCATTERED_GAP)) < 0
-        ):
+        while plots.place_house(_random_places(dice, plots), size, max(gap, SCATTERED_GAP)) < 0:
             if gap <= SCATTERED_GAP:
                 return
             gap *= 0.8
 
 
-def _random_places(dice: RandomStream, plots: Plots, count: int) -> list[Place]:
+def _random_places(dice: RandomStream, plots: Plots, count: int = RANDOM_PLACES) -> list[Place]:
     half = -plots.terrain.corner[0] - EDGE_MARGIN - 4.0
     return [
         (dice.uniform(-half, half), dice.uniform(-half, half), dice.uniform(-180.0, 180.0))
@@ -278,26 +266,19 @@ def _squeeze_in(dice: RandomStream, plots: Plots, sizes: Sequence[Size]) -> None
             return
 
 
+@array_kernel
 def door_paths(lanes: NDArray[np.float64], doorsteps: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return (K, 4) m the paths from doorsteps (D, 2) to the nearest lane, for those near one."""
-    paths = np.zeros((len(doorsteps), 4))
-    return paths[: _find_paths(lanes, doorsteps, paths)]
-
-
-@kernel
-def _find_paths(
-    lanes: NDArray[np.float64], doorsteps: NDArray[np.float64], paths: NDArray[np.float64]
-) -> int:
-    found = 0
+    paths, found = np.zeros((len(doorsteps), 4)), 0
     for door in range(doorsteps.shape[0]):
         x, z = doorsteps[door, 0], doorsteps[door, 1]
         nearest = LONGEST_PATH * LONGEST_PATH
         is_near = False
         for lane in range(lanes.shape[0]):
-            to_x, to_z = nearest_on_lane(lanes[lane], x, z)
+            to_x, to_z = nearest_on(lanes[lane], x, z)
             away = (to_x - x) * (to_x - x) + (to_z - z) * (to_z - z)
             if away < nearest:
                 nearest, is_near = away, True
                 paths[found, 0], paths[found, 1], paths[found, 2], paths[found, 3] = x, z, to_x, to_z
         found += 1 if is_near else 0
-    return found
+    return paths[:found].copy()

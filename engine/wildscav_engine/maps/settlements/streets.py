@@ -35,14 +35,9 @@ class Street(NamedTuple):
 
 
 def draw_streets(dice: RandomStream, plots: Plots, houses: int, center: Place) -> list[Street]:
-    """Return the streets of a town for so many houses, the main street first.
+    """Return the streets of a town for about so many houses, the main street first.
 
-    Args:
-        houses: Approximate number of houses along them.
-        center: The middle of the town, and the yaw of its main street.
-
-    Returns:
-        The streets; those that are blocked are left out.
+    The main street leads through the center. Streets that are blocked are left out.
     """
     wanted = FRONTAGE * (houses + 1) / 2.0
     length = wanted if houses < SIDE_STREETS_FROM else min(LONGEST_MAIN, 0.6 * wanted + 16.0)
@@ -95,15 +90,9 @@ def _side_streets(
 def _walk(
     dice: RandomStream, plots: Plots, start: Place, length: float, streets: list[list[Place]]
 ) -> list[Place]:
-    """Trace a winding street until it is long enough or something blocks it.
+    """Return the places along a winding street until it is ``length`` m long or something blocks it.
 
-    Args:
-        start: Where the street starts, and its first yaw.
-        length: m.
-        streets: Streets to stay well away from, except near the start.
-
-    Returns:
-        The places along the street; the first is the start.
+    It stays well away from other streets, except near its start.
     """
     terrain = plots.terrain
     x, z, yaw = start
@@ -190,11 +179,7 @@ def height_at(terrain: Terrain, x: float, z: float) -> float:
 def town_center(
     dice: RandomStream, terrain: Terrain, radius: float, others: list[Place], choices: int
 ) -> Place:
-    """Return the middle of a new town and the yaw of its main street: the best of some random places.
-
-    Args:
-        radius: m, of the town.
-    """
+    """Return the middle of a town with a radius in m and its main street's yaw: the best of random places."""
     half = -terrain.corner[0]
     reach = max(0.3 * half, half - radius - EDGE_MARGIN)
     best, best_score = (0.0, 0.0, 0.0), -np.inf

@@ -21,6 +21,7 @@ LEAST_WOODED, MAX_WOODED = 0.08, 0.42  # share of the map under woods, with mini
 EDGE = 0.05  # range of the noise over which a wood thins out
 SHORE_REACH = 2  # patches from the water that are shore
 TREES, BUSHES, ROCKS = range(3)  # categories of plants
+Point = tuple[float, float]  # m, x and z
 NEAR = 10.0  # m; houses, doorsteps and lanes farther away need no test
 
 
@@ -68,37 +69,26 @@ def _add_noise(seed: np.uint64, layer: int, wave: float, weight: float, noise: N
             noise[row, column] += weight * (lower * (1.0 - north) + upper * north)
 
 
+@array_kernel
 def shores(terrain: Terrain, patches: int) -> NDArray[np.bool_]:
     """Return (P, P) which patches lie at a lake."""
-    shore = np.zeros((patches, patches), np.bool_)
-    _mark_shores(terrain.heights, terrain.water_level, shore)
-    return shore
-
-
-@kernel
-def _mark_shores(heights: NDArray[np.float64], water_level: float, shore: NDArray[np.bool_]) -> None:
-    step = int(PATCH / CELL)
+    shore, heights, step = np.zeros((patches, patches), np.bool_), terrain.heights, int(PATCH / CELL)
     for row in range(heights.shape[0] // step):
         for column in range(heights.shape[1] // step):
-            if heights[row * step, column * step] >= water_level:
+            if heights[row * step, column * step] >= terrain.water_level:
                 continue
             for near_row in range(max(0, row - SHORE_REACH), min(shore.shape[0], row + SHORE_REACH + 1)):
                 for near in range(
                     max(0, column - SHORE_REACH), min(shore.shape[1], column + SHORE_REACH + 1)
                 ):
                     shore[near_row, near] = True
+    return shore
 
 
+@array_kernel
 def steepness(terrain: Terrain, patches: int) -> NDArray[np.float64]:
     """Return (P, P) m up per m, the steepest ground within about 6 m of each patch."""
-    steep = np.zeros((patches, patches))
-    _measure_slopes(terrain.heights, steep)
-    return steep
-
-
-@kernel
-def _measure_slopes(heights: NDArray[np.float64], steep: NDArray[np.float64]) -> None:
-    step = int(PATCH / CELL)
+    steep, heights, step = np.zeros((patches, patches)), terrain.heights, int(PATCH / CELL)
     for row in range(steep.shape[0]):
         for column in range(steep.shape[1]):
             steepest = 0.0
@@ -110,6 +100,7 @@ def _measure_slopes(heights: NDArray[np.float64], steep: NDArray[np.float64]) ->
                     north = heights[south + 1, west] - heights[south, west]
                     steepest = max(steepest, east * east + north * north)
             steep[row, column] = np.sqrt(steepest) / CELL
+    return steep
 
 
 class Fields(NamedTuple):
@@ -150,7 +141,7 @@ def land_of(
 
 
 @kernel
-def _mark_near(corner: tuple[float, float], footprints: NDArray[np.float64], near: NDArray[np.bool_]) -> None:
+def _mark_near(corner: Point, footprints: NDArray[np.float64], near: NDArray[np.bool_]) -> None:
     for number in range(footprints.shape[0]):
         footprint = footprints[number]
         low_x, high_x, low_z, high_z = np.inf, -np.inf, np.inf, -np.inf
@@ -161,9 +152,7 @@ def _mark_near(corner: tuple[float, float], footprints: NDArray[np.float64], nea
 
 
 @kernel
-def _mark_near_lanes(
-    corner: tuple[float, float], lanes: NDArray[np.float64], near: NDArray[np.bool_]
-) -> None:
+def _mark_near_lanes(corner: Point, lanes: NDArray[np.float64], near: NDArray[np.bool_]) -> None:
     for number in range(lanes.shape[0]):
         x0, z0, x1, z1 = lanes[number, 0], lanes[number, 1], lanes[number, 2], lanes[number, 3]
         _mark_box(corner, min(x0, x1), min(z0, z1), max(x0, x1), max(z0, z1), near)
@@ -171,12 +160,7 @@ def _mark_near_lanes(
 
 @kernel
 def _mark_box(
-    corner: tuple[float, float],
-    low_x: float,
-    low_z: float,
-    high_x: float,
-    high_z: float,
-    near: NDArray[np.bool_],
+    corner: Point, low_x: float, low_z: float, high_x: float, high_z: float, near: NDArray[np.bool_]
 ) -> None:
     count = near.shape[0]
     first_row, last_row = _patch(corner[1], low_z - NEAR, count), _patch(corner[1], high_z + NEAR, count)

@@ -59,9 +59,8 @@ def plant(
     everywhere = np.array([0.0, 0.0, 0.0, 1.0, half, half])
     found = 0
     for category, count in wanted.items():
-        found = scatter(
-            np.uint64(seed), (category + 1) * KEYS, category, count, everywhere, land, spots, found
-        )
+        first = (category + 1) * KEYS
+        found = scatter(np.uint64(seed), first, category, count, everywhere, land, spots, found)
     stacks = allocate_ring_stacks(PARTS * found)
     return solids_of(stacks, grow(spots.rows, found, stacks))
 

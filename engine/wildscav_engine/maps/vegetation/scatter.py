@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from wildscav_engine.arithmetic.elementary_functions import arctangent, cosine, sine
 from wildscav_engine.arithmetic.random_numbers import Stream, uniform
 from wildscav_engine.compilation.kernel import kernel
+from wildscav_engine.geometry.segments import nearest_on
 from wildscav_engine.geometry.world import CELL
 from wildscav_engine.maps.ground.terrain import distance_to_footprint, points_within
-from wildscav_engine.maps.settlements.footprints import nearest_on_lane
 from wildscav_engine.maps.settlements.streets import height_at
 from wildscav_engine.maps.vegetation.growing_ground import BUSHES, NEAR, ROCKS, TREES, GrowingGround, patch_of
 from wildscav_engine.maps.vegetation.species import (
@@ -85,14 +85,8 @@ def scatter(
 ) -> int:
     """Add plants of one category by rejection sampling; those without a place are left out.
 
-    Args:
-        first_key: The key of the first plant; the others have consecutive keys.
-        category: TREES, BUSHES or ROCKS.
-        area: (6,) the footprint to fill.
-        spots: The plants placed so far; added to, up to its capacity.
-
-    Returns:
-        The new number of plants.
+    They fill a footprint, (6,), and have consecutive keys from ``first_key`` on. The spots hold those found
+    before, and have room for more. It returns the new number of plants.
     """
     last = min(found + wanted, spots.rows.shape[0])
     for number in range(wanted):
@@ -174,11 +168,9 @@ def _species(category: int, land: GrowingGround, row: int, column: int, choice: 
 
 @kernel
 def can_stand(land: GrowingGround, spots: Spots, number: int, group: int) -> bool:
-    """Return whether a plant can stand at its place; also writes the heights of its ground.
+    """Return whether a plant can stand at its place; also write the heights of its ground.
 
-    Args:
-        number: Index of the plant; only those before ``group`` count as others.
-        group: Index of the first plant of its group, whose members may touch it.
+    Only plants before ``group``, the first of its own, count as others: members of a group may touch.
     """
     spot = spots.rows[number]
     half = -land.terrain.corner[0] - EDGE_MARGIN
@@ -222,18 +214,16 @@ def heights_within(land: GrowingGround, x: float, z: float, reach: float) -> tup
 def _is_clear(land: GrowingGround, spot: NDArray[np.float64]) -> bool:
     x, z, radius, crown = spot[X], spot[Z], spot[RADIUS], spot[CROWN]
     from_house = max(radius + HOUSE_MARGIN, crown + CROWN_MARGIN)
-    for house in range(land.houses.shape[0]):
-        if distance_to_footprint(land.houses[house], x, z) < from_house:
-            return False
-    for placed in range(land.placed.shape[0]):
-        if distance_to_footprint(land.placed[placed], x, z) < from_house:
-            return False
+    for footprints in (land.houses, land.placed):
+        for row in range(footprints.shape[0]):
+            if distance_to_footprint(footprints[row], x, z) < from_house:
+                return False
     for door in range(land.doorsteps.shape[0]):
         east, north = x - land.doorsteps[door, 0], z - land.doorsteps[door, 1]
         if east * east + north * north < (radius + DOORSTEP_MARGIN) * (radius + DOORSTEP_MARGIN):
             return False
     for lane in range(land.lanes.shape[0]):
-        to_x, to_z = nearest_on_lane(land.lanes[lane], x, z)
+        to_x, to_z = nearest_on(land.lanes[lane], x, z)
         east, north = x - to_x, z - to_z
         if east * east + north * north < (radius + LANE_MARGIN) * (radius + LANE_MARGIN):
             return False
@@ -303,7 +293,7 @@ def _add_group(
         else:
             yaw = 360.0 * spot[BESIDE]
         spot[X], spot[Z] = leader[X] + away * sine(yaw), leader[Z] + away * cosine(yaw)
-        if _is_in(area, spot[X], spot[Z]) and can_stand(land, spots, found, group):
+        if distance_to_footprint(area, spot[X], spot[Z]) == 0.0 and can_stand(land, spots, found, group):
             link(land, spots, found)
             found += 1
         elif is_hedge:
@@ -322,11 +312,6 @@ def _members(land: GrowingGround, leader: NDArray[np.float64]) -> int:
     if leader[SPECIES] == BOULDER and leader[GROUP] < 0.75:
         return 1 + int(MAX_AROUND * leader[MORE])
     return 0
-
-
-@kernel
-def _is_in(area: NDArray[np.float64], x: float, z: float) -> bool:
-    return distance_to_footprint(area, x, z) == 0.0
 
 
 @kernel

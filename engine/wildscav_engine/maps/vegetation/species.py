@@ -18,11 +18,7 @@ BROADLEAF, CONIFER, POPLAR, DEAD, BUSH, STEPPING_STONE, BLOCK, BOULDER = range(8
 
 # The columns of a spot, the row of one plant or rock.
 X, Z = 0, 1  # m
-GROUND, HIGHEST, LOWEST = (
-    2,
-    3,
-    4,
-)  # m: heights of the ground at its axis, the highest under its crown, the lowest under its foot
+GROUND, HIGHEST, LOWEST = 2, 3, 4  # m, of the ground: at its axis, under its crown, under its foot
 SPECIES = 5
 RADIUS, CROWN = 6, 7  # m, circumradius of its foot, and of its crown
 HEIGHT = 8  # m: of a crown, from its bottom to its top; else above the ground
@@ -134,6 +130,14 @@ def _rough_outline(spot: NDArray[np.float64], stacks: RingStacks, row: int) -> N
         stacks.outline[row, corner, 1] = along * cosine(turn) - beside * sine(turn)
 
 
+# The rings of crowns: heights in shares of a crown's own, upwards, and widths in shares of its radius.
+BROAD = ((0.0, 0.5), (0.3, 1.0), (0.65, 0.85), (1.0, 0.3))
+SLENDER = ((0.0, 0.45), (0.25, 1.0), (0.6, 0.8), (1.0, 0.0))
+CONE = ((0.0, 0.6), (0.1, 1.0), (1.0, 0.0))
+LOWER_CONE, UPPER_CONE = ((0.0, 0.6), (0.1, 1.0), (0.62, 0.28)), ((0.4, 0.45), (0.47, 0.7), (1.0, 0.0))
+WIDE_CONE = 1.45  # m, radius from which a conifer has two crowns above each other
+
+
 @kernel
 def _grow_tree(spot: NDArray[np.float64], stacks: RingStacks, row: int) -> int:
     """Write a tapering trunk with a crown of one or two solids; a dead tree has no crown."""
@@ -148,33 +152,30 @@ def _grow_tree(spot: NDArray[np.float64], stacks: RingStacks, row: int) -> int:
         return row + 1
     _ring(stacks, row, bottom + 0.5 * height, 0.55 * spot[RADIUS])
     row += 1
-    _begin(stacks, row, LEAVES, spot)
     if species == BROADLEAF:
-        _round_outline(stacks, row, 8, turn)
-        _ring(stacks, row, bottom, 0.5 * crown)
-        _ring(stacks, row, bottom + 0.3 * height, crown)
-        _ring(stacks, row, bottom + 0.65 * height, 0.85 * crown)
-        _ring(stacks, row, bottom + height, 0.3 * crown)
-        return row + 1
-    _round_outline(stacks, row, 6, turn)
+        return _grow_crown(spot, stacks, row, 8, turn, bottom, BROAD)
     if species == POPLAR:
-        _ring(stacks, row, bottom, 0.45 * crown)
-        _ring(stacks, row, bottom + 0.25 * height, crown)
-        _ring(stacks, row, bottom + 0.6 * height, 0.8 * crown)
-        _ring(stacks, row, bottom + height, 0.0)
-        return row + 1
-    _ring(stacks, row, bottom, 0.6 * crown)
-    _ring(stacks, row, bottom + 0.1 * height, crown)
-    if crown < 1.45:
-        _ring(stacks, row, bottom + height, 0.0)
-        return row + 1
-    _ring(stacks, row, bottom + 0.62 * height, 0.28 * crown)
-    row += 1
+        return _grow_crown(spot, stacks, row, 6, turn, bottom, SLENDER)
+    if crown < WIDE_CONE:
+        return _grow_crown(spot, stacks, row, 6, turn, bottom, CONE)
+    row = _grow_crown(spot, stacks, row, 6, turn, bottom, LOWER_CONE)
+    return _grow_crown(spot, stacks, row, 6, turn + 30.0, bottom, UPPER_CONE)
+
+
+@kernel
+def _grow_crown(
+    spot: NDArray[np.float64],
+    stacks: RingStacks,
+    row: int,
+    sides: int,
+    turn: float,
+    bottom: float,
+    rings: tuple[tuple[float, float], ...],
+) -> int:
     _begin(stacks, row, LEAVES, spot)
-    _round_outline(stacks, row, 6, turn + 30.0)
-    _ring(stacks, row, bottom + 0.4 * height, 0.45 * crown)
-    _ring(stacks, row, bottom + 0.47 * height, 0.7 * crown)
-    _ring(stacks, row, bottom + height, 0.0)
+    _round_outline(stacks, row, sides, turn)
+    for rise, width in rings:
+        _ring(stacks, row, bottom + rise * spot[HEIGHT], width * spot[CROWN])
     return row + 1
 
 

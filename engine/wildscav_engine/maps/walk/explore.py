@@ -24,6 +24,7 @@ from wildscav_engine.maps.walk.lattice import (
     SPACING,
     Lattice,
     Nodes,
+    Survey,
     add_node,
     is_gentle,
     neighbour,
@@ -73,35 +74,31 @@ def _is_open_around(world: World, x: float, height: float, z: float) -> bool:
 
 
 @kernel
-def explore(
-    world: World, no_bodies: Bodies, lattice: Lattice, nodes: Nodes, start: int, capacity: int
-) -> int:
+def explore(survey: Survey, start: int, capacity: int) -> int:
     """Find the edges of the nodes from ``start`` on, and of all nodes found in the process.
 
-    Returns:
-        The first node without edges; the search stops early if eight more nodes would not fit.
+    It returns the first node without edges; it stops early if eight more nodes would not fit.
     """
-    node = start
+    node, nodes = start, survey.nodes
     while node < nodes.found[0] and nodes.found[0] + DIRECTIONS < capacity:
         for direction in range(0, DIRECTIONS, 2):
-            nodes.edges[node, direction] = _edge(world, no_bodies, lattice, nodes, node, direction)
+            nodes.edges[node, direction] = _edge(survey, node, direction)
         node += 1
     return node
 
 
 @kernel
-def join_diagonals(
-    world: World, no_bodies: Bodies, lattice: Lattice, nodes: Nodes, start: int, capacity: int
-) -> int:
+def join_diagonals(survey: Survey, start: int, capacity: int) -> int:
     """Find the diagonal edges of nodes that have their straight ones; see ``explore``."""
+    nodes = survey.nodes
     last = int(nodes.found[0])
     for node in range(start, last):
         if nodes.found[0] + DIRECTIONS >= capacity:
             return node
         for direction in range(1, DIRECTIONS, 2):
-            across = _across_square(lattice, nodes, node, direction)
+            across = _across_square(survey.lattice, nodes, node, direction)
             if across < 0:
-                across = _edge(world, no_bodies, lattice, nodes, node, direction)
+                across = _edge(survey, node, direction)
             nodes.edges[node, direction] = across
     return last
 
@@ -120,24 +117,20 @@ def _across_square(lattice: Lattice, nodes: Nodes, node: int, direction: int) ->
     if far < 0 or far != nodes.edges[right, (direction + 1) % DIRECTIONS]:
         return -1
     is_flat = abs(nodes.height[far] - nodes.height[node]) <= FLAT_DIAGONAL
-    both_open = _is_open(lattice, nodes, node) and _is_open(lattice, nodes, far)
+    both_open = lattice.marks[nodes.point[node]] == OPEN and lattice.marks[nodes.point[far]] == OPEN
     return int(far) if is_flat or both_open else -1
 
 
 @kernel
-def _is_open(lattice: Lattice, nodes: Nodes, node: int) -> bool:
-    return bool(lattice.marks[nodes.point[node]] == OPEN)
-
-
-@kernel
-def _edge(world: World, no_bodies: Bodies, lattice: Lattice, nodes: Nodes, node: int, direction: int) -> int:
+def _edge(survey: Survey, node: int, direction: int) -> int:
     """Return the node that a walk from a node in a direction leads to, NO_EDGE or FALLS."""
+    world, no_bodies, lattice, nodes = survey
     point = int(nodes.point[node])
     target = neighbour(lattice, point, direction)
     if target < 0:
         return NO_EDGE
     if lattice.marks[point] == OPEN and lattice.marks[target] == OPEN:
-        return _edge_over_open_ground(world, lattice, nodes, node, target)
+        return _edge_over_open_ground(survey, node, target)
     other = _reverse_edge(lattice, nodes, node, target, direction)
     if other >= 0:
         return other
@@ -145,31 +138,24 @@ def _edge(world: World, no_bodies: Bodies, lattice: Lattice, nodes: Nodes, node:
     to_x, to_z = place_of(world, lattice, target)
     start = Point(x, nodes.height[node], z)
     if lattice.marks[point] == FINE or lattice.marks[target] == FINE:
-        return _edge_among_obstacles(world, no_bodies, lattice, nodes, node, start, target, direction)
+        return _edge_among_obstacles(survey, node, start, target, direction)
     other = int(nodes.first[target])
     if other >= 0 and _is_clear_between(world, start, to_x, to_z, nodes.height[other]):
         return other
     reached = walk_straight(world, no_bodies, start, to_x, to_z, SPACING)
     if np.isnan(reached):
         return FALLS
+    end = Point(to_x, reached, to_z)
     arrives = abs(reached) < np.inf and leaves_clearance(
-        world, no_bodies, start, to_x, to_z, reached, SIDE_CLEARANCE, SPACING
+        world, no_bodies, start, end, SIDE_CLEARANCE, SPACING
     )
     return other if arrives else NO_EDGE
 
 
 @kernel
-def _edge_among_obstacles(
-    world: World,
-    no_bodies: Bodies,
-    lattice: Lattice,
-    nodes: Nodes,
-    node: int,
-    start: Point,
-    target: int,
-    direction: int,
-) -> int:
+def _edge_among_obstacles(survey: Survey, node: int, start: Point, target: int, direction: int) -> int:
     """Return the node that a walk in a house or on a rock leads to, NO_EDGE or FALLS; the node may be new."""
+    world, no_bodies, lattice, nodes = survey
     x, z = place_of(world, lattice, target)
     reached = _height_if_free(world, start, x, z)
     if reached == -np.inf:
@@ -235,9 +221,8 @@ def _walk_up_or_down(world: World, no_bodies: Bodies, start: Point, x: float, z:
     if not is_free(world, x, reached + STEP_RISE, reached + BODY_HEIGHT, z, SIDE_CLEARANCE):
         return -np.inf
     reached = walk_straight(world, no_bodies, start, x, z, SMALL_STRIDE)
-    if abs(reached) < np.inf and not leaves_clearance(
-        world, no_bodies, start, x, z, reached, SIDE_CLEARANCE, SPACING
-    ):
+    end = Point(x, reached, z)
+    if abs(reached) < np.inf and not leaves_clearance(world, no_bodies, start, end, SIDE_CLEARANCE, SPACING):
         return -np.inf
     return reached
 
@@ -283,8 +268,9 @@ def _node_leading_here(nodes: Nodes, node: int, target: int, direction: int) -> 
 
 
 @kernel
-def _edge_over_open_ground(world: World, lattice: Lattice, nodes: Nodes, node: int, target: int) -> int:
+def _edge_over_open_ground(survey: Survey, node: int, target: int) -> int:
     """Return the ground node over a point; FALLS if the ground drops steeply there or right behind it."""
+    world, _, lattice, nodes = survey
     if nodes.first[target] >= 0:
         return int(nodes.first[target])
     here_x, here_z = place_of(world, lattice, int(nodes.point[node]))
@@ -296,14 +282,10 @@ def _edge_over_open_ground(world: World, lattice: Lattice, nodes: Nodes, node: i
 
 @kernel
 def walk_straight(world: World, no_bodies: Bodies, start: Point, x: float, z: float, stride: float) -> float:
-    """Walk straight to a place with the engine's motion.
+    """Walk straight to x and z in m with the engine's motion, in moves of up to ``stride`` m.
 
-    Args:
-        x: m, the destination; so z.
-        stride: m, greatest length of each move.
-
-    Returns:
-        m, the height at which it arrives; -inf if it does not arrive, NaN if it walks off an edge or slides.
+    It returns the height in m at which a body arrives; -inf if it does not arrive, NaN if it walks off an
+    edge or slides.
     """
     return walk_within(world, no_bodies, start, x, z, stride, ARRIVAL)
 
@@ -331,8 +313,7 @@ def move_on(
 ) -> tuple[Point, float, bool]:
     """Make the first of the ``left`` equal moves that lead straight to a place.
 
-    Returns:
-        Where the body is then; how far in m it is from where it should be; and whether it stands there.
+    It returns where the body is then, how far in m that is from where it should be, and whether it stands.
     """
     share = 1.0 / left
     delta_x, delta_z = (x - at.x) * share, (z - at.z) * share
@@ -344,21 +325,14 @@ def move_on(
 
 @kernel
 def leaves_clearance(
-    world: World,
-    no_bodies: Bodies,
-    start: Point,
-    x: float,
-    z: float,
-    height: float,
-    margin: float,
-    stride: float,
+    world: World, no_bodies: Bodies, start: Point, end: Point, margin: float, stride: float
 ) -> bool:
     """Return whether a straight walk arrives about as high if shifted ``margin`` m to the left and right."""
-    east, north = x - start.x, z - start.z
+    east, north = end.x - start.x, end.z - start.z
     share = margin / np.sqrt(east * east + north * north)
     for side in (-share, share):
         beside = Point(start.x - side * north, start.y, start.z + side * east)
-        reached = walk_straight(world, no_bodies, beside, x - side * north, z + side * east, stride)
-        if not abs(reached - height) <= STEP_RISE:
+        reached = walk_straight(world, no_bodies, beside, end.x - side * north, end.z + side * east, stride)
+        if not abs(reached - end.y) <= STEP_RISE:
             return False
     return True

@@ -15,7 +15,7 @@ from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import World
 from wildscav_engine.maps.walk.explore import NO_BODIES, SIDE_CLEARANCE, leaves_clearance, walk_within
-from wildscav_engine.maps.walk.graph import NavGraph
+from wildscav_engine.maps.walk.graph import NavGraph, Network
 from wildscav_engine.maps.walk.lattice import (
     BORDER,
     OPEN,
@@ -23,6 +23,7 @@ from wildscav_engine.maps.walk.lattice import (
     SPACING,
     Lattice,
     Nodes,
+    distance,
     is_gentle,
     node_at,
 )
@@ -76,21 +77,14 @@ class Goal(NamedTuple):
     bound: float  # m
 
 
-class Leaps(NamedTuple):
-    """The leaps of the graph."""
-
-    lattice: Lattice
-    nodes: Nodes
-    start: NDArray[np.int64]  # (N + 1,) where each node's leaps start
-    end: NDArray[np.int32]  # (L,) node
-
-
 class Search(NamedTuple):
     """A search, with what it looks at and what it has found."""
 
     world: World
     nobody: Bodies
-    leaps: Leaps
+    lattice: Lattice
+    nodes: Nodes
+    network: Network  # with the leaps
     grid: Grid
     found: Found
     goal: Goal
@@ -99,20 +93,16 @@ class Search(NamedTuple):
 def fine_route(
     graph: NavGraph, start: NDArray[np.float64], goal: Goal
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]] | None:
-    """Return the shortest route over the fine grid to where the target is reached, None if there is none.
+    """Return the shortest route from (3,) m to where the target is reached, None if there is none.
 
-    Args:
-        start: (3,) m, soles.
-
-    Returns:
-        (P, 3) m, the places along the route with the start; and (P,) whether a leap leads to each.
+    It is given by its places, (P, 3) m with the start, and (P,) whether a leap leads to each.
     """
     grid = _grid_around(graph, start, goal)
-    leaps = Leaps(graph.lattice, graph.nodes, graph.leap_start, graph.leap_end)
+    tables = graph.lattice, graph.nodes, graph.network
     capacity = 16 * 1024
     while True:
         found = _no_places(grid, capacity)
-        last = search_on(Search(graph.world, NO_BODIES, leaps, grid, found, goal), start)
+        last = search_on(Search(graph.world, NO_BODIES, *tables, grid, found, goal), start)
         if last != FULL:
             break
         capacity *= 4
@@ -165,7 +155,7 @@ def search_on(search: Search, start: NDArray[np.float64]) -> int:
         if found.done[place]:
             continue
         found.done[place] = True
-        if _distance(found.place[place], goal.target) <= goal.reach:
+        if distance(found.place[place], goal.target) <= goal.reach:
             return place
         if found.counts[0] >= room or found.counts[1] >= room_in_heap:
             return FULL
@@ -193,7 +183,7 @@ def _leave_start(search: Search) -> None:
 @kernel
 def _go(search: Search, place: int, row: int, column: int) -> None:
     """Walk from a place to a grid point, unless no shorter route can come of it."""
-    world, nobody, leaps, grid, found, goal = search
+    world, nobody, lattice, _, _, grid, found, goal = search
     if not (0 <= row < grid.rows and 0 <= column < grid.columns):
         return
     x = world.corner[0] + STEP * (grid.column + column)
@@ -204,9 +194,9 @@ def _go(search: Search, place: int, row: int, column: int) -> None:
     if length + _left(goal, x, z) > goal.bound or _is_known(found, point, here.y, length):
         return
     height = -np.inf
-    if place != 0 and _is_open(leaps.lattice, grid, row, column):
+    if place != 0 and _is_open(lattice, grid, row, column):
         from_row, from_column = found.point[place] // grid.columns, found.point[place] % grid.columns
-        if _is_open(leaps.lattice, grid, from_row, from_column):
+        if _is_open(lattice, grid, from_row, from_column):
             height = _height_on_open_ground(world, here, x, z)
     if height == -np.inf:
         height = _height_after_walk(world, nobody, here, x, z, place != 0)
@@ -227,7 +217,8 @@ def _height_after_walk(
     height = walk_within(world, nobody, here, x, z, STRIDE, EXACT)
     if not with_clearance or not abs(height) < np.inf:
         return height
-    return height if leaves_clearance(world, nobody, here, x, z, height, SIDE_CLEARANCE, STRIDE) else -np.inf
+    there = Point(x, height, z)
+    return height if leaves_clearance(world, nobody, here, there, SIDE_CLEARANCE, STRIDE) else -np.inf
 
 
 @kernel
@@ -266,19 +257,19 @@ def _height_on_open_ground(world: World, here: Point, x: float, z: float) -> flo
 @kernel
 def _leap(search: Search, place: int, row: int, column: int) -> None:
     """Take the leaps of the graph's node at a place, if there is one."""
-    world, _, leaps, grid, found, goal = search
-    side, corner = leaps.lattice.side, world.corner
+    world, _, lattice, nodes, network, grid, found, goal = search
+    side, corner = lattice.side, world.corner
     row, column = row + grid.row, column + grid.column
     if row % FINENESS != 0 or column % FINENESS != 0:
         return
     lattice_point = row // FINENESS * side + column // FINENESS
-    node = node_at(leaps.nodes, lattice_point, found.place[place, 1])
+    node = node_at(nodes, lattice_point, found.place[place, 1])
     if node < 0:
         return
-    for leap in range(leaps.start[node], leaps.start[node + 1]):
-        end = leaps.end[leap]
-        to_row = FINENESS * (leaps.nodes.point[end] // side) - grid.row
-        to_column = FINENESS * (leaps.nodes.point[end] % side) - grid.column
+    for leap in range(network.leap_start[node], network.leap_start[node + 1]):
+        end = network.leap_end[leap]
+        to_row = FINENESS * (nodes.point[end] // side) - grid.row
+        to_column = FINENESS * (nodes.point[end] % side) - grid.column
         if 0 <= to_row < grid.rows and 0 <= to_column < grid.columns:
             x = corner[0] + STEP * (grid.column + to_column)
             z = corner[1] + STEP * (grid.row + to_row)
@@ -286,7 +277,7 @@ def _leap(search: Search, place: int, row: int, column: int) -> None:
             length = found.length[place] + np.sqrt(east * east + north * north)
             point = to_row * grid.columns + to_column
             if length + _left(goal, x, z) <= goal.bound:
-                _relax(found, goal, place, point, Point(x, leaps.nodes.height[end], z), length, True)
+                _relax(found, goal, place, point, Point(x, nodes.height[end], z), length, True)
 
 
 @kernel
@@ -316,9 +307,3 @@ def _left(goal: Goal, x: float, z: float) -> float:
     """Return the least length in m of a way from a place to where the target is reached."""
     east, north = goal.target[0] - x, goal.target[2] - z
     return max(0.0, float(np.sqrt(east * east + north * north)) - goal.reach)
-
-
-@kernel
-def _distance(place: NDArray[np.float64], other: NDArray[np.float64]) -> float:
-    dx, dy, dz = other[0] - place[0], other[1] - place[1], other[2] - place[2]
-    return float(np.sqrt(dx * dx + dy * dy + dz * dz))

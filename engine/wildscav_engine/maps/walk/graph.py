@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,40 +10,50 @@ from numpy.typing import ArrayLike, NDArray
 from wildscav_engine.compilation.kernel import array_kernel, kernel
 from wildscav_engine.geometry.world import World
 from wildscav_engine.maps.walk.explore import NO_BODIES, add_ground
-from wildscav_engine.maps.walk.lattice import BORDER, DIRECTIONS, FINE, SPACING, Lattice, Nodes, make_lattice
+from wildscav_engine.maps.walk.lattice import (
+    BORDER,
+    DIRECTIONS,
+    FINE,
+    SPACING,
+    Lattice,
+    Nodes,
+    Survey,
+    make_lattice,
+)
 from wildscav_engine.maps.walk.leaps import Leaps, explore_further
 from wildscav_engine.motion.collision import Bodies
 
 LAYERS = 2.0  # initial capacity, in nodes per lattice point in a house; tables grow when needed
-Number = TypeVar("Number", bound=np.generic)
+PER_NODE, PER_LEAP = ("point", "height", "following", "edges"), ("start", "end", "jump")  # arrays that grow
+Table = TypeVar("Table", Nodes, Leaps)
 LEAPS_PER_NODE = 0.1  # initial capacity
 
 
+class Network(NamedTuple):
+    """The edges and leaps of a graph of N nodes, for kernels."""
+
+    edges: NDArray[np.int32]  # (N, 8) the node that a walk in each direction leads to; below 0: none
+    leap_start: NDArray[np.int64]  # (N + 1,) where each node's leaps start
+    leap_end: NDArray[np.int32]  # (L,) node
+
+
 @kernel
-def successor(
-    node: int,
-    number: int,
-    edges: NDArray[np.int32],
-    leap_start: NDArray[np.int64],
-    leap_end: NDArray[np.int32],
-) -> int:
+def successor(network: Network, node: int, number: int) -> int:
     """Return the node that the edge or leap of a number leads to; -1 for none, -2 past the last."""
     if number < DIRECTIONS:
-        return max(-1, int(edges[node, number]))
-    leap = leap_start[node] + number - DIRECTIONS
-    return int(leap_end[leap]) if leap < leap_start[node + 1] else -2
+        return max(-1, int(network.edges[node, number]))
+    leap = network.leap_start[node] + number - DIRECTIONS
+    return int(network.leap_end[leap]) if leap < network.leap_start[node + 1] else -2
 
 
 @array_kernel
-def strong_components(
-    edges: NDArray[np.int32], leap_start: NDArray[np.int64], leap_end: NDArray[np.int32]
-) -> NDArray[np.int32]:
+def strong_components(network: Network) -> NDArray[np.int32]:
     """Return (N,) the number of the strongly connected component of every node.
 
     Tarjan, "Depth-First Search and Linear Graph Algorithms", SIAM J. Comput. 1 (1972), with an explicit stack
     instead of recursion.
     """
-    count = edges.shape[0]
+    count = network.edges.shape[0]
     component = np.full(count, -1, np.int32)
     order = np.full(count, -1, np.int32)  # the order in which nodes were entered
     low = np.empty(count, np.int32)  # the earliest node on the stack known to be reachable from each
@@ -62,7 +72,7 @@ def strong_components(
                 entered += 1
                 stack[stacked] = node
                 stacked += 1
-            other = successor(node, following[node], edges, leap_start, leap_end)
+            other = successor(network, node, following[node])
             following[node] += 1
             if other == -2:
                 depth -= 1
@@ -97,6 +107,11 @@ class NavGraph:
     leap_end: NDArray[np.int32]  # (L,) node
     leap_jump: NDArray[np.bool_]  # (L,) whether a leap begins with a jump
 
+    @property
+    def network(self) -> Network:
+        """Its edges and leaps."""
+        return Network(self.nodes.edges, self.leap_start, self.leap_end)
+
     def __len__(self) -> int:
         """Return the number of nodes."""
         return len(self.nodes.point)
@@ -104,7 +119,7 @@ class NavGraph:
     @cached_property
     def component(self) -> NDArray[np.int32]:
         """(N,) the number of each node's strongly connected component."""
-        return strong_components(self.nodes.edges, self.leap_start, self.leap_end)
+        return strong_components(self.network)
 
     @cached_property
     def connected(self) -> NDArray[np.bool_]:
@@ -140,7 +155,9 @@ def build_graph(world: World) -> NavGraph:
     whole = lattice.side // 2 + 1
     fine = np.count_nonzero(lattice.marks == FINE)
     nodes = _no_nodes(lattice, int(whole * whole + LAYERS * fine) + 4 * DIRECTIONS)
-    leaps = _no_leaps(int(LEAPS_PER_NODE * len(nodes.point)))
+    most = int(LEAPS_PER_NODE * len(nodes.point))
+    start, end = np.empty(most, np.int32), np.empty(most, np.int32)
+    leaps = Leaps(start, end, np.empty(most, np.bool_), np.zeros(1, np.int64))
     for row in range(BORDER, lattice.side - BORDER, 2):
         add_ground(world, lattice, nodes, row)
     nodes, leaps = _explore_all(world, lattice, nodes, leaps)
@@ -158,70 +175,36 @@ def _no_nodes(lattice: Lattice, capacity: int) -> Nodes:
     )
 
 
-def _no_leaps(capacity: int) -> Leaps:
-    return Leaps(
-        np.empty(capacity, np.int32),
-        np.empty(capacity, np.int32),
-        np.empty(capacity, np.bool_),
-        np.zeros(1, np.int64),
-    )
-
-
 def _explore_all(world: World, lattice: Lattice, nodes: Nodes, leaps: Leaps) -> tuple[Nodes, Leaps]:
     """Find straight edges, diagonal edges and leaps from every node, until no new node is found."""
     body = Bodies(np.zeros((1, 3)), np.zeros(0, np.int32), 0)
     explored = np.zeros(3, np.int64)
     while explored[2] < nodes.found[0]:
         capacity = len(nodes.point)
-        explore_further(world, NO_BODIES, body, lattice, nodes, leaps, explored)
+        explore_further(Survey(world, NO_BODIES, lattice, nodes), body, leaps, explored)
         if nodes.found[0] + 2 * DIRECTIONS >= capacity:
-            nodes = _with_capacity(nodes, capacity + capacity // 2)
+            nodes = _longer(nodes, capacity + capacity // 2, *PER_NODE)
         if leaps.found[0] + 2 * DIRECTIONS >= len(leaps.start):
-            leaps = _with_more_leaps(leaps, 2 * len(leaps.start) + 64)
+            leaps = _longer(leaps, 2 * len(leaps.start) + 64, *PER_LEAP)
     return nodes, leaps
 
 
-def _with_capacity(nodes: Nodes, capacity: int) -> Nodes:
-    return nodes._replace(
-        point=_longer(nodes.point, capacity),
-        height=_longer(nodes.height, capacity),
-        following=_longer(nodes.following, capacity),
-        edges=_longer(nodes.edges, capacity),
-    )
-
-
-def _with_more_leaps(leaps: Leaps, capacity: int) -> Leaps:
-    return Leaps(
-        _longer(leaps.start, capacity),
-        _longer(leaps.end, capacity),
-        _longer(leaps.jump, capacity),
-        leaps.found,
-    )
-
-
-def _longer(table: NDArray[Number], capacity: int) -> NDArray[Number]:
-    longer = np.empty((capacity, *table.shape[1:]), table.dtype)
-    longer[: len(table)] = table
-    return longer
+def _longer(table: Table, capacity: int, *grown: str) -> Table:
+    """Return a table with room for more in the arrays of some names."""
+    longer: dict[str, Any] = {}
+    for name in grown:
+        old: NDArray[Any] = getattr(table, name)
+        longer[name] = np.empty((capacity, *old.shape[1:]), old.dtype)
+        longer[name][: len(old)] = old
+    return table._replace(**longer)
 
 
 def _finish(world: World, lattice: Lattice, nodes: Nodes, leaps: Leaps) -> NavGraph:
     """Cut the tables to length and sort the leaps by their starts."""
     count, leap_count = int(nodes.found[0]), int(leaps.found[0])
-    nodes = nodes._replace(
-        point=nodes.point[:count],
-        height=nodes.height[:count],
-        following=nodes.following[:count],
-        edges=nodes.edges[:count],
-    )
+    nodes = nodes._replace(**{name: getattr(nodes, name)[:count] for name in PER_NODE})
     order = np.argsort(leaps.start[:leap_count], kind="stable")
     leap_start = np.zeros(count + 1, np.int64)
     np.cumsum(np.bincount(leaps.start[:leap_count], minlength=count), out=leap_start[1:])
-    return NavGraph(
-        world,
-        lattice,
-        nodes,
-        leap_start,
-        leaps.end[:leap_count][order],
-        leaps.jump[:leap_count][order],
-    )
+    end, jump = leaps.end[:leap_count][order], leaps.jump[:leap_count][order]
+    return NavGraph(world, lattice, nodes, leap_start, end, jump)

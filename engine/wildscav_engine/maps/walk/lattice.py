@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.kernel import array_kernel, kernel
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import CELL, Kind, World, cell_of
+from wildscav_engine.motion.collision import Bodies
 from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS, STEP_HEIGHT
 
 SPACING = 0.5  # m between lattice points
@@ -34,6 +35,9 @@ FINE_REACH = BODY_RADIUS + 0.15  # m around built solids
 SLOPE_PROBE = 0.05  # m around a node where the ground must be gentle
 
 
+Position = NDArray[np.float64] | tuple[float, float, float]  # (3,) m
+
+
 class Lattice(NamedTuple):
     """The lattice of a map."""
 
@@ -52,6 +56,15 @@ class Nodes(NamedTuple):
     found: NDArray[np.int64]  # (1,) N
 
 
+class Survey(NamedTuple):
+    """What exploring a map works on, and the bodies around one that walks alone: none."""
+
+    world: World
+    no_bodies: Bodies
+    lattice: Lattice
+    nodes: Nodes
+
+
 @array_kernel
 def classify_cells(world: World) -> NDArray[np.uint8]:
     """Return (R, C) the mark of each cell by the solids in and around it: OPEN, NEAR or FINE."""
@@ -59,25 +72,17 @@ def classify_cells(world: World) -> NDArray[np.uint8]:
     cells = np.zeros((rows, columns), np.uint8)
     for solid in range(world.solid_kind.shape[0]):
         kind = world.solid_kind[solid]
-        is_plant = kind in (TRUNK, CROWN, BUSH)
-        low, high = world.solid_low[solid], world.solid_high[solid]
-        _mark(world, cells, low, high, NEAR_REACH, NEAR)
-        if not is_plant:
-            _mark(world, cells, low, high, 0.0 if kind == ROCK else FINE_REACH, FINE)
+        _mark(world, cells, solid, NEAR_REACH, NEAR)
+        if kind not in (TRUNK, CROWN, BUSH):
+            _mark(world, cells, solid, 0.0 if kind == ROCK else FINE_REACH, FINE)
     return cells
 
 
 @kernel
-def _mark(
-    world: World,
-    cells: NDArray[np.uint8],
-    low: NDArray[np.float64],
-    high: NDArray[np.float64],
-    reach: float,
-    mark: int,
-) -> None:
-    """Mark the cells around a box, except where it is so high that a body can walk under it."""
+def _mark(world: World, cells: NDArray[np.uint8], solid: int, reach: float, mark: int) -> None:
+    """Mark the cells around a solid, except where it is so high that a body can walk under it."""
     rows, columns = cells.shape
+    low, high = world.solid_low[solid], world.solid_high[solid]
     for row in range(
         cell_of(world.corner[1], low[2] - reach, rows), cell_of(world.corner[1], high[2] + reach, rows) + 1
     ):
@@ -167,3 +172,17 @@ def add_node(nodes: Nodes, point: int, height: float) -> int:
     for direction in range(DIRECTIONS):
         nodes.edges[node, direction] = NO_EDGE
     return node
+
+
+@kernel
+def distance(one: Position, other: Position) -> float:
+    """Return the distance in m between two places."""
+    dx, dy, dz = other[0] - one[0], other[1] - one[1], other[2] - one[2]
+    return float(np.sqrt(dx * dx + dy * dy + dz * dz))
+
+
+@kernel
+def level_distance(one: Position, other: Position) -> float:
+    """Return the horizontal distance in m between two places."""
+    east, north = other[0] - one[0], other[2] - one[2]
+    return float(np.sqrt(east * east + north * north))

@@ -26,8 +26,8 @@ from wildscav_engine.maps.walk.lattice import (
     NO_EDGE,
     NORTH,
     SAME_SURFACE,
-    Lattice,
     Nodes,
+    Survey,
     add_node,
     is_gentle,
     neighbour,
@@ -59,49 +59,28 @@ class Leaps(NamedTuple):
 
 
 @kernel
-def explore_further(
-    world: World,
-    no_bodies: Bodies,
-    body: Bodies,
-    lattice: Lattice,
-    nodes: Nodes,
-    leaps: Leaps,
-    explored: NDArray[np.int64],
-) -> None:
+def explore_further(survey: Survey, body: Bodies, leaps: Leaps, explored: NDArray[np.int64]) -> None:
     """Find straight edges, then diagonal ones, then leaps, until the tables have to grow.
 
-    One kernel does all three, because they share most of the code to compile.
-
-    Args:
-        explored: (3,) the first node without each of them, updated.
+    The first node without each of them is in ``explored``, (3,), and updated. One kernel does all three,
+    because they share most of the code to compile.
     """
-    capacity = len(nodes.point)
-    explored[0] = explore(world, no_bodies, lattice, nodes, explored[0], capacity)
+    nodes, capacity = survey.nodes, len(survey.nodes.point)
+    explored[0] = explore(survey, explored[0], capacity)
     if explored[0] == nodes.found[0]:
-        explored[1] = join_diagonals(world, no_bodies, lattice, nodes, explored[1], capacity)
+        explored[1] = join_diagonals(survey, explored[1], capacity)
     if explored[1] == nodes.found[0]:
         room = (capacity, len(leaps.start))
-        explored[2] = find_leaps(world, body, lattice, nodes, leaps, explored[2], room)
+        explored[2] = find_leaps(survey, body, leaps, explored[2], room)
 
 
 @kernel
-def find_leaps(
-    world: World,
-    body: Bodies,
-    lattice: Lattice,
-    nodes: Nodes,
-    leaps: Leaps,
-    start: int,
-    capacity: tuple[int, int],
-) -> int:
-    """Find the leaps from the nodes that have all their edges, beginning with ``start``.
+def find_leaps(survey: Survey, body: Bodies, leaps: Leaps, start: int, capacity: tuple[int, int]) -> int:
+    """Find the leaps from the nodes that have all their edges, from ``start`` on.
 
-    Args:
-        start: First node whose leaps are not known.
-
-    Returns:
-        The first node whose leaps are not known, like ``explore``.
+    It returns the first node whose leaps are not known, like ``explore``.
     """
+    nodes = survey.nodes
     last = int(nodes.found[0])
     for node in range(start, last):
         if nodes.found[0] + DIRECTIONS >= capacity[0] or leaps.found[0] + DIRECTIONS >= capacity[1]:
@@ -111,9 +90,9 @@ def find_leaps(
             if nodes.edges[node, direction] == FALLS and not is_down:
                 # One leap down per neighbourhood is enough.
                 is_down = _neighbour_gets_down(nodes, node)
-                is_down = is_down or _get_down(world, body, lattice, nodes, leaps, node, direction)
+                is_down = is_down or _get_down(survey, body, leaps, node, direction)
             elif nodes.edges[node, direction] == NO_EDGE:
-                _get_up(world, body, lattice, nodes, leaps, node, direction)
+                _get_up(survey, body, leaps, node, direction)
     return last
 
 
@@ -130,10 +109,9 @@ def _neighbour_gets_down(nodes: Nodes, node: int) -> bool:
 
 
 @kernel
-def _get_down(
-    world: World, body: Bodies, lattice: Lattice, nodes: Nodes, leaps: Leaps, node: int, direction: int
-) -> bool:
+def _get_down(survey: Survey, body: Bodies, leaps: Leaps, node: int, direction: int) -> bool:
     """Find a leap to the nearest point in a direction where a body that walks off an edge lands, if any."""
+    world, _, lattice, nodes = survey
     point = int(nodes.point[node])
     away = abs(neighbour(lattice, point, direction) - point)
     units = 1 if away == 1 or abs(away - lattice.side) <= 1 else 2
@@ -145,9 +123,9 @@ def _get_down(
         target = to_row * lattice.side + to_column
         x, z = place_of(world, lattice, target)
         height = landing_height(world, x, z, nodes.height[node])
-        if height == -np.inf or not _can_be_node(world, lattice, nodes, target, height):
+        if height == -np.inf or not _can_be_node(survey, target, height):
             continue
-        if _leap(world, body, lattice, nodes, leaps, node, target, False):
+        if _leap(survey, body, leaps, node, target, False):
             nodes.edges[node, direction] = GETS_DOWN
             return True
     return False
@@ -169,8 +147,9 @@ def landing_height(world: World, x: float, z: float, top: float) -> float:
 
 
 @kernel
-def _can_be_node(world: World, lattice: Lattice, nodes: Nodes, target: int, height: float) -> bool:
+def _can_be_node(survey: Survey, target: int, height: float) -> bool:
     """Return whether a node exists or can exist over a point at a height in m."""
+    world, _, lattice, nodes = survey
     if node_at(nodes, target, height) >= 0:
         return True
     x, z = place_of(world, lattice, target)
@@ -178,13 +157,12 @@ def _can_be_node(world: World, lattice: Lattice, nodes: Nodes, target: int, heig
 
 
 @kernel
-def _get_up(
-    world: World, body: Bodies, lattice: Lattice, nodes: Nodes, leaps: Leaps, node: int, direction: int
-) -> None:
+def _get_up(survey: Survey, body: Bodies, leaps: Leaps, node: int, direction: int) -> None:
     """Find a jump onto a surface over a point that is higher than a step but not higher than a jump.
 
     Surfaces that already have a node are skipped: one jump onto a solid is enough.
     """
+    world, _, lattice, nodes = survey
     target = neighbour(lattice, int(nodes.point[node]), direction)
     if target < 0 or lattice.marks[target] != FINE:
         return
@@ -192,22 +170,14 @@ def _get_up(
     height = landing_height(world, x, z, nodes.height[node] + JUMP_HEIGHT)
     if height <= nodes.height[node] + STEP_HEIGHT or node_at(nodes, target, height) >= 0:
         return
-    if _can_be_node(world, lattice, nodes, target, height):
-        _leap(world, body, lattice, nodes, leaps, node, target, True)
+    if _can_be_node(survey, target, height):
+        _leap(survey, body, leaps, node, target, True)
 
 
 @kernel
-def _leap(
-    world: World,
-    body: Bodies,
-    lattice: Lattice,
-    nodes: Nodes,
-    leaps: Leaps,
-    node: int,
-    target: int,
-    jump: bool,
-) -> bool:
+def _leap(survey: Survey, body: Bodies, leaps: Leaps, node: int, target: int, jump: bool) -> bool:
     """Try a leap to a lattice point; record it if it arrives, and return whether it does."""
+    world, _, lattice, nodes = survey
     x, z = place_of(world, lattice, int(nodes.point[node]))
     to_x, to_z = place_of(world, lattice, target)
     start = Point(x, nodes.height[node], z)
@@ -215,7 +185,7 @@ def _leap(
     if height == -np.inf or not _leaves_clearance(world, body, start, to_x, to_z, jump, height):
         return False
     other = node_at(nodes, target, height)
-    if other < 0 and _can_be_node(world, lattice, nodes, target, height):
+    if other < 0 and _can_be_node(survey, target, height):
         other = add_node(nodes, target, height)
     if other < 0 or other == node:
         return False

@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import array_kernel, kernel
+from wildscav_engine.geometry.segments import nearest_on
 from wildscav_engine.geometry.world import World
 from wildscav_engine.maps.walk.explore import NO_BODIES, walk_straight
 from wildscav_engine.maps.walk.graph import NavGraph
-from wildscav_engine.maps.walk.lattice import SAME_SURFACE, SPACING
-from wildscav_engine.maps.walk.search import LEG_STRIDE, is_edge, is_straight, pull_straight, shortest_route
+from wildscav_engine.maps.walk.lattice import SAME_SURFACE, SPACING, level_distance
+from wildscav_engine.maps.walk.search import LEG_STRIDE, is_straight, pull_straight, shortest_route
 from wildscav_engine.motion.collision import Bodies, Point
 
 ROUNDS = 8
@@ -29,9 +30,7 @@ Place = Sequence[float] | NDArray[np.float64]  # x, y, z in m, soles
 def pull_tight(world: World, nobody: Bodies, turns: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the points of a walk, (P, 3) m, with each turn moved towards the line between its neighbours.
 
-    Args:
-        turns: (P, 3) m, soles; each can be reached by a straight walk from the one before. The ends do not
-            move.
+    Each of them can be reached by a straight walk from the one before. The ends do not move.
     """
     tight = turns.copy()
     for _ in range(ROUNDS):
@@ -47,18 +46,20 @@ def pull_tight(world: World, nobody: Bodies, turns: NDArray[np.float64]) -> NDAr
 def _move_in(world: World, nobody: Bodies, turns: NDArray[np.float64], turn: int) -> float:
     """Move a turn as far as possible in one step; return how many m shorter the path becomes."""
     before, here, after = _point(turns, turn - 1), _point(turns, turn), _point(turns, turn + 1)
-    old = _level_distance(before, here) + _level_distance(here, after)
-    foot_x, foot_z = _nearest_on(before, after, here)
-    whole = _level_distance(here, Point(foot_x, here.y, foot_z))
+    old = level_distance(before, here) + level_distance(here, after)
+    foot_x, foot_z = nearest_on((before.x, before.z, after.x, after.z), here.x, here.z)
+    whole = level_distance(here, Point(foot_x, here.y, foot_z))
     for share in SHARES:
         moved = share * whole - CORNER_CLEARANCE
         if moved <= 0.0:
             break
-        furthest = _turn_at(world, nobody, before, here, after, foot_x, foot_z, share)
-        if not furthest.y < np.inf:
+        x, z = here.x + share * (foot_x - here.x), here.z + share * (foot_z - here.z)
+        if not _turn_at(world, nobody, before, after, x, z).y < np.inf:
             continue
-        there = _turn_at(world, nobody, before, here, after, foot_x, foot_z, moved / whole)
-        gain = old - _level_distance(before, there) - _level_distance(there, after)
+        less = moved / whole
+        x, z = here.x + less * (foot_x - here.x), here.z + less * (foot_z - here.z)
+        there = _turn_at(world, nobody, before, after, x, z)
+        gain = old - level_distance(before, there) - level_distance(there, after)
         if there.y < np.inf and gain > 0.0:
             turns[turn, 0], turns[turn, 1], turns[turn, 2] = there.x, there.y, there.z
             return gain
@@ -66,18 +67,8 @@ def _move_in(world: World, nobody: Bodies, turns: NDArray[np.float64], turn: int
 
 
 @kernel
-def _turn_at(
-    world: World,
-    nobody: Bodies,
-    before: Point,
-    here: Point,
-    after: Point,
-    foot_x: float,
-    foot_z: float,
-    share: float,
-) -> Point:
-    """Return a turn moved towards a foot point by a share of the distance; its height is inf if it cannot."""
-    x, z = here.x + share * (foot_x - here.x), here.z + share * (foot_z - here.z)
+def _turn_at(world: World, nobody: Bodies, before: Point, after: Point, x: float, z: float) -> Point:
+    """Return the turn of a path moved to a place; its height is inf if it cannot be there."""
     if max(abs(x - before.x), abs(z - before.z)) < LEG_STRIDE:
         return Point(x, np.inf, z)
     height = walk_straight(world, nobody, before, x, z, SPACING)
@@ -92,22 +83,6 @@ def _turn_at(
 @kernel
 def _point(turns: NDArray[np.float64], turn: int) -> Point:
     return Point(turns[turn, 0], turns[turn, 1], turns[turn, 2])
-
-
-@kernel
-def _level_distance(one: Point, other: Point) -> float:
-    """Return the horizontal distance in m between two points."""
-    return float(np.sqrt((other.x - one.x) * (other.x - one.x) + (other.z - one.z) * (other.z - one.z)))
-
-
-@kernel
-def _nearest_on(start: Point, end: Point, here: Point) -> tuple[float, float]:
-    """Return x and z in m of the point between two others that is nearest to a third, seen from above."""
-    east, north = end.x - start.x, end.z - start.z
-    length = east * east + north * north
-    share = ((here.x - start.x) * east + (here.z - start.z) * north) / length if length > 0.0 else 0.0
-    share = min(1.0, max(0.0, share))
-    return start.x + share * east, start.z + share * north
 
 
 class Leg(NamedTuple):
@@ -157,19 +132,17 @@ def find_path(graph: NavGraph, start: Place, end: Place, *, straight: bool = Tru
     if first is None or last is None:
         return None
     places = graph.positions()
-    route = shortest_route(places, graph.nodes.edges, graph.leap_start, graph.leap_end, first, last)
+    route = shortest_route(places, graph.network, first, last)
     if len(route) == 0:
         return None
-    is_leap = [
-        not is_edge(graph.nodes.edges, int(route[at]), int(route[at + 1])) for at in range(len(route) - 1)
-    ]
+    is_leap = (graph.nodes.edges[route[:-1]] != route[1:, None]).all(axis=1).tolist()
     if not _is_at(start, places[first]):
         places = np.concatenate([places, [start]])
         route, is_leap = np.insert(route, 0, len(places) - 1), [False, *is_leap]
     if not _is_at(end, places[last]):
         places = np.concatenate([places, [end]])
         route, is_leap = np.append(route, len(places) - 1), [*is_leap, False]
-    legs = _legs(graph, places, route.astype(np.int32), is_leap, straight=straight)
+    legs = _legs(graph, places, route.astype(np.int32), is_leap, straight)
     return Path(_triple(start), tuple(legs))
 
 
@@ -194,8 +167,7 @@ def leads_out(graph: NavGraph, place: Place) -> bool:
     if node is None or graph.connected[node]:
         return node is not None
     anywhere = int(np.argmax(graph.connected))
-    tables = graph.nodes.edges, graph.leap_start, graph.leap_end
-    return len(shortest_route(graph.positions(), *tables, node, anywhere)) > 0
+    return len(shortest_route(graph.positions(), graph.network, node, anywhere)) > 0
 
 
 def node_near(graph: NavGraph, place: Place, *, leave: bool) -> int | None:
@@ -213,8 +185,10 @@ def node_near(graph: NavGraph, place: Place, *, leave: bool) -> int | None:
     for index in np.argsort((offsets * offsets).sum(axis=1), kind="stable"):
         here, there = Point(x, y, z), Point(*places[index])
         start, end = (here, there) if leave else (there, here)
-        if abs(there.y - y) <= ATTACH and _leads_to(graph, start, end):
-            return int(nodes[index])
+        if abs(there.y - y) <= ATTACH:
+            height = walk_straight(graph.world, NO_BODIES, start, end.x, end.z, SPACING)
+            if abs(height - end.y) <= SAME_SURFACE:
+                return int(nodes[index])
     return None
 
 
@@ -232,17 +206,11 @@ def _nodes_around(graph: NavGraph, x: float, z: float) -> NDArray[np.int64]:
     return np.array(found, np.int64)
 
 
-def _leads_to(graph: NavGraph, start: Point, end: Point) -> bool:
-    height = walk_straight(graph.world, NO_BODIES, start, end.x, end.z, SPACING)
-    return bool(abs(height - end.y) <= SAME_SURFACE)
-
-
 def _legs(
     graph: NavGraph,
     places: NDArray[np.float64],
     route: NDArray[np.int32],
-    is_leap: Sequence[bool],
-    *,
+    is_leap: list[bool],
     straight: bool,
 ) -> list[Leg]:
     """Return the legs along a route: its leaps unchanged, the walks between them straightened if asked."""

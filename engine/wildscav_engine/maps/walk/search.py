@@ -1,12 +1,14 @@
 """Searching the shortest route over the walkable graph, and straightening it."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import array_kernel, kernel
 from wildscav_engine.geometry.world import World
 from wildscav_engine.maps.walk.explore import leaves_clearance, walk_straight
-from wildscav_engine.maps.walk.graph import successor
+from wildscav_engine.maps.walk.graph import Network, successor
 from wildscav_engine.maps.walk.lattice import DIRECTIONS, SAME_SURFACE, SPACING
 from wildscav_engine.motion.collision import Bodies, Point
 
@@ -17,18 +19,22 @@ LEG_STRIDE = 0.06  # m, of the walks that test whether a leg can be straight
 LEG_CLEARANCE = 0.1  # m that a straight leg leaves free on each side
 
 
+class Routes(NamedTuple):
+    """What a search knows about the shortest route from the start to each of N nodes."""
+
+    length: NDArray[np.float64]  # (N,) m, inf: none yet
+    previous: NDArray[np.int32]  # (N,) the node before, by an edge or a leap
+    turn: NDArray[np.int32]  # (N,) the last turn before it, from where the route is straight
+    done: NDArray[np.bool_]  # (N,)
+
+
 @kernel
 def follow_line(
-    places: NDArray[np.float64],
-    edges: NDArray[np.int32],
-    start: int,
-    end: int,
-    along: NDArray[np.int32],
+    places: NDArray[np.float64], edges: NDArray[np.int32], start: int, end: int, along: NDArray[np.int32]
 ) -> int:
     """Return the number of edges on the straight line from a node to another; 0 if it is not free.
 
-    Args:
-        along: (M,) the nodes after the start up to the end, written up to its size.
+    The nodes after the start up to the end are written to ``along``, up to its size.
     """
     east, north = places[end, 0] - places[start, 0], places[end, 2] - places[start, 2]
     most = int(2.0 * (abs(east) + abs(north)) / SPACING) + 2
@@ -82,14 +88,7 @@ def _off_line(places: NDArray[np.float64], start: int, end: int, node: int) -> f
 
 
 @array_kernel
-def shortest_route(
-    places: NDArray[np.float64],
-    edges: NDArray[np.int32],
-    leap_start: NDArray[np.int64],
-    leap_end: NDArray[np.int32],
-    start: int,
-    end: int,
-) -> NDArray[np.int32]:
+def shortest_route(places: NDArray[np.float64], network: Network, start: int, end: int) -> NDArray[np.int32]:
     """Return the nodes of the shortest route over edges and leaps, both ends included; empty without one.
 
     Lazy Theta* (Nash, Koenig & Tovey 2010): A* with straight lines of any angle between nodes, so that the
@@ -97,11 +96,10 @@ def shortest_route(
     is assumed when the node is found, and checked when the search expands it. Lengths are horizontal, like
     ``walked``.
     """
-    count = places.shape[0]
-    length = np.full(count, np.inf)  # m, of the shortest known route from the start
-    previous = np.full(count, UNKNOWN, np.int32)  # the node before, by an edge or a leap
-    turn = np.full(count, UNKNOWN, np.int32)  # the last turn before it, from where the route is straight
-    done = np.zeros(count, np.bool_)
+    count, edges = places.shape[0], network.edges
+    length, done = np.full(count, np.inf), np.zeros(count, np.bool_)
+    previous, turn = np.full(count, UNKNOWN, np.int32), np.full(count, UNKNOWN, np.int32)
+    routes = Routes(length, previous, turn, done)
     heap = np.empty(16 * 1024, np.int32)
     priority = np.empty(16 * 1024)
     nowhere = np.empty(0, np.int32)
@@ -115,12 +113,12 @@ def shortest_route(
         done[node] = True
         is_seen = turn[node] == previous[node] or follow_line(places, edges, turn[node], node, nowhere) > 0
         if node != start and not is_seen:
-            _turn_before(places, edges, done, length, previous, turn, node)
+            _turn_before(places, edges, routes, node)
         if node == end:
             break
         number, other = 0, 0
         while other > -2:
-            other = successor(node, number, edges, leap_start, leap_end)
+            other = successor(network, node, number)
             number += 1
             if other < 0 or done[other]:
                 continue
@@ -133,20 +131,13 @@ def shortest_route(
                     heap = np.concatenate((heap, np.empty_like(heap)))
                     priority = np.concatenate((priority, np.empty_like(priority)))
                 size = push(heap, priority, size, other, far + _distance(places, other, end))
-    return _trace_back(places, edges, previous, turn, start, end) if done[end] else nowhere
+    return _trace_back(places, edges, routes, start, end) if done[end] else nowhere
 
 
 @kernel
-def _turn_before(
-    places: NDArray[np.float64],
-    edges: NDArray[np.int32],
-    done: NDArray[np.bool_],
-    length: NDArray[np.float64],
-    previous: NDArray[np.int32],
-    turn: NDArray[np.int32],
-    node: int,
-) -> None:
+def _turn_before(places: NDArray[np.float64], edges: NDArray[np.int32], routes: Routes, node: int) -> None:
     """Turn the route to a node at its best neighbour, since the assumed turn has no line of sight to it."""
+    length, previous, turn, done = routes
     best = previous[node]
     shortest = length[best] + _distance(places, best, node)
     for direction in range(DIRECTIONS):
@@ -167,14 +158,10 @@ def _distance(places: NDArray[np.float64], one: int, other: int) -> float:
 
 @array_kernel
 def _trace_back(
-    places: NDArray[np.float64],
-    edges: NDArray[np.int32],
-    previous: NDArray[np.int32],
-    turn: NDArray[np.int32],
-    start: int,
-    end: int,
+    places: NDArray[np.float64], edges: NDArray[np.int32], routes: Routes, start: int, end: int
 ) -> NDArray[np.int32]:
     """Return the nodes of the route to the end, including those along its straight parts."""
+    previous, turn = routes.previous, routes.turn
     steps, node = 1, end
     nowhere = np.empty(0, np.int32)
     while node != start:
@@ -232,7 +219,7 @@ def pull_straight(
     kept = np.empty_like(route)
     kept[0], count, at, last = route[0], 1, 0, len(route) - 1
     while at < last:
-        at = _farthest_straight(world, no_bodies, places, route, at, last)
+        at = _farthest_straight(world, no_bodies, places, route, at)
         kept[count] = route[at]
         count += 1
     return kept[:count].copy()
@@ -240,18 +227,14 @@ def pull_straight(
 
 @kernel
 def _farthest_straight(
-    world: World,
-    no_bodies: Bodies,
-    places: NDArray[np.float64],
-    route: NDArray[np.int32],
-    first: int,
-    last: int,
+    world: World, no_bodies: Bodies, places: NDArray[np.float64], route: NDArray[np.int32], first: int
 ) -> int:
     """Return the index of the farthest node of a route that a straight walk from ``first`` is found to reach.
 
     It is a galloping search: strides double while straight walks arrive, then the gap is halved. So it may
     miss a farther node.
     """
+    last = len(route) - 1
     if first + 1 == last or _is_straight(world, no_bodies, places, route[first], route[last]):
         return last
     good, stride = first + 1, 2
@@ -288,13 +271,4 @@ def is_straight(world: World, no_bodies: Bodies, at: Point, end: Point) -> bool:
     for stride in (SPACING, LEG_STRIDE):  # large strides fail quickly where the path is blocked
         if not abs(walk_straight(world, no_bodies, at, x, z, stride) - height) <= SAME_SURFACE:
             return False
-    return leaves_clearance(world, no_bodies, at, x, z, height, LEG_CLEARANCE, LEG_STRIDE)
-
-
-@kernel
-def is_edge(edges: NDArray[np.int32], start: int, end: int) -> bool:
-    """Return whether an edge leads from one node to another."""
-    leads_there = False
-    for direction in range(DIRECTIONS):
-        leads_there = leads_there or edges[start, direction] == end
-    return leads_there
+    return leaves_clearance(world, no_bodies, at, end, LEG_CLEARANCE, LEG_STRIDE)

@@ -1,7 +1,5 @@
 """The length of the shortest way to a target, which path lengths are compared with (SPL)."""
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,6 +8,7 @@ from wildscav_engine.geometry.world import World
 from wildscav_engine.maps.walk.explore import ARRIVAL, NO_BODIES, move_on
 from wildscav_engine.maps.walk.fine_search import Goal, fine_route
 from wildscav_engine.maps.walk.graph import NavGraph
+from wildscav_engine.maps.walk.lattice import distance, level_distance
 from wildscav_engine.maps.walk.paths import Place, find_path, pulled
 from wildscav_engine.motion.collision import Bodies, Point
 
@@ -37,7 +36,7 @@ def shortest_length(graph: NavGraph, start: Place, target: Place, reach: float) 
     if best < np.inf:
         return best
     first, goal = np.array(start, np.float64), Goal(np.array(target, np.float64), float(reach), np.inf)
-    least = max(0.0, _level_distance(first, goal.target) - goal.reach)
+    least = max(0.0, level_distance(first, goal.target) - goal.reach)
     path = find_path(graph, first, goal.target)
     if path is not None:
         leaps = np.array([False, *(leg.leap for leg in path.legs)])
@@ -67,22 +66,14 @@ def straight_length(world: World, start: Place, target: Place, reach: float) -> 
 def finer_path(
     graph: NavGraph, start: NDArray[np.float64], goal: Goal
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]] | None:
-    """Return the path over the fine grid to a place where the target is reached, None if there is none.
+    """Return the path from (3,) m over the fine grid to where the target is reached, None if there is none.
 
-    Args:
-        start: (3,) m, soles.
-
-    Returns:
-        (P, 3) m, its turns, with the start; and (P,) whether a leap leads to each.
+    It is given by its turns, (P, 3) m with the start, and (P,) whether a leap leads to each.
     """
     route = fine_route(graph, start, goal)
-    return None if route is None else _straightened(graph, *route)
-
-
-def _straightened(
-    graph: NavGraph, places: NDArray[np.float64], leapt: NDArray[np.bool_]
-) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Return the turns of a route, and which of them a leap leads to, with its walks pulled straight."""
+    if route is None:
+        return None
+    places, leapt = route
     turns, leaps = [places[:1]], [np.zeros(1, np.bool_)]
     ends = [*np.flatnonzero(leapt).tolist(), len(places)]
     for at, end in zip([0, *ends], ends, strict=False):
@@ -117,14 +108,8 @@ def length_to_target(world: World, turns: NDArray[np.float64], leaps: NDArray[np
         if not leaps[number + 1]:
             walked = walk_until_reached(world, NO_BODIES, turn, after, goal.target, goal.reach)
             best = min(best, before + walked)
-        before += _level_distance(turn, after)
+        before += level_distance(turn, after)
     return best
-
-
-def _level_distance(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
-    """Return the horizontal distance in m between two places."""
-    east, north = float(other[0] - one[0]), float(other[2] - one[2])
-    return math.sqrt(east * east + north * north)
 
 
 @kernel
@@ -136,16 +121,12 @@ def walk_until_reached(
     target: NDArray[np.float64],
     reach: float,
 ) -> float:
-    """Return how far a body walks straight towards a place until a target is reached; inf if it never is.
+    """Return how far in m a body walks from ``start`` straight towards ``end``, of which x and z count.
 
-    Args:
-        start: (3,) m, soles.
-        end: (3,) m, of which x and z count.
-        target: (3,) m.
-        reach: m, 3D.
+    It stops as soon as it is within ``reach`` m of the target, in 3D; inf if it never is. Places are (3,) m.
     """
     at = Point(start[0], start[1], start[2])
-    apart = _distance(at, target)
+    apart = distance(at, target)
     if apart <= reach:
         return 0.0
     east, north = end[0] - start[0], end[2] - start[2]
@@ -155,15 +136,8 @@ def walk_until_reached(
         at, short, stands = move_on(world, nobody, at, end[0], end[2], moves - done)
         if short > ARRIVAL or not stands:
             return np.inf
-        stride, nearer = far / moves, _distance(at, target)
+        stride, nearer = far / moves, distance(at, target)
         if nearer <= reach:
             return float(gone + stride * (apart - reach) / (apart - nearer))
         gone, apart = gone + stride, nearer
     return np.inf
-
-
-@kernel
-def _distance(at: Point, target: NDArray[np.float64]) -> float:
-    """Return the distance in m between a body's soles and a target."""
-    dx, dy, dz = target[0] - at.x, target[1] - at.y, target[2] - at.z
-    return float(np.sqrt(dx * dx + dy * dy + dz * dz))

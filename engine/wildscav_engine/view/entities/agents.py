@@ -5,7 +5,7 @@ Bodies are meshes with the same parts and colours as in the images of cameras.
 
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import rerun as rr
@@ -53,14 +53,9 @@ def body_mesh() -> BodyMesh:
     normals *= np.sign((normals * outwards).sum(axis=-1, keepdims=True))
     normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
     first = 4 * np.arange(len(BODY) * len(SIDES), dtype=np.int32)[:, None]
-    triangles = np.concatenate([first + np.array([[0, 1, 2]]), first + np.array([[0, 2, 3]])]).astype(
-        np.int32
-    )
-    return BodyMesh(
-        coordinates.points(corners.reshape(-1, 3)),
-        coordinates.points(np.repeat(normals.reshape(-1, 3), 4, axis=0)),
-        triangles,
-    )
+    triangles = np.concatenate([first + corner for corner in np.array([[0, 1, 2], [0, 2, 3]], np.int32)])
+    normals = np.repeat(normals.reshape(-1, 3), 4, axis=0)
+    return BodyMesh(coordinates.points(corners.reshape(-1, 3)), coordinates.points(normals), triangles)
 
 
 @lru_cache(maxsize=1024)
@@ -100,28 +95,19 @@ def distinct(names: Sequence[str]) -> tuple[str, ...]:
 
 def static_agents(history: History, names: Sequence[str]) -> Iterator[tuple[str, rr.AsComponents]]:
     """Yield the static components of the agents."""
-    body = body_mesh()
+    positions, normals, triangles = body_mesh()
+    mesh = rr.Mesh3D.from_fields(
+        vertex_positions=positions, vertex_normals=normals, triangle_indices=triangles
+    )
     for seat, name in enumerate(names):
         path, team = path_of(seat), history.team_of(seat)
-        yield (
-            f"{path}/body",
-            rr.Mesh3D.from_fields(
-                vertex_positions=body.positions,
-                vertex_normals=body.normals,
-                triangle_indices=body.triangles,
-            ),
-        )
-        yield (
-            f"{path}/name",
-            rr.Points3D.from_fields(positions=(0, 0, LABEL_HEIGHT), radii=DOT, show_labels=True),
-        )
+        yield f"{path}/body", mesh
+        label = rr.Points3D.from_fields(positions=(0, 0, LABEL_HEIGHT), radii=DOT, show_labels=True)
+        yield f"{path}/name", label
         yield f"trails/seat_{seat}", rr.LineStrips3D.from_fields(radii=TRAIL, colors=[of_seat(team)])
-        tint = line_color(history, seat)
+        look: dict[str, Any] = {"colors": [line_color(history, seat)], "names": [name], "widths": [2.0]}
         for quantity in plotted(history):
-            yield (
-                f"{path}/{quantity}",
-                rr.SeriesLines(colors=[tint], names=[name], widths=[2.0], interpolation_mode="StepAfter"),
-            )
+            yield f"{path}/{quantity}", rr.SeriesLines(**look, interpolation_mode="StepAfter")
 
 
 def line_color(history: History, seat: int) -> colors.Color:

@@ -24,11 +24,8 @@ DEPTH = "follow/depth"
 SHADES = 256
 FAR = DEPTH_CAMERA.far
 TICKS = (0, 5, 20, 50, 100, 200)  # m
-BAR, BELOW, TEXT = (
-    1.5,
-    3.5,
-    7.0,
-)  # pixels: half the bar's height; distance of bar and numbers from the image
+# Pixels: half the bar's height; distance of bar and numbers from the image.
+BAR, BELOW, TEXT = 1.5, 3.5, 7.0
 SCALE_HEIGHT = 12.0  # pixels, the total height of the scale
 ABOVE, EYES, COLOR = "follow/above", "follow/eyes", "follow/color"
 ANGLES = {ABOVE: 70.0, EYES: 75.0}  # degrees horizontally

@@ -11,6 +11,7 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
+from wildscav_engine.geometry.terrain import spread
 from wildscav_engine.geometry.world import CELL, World
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.view.recording import colors, coordinates
@@ -39,10 +40,9 @@ class GroundOverlay:
         across = len(world.heights) - 1
         cells = min(across, max_cells)
         every = np.round(np.linspace(0, across, cells + 1)).astype(np.int64)
-        reach = (
-            -(-across // cells) - 1
-        )  # ground vertices between two of the overlay, which must not rise above it
-        height = _highest_around(_surface(world), reach)[np.ix_(every, every)] + LIFT
+        reach = -(-across // cells) - 1  # vertices of the ground between two of the overlay
+        # It must lie above them, too.
+        height = spread(_surface(world), reach)[np.ix_(every, every)] + LIFT
         self.east = world.corner[0] + CELL * every  # (N,) m
         self.north = world.corner[1] + CELL * every  # (N,) m
         x, z = np.meshgrid(self.east, self.north)
@@ -73,12 +73,9 @@ class GroundOverlay:
         return Columns(path, np.zeros(1, np.int64), points.partition([len(self.vertices)]))
 
     def triangles_of(self, chosen: NDArray[np.bool_]) -> NDArray[np.int32]:
-        """Return the triangles, (M, 3), of some cells; one without area if no cell is chosen.
+        """Return (M, 3) the triangles of the chosen cells, of (N - 1, N - 1); without any, one without area.
 
         The viewer would draw a mesh without triangles as if every three vertices were one.
-
-        Args:
-            chosen: (N - 1, N - 1) whether each cell is included.
         """
         if not chosen.any():
             return np.zeros((1, 3), np.int32)
@@ -93,16 +90,6 @@ def _surface(world: World) -> NDArray[np.float64]:
         part = surface[north : rows - 1 + north, east : columns - 1 + east]
         np.maximum(part, world.water, out=part)
     return surface
-
-
-def _highest_around(heights: NDArray[np.float64], reach: int) -> NDArray[np.float64]:
-    """Return the greatest height within ``reach`` vertices along each axis."""
-    if reach == 0:
-        return heights
-    size = 2 * reach + 1
-    padded = np.pad(heights, reach, mode="edge")
-    windows = np.lib.stride_tricks.sliding_window_view(padded, size, axis=0).max(axis=-1)
-    return np.asarray(np.lib.stride_tricks.sliding_window_view(windows, size, axis=1).max(axis=-1))
 
 
 def static_heat(history: History) -> Iterator[tuple[str, rr.AsComponents]]:

@@ -1,13 +1,13 @@
 """The objects of a replay: supply boxes, shots, hits, the start and the target."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
 from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.maps.settlements.houses import House
 from wildscav_engine.simulation.state import NOBODY
 from wildscav_engine.specs.body import EYE_HEIGHT
 from wildscav_engine.view.recording import colors, coordinates
@@ -16,10 +16,8 @@ from wildscav_engine.view.recording.history import Boxes, History, changes
 
 SMALLEST_BOX, LARGEST_BOX = 0.4, 1.0  # m, sides of boxes with 0 and with FULL_BOX supplies
 FULL_BOX = 50
-MUZZLE = (
-    0.25,
-    -0.3,
-)  # m right of the eye and above it; from the eye itself, a shot would look like a dot
+# From the eye itself, a shot would look like a dot.
+MUZZLE = (0.25, -0.3)  # m right of the eye and above it
 UP = np.array([0.0, 1.0, 0.0])
 PILLAR = 25.0  # m, height of the pillar of light at the target
 
@@ -33,16 +31,8 @@ def static_objects(history: History, target_distance: float) -> Iterator[tuple[s
         return
     start, target = history.agents.position[0, 0], history.target
     pillar = coordinates.points(target + PILLAR / 2 * UP)
-    yield (
-        "target/light",
-        rr.Cylinders3D(
-            lengths=[PILLAR],
-            radii=[target_distance],
-            centers=[pillar],
-            colors=[(*colors.TARGET, 90)],
-            fill_mode="solid",
-        ),
-    )
+    look: dict[str, Any] = {"colors": [(*colors.TARGET, 90)], "fill_mode": "solid"}
+    yield "target/light", rr.Cylinders3D(lengths=[PILLAR], radii=[target_distance], centers=[pillar], **look)
     yield "target/place", _marker(target, "target", colors.TARGET)
     yield "start", _marker(start, "start", colors.START)
 
@@ -80,15 +70,9 @@ def _sides(quantity: NDArray[np.int32]) -> NDArray[np.float64]:
 def _box_colors(boxes: Boxes, first_dropped: int, game_map: GameMap) -> NDArray[np.uint8]:
     tint = np.tile(np.array(colors.OUTDOOR_BOX, np.uint8), (len(boxes.serial), 1))
     for house in game_map.houses:
-        tint[_within(house, boxes.position)] = colors.INDOOR_BOX
+        tint[house.covers(boxes.position)] = colors.INDOOR_BOX
     tint[boxes.serial >= first_dropped] = colors.DROPPED_BOX
     return tint
-
-
-def _within(house: House, position: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return whether (N, 3) points are within the rectangle of a house, seen from above."""
-    across, along = house.pose.inside(position[:, 0], position[:, 2])  # type: ignore[arg-type]
-    return np.asarray((np.abs(across) <= house.size[0] / 2) & (np.abs(along) <= house.size[1] / 2))
 
 
 def _shots(history: History) -> Iterator[Columns]:

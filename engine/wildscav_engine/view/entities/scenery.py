@@ -1,6 +1,7 @@
 """The static world of a replay: terrain, water, houses and vegetation as coloured meshes."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import rerun as rr
@@ -15,15 +16,15 @@ from wildscav_engine.view.recording import colors, coordinates
 
 # The layers of solids, which can be shown and hidden one by one.
 LAYERS = {
-    "world/houses/walls": (Kind.WALL,),
-    "world/houses/floors": (Kind.FLOOR,),
-    "world/houses/stairs": (Kind.STAIR,),
-    "world/houses/roofs": (Kind.ROOF,),
-    "world/houses/furniture": (Kind.FURNITURE,),
-    "world/vegetation/trunks": (Kind.TRUNK,),
-    "world/vegetation/crowns": (Kind.CROWN,),
-    "world/vegetation/bushes": (Kind.BUSH,),
-    "world/rocks": (Kind.ROCK,),
+    "world/houses/walls": Kind.WALL,
+    "world/houses/floors": Kind.FLOOR,
+    "world/houses/stairs": Kind.STAIR,
+    "world/houses/roofs": Kind.ROOF,
+    "world/houses/furniture": Kind.FURNITURE,
+    "world/vegetation/trunks": Kind.TRUNK,
+    "world/vegetation/crowns": Kind.CROWN,
+    "world/vegetation/bushes": Kind.BUSH,
+    "world/rocks": Kind.ROCK,
 }
 EDGE_DEPTH = 3.0  # m of earth below the lowest ground
 
@@ -32,14 +33,16 @@ def static_scene(game_map: GameMap) -> Iterator[tuple[str, rr.AsComponents]]:
     """Yield the entities of a map and their components."""
     world = game_map.world
     yield "/", rr.ViewCoordinates.RIGHT_HAND_Z_UP
-    yield "world/terrain", _terrain(world)
+    ground = ground_appearance(world)
+    lit = shaded(ground.color.reshape(-1, 3), ground.normal.reshape(-1, 3))
+    yield "world/terrain", _mesh(terrain_mesh(world), vertex_colors=lit)
     yield "world/edge", _edge(world)
     water = water_mesh(world)
     if len(water.triangles):
-        yield "world/water", _water(water)
+        yield "world/water", _mesh(water, albedo_factor=WATER)
     base = of_solids(world.solid_kind, game_map.solid_house)
-    for path, kinds in LAYERS.items():
-        chosen = np.nonzero(np.isin(world.solid_kind, kinds))[0]
+    for path, kind in LAYERS.items():
+        chosen = np.nonzero(world.solid_kind == kind)[0]
         if len(chosen):
             yield path, _flat_shaded(solids_mesh(world, chosen), base)
 
@@ -55,16 +58,6 @@ def _flat_shaded(mesh: Mesh, base: NDArray[np.float64]) -> rr.Mesh3D:
         vertex_positions=coordinates.points(corners.reshape(-1, 3)),
         triangle_indices=order,
         vertex_colors=np.repeat(lit, 3, axis=0),
-    )
-
-
-def _terrain(world: World) -> rr.Mesh3D:
-    mesh = terrain_mesh(world)
-    appearance = ground_appearance(world)
-    return rr.Mesh3D(
-        vertex_positions=coordinates.points(mesh.vertices),
-        triangle_indices=coordinates.triangles(mesh.triangles),
-        vertex_colors=shaded(appearance.color.reshape(-1, 3), appearance.normal.reshape(-1, 3)),
     )
 
 
@@ -93,9 +86,6 @@ def _edge(world: World) -> rr.Mesh3D:
     )
 
 
-def _water(mesh: Mesh) -> rr.Mesh3D:
-    return rr.Mesh3D(
-        vertex_positions=coordinates.points(mesh.vertices),
-        triangle_indices=coordinates.triangles(mesh.triangles),
-        albedo_factor=WATER,
-    )
+def _mesh(mesh: Mesh, **look: Any) -> rr.Mesh3D:
+    vertices, triangles = coordinates.points(mesh.vertices), coordinates.triangles(mesh.triangles)
+    return rr.Mesh3D(vertex_positions=vertices, triangle_indices=triangles, **look)

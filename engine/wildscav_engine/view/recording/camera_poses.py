@@ -41,7 +41,7 @@ def at_the_eyes(agents: Agents, seat: int) -> Poses:
 
 def above(world: World, agents: Agents, seat: int) -> Poses:
     """Return the poses of a camera that looks at an agent from above and behind, never below the ground."""
-    forwards = _smoothed(directions(agents.yaw[:, seat], np.zeros(len(agents.yaw))))
+    forwards = running_mean(directions(agents.yaw[:, seat], np.zeros(len(agents.yaw))), SMOOTH_STEPS)
     yaw = np.degrees(np.arctan2(forwards[:, 0], forwards[:, 2]))
     head = agents.position[:, seat] + np.array([0.0, HEAD, 0.0])
     position = head - BACK * directions(yaw, np.zeros(len(yaw)))
@@ -52,8 +52,12 @@ def above(world: World, agents: Agents, seat: int) -> Poses:
     return Poses(position, yaw, pitch)
 
 
-def _smoothed(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the running mean of (T, N) values over time."""
-    padded = np.pad(values, ((SMOOTH_STEPS, SMOOTH_STEPS), (0, 0)), mode="edge")
-    windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * SMOOTH_STEPS + 1, axis=0)
-    return np.asarray(windows.mean(axis=-1), np.float64)
+def windows_around(values: NDArray[np.float64], steps: int) -> NDArray[np.float64]:
+    """Return (…, 2 * steps + 1) the values of some steps before and after each; time is their first axis."""
+    padded = np.pad(values, [(steps, steps)] + [(0, 0)] * (values.ndim - 1), mode="edge")
+    return np.lib.stride_tricks.sliding_window_view(padded, 2 * steps + 1, axis=0)
+
+
+def running_mean(values: NDArray[np.float64], steps: int) -> NDArray[np.float64]:
+    """Return the mean of values over some steps before and after each."""
+    return np.asarray(windows_around(values, steps).mean(axis=-1), np.float64)

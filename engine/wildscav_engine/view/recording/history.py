@@ -128,7 +128,7 @@ def collect_history(matches: Iterable[Match], steps: int, images_of: int | None)
     for row, match in enumerate(matches):
         state = match.state
         if row == 0:
-            agents = Agents._make(_rows_of(field, steps + 1) for field in state.agents)
+            agents = Agents._make(np.zeros((steps + 1, *each.shape[1:]), each.dtype) for each in state.agents)
             first_dropped = int(state.matches.next_serial[0])
         for name in Agents._fields:
             getattr(agents, name)[row] = getattr(state.agents, name)[0]
@@ -172,11 +172,6 @@ def _depth_maps(game_map: GameMap, agents: Agents, seat: int) -> ImageSequence:
         for some in (rows[start : start + DEPTH_BATCH] for start in range(0, len(rows), DEPTH_BATCH))
     ]
     return ImageSequence(rows, np.concatenate(maps))
-
-
-def _rows_of(field: NDArray[Any], rows: int) -> NDArray[Any]:
-    """Return an array for one field of a match's state over ``rows`` rows."""
-    return np.zeros((rows, *field.shape[1:]), field.dtype)
 
 
 def _add_boxes(row: int, match: Match, boxes: list[Boxes]) -> None:

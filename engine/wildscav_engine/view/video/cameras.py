@@ -9,7 +9,8 @@ from wildscav_engine.geometry.rays import raycast
 from wildscav_engine.geometry.world import World
 from wildscav_engine.specs.body import EYE_HEIGHT
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
-from wildscav_engine.view.overview import Overview, fitted
+from wildscav_engine.view.overview import Overview, box_corners, fitted
+from wildscav_engine.view.recording.camera_poses import running_mean, windows_around
 from wildscav_engine.view.recording.coordinates import directions
 from wildscav_engine.view.recording.history import History
 from wildscav_engine.view.video.moments import InterpolatedState
@@ -91,15 +92,12 @@ class Follower:
         agents, self._frames, self._seat = history.agents, history.frame, seat
         forwards = directions(agents.yaw[:, seat], np.zeros(len(agents.yaw)))
         steps = _steps(history, TURN)
-        smooth = np.stack([_mean(forwards[:, axis], steps) for axis in range(3)], axis=-1)
+        smooth = running_mean(forwards, steps)
         self._yaw = np.unwrap(np.degrees(np.arctan2(smooth[:, 0], smooth[:, 2])), period=360.0)
-        self._pitch = TILT + 0.4 * _mean(agents.pitch[:, seat], steps)
-        self._distance = -_greatest(-self._free(world, agents.position[:, seat]), _steps(history, WALL))
-
-    def _free(self, world: World, positions: NDArray[np.float64]) -> Vector:
-        """Return (T + 1,) m how far from the head there is room for a camera."""
-        poses = zip(positions, self._yaw.tolist(), self._pitch.tolist(), strict=True)
-        return np.array([_room(world, position, yaw, pitch) for position, yaw, pitch in poses])
+        self._pitch = TILT + 0.4 * running_mean(agents.pitch[:, seat], steps)
+        poses = zip(agents.position[:, seat], self._yaw.tolist(), self._pitch.tolist(), strict=True)
+        room = np.array([_room(world, *pose) for pose in poses])
+        self._distance = -_greatest(-room, _steps(history, WALL))
 
     def at(self, moment: InterpolatedState) -> Camera:
         """Return the camera at a moment."""
@@ -126,10 +124,9 @@ class Above:
         steps = _steps(history, GLIDE)
         every = max(1, steps // 3)  # rows for which the camera is fitted; it glides in between
         self._rows = np.unique([*range(0, len(low), every), len(low) - 1])
-        columns = [-_greatest(-low[:, axis], steps) for axis in range(3)]
-        columns += [_greatest(high[:, axis], steps) for axis in range(3)]
-        boxes = np.stack([_mean(column, steps) for column in columns], axis=-1)[self._rows]
-        views = [view_above(box[:3], box[3:], aspect) for box in boxes]
+        lows, highs = -_greatest(-low, steps), _greatest(high, steps)
+        boxes = [running_mean(corners, steps)[self._rows] for corners in (lows, highs)]
+        views = [view_above(low, high, aspect) for low, high in zip(*boxes, strict=True)]
         self._targets = np.array([view.target for view in views])
         self._eyes = over_map(world, np.array([view.eye for view in views]), self._targets)
 
@@ -153,7 +150,7 @@ def widened(low: Vector, high: Vector) -> tuple[Vector, Vector]:
 def view_above(low: Vector, high: Vector, aspect: float) -> Overview:
     """Return the view from above in which a box fits into pictures of an aspect."""
     slope = float(np.tan(np.radians(ANGLE / 2)))
-    return fitted(_corners(low, high), slope, slope / aspect, FROM)
+    return fitted(box_corners(low, high), slope, slope / aspect, FROM)
 
 
 def camera_above(eye: Vector, target: Vector) -> Camera:
@@ -185,19 +182,9 @@ def _steps(history: History, seconds: float) -> int:
     return max(1, round(seconds * FRAMES_PER_SECOND / max(1.0, frames)))
 
 
-def _windows(values: Vector, steps: int) -> NDArray[np.float64]:
-    padded = np.pad(values, (steps, steps), mode="edge")
-    return np.lib.stride_tricks.sliding_window_view(padded, 2 * steps + 1)
-
-
-def _mean(values: Vector, steps: int) -> Vector:
-    """Return the running mean of (T,) values."""
-    return np.asarray(_windows(values, steps).mean(axis=-1))
-
-
-def _greatest(values: Vector, steps: int) -> Vector:
-    """Return the running maximum of (T,) values."""
-    return np.asarray(_windows(values, steps).max(axis=-1))
+def _greatest(values: NDArray[np.float64], steps: int) -> NDArray[np.float64]:
+    """Return the running maximum of values over time, their first axis."""
+    return np.asarray(windows_around(values, steps).max(axis=-1))
 
 
 def _filled(values: NDArray[np.float64], known: NDArray[np.bool_]) -> NDArray[np.float64]:
@@ -205,10 +192,3 @@ def _filled(values: NDArray[np.float64], known: NDArray[np.bool_]) -> NDArray[np
     rows = np.maximum.accumulate(np.where(known.ravel(), np.arange(len(values)), 0))
     filled = values[rows]
     return np.where(np.isfinite(filled), filled, 0.0)
-
-
-def _corners(low: Vector, high: Vector) -> NDArray[np.float64]:
-    """Return (8, 3) m the corners of a box."""
-    return np.array(
-        [[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]
-    )

@@ -26,6 +26,7 @@ from wildscav_engine.view.video.overlay.drawing import put
 from wildscav_engine.view.video.overlay.hud import Hud
 from wildscav_engine.view.video.props import with_props
 
+Report = Callable[[int], None]  # told the number of each step
 View = Literal["eyes", "follow", "overview", "grid"]
 VIEWS: tuple[View, ...] = get_args(View)
 MAX_TILES = 16
@@ -60,11 +61,7 @@ class Film:
     """The pictures of one match."""
 
     def __init__(
-        self,
-        record: Record,
-        look: Look,
-        played: Callable[[int], None] | None = None,
-        notes: Sequence[Note] = (),
+        self, record: Record, look: Look, played: Report | None = None, notes: Sequence[Note] = ()
     ) -> None:
         """Play a record again, and prepare the cameras.
 
@@ -110,10 +107,8 @@ class Film:
     @property
     def best_time(self) -> float:
         """The time in s of the picture that shows most of the match."""
-        return (
-            float(self.history.frame[best_row(self._map.world, self.history, self._followed)])
-            / FRAMES_PER_SECOND
-        )
+        row = best_row(self._map.world, self.history, self._followed)
+        return float(self.history.frame[row]) / FRAMES_PER_SECOND
 
     def picture(self, seconds: float) -> Image.Image:
         """Return the picture at a time of the match."""
@@ -139,12 +134,8 @@ class Film:
     def _render(self, camera: Camera, moment: InterpolatedState, width: int, height: int) -> Image.Image:
         """Return what a camera sees, without the overlay."""
         detail = self.look.detail
-        lens = ColorCamera(
-            max(16, round(width * detail)),
-            max(16, round(height * detail)),
-            far=camera.far,
-            field_of_view=ANGLE,
-        )
+        wide, high = max(16, round(width * detail)), max(16, round(height * detail))
+        lens = ColorCamera(wide, high, far=camera.far, field_of_view=ANGLE)
         pixel = 2.0 * lens.lens[0] / lens.width
         objects = with_props(
             objects_at(self.history, moment), self._map.world, self.history, moment, camera.eye, pixel
@@ -170,11 +161,9 @@ class Film:
         wide, high = self.look.width // columns, self.look.height // rows
         for index, tile in enumerate(tiles):
             picture.paste(tile(wide - 2, high - 2), (index % columns * wide + 1, index // columns * high + 1))
-        free = [
-            ((index % columns + 0.5) * wide, index // columns * high)
-            for index in range(len(tiles), rows * columns)
-        ]
-        self._fill(picture, moment, free, wide, high)
+        places = range(len(tiles), rows * columns)
+        free = [((index % columns + 0.5) * wide, index // columns * high) for index in places]
+        self._fill(picture, moment, free, (wide, high))
         self.hud.draw_end(picture, moment)
         return picture
 
@@ -183,11 +172,10 @@ class Film:
         picture: Image.Image,
         moment: InterpolatedState,
         free: list[tuple[float, int]],
-        wide: int,
-        high: int,
+        size: tuple[int, int],
     ) -> None:
         """Draw clock and map into the last place without a seat, and the standings into the one before."""
-        clock, gap = self.hud.clock(moment), 4
+        clock, gap, (wide, high) = self.hud.clock(moment), 4, size
         if not free:
             put(picture, clock, picture.width / 2, picture.height - gap, anchor="mb")
             return
@@ -207,7 +195,7 @@ class Film:
         return picture
 
 
-def _told(matches: Any, played: Callable[[int], None] | None) -> Any:
+def _told(matches: Any, played: Report | None) -> Any:
     """Yield the steps of a re-simulation, and tell their numbers."""
     for step, match in enumerate(matches):
         yield match
@@ -277,7 +265,8 @@ def best_row(world: World, history: History, followed: NDArray[np.int64]) -> int
     acts = np.minimum(interest(history)[rows, followed], ACTS)
     near = _are_near(history, followed)
     score = acts + SEEN * near.sum(axis=1)
-    seen = {row: _seen(world, history, row, int(followed[row]), near[row]) for row in _best(score, TRIED)}
+    best: list[int] = np.argsort(-score, kind="stable")[:TRIED].tolist()
+    seen = {row: _seen(world, history, row, int(followed[row]), near[row]) for row in best}
     return max(seen, key=lambda row: acts[row] + SEEN * seen[row])
 
 
@@ -291,11 +280,6 @@ def _are_near(history: History, followed: NDArray[np.int64]) -> NDArray[np.bool_
     return np.asarray(
         (far > 1.0) & (far < NEAR) & (ahead > 0.8 * far) & alive & alive[rows, followed][:, None]
     )
-
-
-def _best(score: NDArray[np.float64], count: int) -> list[int]:
-    rows: list[int] = np.argsort(-score, kind="stable")[:count].tolist()
-    return rows
 
 
 def _seen(world: World, history: History, row: int, seat: int, near: NDArray[np.bool_]) -> int:

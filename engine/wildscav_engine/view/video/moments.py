@@ -34,7 +34,8 @@ def moment_at(history: History, frame: float) -> InterpolatedState:
     alive = agents.health[row] > 0
     share = 0.0 if frames == 0.0 else min(1.0, (frame - float(history.frame[row])) / frames)
     way = agents.position[after] - agents.position[row]
-    moves = alive & (agents.health[after] > 0) & (_length(way) <= FASTEST * frames / FRAMES_PER_SECOND)
+    is_walk = np.sqrt((way * way).sum(axis=1)) <= FASTEST * frames / FRAMES_PER_SECOND
+    moves = alive & (agents.health[after] > 0) & is_walk
     part = np.where(moves, share, 0.0)
     turn = (agents.yaw[after] - agents.yaw[row] + 180.0) % 360.0 - 180.0
     return InterpolatedState(
@@ -64,8 +65,3 @@ def objects_at(history: History, moment: InterpolatedState) -> DynamicObjects:
     state.supplies.position[0], state.supplies.quantity[0] = boxes.position, boxes.quantity
     state.supplies.serial[0] = boxes.serial
     return dynamic_objects_in(state)
-
-
-def _length(ways: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the lengths of (A, 3) vectors."""
-    return np.asarray(np.sqrt((ways * ways).sum(axis=1)))

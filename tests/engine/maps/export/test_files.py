@@ -102,18 +102,6 @@ def test_locations_and_spec_can_be_read_back(game_map: GameMap, folder: Path) ->
     assert len(described["houses"]) == 2
 
 
-def test_an_export_comes_back_as_the_same_ground_and_solids(game_map: GameMap, folder: Path) -> None:
-    from wildscav_engine.maps.importing import import_mesh
-
-    for file in ("map.glb", "map.obj"):
-        base = import_mesh(folder / file, size=60, centered=False).base
-        assert base.heights is not None
-        assert np.abs(base.heights - game_map.world.heights).max() < 1e-3
-        kinds = [solid.kind for solid in base.solids]
-        for kind in Kind:
-            assert kinds.count(kind) == np.count_nonzero(game_map.world.solid_kind == kind), kind.name
-
-
 def test_nothing_is_written_where_nothing_can_be(game_map: GameMap, tmp_path: Path) -> None:
     (tmp_path / "taken").touch()
     with pytest.raises(OSError, match="taken"):

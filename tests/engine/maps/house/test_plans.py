@@ -19,7 +19,9 @@ from wildscav_engine.maps.house.plan import (
     Opening,
     Roof,
     Wall,
+    part_of,
     shrunk,
+    strip_at,
 )
 from wildscav_engine.maps.house.stairs import GOING, RISE, steps_of
 
@@ -39,38 +41,21 @@ def plans(draw: st.DrawFn) -> HousePlan:
 
 
 def is_within(inner: Rectangle, outer: Rectangle) -> bool:
-    outer = shrunk(outer, -NEARLY)
-    return (
-        outer.left <= inner.left
-        and outer.back <= inner.back
-        and inner.right <= outer.right
-        and inner.front <= outer.front
-    )
-
-
-def sides_of(wall: Wall, opening: Opening, depth: float) -> list[Rectangle]:
-    """Return the areas that must be free in front of and behind a doorway."""
-    left, back, right, front = wall.outline
-    if wall.is_across:
-        return [
-            Rectangle(opening.start, front, opening.end, front + depth),
-            Rectangle(opening.start, back - depth, opening.end, back),
-        ]
-    return [
-        Rectangle(right, opening.start, right + depth, opening.end),
-        Rectangle(left - depth, opening.start, left, opening.end),
-    ]
+    left, back, right, front = shrunk(outer, -NEARLY)
+    return left <= inner.left and back <= inner.back and inner.right <= right and inner.front <= front
 
 
 def beyond(area: Rectangle, side: Side, depth: float) -> Rectangle:
     """Return the strip outside a side of a rectangle."""
-    left, back, right, front = area
-    return {
-        Side.FRONT: Rectangle(left, front, right, front + depth),
-        Side.RIGHT: Rectangle(right, back, right + depth, front),
-        Side.BACK: Rectangle(left, back - depth, right, back),
-        Side.LEFT: Rectangle(left - depth, back, left, front),
-    }[side]
+    left, back, right, front = strip_at(area, side, -depth)
+    return Rectangle(min(left, right), min(back, front), max(left, right), max(back, front))
+
+
+def sides_of(wall: Wall, opening: Opening, depth: float) -> list[Rectangle]:
+    """Return the areas that must be free in front of and behind a doorway."""
+    side = Side.FRONT if wall.is_across else Side.RIGHT
+    hole = part_of(wall.outline, side, opening.start, opening.end)
+    return [beyond(hole, outwards, depth) for outwards in (side, side.opposite)]
 
 
 def doorways_of(storey: Storey) -> list[tuple[Wall, Opening]]:
@@ -103,9 +88,7 @@ def test_rooms_fill_the_house_without_overlapping(plan: HousePlan) -> None:
             narrow = min(room.area.right - room.area.left, room.area.front - room.area.back)
             assert narrow >= (PASSAGE_WIDTH if room.purpose == "corridor" else NARROWEST_ROOM) - NEARLY
             for other in storey.rooms[:number]:
-                assert not overlap(
-                    shrunk(room.area, -INNER_WALL / 2.0), shrunk(other.area, -INNER_WALL / 2.0)
-                )
+                assert not overlap(shrunk(room.area, -INNER_WALL), other.area)
         rooms = sum(room.area.area for room in storey.rooms)
         walls = sum(wall.outline.area for wall in storey.inner)
         assert rooms + walls == pytest.approx(sum(inside.area for inside in insides(plan, level)))

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.engine.maps.importing.import_files import corners_of, cuboid, glb, heights_of, refusal
+from tests.engine.maps.importing.import_files import corners_of, cuboid, heights_of, refusal
 
 from wildscav_engine.geometry.polyhedra import polyhedron
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.maps import GameMap, generate_map
-from wildscav_engine.maps.base import Base, BaseError
+from wildscav_engine.maps.base import BaseError
 from wildscav_engine.maps.export.files import export_map
 from wildscav_engine.maps.importing import import_height_map, import_mesh
 from wildscav_engine.specs.map_spec import MapConfig
@@ -123,19 +123,6 @@ def test_a_file_cannot_have_others_read(tmp_path: Path, whole_glb: bytes) -> Non
     path.write_bytes(gltf["model.gltf"])
     with pytest.raises(BaseError, match="no GLB file, or damaged"):
         import_mesh(path)
-
-
-def test_a_base_of_a_mesh_can_be_kept_and_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from wildscav_engine.maps.base import load_base, save_base
-
-    monkeypatch.setenv("WILDSCAV_MAPS", str(tmp_path))
-    rock = trimesh.creation.icosphere(1, radius=2.0)
-    base: Base = import_mesh(glb(tmp_path / "a.glb", rock=rock)).base
-    digest, _ = save_base(base)
-    again = load_base(digest)
-
-    assert len(again.solids[0].planes) == 80
-    assert again.solids[0].planes.tobytes() == base.solids[0].planes.tobytes()
 
 
 @pytest.fixture(scope="module")

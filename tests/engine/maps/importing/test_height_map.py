@@ -31,12 +31,6 @@ def test_black_is_lowest_white_is_highest_and_the_upper_edge_is_north(kind: type
     assert imported.notes == ()
 
 
-def test_few_pixels_are_joined_by_straight_slopes(tmp_path: Path) -> None:
-    heights = heights_of(height_map(tmp_path / "a.png", np.array([[0, 255], [0, 255]], np.uint8)))
-
-    assert heights == pytest.approx(np.tile(np.linspace(0.0, 10.0, 21), (21, 1)))
-
-
 @pytest.mark.parametrize("pixels", [2, 20, 21, 22, 64, 301])
 def test_a_plane_stays_a_plane_however_many_pixels_it_has(pixels: int, tmp_path: Path) -> None:
     west_to_east = np.round(np.linspace(0, 65535, pixels)).astype(np.uint16)

@@ -138,9 +138,7 @@ def test_a_part_of_a_map_is_drawn_larger() -> None:
 def test_locations_are_dots_where_they_are(storey: int | None, shown: list[tuple[float, float]]) -> None:
     picture = draw_map(house_map(), width=WIDTH, locations=True, storey=storey)
     layout = lay_out(WIDTH, 1.0)
-    pixels = np.asarray(picture)[
-        layout.top : layout.top + layout.rows, layout.left : layout.left + layout.columns
-    ]
+    pixels = np.asarray(picture)[layout.top :, layout.left :][: layout.rows, : layout.columns]
     marked = (np.abs(pixels.astype(int) - INDOOR_DOT).max(axis=2) < 3).astype(np.uint8)
     for x, z in ((2, 2), (-2, -2)):
         row, column = ((SIZE / 2 - z) / SIZE * layout.rows, (x + SIZE / 2) / SIZE * layout.columns)
@@ -177,18 +175,11 @@ def test_a_map_without_houses_has_no_storeys() -> None:
     assert isinstance(draw_map(map_from(flat_world()), width=300), Image.Image)
 
 
-@pytest.mark.parametrize(
-    ("longest", "length"), [(100, 100), (99, 50), (4.9, 2), (1, 1), (0.7, 0.5), (0.3, 0.2), (1999, 1000)]
-)
-def test_lengths_are_round(longest: float, length: float) -> None:
-    assert round_length(longest) == pytest.approx(length)
-
-
-@pytest.mark.parametrize(
-    ("relief", "interval"), [(0, 0.5), (12.6, 1), (45, 2), (60, 5), (200, 10), (900, 20)]
-)
-def test_contours_suit_the_relief(relief: float, interval: float) -> None:
-    assert contour_interval(relief) == interval
+def test_lengths_are_round_and_contours_suit_the_relief() -> None:
+    lengths = {100: 100, 99: 50, 4.9: 2, 1: 1, 0.7: 0.5, 0.3: 0.2, 1999: 1000}
+    assert {longest: round_length(longest) for longest in lengths} == pytest.approx(lengths)
+    intervals = {0: 0.5, 12.6: 1, 45: 2, 60: 5, 200: 10, 900: 20}
+    assert {relief: contour_interval(relief) for relief in intervals} == intervals
 
 
 def test_pillow_is_imported_only_to_draw() -> None:

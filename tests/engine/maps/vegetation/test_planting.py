@@ -9,8 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+from tests.builders import flat_world
+from tests.engine.maps.walk.walker import Walker
 
 from wildscav_engine.geometry.rays import raycast
+from wildscav_engine.geometry.segments import nearest_on
 from wildscav_engine.geometry.shapes import allocate_ring_stacks, solids_of
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.geometry.world import Kind, Solid, World, build_world
@@ -22,7 +25,6 @@ from wildscav_engine.maps.ground.terrain import (
     water_of_cells,
 )
 from wildscav_engine.maps.house import doorsteps, draw_plan
-from wildscav_engine.maps.settlements.footprints import nearest_on_lane
 from wildscav_engine.maps.settlements.sites import Settlement, footprints_of, settle
 from wildscav_engine.maps.vegetation.planting import plant
 from wildscav_engine.maps.vegetation.species import (
@@ -32,7 +34,6 @@ from wildscav_engine.maps.vegetation.species import (
     BUSH,
     COLUMNS,
     CONIFER,
-    DEAD,
     HEIGHT,
     KEY,
     PARTS,
@@ -43,20 +44,8 @@ from wildscav_engine.maps.vegetation.species import (
     draw_size,
     grow,
 )
-from wildscav_engine.motion.body_motion import move
-from wildscav_engine.motion.collision import Bodies
 from wildscav_engine.specs.map_spec import MapConfig
 
-ALL_SPECIES = {
-    "broadleaf": BROADLEAF,
-    "conifer": CONIFER,
-    "poplar": POPLAR,
-    "dead tree": DEAD,
-    "bush": BUSH,
-    "stepping stone": STEPPING_STONE,
-    "block": BLOCK,
-    "boulder": BOULDER,
-}
 GROWN = (Kind.TRUNK, Kind.BUSH, Kind.ROCK)  # what stands on the ground
 
 
@@ -109,12 +98,6 @@ def one_of(species: int, key: int = 1, seed: int = 0) -> tuple[list[Solid], NDAr
     return solids_of(stacks, grow(rows, 1, stacks)), rows[0]
 
 
-def on_level_ground(solids: list[Solid]) -> World:
-    return build_world(
-        (-20.0, -20.0), np.zeros((21, 21)), np.full((20, 20), -np.inf), solids, np.zeros((1, 3))
-    )
-
-
 def test_how_many_plants_there_are() -> None:
     counts = Counter(solid.kind for solid in country(0, MapConfig(size=500, houses=0, vegetation=1)).solids)
 
@@ -147,7 +130,7 @@ def test_plants_keep_out_of_houses_doorways_lanes_and_lakes(seed: int) -> None:
     for x, z, radius in circles(solids, *GROWN):
         assert all(distance_to_footprint(row, x, z) > radius + 1.5 for row in footprints_of(sites))
         assert np.hypot(*(steps - (x, z)).T).min() > radius + 2.8
-        nearest = np.array([nearest_on_lane(lane, x, z) for lane in lanes])
+        nearest = np.array([nearest_on(lane, x, z) for lane in lanes])
         assert np.hypot(*(nearest - (x, z)).T).min() > radius + 2.8
         assert ground_at(world, x, z).height > 0
     for x, z, radius in circles(solids, Kind.CROWN):
@@ -208,7 +191,7 @@ def test_all_species_and_groups_are_met() -> None:
     assert any(slender)
 
 
-@pytest.mark.parametrize("species", ALL_SPECIES.values(), ids=ALL_SPECIES)
+@pytest.mark.parametrize("species", range(8))
 @given(key=st.integers(0, 2**20))
 @settings(max_examples=30)
 def test_shapes_are_convex_and_reach_from_the_ground_to_their_height(species: int, key: int) -> None:
@@ -246,17 +229,11 @@ def test_rocks_have_a_level_top_a_metre_across(species: int, key: int) -> None:
 def walk_at(species: int, *, jump: bool) -> float:
     """Return the height in m of a body after walking (and jumping) against a rock and stopping on its top."""
     solids, row = one_of(species, 7)
-    world = on_level_ground(solids)
-    position = np.array([[0.0, 0.0, -row[RADIUS] - 0.8]])
-    bodies = Bodies(position, np.zeros(0, np.int32), 0)
-    rise, on_ground = 0.0, True
+    walker = Walker(flat_world(solids=solids), 0.0, 0.0, -row[RADIUS] - 0.8)
     for _ in range(200):
-        speed = 3.0 if position[0, 2] < -0.3 else 0.0
-        jumps = jump and speed > 0
-        moved = move(world, bodies, rise, on_ground, 0.0, speed, jumps, 0.5)
-        position[0] = moved.x, moved.y, moved.z
-        rise, on_ground = moved.rise, moved.on_ground
-    return float(position[0, 1])
+        speed = 3.0 if walker.position[0, 2] < -0.3 else 0.0
+        walker.move(0.0, speed, jump and speed > 0)
+    return float(walker.position[0, 1])
 
 
 def test_one_steps_onto_low_rocks_jumps_onto_higher_ones_and_is_stopped_by_boulders() -> None:
@@ -270,7 +247,7 @@ def test_one_steps_onto_low_rocks_jumps_onto_higher_ones_and_is_stopped_by_bould
 
 def test_a_bush_stops_a_ray_and_one_above_it_passes() -> None:
     solids, row = one_of(BUSH, 3)
-    world = on_level_ground(solids)
+    world = flat_world(solids=solids)
 
     hit = raycast(world, -10, 0.4 * row[HEIGHT], 0, 1, 0, 0, 20)
     assert hit.solid == 0
@@ -281,7 +258,7 @@ def test_a_bush_stops_a_ray_and_one_above_it_passes() -> None:
 @pytest.mark.parametrize("species", [BROADLEAF, CONIFER, POPLAR])
 def test_a_crown_stops_a_ray_at_its_shape_and_lets_pass_what_goes_beside(species: int) -> None:
     solids, _ = one_of(species, 5)
-    world = on_level_ground(solids)
+    world = flat_world(solids=solids)
     crowns = [number for number, solid in enumerate(solids) if solid.kind == Kind.CROWN]
     low, high = solids[crowns[0]].low, solids[crowns[0]].high
     widest = low[1] + (0.1 if species == CONIFER else 0.3) * (high[1] - low[1])

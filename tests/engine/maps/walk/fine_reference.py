@@ -105,7 +105,8 @@ def _height_at(
     height = walk_within(world, no_bodies, start, x, z, STRIDE, EXACT)
     if not needs_clearance or not abs(height) < np.inf:
         return height
-    return height if leaves_clearance(world, no_bodies, start, x, z, height, CLEARANCE, STRIDE) else -np.inf
+    end = Point(x, height, z)
+    return height if leaves_clearance(world, no_bodies, start, end, CLEARANCE, STRIDE) else -np.inf
 
 
 def _pulled(world: World, no_bodies: Bodies, route: NDArray[np.float64]) -> float:

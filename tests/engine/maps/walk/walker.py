@@ -35,13 +35,14 @@ class Walker:
                 return abs(self.position[0, 1] - leg.end[1]) <= STEP_RISE
             wanted = min(LEAP_SPEED if leg.leap else speed, left * 50.0)
             before = self.position.copy()
-            self._move(math.degrees(math.atan2(east, north)) % 360.0, wanted, jump)
+            self.move(math.degrees(math.atan2(east, north)) % 360.0, wanted, jump)
             if np.array_equal(before, self.position) and not jump:
                 return False
             jump = False
         return False
 
-    def _move(self, direction: float, speed: float, jump: bool) -> None:
+    def move(self, direction: float, speed: float, jump: bool) -> None:
+        """Move for one frame."""
         bodies = Bodies(self.position, np.zeros(0, np.int32), 0)
         moved = move(self.world, bodies, self.rise, self.on_ground, direction, speed, jump, 0.5)
         self.position[0] = moved.x, moved.y, moved.z
@@ -56,5 +57,5 @@ class Walker:
             if left < 0.05 and self.on_ground:
                 return True
             direction = math.degrees(math.atan2(east, north)) % 360.0
-            self._move(direction, min(speed, left * 50.0), jump=False)
+            self.move(direction, min(speed, left * 50.0), jump=False)
         return False

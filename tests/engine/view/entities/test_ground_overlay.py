@@ -1,17 +1,12 @@
 """What lies on the ground in a replay: the heat map where supplies are, and the edge of the safe zone."""
 
-from pathlib import Path
-
 import numpy as np
-from rerun.chunk import RrdReader
 from tests.builders import act, flat_world, make_match
-from tests.engine.view.conftest import robots_play
 
 from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.maps import generate_map
 from wildscav_engine.specs.map_spec import MapConfig
 from wildscav_engine.specs.zone_config import ZoneConfig, ZonePhase
-from wildscav_engine.view import write_replay
 from wildscav_engine.view.entities.ground_overlay import (
     CORNERS,
     LIFT,
@@ -104,13 +99,6 @@ def test_the_rings_are_thin_lines_to_who_stands_at_them_too() -> None:
     looks = dict(static_zone(collect_history([match], 0, None)[1]))
     for path in ("zone/edge", "zone/next"):
         assert looks[path].radii.as_arrow_array()[0].as_py() < 0  # below 0: pixels in the picture, not metres
-
-
-def test_a_royale_shows_its_zone_and_other_tracks_have_none(tmp_path: Path) -> None:
-    for track, shown in (("royale", True), ("gathering", False)):
-        write_replay(robots_play(track), tmp_path / f"{track}.rrd", images=False)
-        entities = set(RrdReader(tmp_path / f"{track}.rrd").store().schema().entity_paths())
-        assert ({"/zone/edge", "/zone/next", "/zone/outside"} <= entities) == shown
 
 
 def test_who_does_not_come_back_is_out() -> None:

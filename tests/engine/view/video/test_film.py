@@ -7,28 +7,25 @@ import pytest
 from tests.engine.view.agent_note import AgentNote
 from tests.engine.view.conftest import robots_play
 
-from wildscav_engine.record import Record, resimulate
+from wildscav_engine.record import Record
 from wildscav_engine.rendering.palette import of_seat
 from wildscav_engine.simulation.state import NOBODY
-from wildscav_engine.view.recording.history import History, collect_history
+from wildscav_engine.view.recording.history import History
 from wildscav_engine.view.video.cameras import Camera
 from wildscav_engine.view.video.encode import write_poster
-from wildscav_engine.view.video.film import SHORTEST, VIEWS, Film, Look, VideoError, whom_to_follow
+from wildscav_engine.view.video.film import SHORTEST, VIEWS, Film, Look, VideoError, View, whom_to_follow
 from wildscav_engine.view.video.moments import moment_at
 from wildscav_engine.view.video.overlay.drawing import font, shortened
 from wildscav_engine.view.video.overlay.feed import news_of
 
-SMALL = {"width": 320, "height": 180, "detail": 0.5}
 
-
-@pytest.fixture(scope="module")
-def seen(battle: Record) -> History:
-    return collect_history(resimulate(battle), battle.steps, None)[1]
+def small(view: View = "follow", seat: int | None = None) -> Look:
+    return Look(view, seat, width=320, height=180, detail=0.5)
 
 
 @pytest.mark.parametrize("view", VIEWS)
-def test_every_view_shows_a_picture_of_the_asked_size_that_changes(battle: Record, view: str) -> None:
-    film = Film(battle, Look(view, **SMALL))  # type: ignore[arg-type]
+def test_every_view_shows_a_picture_of_the_asked_size_that_changes(battle: Record, view: View) -> None:
+    film = Film(battle, small(view))
 
     first, last = (np.asarray(film.picture(seconds)) for seconds in (0.0, film.seconds))
 
@@ -40,12 +37,12 @@ def test_every_view_shows_a_picture_of_the_asked_size_that_changes(battle: Recor
 
 @pytest.mark.parametrize("track", ["navigation", "gathering", "royale"])
 def test_every_kind_of_match_can_be_filmed(track: str) -> None:
-    film = Film(robots_play(track), Look("follow", **SMALL))  # type: ignore[arg-type]
+    film = Film(robots_play(track), small())
     assert np.asarray(film.picture(film.best_time)).std() > 10.0
 
 
 def test_what_is_said_is_written_below_for_long_enough_to_be_read(battle: Record) -> None:
-    look = Look("follow", seat=1, **SMALL)  # type: ignore[arg-type]
+    look = small(seat=1)
     film = Film(battle, look, notes=[AgentNote(1, 10, text="I hide. " * 20), AgentNote(2, 12, text="Who?")])
     silent = Film(battle, look)
     changed = [
@@ -55,13 +52,13 @@ def test_what_is_said_is_written_below_for_long_enough_to_be_read(battle: Record
     captions = film.hud.captions
 
     assert [len(rows) > 0 for rows in changed] == [False, True, True]
-    assert changed[1].min() > 0.4 * SMALL["height"]  # not before what happens
+    assert changed[1].min() > 0.4 * 180  # not before what happens
     assert captions.at(60.0, None).text == "Who?"  # type: ignore[union-attr]
     assert captions.at(60.0, 0) is None
 
 
 def test_the_same_record_gives_the_same_picture(battle: Record) -> None:
-    one, other = (Film(battle, Look("follow", seat=1, **SMALL)).picture(5.0) for _ in range(2))  # type: ignore[arg-type]
+    one, other = (Film(battle, small(seat=1)).picture(5.0) for _ in range(2))
     assert one.tobytes() == other.tobytes()
 
 
@@ -144,7 +141,7 @@ def test_long_names_are_shortened_to_their_room() -> None:
 def test_a_poster_is_one_picture_of_a_good_moment(battle: Record, tmp_path: Path) -> None:
     from PIL import Image
 
-    film = Film(battle, Look("follow", **SMALL))  # type: ignore[arg-type]
+    film = Film(battle, small())
     for name in ("poster.png", "poster.webp", "poster.jpg"):
         write_poster(film, tmp_path / name)
         with Image.open(tmp_path / name) as picture:
@@ -156,6 +153,6 @@ def test_a_poster_is_one_picture_of_a_good_moment(battle: Record, tmp_path: Path
 
 
 def test_teams_keep_their_colours_in_the_overlay(battle: Record) -> None:
-    colors = Film(battle, Look(**SMALL)).hud.colors  # type: ignore[arg-type]
+    colors = Film(battle, small()).hud.colors
     own = [of_seat(seat) for seat in range(3)]
     assert all(max(bright) == max(plain) for bright, plain in zip(colors, own, strict=True))

@@ -15,14 +15,7 @@ WIDTH = 0.6  # share of the picture's
 
 
 class Captions:
-    """The captions of a match.
-
-    Args:
-        notes: What agents said, in the order of their steps.
-        frames_per_action: Frames of a step.
-        names: Of all seats.
-        colors: Of all seats.
-    """
+    """The captions of a match: what agents said, in the order of their steps of some frames."""
 
     def __init__(
         self, notes: Sequence[Note], frames_per_action: int, names: Sequence[str], colors: Sequence[Color]
@@ -42,11 +35,7 @@ class Captions:
         return None
 
     def draw(self, picture: Image.Image, frame: float, seat: int | None, size: int) -> None:
-        """Write what is said in a frame.
-
-        Args:
-            size: Pixels, the height of the text.
-        """
+        """Write what is said in a frame, in text of a height in pixels."""
         note = self.at(frame, seat)
         if note is None:
             return

@@ -61,17 +61,12 @@ class Feed:
         return self._news[max(int(first), last - MAX_LINES) : last]
 
     def draw(self, picture: Image.Image, frame: float, right: float, top: float, size: int) -> None:
-        """Write the latest news below each other.
-
-        Args:
-            right: Pixels, the right edge of the lines.
-            top: Pixels, the upper edge of the first.
-            size: Pixels, the height of the text.
-        """
+        """Write the latest news below each other, between a right and an upper edge, all in pixels."""
         for line, item in enumerate(self.at(frame)):
+            widths = [0 if part.seat is None else 11 * size for part in item.parts]
             words = [
-                text(part.words, size, self._color(part), 0 if part.seat is None else 11 * size)
-                for part in item.parts
+                text(part.words, size, self._color(part), width)
+                for part, width in zip(item.parts, widths, strict=True)
             ]
             gap = size // 3
             wide = sum(word.width for word in words) + gap * (len(words) + 1)

@@ -57,21 +57,14 @@ class Hud:
     """Everything that is written over the pictures of one match."""
 
     def __init__(
-        self,
-        record: Record,
-        game_map: GameMap,
-        history: History,
-        height: int,
-        notes: Sequence[Note] = (),
+        self, record: Record, game_map: GameMap, history: History, height: int, notes: Sequence[Note]
     ) -> None:
         """Create the overlay for pictures of a height in pixels."""
         self._record, self._map, self._history = record, game_map, history
         self.track = TRACKS[record.spec.track]
         self.text = max(SMALLEST_TEXT, round(20 * height / DESIGNED_FOR))
         self.names = [" ".join(name.split()) or f"seat {seat}" for seat, name in enumerate(record.names)]
-        self.colors: list[Color] = [
-            _bright(of_seat(history.team_of(seat))) for seat in range(len(self.names))
-        ]
+        self.colors = [_bright(of_seat(history.team_of(seat))) for seat in range(len(self.names))]
         self.feed = Feed(history, self.names, self.colors)
         self.captions = Captions(notes, record.spec.frames_per_action, self.names, self.colors)
         small = round(0.8 * self.text)
@@ -84,7 +77,7 @@ class Hud:
     ) -> None:
         """Write everything over a picture of a camera."""
         gap = self.text // 2
-        self.draw_tags(picture, camera, moment, followed, reach=TAG_REACH if followed is not None else 1e4)
+        self.draw_tags(picture, camera, moment, followed)
         put(picture, self.clock(moment), picture.width / 2, gap, anchor="mt")
         put(picture, self.standings.draw(moment.row, followed), gap, gap)
         self.feed.draw(picture, moment.frame, picture.width - gap, gap, round(0.8 * self.text))
@@ -101,15 +94,12 @@ class Hud:
         return _clock(f"{format_time(int(moment.frame))} / {format_time(limit)}", self.track.title, self.text)
 
     def draw_tags(
-        self,
-        picture: Image.Image,
-        camera: Camera,
-        moment: InterpolatedState,
-        followed: int | None,
-        *,
-        reach: float,
+        self, picture: Image.Image, camera: Camera, moment: InterpolatedState, followed: int | None
     ) -> None:
-        """Write the names of the agents in view over their heads, with their health."""
+        """Write the names of the agents in view over their heads, with their health.
+
+        From above, with nobody followed, all are named; from the ground those that are near and in sight.
+        """
         heads = moment.position + np.array([0.0, TAG_HEIGHT, 0.0])
         seen = camera.onto(heads, picture.width, picture.height)
         far = np.linalg.norm(heads - camera.eye, axis=1)
@@ -118,35 +108,26 @@ class Hud:
             is_in_view = depth > 0.5 and 0 <= x < picture.width and 0 <= y < picture.height
             if not moment.alive[seat] or seat in {camera.hidden, followed} or not is_in_view:
                 continue
-            is_far_view = reach > TAG_REACH
-            if far[seat] <= reach and (is_far_view or self._sees(camera, heads[seat])):
-                self._draw_tag(picture, moment, seat, x, y, is_marked=is_far_view)
-
-    def _sees(self, camera: Camera, point: np.ndarray) -> bool:
-        return bool(sight_is_clear(self._map.world, *camera.eye.tolist(), *point.tolist()))
+            points = *camera.eye.tolist(), *heads[seat].tolist()
+            if followed is None or (far[seat] <= TAG_REACH and sight_is_clear(self._map.world, *points)):
+                self._draw_tag(picture, moment, seat, (x, y), is_marked=followed is None)
 
     def _draw_tag(
         self,
         picture: Image.Image,
         moment: InterpolatedState,
         seat: int,
-        x: float,
-        y: float,
+        place: tuple[float, float],
         *,
         is_marked: bool,
     ) -> None:
-        size = round(0.75 * self.text)
+        (x, y), size = place, round(0.75 * self.text)
         if is_marked:
             put(picture, arrowhead(size // 2 + 2, 180, self.colors[seat]), x, y, anchor="mm")
             y -= 0.8 * size
         if self._has_health:
-            put(
-                picture,
-                health_bar(3 * size, max(4, size // 3), self._health(moment, seat)),
-                x,
-                y,
-                anchor="mb",
-            )
+            bar = health_bar(3 * size, max(4, size // 3), self._health(moment, seat))
+            put(picture, bar, x, y, anchor="mb")
             y -= size // 3
         put(picture, text(self.names[seat], size, self.colors[seat], 10 * size), x, y, anchor="mb")
 
@@ -162,17 +143,12 @@ class Hud:
         high = round(1.8 * size) + (size if self._has_health else 0) + (line if facts else 0)
         left, top = gap, picture.height - gap - high
         put(picture, panel(wide, high), left, top)
-        put(
-            picture,
-            text(self.names[seat], round(1.1 * size), self.colors[seat], wide - size),
-            left + gap,
-            top + 3,
-        )
+        name = text(self.names[seat], round(1.1 * size), self.colors[seat], wide - size)
+        put(picture, name, left + gap, top + 3)
         y = top + round(1.7 * size)
         if self._has_health:
-            put(
-                picture, health_bar(wide - size, round(0.7 * size), self._health(moment, seat)), left + gap, y
-            )
+            bar = health_bar(wide - size, round(0.7 * size), self._health(moment, seat))
+            put(picture, bar, left + gap, y)
             number = text(f"{max(0, int(agents.health[row, seat]))}", round(0.75 * size))
             put(picture, number, left + wide - 0.7 * size, y + 0.35 * size, anchor="rm")
             y += size
@@ -209,9 +185,8 @@ class Hud:
         """Draw the crosshair, a cross where a shot hit, and a red edge after a hit by others."""
         if not self._has_health:
             return
-        agents, history = self._history.agents, self._history
-        row = moment.row
-        is_recent = moment.frame - history.frame[row] < FLASH
+        agents, row = self._history.agents, moment.row
+        is_recent = moment.frame - self._history.frame[row] < FLASH
         draw = ImageDraw.Draw(picture)
         x, y, arm = picture.width / 2, picture.height / 2, max(4, picture.height // 80)
         for dx, dy in ((1, 0), (-1, 0), (0, 1), (0, -1)):
@@ -228,8 +203,7 @@ class Hud:
     def draw_end(self, picture: Image.Image, moment: InterpolatedState) -> None:
         """Write who won, once the match is over."""
         if moment.row == len(self._history.frame) - 1:
-            outcome = describe_outcome(self._record.result, self.names)
-            self._draw_notice(picture, outcome, HEALTHY)
+            self._draw_notice(picture, describe_outcome(self._record.result, self.names), HEALTHY)
 
     def _draw_notice(self, picture: Image.Image, words: str, color: Color) -> None:
         patch = text(words, round(1.2 * self.text), WHITE, round(0.8 * picture.width))
@@ -310,18 +284,15 @@ class Inset:
             put(picture, dot(self._mark + 3, TARGET), *self._at(x, z), anchor="mm")
         seats = np.nonzero(moment.alive)[0].tolist()
         for seat in sorted(seats, key=lambda each: each == followed):  # the followed one on top
-            self._mark_agent(picture, moment, seat, is_followed=seat == followed)
-        return _framed(picture)
-
-    def _mark_agent(
-        self, picture: Image.Image, moment: InterpolatedState, seat: int, *, is_followed: bool
-    ) -> None:
-        x, _, z = moment.position[seat].tolist()
-        turn = round(float(moment.yaw[seat]) / TURNS) * TURNS % 360
-        if is_followed:
-            put(picture, dot(2 * self._mark, WHITE), *self._at(x, z), anchor="mm")
-        color = of_seat(self._history.team_of(seat))
-        put(picture, arrowhead(self._mark, turn, color), *self._at(x, z), anchor="mm")
+            x, _, z = moment.position[seat].tolist()
+            turn = round(float(moment.yaw[seat]) / TURNS) * TURNS % 360
+            if seat == followed:
+                put(picture, dot(2 * self._mark, WHITE), *self._at(x, z), anchor="mm")
+            color = of_seat(self._history.team_of(seat))
+            put(picture, arrowhead(self._mark, turn, color), *self._at(x, z), anchor="mm")
+        framed = Image.new("RGBA", (picture.width + 2 * FRAME, picture.height + 2 * FRAME), (*DARK, 220))
+        framed.paste(picture, (FRAME, FRAME))
+        return framed
 
     def _draw_zone(self, picture: Image.Image, moment: InterpolatedState) -> None:
         if self._history.zone is None:
@@ -337,9 +308,3 @@ class Inset:
         across, down = (x - self._west) / self._step, (self._north - z) / self._step
         least, most = NEAREST_EDGE, self.size - NEAREST_EDGE
         return min(most, max(least, across)), min(most, max(least, down))
-
-
-def _framed(picture: Image.Image) -> Image.Image:
-    framed = Image.new("RGBA", (picture.width + 2 * FRAME, picture.height + 2 * FRAME), (*DARK, 220))
-    framed.paste(picture, (FRAME, FRAME))
-    return framed

@@ -76,10 +76,8 @@ class Standings:
             y = line * high
             color = DEAD if left == 0 else WHITE if seat == followed else self._colors[seat]
             put(picture, text(self._names[seat], size, color, round(NAME * size)), size * 0.9, y)
-            picture.paste(
-                (*self._colors[seat], 255),
-                (size // 3, y + size // 4, round(size * 0.65), y + round(size * 1.2)),
-            )
+            stripe = (size // 3, y + size // 4, round(size * 0.65), y + round(size * 1.2))
+            picture.paste((*self._colors[seat], 255), stripe)
             if self._has_health and left:
                 bar = health_bar(round(NAME * size), max(3, size // 5), left / 20)
                 put(picture, bar, size * 0.9, y + 1.25 * size)
