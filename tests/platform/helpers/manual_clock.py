@@ -6,10 +6,11 @@ However busy the machine is, no seat is late unless the test says so, and every 
 import asyncio
 import threading
 from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tests.platform.helpers.seats import Result
+from tests.platform.helpers.seats import Result, Ruling, Served, test_of
 
 from wildscav_server.hosting.hosted_match import HostedMatch
 from wildscav_server.hosting.lockstep import LAG
@@ -65,6 +66,24 @@ def serving_by_hand(
             return runner.run(run())
         finally:
             watchdog.cancel()
+
+
+@dataclass(frozen=True)
+class ServedByHand(Served):
+    """A server whose clock a test sets, too."""
+
+    clock: HandSetLoop
+
+    async def pass_time(self, seconds: float) -> None:
+        """Set the clock forward."""
+        await self.clock.pass_time(seconds)
+
+
+def with_server_by_hand(ruling: Ruling) -> Callable[..., None]:
+    """Make a test of a coroutine whose first argument is ``ServedByHand``; others are fixtures."""
+    return test_of(
+        lambda folder, play: serving_by_hand(folder, lambda *own: play(ServedByHand(*own))), ruling
+    )
 
 
 def _give_up(loop: HandSetLoop) -> None:

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.platform.wildscav.skills.observations import match_info, seen
 
-from wildscav import MatchInfo, Observation
 from wildscav.policy import Environment, Policy
 from wildscav.policy.action_choice import Chooser
 from wildscav.policy.action_modes import action_mode
@@ -48,34 +48,6 @@ DESCRIPTION: dict[str, Any] = {
     "observations": [BODY, DEPTH],
     "actions": CHOICES,
 }
-SEEN = Observation(
-    *(0, 0, 0.0, 30.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 10.0, 0.0, True, False, True, 100, 15, 60),
-    *(False, False, None, None, False, 0.0, False, 0, 0),
-)
-
-
-def match(**changes: Any) -> MatchInfo:
-    told: dict[str, Any] = {
-        "track": "navigation",
-        "seat": 0,
-        "seats": 1,
-        "team": 0,
-        "time_limit": 10.0,
-        "frames_per_action": 5,
-        "map_size": 40.0,
-        "start": (0.0, 0.0, 0.0),
-        "target": None,
-        "supply_waves": (),
-        "seed": 5,
-        "step_budget": 0.1,
-        "time_bank": 30.0,
-        "target_distance": 1.0,
-        "pick_up_distance": 1.5,
-        "supply_sight": 20.0,
-        "clip_size": 15,
-        "start_health": 100,
-    }
-    return MatchInfo(**told | changes)
 
 
 def changed(**changes: Any) -> dict[str, Any]:
@@ -119,23 +91,18 @@ def test_a_description_that_cannot_be_read_is_refused(description: dict[str, Any
 )
 def test_a_match_that_does_not_fit_is_refused(changes: dict[str, Any], message: str) -> None:
     with pytest.raises(PolicyError, match=message):
-        Environment(DESCRIPTION).begin(match(**changes))
+        Environment(DESCRIPTION).begin(match_info(**{"track": "navigation"} | changes))
 
 
 def test_a_sensor_that_arrives_otherwise_than_in_training_is_named() -> None:
     environment = Environment(DESCRIPTION)
-    environment.begin(match())
+    environment.begin(match_info(track="navigation"))
     with pytest.raises(
         PolicyError, match=r"the sensor depth returns float32 \(3, 2\).*fix \[sensors.depth\]"
     ):
-        environment.observe(with_depth(np.zeros((3, 2), np.float32)))
-    row = environment.observe(with_depth(np.full((2, 2), 50.0, np.float32)))
+        environment.observe(seen(tensors={"depth": np.zeros((3, 2), np.float32)}))
+    row = environment.observe(seen(tensors={"depth": np.full((2, 2), 50.0, np.float32)}))
     assert row.tolist() == [1, 1, 0, 0.5, 0.5, 0.5, 0.5]
-
-
-def with_depth(depth: Any) -> Observation:
-    values = {name: getattr(SEEN, name) for name in SEEN.__dataclass_fields__}
-    return Observation(**values | {"tensors": {"depth": depth}})
 
 
 @pytest.mark.parametrize(
@@ -186,16 +153,10 @@ def test_numbers_are_drawn_around_the_mean_and_stay_in_their_range() -> None:
     assert np.std([Chooser(mode, "squashed", Choose.SAMPLED)(squashed, random)[2] for _ in range(200)]) > 0.03
 
 
-@pytest.mark.parametrize(
-    ("head", "outputs", "message"),
-    [
-        ("scores", np.zeros(8, np.float32), "must be 9 finite numbers"),
-        ("scores", np.full(9, np.nan, np.float32), "must be 9 finite numbers"),
-    ],
-)
-def test_outputs_that_are_no_scores_are_refused(head: str, outputs: Any, message: str) -> None:
-    with pytest.raises(PolicyError, match=message):
-        Chooser(action_mode(CHOICES), head, Choose.SAMPLED)(outputs, np.random.default_rng(0))
+@pytest.mark.parametrize("outputs", [np.zeros(8, np.float32), np.full(9, np.nan, np.float32)])
+def test_outputs_that_are_no_scores_are_refused(outputs: Any) -> None:
+    with pytest.raises(PolicyError, match="must be 9 finite numbers"):
+        Chooser(action_mode(CHOICES), "scores", Choose.SAMPLED)(outputs, np.random.default_rng(0))
 
 
 @pytest.mark.parametrize("head", ["numbers", "squashed", "values", "guess"])

@@ -2,6 +2,7 @@
 
 import gc
 import math
+from itertools import product
 from types import FrameType
 from typing import Any
 
@@ -50,9 +51,14 @@ def test_every_action_that_may_be_played_arrives(
     assert got["look"] == look or (abs(look) > 360.0 and got["look"] == math.copysign(360.0, look))
 
 
-@pytest.mark.parametrize("name", ["walk_direction", "walk_speed", "turn", "look"])
-@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, 1e39])
-def test_a_number_that_is_not_finite_in_32_bits_makes_no_action(name: str, value: float) -> None:
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        *product(("walk_direction", "walk_speed", "turn", "look"), (math.nan, math.inf, -math.inf, 1e39)),
+        *(("walk_speed", 10.01), ("walk_speed", -0.01)),
+    ],
+)
+def test_a_number_out_of_range_or_not_finite_in_32_bits_makes_no_action(name: str, value: float) -> None:
     message = encode_action(0, Action(**{name: value})).action
     assert decode_action(message, outside=()).row is None
 
