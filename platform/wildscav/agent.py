@@ -244,11 +244,7 @@ class Agent:
     """
 
     def reset(self, match: MatchInfo) -> None:
-        """Get ready for a match.
-
-        Args:
-            match: What is known before the first step.
-        """
+        """Get ready for a match."""
 
     def act(self, observation: Observation) -> Action:
         """Return what to do in the next step.

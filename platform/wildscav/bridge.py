@@ -26,7 +26,6 @@ class BridgedSeat:
 
     Args:
         address: ``unix:/path``.
-        token: Of the seat.
 
     Attributes:
         match: What is known of the match, without its places: ``start`` is not a number, ``target`` is None,

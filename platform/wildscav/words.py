@@ -65,7 +65,6 @@ class WordsSeat(BridgedSeat):
         """Play a tool until it ends. A bad call is answered with what is allowed, and costs game time.
 
         Args:
-            name: Of the tool.
             arguments: As its schema says.
         """
         given = dict(arguments or {})

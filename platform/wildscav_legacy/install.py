@@ -68,11 +68,6 @@ def missing_maps(ids: list[int], folder: Path) -> list[int]:
 def install_maps(ids: list[int], folder: Path, workers: int) -> Iterator[int]:
     """Write maps into a folder, several at a time.
 
-    Args:
-        ids: Ids of the maps.
-        folder: The folder.
-        workers: Number of processes.
-
     Yields:
         The id of each map once it is written.
 

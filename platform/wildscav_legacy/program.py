@@ -33,7 +33,6 @@ def main(engine_folder: Path, arguments: list[str]) -> NoReturn:
 
     Args:
         engine_folder: The program's folder; records are written into a folder in it.
-        arguments: The command line's arguments.
     """
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s")
     # Ctrl-C in a terminal reaches this process as well, but the client decides whether it ends the session.
@@ -93,8 +92,6 @@ def end(status: int, why: str = "", waiting: int | None = None) -> NoReturn:
     """End the process and all its threads at once. If several threads call this, the first one wins.
 
     Args:
-        status: The exit status.
-        why: The message for the user.
         waiting: The client's process, if it waits for an answer that will never come; it is interrupted.
     """
     _end_once.acquire()
@@ -123,11 +120,7 @@ class ClientStderrHandler(logging.Handler):
     """
 
     def __init__(self, process: int) -> None:
-        """Write to the stderr of a process.
-
-        Args:
-            process: The process's id.
-        """
+        """Write to the stderr of a process."""
         super().__init__(logging.WARNING)
         self._path = Path(f"/proc/{process}/fd/2")
         self._written: set[str] = set()

@@ -31,12 +31,7 @@ log = logging.getLogger("wildscav_legacy")
 
 
 class Session:
-    """Plays the episodes of one client.
-
-    Args:
-        client: The client.
-        records: Folder for the records that the client requests.
-    """
+    """Plays the episodes of one client."""
 
     def __init__(self, client: Client, records: Path) -> None:
         self._client, self._records = client, records

@@ -4,8 +4,8 @@ import asyncio
 import json
 import secrets
 from collections import OrderedDict
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import grpc
 
@@ -18,7 +18,7 @@ from wildscav_server.leftovers import temporary_folder
 from wildscav_server.time_limits import Clock
 
 if TYPE_CHECKING:
-    from wildscav_engine.specs.match_spec import MatchSpec
+    from wildscav_server.match_server import MatchServer
 
 OPEN_LIMIT = 64  # matches at one time
 KEPT_LIMIT = 256  # finished matches whose results are kept
@@ -26,29 +26,10 @@ KEPT_LIMIT = 256  # finished matches whose results are kept
 State = GetMatchResponse.State
 
 
-class MatchHost(Protocol):
-    """The interface that the service needs of the server that hosts its matches."""
-
-    async def host(
-        self,
-        spec: "MatchSpec",
-        *,
-        names: Sequence[str],
-        sensors: Mapping[int, Mapping[str, Mapping[str, Any]]] | None = None,
-        clock: Clock | None = None,
-    ) -> HostedMatch:
-        """Open a match."""
-        ...
-
-
 class ArenaService:
-    """Opens matches for organizers, and returns their results.
+    """Opens matches for organizers, and returns their results."""
 
-    Args:
-        server: Hosts the matches.
-    """
-
-    def __init__(self, server: MatchHost) -> None:
+    def __init__(self, server: "MatchServer") -> None:
         self._server = server
         self._open: dict[str, HostedMatch | None] = {}  # None while the map is being made
         self._closed: OrderedDict[str, GetMatchResponse] = OrderedDict()
@@ -76,11 +57,7 @@ class ArenaService:
         )
 
     async def _host(self, request: HostMatchRequest, clock: Clock) -> HostedMatch:
-        """Host the requested match.
-
-        Raises:
-            RefusalError: It cannot be played or recorded.
-        """
+        """Host the requested match."""
         from pydantic import ValidationError
 
         from wildscav_engine.record import RecordError, check_recordable

@@ -35,7 +35,6 @@ class EventLog:
         """Write how a match and each of its seats ended.
 
         Args:
-            match: The match.
             how: "finished", "failed" or "cancelled".
         """
         if self._log is None:

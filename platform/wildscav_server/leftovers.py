@@ -188,12 +188,7 @@ def _sweep_owner(folder: Path) -> None:
 
 
 def _remove(folder: Path) -> None:
-    """Remove the resources on an owner's list, then its folder, with the lock last.
-
-    Raises:
-        OSError: Something could not be removed; it is still on the list.
-        RuntimeError: The same.
-    """
+    """Remove the resources on an owner's list, then its folder, with the lock last."""
     for kind, what in _entries(folder / LIST):
         if kind not in _undo:
             raise RuntimeError(f"no function is registered that removes a {kind}")

@@ -37,7 +37,6 @@ class MatchServer:
     Args:
         arena: Whether matches can also be opened over the network, by the Arena service.
         organizer_token: The secret that the Arena service requires; needed on public addresses.
-        endpoint_settings: Who may connect to each address, and how.
         log: Where to write events; None writes nothing.
     """
 
@@ -117,11 +116,7 @@ class MatchServer:
         """Open a match; its submission seats can be joined from now on.
 
         Args:
-            spec: The match.
-            names: Display name of every seat.
-            sensors: For each seat, its sensors with their options.
             seeds: The private seeds of seats that are not to be told the one that follows from the spec.
-            clock: The time limits of the seats.
             addresses: For seats that can be joined at one address only, that address, as ``start`` returned
                 it; their tokens are invalid at any other.
             starting: Whether the caller has yet to start the agents: the time to join then begins once each

@@ -24,7 +24,6 @@ class ActionMode(ABC):
         """Return the action that a choice stands for.
 
         Args:
-            choice: An element of the environment's action space.
             yaw: The agent's yaw, degrees.
 
         Raises:
@@ -127,11 +126,7 @@ class ChoicesMode(ActionMode):
 
 
 def _whole_numbers(choice: ArrayLike, sizes: Sequence[int]) -> list[int]:
-    """Return a choice as integers, each from 0 and below its size.
-
-    Raises:
-        PolicyError: It is not such a choice.
-    """
+    """Return a choice as integers, each from 0 and below its size."""
     values: NDArray[Any] = np.asarray(choice)
     if values.dtype.kind not in "iu" or values.size != len(sizes):
         raise PolicyError(f"the choice is {choice!r}, must be {len(sizes)} whole numbers")

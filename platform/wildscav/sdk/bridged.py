@@ -16,12 +16,6 @@ BRIDGED = {
 def play_at_bridge(interface: str, factory: Callable[[], object], address: str, token: str) -> None:
     """Play one match by an interface.
 
-    Args:
-        interface: Its name, as in a ``submission.toml``.
-        factory: Returns the player.
-        address: Of the bridge.
-        token: Of the seat.
-
     Raises:
         UserError: There is no such interface.
         AgentError: The player is none of the interface, or the bridge refuses a request.

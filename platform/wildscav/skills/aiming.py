@@ -81,10 +81,7 @@ def aim_at(
     It shoots if it hits from the first frame to the last.
 
     Args:
-        observation: The current observation.
-        enemy: The enemy to aim at.
         own_velocity: The velocity at which the agent will walk in this step, m/s.
-        frames: Frames in a step.
         max_turn: Degrees per frame that the rules allow, as ``max_turn_of`` says.
     """
     last = _view_of(observation, enemy, own_velocity, frames)
@@ -104,10 +101,7 @@ def will_hit(
     """Return whether an enemy is in the sights in the first and in the last frame of a step.
 
     Args:
-        observation: The current observation.
-        enemy: The enemy.
         own_velocity: The velocity at which the agent will walk in this step, m/s.
-        frames: Frames in a step.
         turn: The turn of the step, degrees per frame.
         look: How the pitch changes in the step, degrees per frame.
     """

@@ -46,15 +46,7 @@ def wants_reload(observation: Observation, clip_size: int, in_sight: bool) -> bo
 def fighting_action(
     observation: Observation, match: MatchInfo, walk: Walk, aim: Aim, in_sight: bool
 ) -> Action:
-    """Return the action of an agent that walks and aims; it picks up what is in reach and reloads in time.
-
-    Args:
-        observation: The current observation.
-        match: What is known of the match.
-        walk: How to walk.
-        aim: How to turn, and whether to shoot.
-        in_sight: Whether an enemy is in sight.
-    """
+    """Return the action of an agent that walks and aims; it picks up what is in reach and reloads in time."""
     return Action(
         walk_direction=walk.direction,
         walk_speed=walk.speed,
@@ -92,8 +84,6 @@ def quiet_place(match: MatchInfo, observation: Observation, enemies: Sequence[Ve
     """Return a place near the edge of the map, far from enemies and from where supplies appear.
 
     Args:
-        match: What is known of the match.
-        observation: The current observation.
         enemies: Where enemies were seen, m.
     """
     edge, height = match.map_size * 0.45, observation.position[1]
@@ -110,14 +100,7 @@ def quiet_place(match: MatchInfo, observation: Observation, enemies: Sequence[Ve
 
 
 def steady(match: MatchInfo, observation: Observation, enemy: VisibleAgent, walk: Walk) -> Walk:
-    """Return a walk no faster than lets shots at an enemy fall on its body, where walking spreads them.
-
-    Args:
-        match: What is known of the match.
-        observation: The current observation.
-        enemy: The enemy to shoot at.
-        walk: How the agent would walk otherwise.
-    """
+    """Return a walk no faster than lets shots at an enemy fall on its body, where walking spreads them."""
     if match.spread * match.walking_sway == 0.0:
         return walk
     way = max(flat_distance(observation.position, enemy.position), 0.1)
@@ -155,8 +138,6 @@ class Dodging:
         """Return the compass direction in which to dodge an enemy, degrees.
 
         Args:
-            observation: The current observation.
-            enemy: Where the enemy is.
             closing: Degrees by which the way leads nearer to the enemy; negative leads away.
         """
         return (direction_to(observation.position, enemy) + self.side * (90.0 - closing)) % 360.0
@@ -168,8 +149,6 @@ def weave(observation: Observation, enemy: Vector, direction: float) -> Walk:
     An enemy that leads its target by the velocity in its observation aims where the agent will not be.
 
     Args:
-        observation: The current observation.
-        enemy: Where the enemy is.
         direction: Where the agent would go, degrees. It gets there at up to half of its speed.
     """
     fire = direction_to(observation.position, enemy)
@@ -188,9 +167,7 @@ def cover_from(surroundings: Surroundings, here: Vector, enemy: Vector) -> Vecto
     Among places at one distance, the one that leads most away from the enemy is taken.
 
     Args:
-        surroundings: What has been seen.
         here: The agent's soles.
-        enemy: The enemy's.
     """
     away = direction_to(enemy, here)
     for way in COVER_STEPS:

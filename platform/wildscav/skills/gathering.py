@@ -40,7 +40,6 @@ class Gathering:
         """Begin with nothing known.
 
         Args:
-            match: What is known of the match.
             caution: In a royale, how early to go to the next circle.
             rings: The options of the LIDAR in the submission's manifest.
         """

@@ -55,8 +55,6 @@ def find_ways(
     Columns whose floor was not seen are taken to be level, at an additional cost.
 
     Args:
-        surroundings: What has been seen.
-        here: The agent's soles.
         goals: Places by a key; to be within 1 m of one is enough.
         reach: Metres to each side that are searched.
         enough: Metres beyond the first goal at which the search may end.
@@ -110,7 +108,6 @@ class _Search:
 
         Args:
             goals: By column: the goals' keys, and the voxels at which they lie.
-            enough: Metres beyond the first goal.
             far: A place in whose direction the search goes first.
         """
         open_nodes = [(0.0, 0.0, self.start)]

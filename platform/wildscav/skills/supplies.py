@@ -83,10 +83,8 @@ class Prospecting:
         """Note the buildings that a LIDAR sees: many hits of walls, which rise steeply from ring to ring.
 
         Args:
-            position: The agent's soles.
             yaw: The agent's, degrees.
             reading: (channels, azimuths) m.
-            rings: The options of the LIDAR.
         """
         up = np.radians(np.linspace(rings.highest, rings.lowest, reading.shape[0]))[:, None]
         way, height = reading * np.cos(up), reading * np.sin(up)

@@ -81,7 +81,6 @@ class Surroundings:
         """Add what a LIDAR reads, and return the points that it hit, (N, 3) m.
 
         Args:
-            place: The agent's soles.
             yaw: The agent's, degrees.
             reading: (channels, azimuths) m.
         """

@@ -26,8 +26,6 @@ def hold(here: Vector, place: Vector, step_time: float) -> Walk:
     """Return how to walk straight to a place nearby, and to stand there: no step leads past it.
 
     Args:
-        here: The agent's soles.
-        place: Where to stand.
         step_time: Seconds of game time of a step.
     """
     return Walk(direction_to(here, place), min(FULL_SPEED, flat_distance(here, place) / step_time))

@@ -10,7 +10,6 @@ def check_folder(option: str, path: Path) -> None:
 
     Args:
         option: The option that names the path, for the error.
-        path: A folder, or where one is to be created.
 
     Raises:
         UserError: It is not a folder, and a folder cannot be created there.

@@ -29,11 +29,7 @@ def starting_workers() -> Iterator[None]:
 
 
 def become_worker(parent: int) -> None:
-    """Ignore Ctrl-C, and end when the parent process ends.
-
-    Args:
-        parent: Id of the process that started this one.
-    """
+    """Ignore Ctrl-C, and end when the parent process ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     end_with_parent(parent)

@@ -34,7 +34,6 @@ def printable(text: str, keep: str = "") -> str:
     surrogates, which no stream could encode.
 
     Args:
-        text: Any text.
         keep: Characters to leave as they are.
     """
     if text.isprintable():

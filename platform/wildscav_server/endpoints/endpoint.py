@@ -49,9 +49,6 @@ class Endpoint:
 
     Args:
         address: The address; port 0 takes a free one.
-        endpoint_settings: Who may connect, and how.
-        reservations: The seat of each token.
-        on_refusal: Called with every refusal.
         on_failure: Called with the address and an internal error before a stream's seat was known.
         on_flood: Called with the address of a seat that its agent has flooded, and with what the agent did.
         routes: Further methods that are served there.

@@ -87,9 +87,6 @@ class MatchService:
 
     Args:
         reservations: The seat of each token; the server adds and removes entries.
-        on_refusal: Called with every refusal.
-        on_failure: Called with the address and an internal error before a stream's seat was known.
-        address: The address.
     """
 
     def __init__(
@@ -303,12 +300,7 @@ class _Exchange:
 
 
 async def _read(stream: Stream) -> ClientMessage:
-    """Read a message.
-
-    Raises:
-        ProtocolRefusalError: It is too large or invalid.
-        StreamLostError: The stream has ended.
-    """
+    """Read a message."""
     return _parsed(await stream.read())
 
 

@@ -73,7 +73,6 @@ def unary(
     """Return the handler of a method with one request and one response.
 
     Args:
-        kind: The class of the request.
         call: Returns the response; may raise ``RefusalError``.
     """
 

@@ -35,11 +35,7 @@ class HostedMatch:
     """A match on a server. Make one with ``MatchServer.host``.
 
     Args:
-        match: The match, at its start.
-        names: Display name of every seat.
         seats: The seats that agent processes fill.
-        clock: The time limits of these seats.
-        seat_time: The clock that measures their time.
         starting: Whether the time to join begins only once every seat is ``launched``.
     """
 
@@ -122,9 +118,7 @@ class HostedMatch:
         """Take a seat for a stream.
 
         Args:
-            seat: The seat.
             stream: The task that serves the stream.
-            join: The stream's first message.
 
         Raises:
             RefusalError: The seat is taken or closed.

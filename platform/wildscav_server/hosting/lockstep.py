@@ -41,10 +41,7 @@ class Lockstep:
     """Plays the steps of a match.
 
     Args:
-        match: The match, at its start.
         seats: The seats that agent processes fill.
-        clock: The time limits of these seats.
-        time: The clock that measures their time.
     """
 
     def __init__(self, match: "Match", seats: Sequence[Seat], clock: Clock, time: SeatClock) -> None:

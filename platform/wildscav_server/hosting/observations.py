@@ -14,12 +14,7 @@ if TYPE_CHECKING:
 
 
 class SeatObservations:
-    """The observations of some seats of a match, encoded for all seats at once.
-
-    Args:
-        match: The match.
-        seats: The numbers of the seats.
-    """
+    """The observations of some seats of a match, encoded for all seats at once."""
 
     def __init__(self, match: "Match", seats: Sequence[int]) -> None:
         from wildscav_server.hosting.observation_encoding import BUFFER_SIZE, put_observations

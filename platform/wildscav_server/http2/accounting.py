@@ -44,7 +44,6 @@ class Account:
     9113, 5.2).
 
     Args:
-        send: Sends frames to the client.
         on_known: Called once when the client identifies itself.
     """
 

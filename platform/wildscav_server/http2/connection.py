@@ -40,9 +40,6 @@ class Encryption:
 
     The connection itself decrypts its data, so that the time is charged to its client; asyncio's own TLS
     would decrypt it before the connection is called.
-
-    Args:
-        context: TLS settings with the server's certificate.
     """
 
     def __init__(self, context: ssl.SSLContext) -> None:
@@ -53,9 +50,6 @@ class Encryption:
 
     def decrypt(self, content: bytes) -> bytes:
         """Process data from the client, and return the decrypted content.
-
-        Args:
-            content: The data as it was read.
 
         Returns:
             Decrypted bytes; none during the handshake, or while a record is incomplete.
@@ -100,7 +94,6 @@ class Connection(asyncio.BufferedProtocol):
     """One client's connection.
 
     Args:
-        listener: The listener that it belongs to.
         peer: The client's host, "" if it is not known.
     """
 
@@ -181,12 +174,7 @@ class Connection(asyncio.BufferedProtocol):
             self.abort()
 
     def _decrypted(self, content: bytes, tls: ssl.SSLContext) -> bytes:
-        """Return the content of TLS records; their overhead is charged like frames without a message.
-
-        Raises:
-            ssl.SSLError: The data is not valid TLS, or the client's certificate is not accepted.
-            FloodError: The records have too much overhead.
-        """
+        """Return the content of TLS records; their overhead is charged like frames without a message."""
         encryption = self._encryption = self._encryption or Encryption(tls)
         was_ready = encryption.is_ready
         try:
@@ -279,12 +267,9 @@ class Listener:
 
     Args:
         sockets: Bound sockets; they are closed with the listener.
-        routes: The route of each method.
-        connections: How many connections may be open at one time.
         max_total_connections: How many connections are accepted in all; None for any number. A number means
             that all of them come from one agent.
         on_flood: Called with what that agent did when no more connections are accepted from it.
-        tls: TLS settings; None if connections are not encrypted.
     """
 
     def __init__(

@@ -70,7 +70,6 @@ class FrameError(Exception):
     """A peer has violated HTTP/2.
 
     Args:
-        code: The error code.
         message: What the peer did, in a line that begins with a verb: "sent …".
     """
 

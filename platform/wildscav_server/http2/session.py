@@ -60,12 +60,7 @@ class Route(NamedTuple):
 
 
 class Session:
-    """One client's HTTP/2: processes its frames, and serves its calls.
-
-    Args:
-        account: The client's account.
-        routes: The route of each method.
-    """
+    """One client's HTTP/2: processes its frames, and serves its calls."""
 
     def __init__(self, account: Account, routes: Mapping[str, Route]) -> None:
         self._account, self._routes = account, routes
@@ -196,8 +191,6 @@ class Session:
         """Serve a new call.
 
         Args:
-            number: The stream's number.
-            headers: The request's headers.
             ends: Whether the client sends nothing more on the stream.
         """
         if self._is_ending or len(self._streams) >= STREAMS:

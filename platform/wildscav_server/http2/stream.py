@@ -30,9 +30,6 @@ class Stream:
     """A call, as its handler sees it. If the client ends it, the handler is cancelled.
 
     Args:
-        account: Its connection's account.
-        number: The stream's number.
-        headers: The request's headers.
         window: Bytes that the client accepts on the stream.
         limit: The largest message that the client may send, bytes.
         on_end: Called with the stream once its status is sent.
@@ -179,9 +176,7 @@ class Stream:
         """End the call; does nothing if it has ended.
 
         Args:
-            refusal: Why the call is refused; None if it is not.
             code: The gRPC status code, if there is no refusal.
-            details: The details of that status.
         """
         if self.finished:
             return
@@ -225,7 +220,6 @@ class Stream:
         """Process data from the client, and return whether it completed a message.
 
         Args:
-            content: The data.
             size: Bytes that it uses of the windows, padding included.
         """
         self._received += size

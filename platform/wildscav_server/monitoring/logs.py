@@ -30,7 +30,6 @@ def open_log(form: LogFormat | None, **values: Any) -> Log:
 
     Args:
         form: Format of its lines; None writes nothing.
-        values: Values that are added to every line.
     """
     import structlog
 

@@ -16,7 +16,6 @@ def serving_metrics(collector: Collector, port: int | None) -> Iterator[str | No
     """Serve metrics to this machine until the block ends.
 
     Args:
-        collector: The source of the metrics.
         port: Port to listen on; 0 takes a free one, None serves nothing.
 
     Yields:

@@ -24,12 +24,7 @@ class WorkerLostError(WildscavError):
 
 
 class WorkerSupervisor:
-    """One worker process, restarted whenever it ends.
-
-    Args:
-        config: The worker's configuration.
-        log: Where to write that the worker ended.
-    """
+    """One worker process, restarted whenever it ends."""
 
     def __init__(self, config: WorkerConfig, log: Log) -> None:
         self.number = config.number  # from 1
@@ -69,11 +64,7 @@ class WorkerSupervisor:
         )
 
     async def _configure(self, process: asyncio.subprocess.Process) -> WorkerReady:
-        """Send a process its configuration, and return its answer.
-
-        Raises:
-            UserError: It cannot start with that configuration, or its answer is invalid.
-        """
+        """Send a process its configuration, and return its answer."""
         if process.stdin is None or process.stdout is None:
             raise RuntimeError("a worker has pipes")
         process.stdin.write(json.dumps(self._config._asdict()).encode() + b"\n")

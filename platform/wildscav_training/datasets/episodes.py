@@ -40,7 +40,6 @@ def spaces_of(config: EnvConfig, *, together: bool) -> Spaces:
     """Return the spaces of episodes.
 
     Args:
-        config: The environment whose observations and actions they have.
         together: Whether the learners of a match share an episode.
     """
     spaces = Spaces(observation_space(config), played_space(config))

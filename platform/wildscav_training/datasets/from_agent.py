@@ -40,11 +40,7 @@ class PlayedEpisodes:
         Args:
             agent: The folder of a submission, the name of a baseline, "oracle" or "straight". Its code runs
                 with all rights of this process.
-            track: The track.
-            options: Options of the environment.
-            matches: The number of matches.
             seed: Of the first match; the others count on.
-            together: Whether the learners of a match share an episode.
 
         Raises:
             UserError: There is no such agent, it does not play the track, or an option is wrong.

@@ -55,9 +55,7 @@ def env_spec(track: str, options: Mapping[str, Any], spaces: Spaces) -> EnvSpec 
     """Return the environment that ``recover_environment`` makes; None if none has the same observations.
 
     Args:
-        track: The track.
         options: Of the environment for one learner, ready for JSON.
-        spaces: Of the data set.
     """
     # What Gymnasium returns is its registered entry itself, which must stay as it is.
     spec = deepcopy(gymnasium.spec(env_id(track, options["version"])))
@@ -79,13 +77,6 @@ def write(
     description: str,
 ) -> Written:
     """Write a data set, episode by episode; if that fails, nothing is left.
-
-    Args:
-        dataset: Its id.
-        episodes: The episodes.
-        spaces: Of their observations and actions.
-        spec: The environment that belongs to it, if there is one.
-        description: What they are, for readers.
 
     Raises:
         UserError: Its folder cannot be written.

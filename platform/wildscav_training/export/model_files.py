@@ -106,10 +106,7 @@ def submission_files(
     """Return the files of a submission: their contents by name.
 
     Args:
-        trained: The model.
         tables: What ``policy_tables`` returned.
-        name: Name of the submission.
-        choose: How it selects actions from the network's outputs.
     """
     policy = {"choose": choose.value, "network": tables["network"], "environment": tables["environment"]}
     template = files("wildscav_training.export") / "template"

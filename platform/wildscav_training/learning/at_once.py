@@ -28,11 +28,7 @@ def train_at_once(
     """Train several policies, some of them at the same time, and return the results in order.
 
     Args:
-        runs: The settings and the folder of each run.
         report: Called with the place of a run in ``runs`` and its figures after each of its iterations.
-        processes: The number of runs at the same time.
-        resume: Whether to continue the runs in the folders, where there are any.
-        episodes: Matches for each score.
 
     Raises:
         UserError: A folder or the settings cannot be used.

@@ -52,11 +52,7 @@ class RunFolder:
         write_json(self.path / SETTINGS, settings.as_json())
 
     def _check(self, now: Mapping[str, Any]) -> None:
-        """Compare settings with those of the run in the folder.
-
-        Raises:
-            UserError: They differ, or there is no run.
-        """
+        """Compare settings with those of the run in the folder."""
         then = read_json(self.path / SETTINGS)
         for name, before, after in _differences("", then, json.loads(json.dumps(now))):
             raise UserError(

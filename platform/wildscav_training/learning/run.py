@@ -37,11 +37,7 @@ def train(settings: TrainingSettings, folder: Path, report: Report, *, resume: b
     """Train a policy, measure it, and write both into a folder.
 
     Args:
-        settings: The run.
         folder: Its folder, empty or new; with ``resume`` one with a run of the same settings.
-        report: Called after every iteration.
-        resume: Whether to continue the run in the folder, if there is one.
-        episodes: Matches for each score.
 
     Raises:
         UserError: The folder or the settings cannot be used.

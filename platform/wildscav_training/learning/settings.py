@@ -34,12 +34,7 @@ class Hyperparameters:
     layers: tuple[int, ...] = (64, 64)  # width of each hidden layer, of the policy and of the value alike
 
     def rollouts(self, steps: int, learners: int) -> int:
-        """Return how many rollouts a number of steps needs.
-
-        Args:
-            steps: Steps of all learners together.
-            learners: Learners in a match.
-        """
+        """Return how many rollouts a number of steps needs."""
         return max(1, -(-steps // (self.matches * self.rollout * learners)))
 
 
@@ -109,8 +104,6 @@ def preset_settings(
     """Return the hyperparameters of a preset, and its environment with some options changed.
 
     Args:
-        preset: A name in ``PRESETS``.
-        track: The track.
         options: Options of the environment that differ from the preset's.
 
     Raises:
@@ -159,11 +152,7 @@ def changed(hyperparameters: Hyperparameters, changes: Mapping[str, Any]) -> Hyp
 
 
 def _check(name: str, value: object, default: object) -> None:
-    """Check the value of a hyperparameter by the kind of its default.
-
-    Raises:
-        UserError: It has another kind, or is negative or not finite.
-    """
+    """Check the value of a hyperparameter by the kind of its default."""
     if isinstance(default, bool):
         allowed, is_good = "true or false", isinstance(value, bool)
     elif isinstance(default, tuple):

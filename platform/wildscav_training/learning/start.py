@@ -57,7 +57,6 @@ def put_layers(layers: Layers, network: Any) -> None:
     """Copy weights and biases into a network of PyTorch.
 
     Args:
-        layers: What is copied.
         network: Modules one after the other, of which those with a weight are its layers.
 
     Raises:

@@ -1,4 +1,4 @@
-"""An agent that knows the map and takes the shortest path to the target, to measure others by."""
+"""Agents to measure others by: one takes the shortest path to the target, one walks straight to it."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -75,6 +75,27 @@ class Oracle(SeatController):
         return rows
 
 
+class Straight(SeatController):
+    """Walks straight to the target; it knows the target of a capture, too."""
+
+    name = "straight"
+
+    def check(self, track: str) -> None:
+        """Check that a track has a target. See ``SeatController.check``."""
+        check_has_target(self.name, track)
+
+    def begin(self, batch: "Batch", matches: Indices, seats: Indices) -> None:
+        """Do nothing: it has no memory."""
+
+    def act(self, batch: "Batch", matches: Indices, seats: Indices) -> NDArray[np.float32]:
+        """Return (N, FIELDS) rows of actions. See ``SeatController.act``."""
+        rows = np.zeros((len(seats), FIELDS), np.float32)
+        offsets = batch.state.matches.target[matches] - batch.state.agents.position[matches, seats]
+        rows[:, Field.WALK_DIRECTION] = np.degrees(np.arctan2(offsets[:, 0], offsets[:, 2])) % 360.0
+        rows[:, Field.WALK_SPEED] = MAX_WALK_SPEED
+        return rows
+
+
 class PathWalker:
     """One body on its path.
 
@@ -87,7 +108,6 @@ class PathWalker:
         """Search for the path.
 
         Args:
-            graph: Of the map.
             start: (3,) m, soles.
             target: (3,) m.
         """
@@ -110,8 +130,6 @@ class PathWalker:
         Args:
             row: (FIELDS,) zeros; receives the action. It stays as it is if there is no way left to go.
             position: (3,) m, where the body is.
-            on_ground: Whether it stands.
-            seconds: The length of a step.
         """
         self._get_unstuck(position)
         while self.leg < len(self.legs):
@@ -151,9 +169,7 @@ def without_edge(graph: NavGraph, start: Place, end: Place) -> NavGraph:
     """Return a graph without the edge between two nodes; the same where they are none, or have none.
 
     Args:
-        graph: Of the map.
         start: x, y, z in m, soles.
-        end: The same.
     """
     first, last = node_near(graph, start, leave=True), node_near(graph, end, leave=False)
     if first is None or last not in graph.nodes.edges[first]:

@@ -39,10 +39,6 @@ class SubmissionOpponent(SeatController):
     def __init__(self, folder: str | Path) -> None:
         """Load a submission: its manifest and its agent's class.
 
-        Args:
-            folder: The submission's folder, or the name of a baseline, such as "hunter". Its code runs with
-                all rights of this process.
-
         Raises:
             UserError: The folder is not a submission in Python that plays by numbers, or its code cannot be
                 imported.
@@ -133,11 +129,7 @@ class SubmissionOpponent(SeatController):
         return rows
 
     def _call(self, what: str, match: int, seat: int, work: Callable[..., Any], given: object) -> Any:
-        """Call the agent's code.
-
-        Raises:
-            AgentError: It failed; the message says where, and the cause is the agent's own exception.
-        """
+        """Call the agent's code."""
         try:
             return work(given)
         except AgentError:
@@ -163,11 +155,7 @@ def submission(folder: str | Path) -> SubmissionOpponent:
 
 
 def _checked_folder(given: str | Path) -> Path:
-    """Return the absolute path of a submission's folder.
-
-    Raises:
-        UserError: It is none.
-    """
+    """Return the absolute path of a submission's folder."""
     folder = baseline_folder(str(given)) if is_baseline(str(given)) else Path(given)
     if (folder / MANIFEST).is_file():
         return folder.resolve()
