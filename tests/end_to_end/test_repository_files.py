@@ -1,6 +1,5 @@
 """Files that hosts of repositories and tools read: each is valid and names what there is."""
 
-import json
 import re
 import shlex
 import shutil
@@ -73,14 +72,6 @@ def test_hooks_before_commits_run_the_programs_of_make_check() -> None:
         assert command in makefile, hook["id"]
     if shutil.which("pre-commit"):
         subprocess.run(["pre-commit", "validate-config"], cwd=ROOT, check=True)
-
-
-def test_a_container_for_development_makes_what_the_makefile_makes() -> None:
-    container = json.loads((ROOT / ".devcontainer" / "devcontainer.json").read_text("utf-8"))
-    assert (ROOT / ".devcontainer" / container["build"]["dockerfile"]).is_file()
-    makefile = (ROOT / "Makefile").read_text("utf-8")
-    for target in container["postCreateCommand"].removeprefix("make ").split():
-        assert f"\n{target}:" in makefile
 
 
 @pytest.mark.parametrize("name", ["SECURITY.md", "CODE_OF_CONDUCT.md", ".github/pull_request_template.md"])

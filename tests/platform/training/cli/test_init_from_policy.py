@@ -132,31 +132,13 @@ def test_several_observations_at_once_are_told_by_the_shape(tmp_path: Path) -> N
     [
         ([], "--track is missing: name the track that the policy was trained for"),
         (["--track", "chess"], "track is 'chess'; the tracks are navigation"),
-        (
-            ["--track", "navigation"],
-            "takes 40 numbers; the environment with these options returns body [3], depth",
-        ),
-        (
-            ["--track", "battle"],
-            "returns 25 numbers, which does not fit the track battle with action_mode mul",
-        ),
-        (
-            ["--track", "navigation", "--option", "speed=9"],
-            "unexpected keyword argument 'speed'; the options are",
-        ),
+        (["--track", "navigation"], "takes 40 numbers; the environment with these options returns body"),
+        (["--track", "battle"], "returns 25 numbers, which does not fit the track battle with action_mode"),
+        (["--track", "navigation", "--option", "speed=9"], "unexpected keyword argument 'speed'; the"),
         (["--track", "navigation", "--option", "sensors"], "--option is 'sensors', must be NAME=VALUE"),
-        (
-            ["--track", "navigation", "--choose", "best"],
-            "--choose is 'best', must be sampled or deterministic",
-        ),
-        (
-            ["--track", "navigation", "--activation", "wave"],
-            "--activation is 'wave', must be one of identity, tanh",
-        ),
-        (
-            ["--option", "preset=paper-navigation"],
-            "takes 40 numbers; the environment with these options returns body [3], depth",
-        ),
+        (["--track", "navigation", "--choose", "best"], "--choose is 'best', must be sampled or"),
+        (["--track", "navigation", "--activation", "wave"], "--activation is 'wave', must be one of"),
+        (["--option", "preset=paper-navigation"], "takes 40 numbers; the environment with these options"),
     ],
 )
 def test_what_does_not_fit_is_said_and_nothing_is_written(

@@ -91,7 +91,6 @@ def weights(learner: PPO) -> list[list[float]]:
         ("navigation", {"curriculum": (1.0,)}),  # everyone succeeds, so the stage changes on the way
         ("navigation", {"action_mode": "baseline", "kl_coeff": 0.2, "anneal": False}),
         ("gathering", {"agents": 2, "teams": (0, 0)}),
-        ("battle", {"opponents": ("fighter",)}),
         ("royale", {"agents": 3, "opponents": ()}),
     ],
 )

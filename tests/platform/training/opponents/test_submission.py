@@ -7,7 +7,6 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import gymnasium
 import numpy as np
 import pytest
 from tests.platform.helpers.policy_matches import PATIENT
@@ -180,15 +179,6 @@ def test_a_copy_loads_the_submission_anew(copied: Any) -> None:
     for each in (env, other):
         each.step(np.zeros(8, np.float32))
     assert np.array_equal(env.arena.actions, other.arena.actions)
-
-
-def test_gymnasium_makes_an_environment_with_a_submission() -> None:
-    env = gymnasium.make(
-        "wildscav_engine:WildScav/Battle-v1", opponents=(submission(SUBMISSIONS / "homing"),), **OPTIONS
-    )
-    env.reset(seed=0)
-    env.step(env.action_space.sample())
-    assert env.spec is not None
 
 
 def test_a_state_does_not_hold_the_memory_of_agents() -> None:

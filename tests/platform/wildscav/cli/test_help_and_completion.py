@@ -119,10 +119,7 @@ def test_completion_is_installed_by_the_main_command(tmp_path: Path) -> None:
         (["verify", "--jsno", "x"], "--json"),
         (["play", "homng"], "submission homng does not exist (did you mean 'homing'?)"),
         (["play", "homing", "--track", "navigaton"], "(did you mean 'navigation'?)"),
-        (
-            ["play", "homing", "--replay", "x.mp4"],
-            "--replay is x.mp4: a replay is a Rerun recording",
-        ),
+        (["play", "homing", "--replay", "x.mp4"], "--replay is x.mp4: a replay is a Rerun recording"),
         (["init", "new", "--from", "hoving"], "there is no baseline 'hoving' (did you mean 'homing'?)"),
         (["play", "homing", "--sandbox", "bublewrap"], "'oci', 'bubblewrap', 'process'"),
     ],

@@ -58,15 +58,9 @@ def changed(**changes: Any) -> dict[str, Any]:
     ("description", "message"),
     [
         (changed(format=2), "has format 2; this version reads 1"),
-        (
-            changed(observations=[BODY | {"columns": ["hungry"]}]),
-            "needs 'hungry' of 'body', which this version",
-        ),
+        (changed(observations=[BODY | {"columns": ["hungry"]}]), "needs 'hungry' of 'body', which this"),
         (changed(observations=[BODY | {"name": "mood"}]), "needs 'alive' of 'mood'"),
-        (
-            changed(actions={"mode": "voice"}),
-            "action mode 'voice'; those known here are dict, box, baseline, mul",
-        ),
+        (changed(actions={"mode": "voice"}), "action mode 'voice'; those known here are dict, box"),
         ({"format": 1}, "the environment's description is invalid: KeyError"),
         (changed(stack={"count": 0, "axis": "last", "padding": "zero"}), "invalid: .*a stack of 0 along"),
         (changed(stack={"count": 2, "axis": "up", "padding": "zero"}), "invalid: .*along axis 'up'"),
@@ -83,10 +77,7 @@ def test_a_description_that_cannot_be_read_is_refused(description: dict[str, Any
     ("changes", "message"),
     [
         ({"track": "battle"}, "trained for the track navigation; this is battle"),
-        (
-            {"frames_per_action": 3},
-            "trained with 5 frames per action, which is not a multiple of the 3 of this match",
-        ),
+        ({"frames_per_action": 3}, "trained with 5 frames per action, which is not a multiple of the 3 of"),
     ],
 )
 def test_a_match_that_does_not_fit_is_refused(changes: dict[str, Any], message: str) -> None:
@@ -108,11 +99,7 @@ def test_a_sensor_that_arrives_otherwise_than_in_training_is_named() -> None:
 @pytest.mark.parametrize(
     ("actions", "choice", "message"),
     [
-        (
-            CHOICES,
-            [0, 0, 2, 0, 0],
-            r"choice is \[0, 0, 2, 0, 0\], must be at least 0 and below \[3, 1, 2, 1, 2\]",
-        ),
+        (CHOICES, [0, 0, 2, 0, 0], r"choice is \[0, 0, 2, 0, 0\], must be at least 0 and below \[3, 1, 2"),
         (CHOICES, [0.0] * 5, "must be 5 whole numbers"),
         (CHOICES, [0, 0, 0], "must be 5 whole numbers"),
         (BOX, [0.0, 0.0, np.nan, 0.0, 0.0], r"must be 5 numbers in \[-1, 1\]"),
@@ -185,10 +172,7 @@ def test_layers_have_to_fit_one_another() -> None:
         ({"policy.json": json.dumps({"environment": [], "network": {}})}, "has no 'environment'"),
         ({"policy.json": []}, "has no 'network'"),
         ({"policy.json": {"kind": "layers", "file": "gone.npz"}}, "gone.npz is missing"),
-        (
-            {"policy.json": {"kind": "oracle", "file": "policy.json"}},
-            "kind 'oracle'; the kinds are layers, onnx",
-        ),
+        ({"policy.json": {"kind": "oracle", "file": "policy.json"}}, "kind 'oracle'; the kinds are layers"),
         ({"policy.json": {"kind": "layers", "file": "policy.json"}}, "holds no layers"),
     ],
 )
