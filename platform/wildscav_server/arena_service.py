@@ -4,8 +4,8 @@ import asyncio
 import json
 import secrets
 from collections import OrderedDict
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Awaitable, Callable, Mapping
+from typing import Any
 
 import grpc
 
@@ -17,9 +17,6 @@ from wildscav_server.hosting.reports import MatchOutcome
 from wildscav_server.leftovers import temporary_folder
 from wildscav_server.time_limits import Clock
 
-if TYPE_CHECKING:
-    from wildscav_server.match_server import MatchServer
-
 OPEN_LIMIT = 64  # matches at one time
 KEPT_LIMIT = 256  # finished matches whose results are kept
 
@@ -29,8 +26,8 @@ State = GetMatchResponse.State
 class ArenaService:
     """Opens matches for organizers, and returns their results."""
 
-    def __init__(self, server: "MatchServer") -> None:
-        self._server = server
+    def __init__(self, host: Callable[..., Awaitable[HostedMatch]]) -> None:
+        self._host_match = host  # as ``MatchServer.host``
         self._open: dict[str, HostedMatch | None] = {}  # None while the map is being made
         self._closed: OrderedDict[str, GetMatchResponse] = OrderedDict()
         self._waiting: set[asyncio.Task[None]] = set()  # tasks that wait for the end of a match
@@ -68,7 +65,7 @@ class ArenaService:
         try:
             spec = MatchSpec.model_validate_json(request.spec_json)
             check_recordable(spec)
-            return await self._server.host(
+            return await self._host_match(
                 spec,
                 names=tuple(request.names) or tuple(f"seat {seat}" for seat in range(len(spec.seats))),
                 sensors={seat: _options(text) for seat, text in request.sensors_json.items()},

@@ -57,7 +57,7 @@ class MatchServer:
         self._map_makers = ThreadPoolExecutor(max(1, cores() - 1), "map")
         self._settings, self._time = endpoint_settings, SeatClock()
         self._organizer = Organizer(organizer_token)
-        self._arena_routes = arena_routes(ArenaService(self), self._organizer) if arena else {}
+        self._arena_routes = arena_routes(ArenaService(self.host), self._organizer) if arena else {}
         self.metrics = ServerMetrics(
             lambda: self._matches, lambda: sum(one.pending_streams for one in self._endpoints)
         )

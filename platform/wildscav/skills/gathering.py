@@ -9,8 +9,8 @@ A decision list, tried from the top whenever no way is being followed:
 """
 
 from wildscav.agent import MatchInfo, Observation, SupplyBox, Vector
-from wildscav.geometry import flat_distance
 from wildscav.skills.paths import find_ways
+from wildscav.skills.searching import effort
 from wildscav.skills.steering import Steering
 from wildscav.skills.supplies import BoxMemory, Prospecting
 from wildscav.skills.surroundings import Rings, Surroundings
@@ -127,7 +127,7 @@ class Gathering:
             return True
         if ways.unseen is not None and ways.unseen.length > CLOSE:
             end = ways.unseen.points[-1]
-            self._count_try(min(rich, key=lambda box: _effort(end, box)), observation.time)
+            self._count_try(min(rich, key=lambda box: effort(end, box)), observation.time)
             self.walker.take(ways.unseen)
             return True
         for box in rich:
@@ -148,7 +148,7 @@ class Gathering:
             boxes.pop(self.wanted, None)
             self.wanted = None
         if self.wanted not in boxes and boxes:
-            far = {key: _effort(here, box) for key, box in boxes.items()}
+            far = {key: effort(here, box) for key, box in boxes.items()}
             best = max(boxes, key=lambda key: _rate(boxes[key], far[key] / PACE_OUTDOORS))
             if _rate(boxes[best], far[best] / PACE_OUTDOORS) > LEAST_RATE:
                 self.wanted, self.give_up_at = best, now + 4.0 + far[best] / 5.0
@@ -182,11 +182,6 @@ class Gathering:
 
 def _is_within(here: Vector, place: Vector, reach: float) -> bool:
     return max(abs(place[0] - here[0]), abs(place[2] - here[2])) < reach - 2.0
-
-
-def _effort(here: Vector, box: SupplyBox) -> float:
-    """Return the estimated length of the way to a box, m; it is longer if the box is on another floor."""
-    return flat_distance(here, box.position) + 4.0 * abs(box.position[1] - here[1])
 
 
 def _rate(box: SupplyBox, seconds: float) -> float:

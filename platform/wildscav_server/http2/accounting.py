@@ -1,7 +1,6 @@
 """What clients may cost: an account for each connection, and a share of time for unknown clients."""
 
 import asyncio
-import time
 from collections.abc import Callable
 
 from wildscav_server.http2.frames import (
@@ -209,6 +208,3 @@ class TimeShare:
         now = self._clock()
         self._left = min(BURST, self._left + (now - self._since) * SHARE)
         self._since = now
-
-
-processor_time = time.thread_time  # of this thread, s

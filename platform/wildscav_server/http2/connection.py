@@ -7,6 +7,7 @@ import asyncio
 import contextlib
 import socket
 import ssl
+import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import cast
 
@@ -18,7 +19,6 @@ from wildscav_server.http2.accounting import (
     Account,
     FloodError,
     TimeShare,
-    processor_time,
 )
 from wildscav_server.http2.frames import Code, FrameError, Kind, write_frame
 from wildscav_server.http2.session import SETTINGS, Route, Session
@@ -189,9 +189,9 @@ class Connection(asyncio.BufferedProtocol):
         return plain
 
     def _take_from_unknown(self, content: bytes) -> None:
-        started = processor_time()
+        started = time.thread_time()
         self._take(content)
-        self._listener.share.spend(processor_time() - started)
+        self._listener.share.spend(time.thread_time() - started)
 
     def _pause(self) -> None:
         if self._transport is not None:

@@ -5,8 +5,6 @@ import re
 import shutil
 import signal
 import socket
-import subprocess
-import sys
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -14,22 +12,19 @@ from urllib.request import ProxyHandler, build_opener
 
 import pytest
 from starlette.testclient import TestClient
-from tests.commands import Run, run_command
+from tests.commands import Run, run_command, running
 from tests.platform.stage.built_viewer import viewer
-from tests.recorded_matches import record_of_track
 
 from wildscav_inspect import records
 from wildscav_stage.watching.match_page import scene_of, whole_page
 
-__all__ = ["record_of_track", "viewer"]
-COMMAND = [sys.executable, "-m", "wildscav.cli.main"]
+__all__ = ["viewer"]
 END = 120  # s, far more than it takes
-Records = Callable[[str], Path]
 
 
 @pytest.fixture
-def record(record_of_track: Records, tmp_path: Path) -> Path:
-    return Path(shutil.copy(record_of_track("battle"), tmp_path / "match.wsr"))
+def record(record: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copy(record, tmp_path / "match.wsr"))
 
 
 @pytest.fixture
@@ -39,12 +34,9 @@ def run(tmp_path: Path) -> Run:
 
 def test_it_serves_the_match_until_ctrl_c(record: Path) -> None:
     """With the viewer that is built: a process has no other."""
-    command = [*COMMAND, "watch", str(record), "--no-browser"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
-        found = re.fullmatch(r"watch at (http://127\.0\.0\.1:\d+/)\n", process.stdout.readline())
-        assert found, process.stderr and process.stderr.read()
-        with build_opener(ProxyHandler({})).open(found[1]) as answer:
+    until = r"^watch at (http://127\.0\.0\.1:\d+/)\n"
+    with running("watch", record, "--no-browser", until=until) as (link, process):
+        with build_opener(ProxyHandler({})).open(link) as answer:
             page = answer.read().decode()
         process.send_signal(signal.SIGINT)
         assert process.wait(END) == 0

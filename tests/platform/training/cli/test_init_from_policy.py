@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 import pytest
 from tests.engine.envs.common import OPEN
-from tests.platform.helpers.policy_matches import assert_same, play_env, play_match
+from tests.platform.helpers.policy_matches import assert_same, play_env, play_match, write_layers
 from tests.platform.helpers.seats import ended, host, serving, start_agent
 from typer.testing import CliRunner
 
@@ -26,13 +26,7 @@ OUTPUTS = {"multidiscrete": 9 + 2 + 7 + 5 + 2, "baseline": 8, "box": 5}
 
 
 def layers(path: Path, inputs: int = WIDTH, outputs: int = 25, **more: Any) -> Path:
-    """Write a small network with random weights."""
-    generator = np.random.default_rng(0)
-    shapes = [(16, inputs), (outputs, 16)]
-    arrays = {f"weight_{place}": generator.normal(size=shape) for place, shape in enumerate(shapes)}
-    arrays |= {f"bias_{place}": generator.normal(size=shape[0]) for place, shape in enumerate(shapes)}
-    np.savez(path, **arrays | more)
-    return path
+    return write_layers(path, inputs, 16, outputs, **more)
 
 
 def init(*arguments: str | Path) -> Any:

@@ -12,8 +12,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as some
 from numpy.typing import NDArray
+from tests.platform.wildscav.skills.observations import match_info
 
-from wildscav import Action, MatchInfo, Observation, SupplyWave
+from wildscav import Action, Observation, SupplyWave
 from wildscav.agent import ACTION_FIELDS
 from wildscav.errors import AgentError
 from wildscav.proto.match_pb2 import Observation as ObservationMessage
@@ -98,27 +99,8 @@ def test_a_tensor_that_contradicts_itself_is_refused(tensor: Tensor, message: st
 
 
 def test_a_match_info_arrives() -> None:
-    info = MatchInfo(
-        track="gathering",
-        seat=2,
-        seats=10,
-        team=3,
-        time_limit=600.0,
-        frames_per_action=5,
-        map_size=500.0,
-        start=(1.5, -2.25, 3.125),
-        target=None,
-        supply_waves=(SupplyWave(0.0, (20.0, -20.0), 30.0), SupplyWave(60.0, (1.0, 2.0), 50.0)),
-        seed=2**63 - 1,
-        step_budget=0.1,
-        time_bank=30.0,
-        target_distance=1.0,
-        pick_up_distance=1.5,
-        supply_sight=20.0,
-        clip_size=15,
-        start_health=100,
-        clock="paused",
-    )
+    waves = SupplyWave(0.0, (20.0, -20.0), 30.0), SupplyWave(60.0, (1.0, 2.0), 50.0)
+    info = match_info(start=(1.5, -2.25, 3.125), supply_waves=waves, seed=2**63 - 1, clock="paused")
     assert decode_match_info(encode_match_info(info).match_info) == info
     assert info.step_time == 0.1
 
