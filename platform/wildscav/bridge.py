@@ -9,7 +9,6 @@ import math
 import socket
 from collections.abc import Mapping
 from dataclasses import fields
-from types import TracebackType
 from typing import Any, Self
 
 from wildscav.agent import MatchInfo
@@ -89,9 +88,7 @@ class BridgedSeat:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
 

@@ -126,7 +126,7 @@ def _replay_for_rerun(
     """Write a record as a Rerun recording, serve it, or both; a recording is served as it is."""
     if web and _is_replay(record):
         _refuse_rendering_options(out, seat, images, logs)
-        _serve(_read(record), record.name, host, port)
+        _serve(record.read_bytes(), record.name, host, port)
         return
     content = _render(record, read_of_seat(record, "--seat", seat), out, seat, images, logs, web=web)
     path = out if web else out or record.with_suffix(SUFFIX)
@@ -151,13 +151,6 @@ def _refuse_rendering_options(out: Path | None, seat: int | None, images: bool, 
     for option, is_given in options.items():
         if is_given:
             raise UserError(f"{option} needs a record: this is a replay already", exit_code=2)
-
-
-def _read(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        raise UserError(f"cannot read {path}: {error.strerror}") from None
 
 
 def _render(

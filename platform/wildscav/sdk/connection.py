@@ -5,7 +5,6 @@ steps were 30 to 50 % faster (with one agent, equally fast).
 """
 
 import asyncio
-from types import TracebackType
 from typing import Any, Self
 
 import grpc
@@ -136,7 +135,5 @@ class Connection:
             return None
         return decode_observation(message.observation, self.match.frames_per_second)
 
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    async def __aexit__(self, *_: object) -> None:
         await self._channel.close()

@@ -87,7 +87,7 @@ class Endpoint:
     @property
     def pending_streams(self) -> int:
         """How many streams have not joined a seat yet."""
-        return len(self._service.pending_streams)
+        return self._service.pending_streams
 
     def start(self) -> None:
         """Accept connections."""

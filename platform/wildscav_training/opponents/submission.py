@@ -5,7 +5,7 @@ import sys
 import threading
 from collections.abc import Callable
 from pathlib import Path
-from types import ModuleType, TracebackType
+from types import ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -196,9 +196,7 @@ class OwnModules:
         self._count = len(sys.modules)
         sys.path.insert(0, self._folder)
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         if len(sys.modules) != self._count:
             modules = list(sys.modules.items())
             self._own = {name: found for name, found in modules if name.partition(".")[0] in self._names}

@@ -24,7 +24,6 @@ from tests.platform.helpers.seats import (
 from wildscav.errors import SensorError
 from wildscav.proto.match_pb2 import Action, ClientMessage, Join, Ready
 from wildscav.wire.errors import reason_of
-from wildscav_server.endpoints.match_service import PendingStreams
 from wildscav_server.hosting.reports import SeatStatus
 from wildscav_server.http2.accounting import UNKNOWN_LIMIT
 from wildscav_server.match_server import MatchServer
@@ -153,7 +152,7 @@ def test_a_stream_that_says_nothing_is_ended(tmp_path: Path, monkeypatch: pytest
 def test_of_too_many_pending_streams_at_an_address_the_oldest_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(PendingStreams.__init__, "__defaults__", (3,))
+    monkeypatch.setattr("wildscav_server.endpoints.match_service.PENDING_LIMIT", 3)
 
     async def play(server: MatchServer, address: str) -> None:
         (other,) = await server.start([f"unix:{tmp_path / 'other.sock'}"])
