@@ -21,10 +21,7 @@ PLACES: dict[str, Any] = {"start": (math.nan,) * 3, "target": None, "supply_wave
 
 
 class BridgedSeat:
-    """A seat at a bridge: it has joined the match. Leaving the context leaves the seat.
-
-    Args:
-        address: ``unix:/path``.
+    """A seat at a bridge (``unix:/path``): it has joined the match. Leaving the context leaves the seat.
 
     Attributes:
         match: What is known of the match, without its places: ``start`` is not a number, ``target`` is None,

@@ -127,12 +127,7 @@ def _print_saved(saved: str, view: "Viewpoint") -> None:
 
 
 def _sensor(name: str, size: dict[str, Any], options: Sequence[str], has_objects: bool) -> "ImageSensor":
-    """Return the sensor with its options, and with a default size that suits a picture.
-
-    Args:
-        size: Values of the command's own options, None where they are not given.
-        options: Further options, each KEY=VALUE.
-    """
+    """Return the sensor with its options, each KEY=VALUE, and with a default size that suits a picture."""
     from wildscav_engine.sensors import SENSORS, parse_sensor
     from wildscav_engine.sensors.optics.image_sensor import ImageSensor
 

@@ -118,11 +118,7 @@ def write_scene(record: Path, folder: Path, logs: Path | None) -> None:
 
 
 def write_page(record: Path, out: Path | None, logs: Path | None) -> None:
-    """Write a page with a match that plays without a server.
-
-    Args:
-        out: The page; None for the record's name with ``.html``.
-        logs: Where its agents' notes are; see ``notes_beside``.
+    """Write a page that plays a match without a server, by default under the record's name with ``.html``.
 
     Raises:
         UserError: The record cannot be read, or the page not be written there.

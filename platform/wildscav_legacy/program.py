@@ -29,11 +29,7 @@ TABLES = ("tcp", "tcp6")
 
 
 def main(engine_folder: Path, arguments: list[str]) -> NoReturn:
-    """Serve the client that the arguments name, until it closes or disappears.
-
-    Args:
-        engine_folder: The program's folder; records are written into a folder in it.
-    """
+    """Serve the client that the arguments name, until it is gone; records go into the engine's folder."""
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s")
     # Ctrl-C in a terminal reaches this process as well, but the client decides whether it ends the session.
     signal.signal(signal.SIGINT, signal.SIG_IGN)

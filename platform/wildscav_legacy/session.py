@@ -188,13 +188,9 @@ def _text(place: "Position") -> str:
 def read_actions(
     commands: Iterable[AgentCommand], seats: Mapping[int, int]
 ) -> "tuple[NDArray[np.float32], list[int]]":
-    """Return (A, FIELDS) the actions of all seats. Seats without a command do nothing.
+    """Return (A, FIELDS) the actions of all seats: none without a command; of two, the last one counts.
 
     A walk speed is clamped to 0 to 10 m/s, the range that the original's agents had.
-
-    Args:
-        commands: The commands of one reply; if there are two for one agent, the last one counts.
-        seats: The seat of each id.
 
     Returns:
         The rows, and the ids that belong to no agent.

@@ -95,12 +95,7 @@ def _remove_folder(folder: str) -> None:
 
 
 def claim(kind: str, what: str) -> None:
-    """Note in this process's list that it is about to create a resource outside its folder.
-
-    Args:
-        kind: As it was registered.
-        what: The resource's name, as ``undo`` expects it.
-    """
+    """Note in this process's list that it is about to create a resource, named as ``undo`` expects it."""
     _write(kind, what, there=True)
 
 

@@ -193,11 +193,7 @@ class MatchServer:
             self._reservations.pop(token, None)
 
     async def stop(self, grace: float = 1.0) -> None:
-        """Cancel the matches that are not over, and close all connections.
-
-        Args:
-            grace: s that open calls have to end by themselves.
-        """
+        """Cancel the matches that are not over, and close all connections; see ``Endpoint.stop``."""
         for endpoint in self._endpoints:
             endpoint.announce_end()
         for hosted in tuple(self._matches):

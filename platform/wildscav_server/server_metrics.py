@@ -40,11 +40,7 @@ class ServerMetrics(Collector):
         self._refusals[(reason,)] += 1
 
     def ended(self, match: "HostedMatch", how: str) -> None:
-        """Count a match that is over.
-
-        Args:
-            how: "finished", "failed" or "cancelled".
-        """
+        """Count a match that is over: "finished", "failed" or "cancelled"."""
         self._ended[match.match.spec.track, how] += 1
         self._steps += match.match.step_number
         for seat in match.seats.values():

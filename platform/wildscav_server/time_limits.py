@@ -123,19 +123,13 @@ class TimeBank:
         self.used_up = False  # whether an answer has been late because the bank could not pay for it
 
     def allowed(self, waited: float = 0.0) -> float:
-        """Return how long the next answer may take, s.
-
-        Args:
-            waited: s of it in which the machine had no processor for the agent.
-        """
+        """Return how long the next answer may take, s; for ``waited`` s of it the agent had no processor."""
         return self._budget + min(self.left, self._most) + min(waited, self._budget)
 
     def charge(self, elapsed: float, waited: float = 0.0) -> bool:
-        """Pay for an answer, and return whether it was in time. A late answer empties the bank.
+        """Pay for an answer of ``elapsed`` s, ``waited`` without a processor; return whether it was in time.
 
-        Args:
-            elapsed: s from sending the observation to receiving the answer.
-            waited: s of it in which the machine had no processor for the agent.
+        A late answer empties the bank.
         """
         over = elapsed - self._budget
         if over <= 0.0:

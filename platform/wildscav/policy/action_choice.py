@@ -87,11 +87,7 @@ class Chooser:
 
 
 def chooser_of(mode: ActionMode, network: Mapping[str, Any], choose: object) -> Chooser:
-    """Return the chooser that a ``policy.json`` describes.
-
-    Args:
-        network: The table "network".
-        choose: The field "choose", not yet checked.
+    """Return the chooser that a ``policy.json`` describes: its table "network", and "choose", unchecked.
 
     Raises:
         PolicyError: ``choose`` is not a ``Choose``, or the network does not fit the action mode.

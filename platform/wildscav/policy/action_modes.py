@@ -21,10 +21,7 @@ class ActionMode(ABC):
 
     @abstractmethod
     def action(self, choice: Any, yaw: float) -> Action:
-        """Return the action that a choice stands for.
-
-        Args:
-            yaw: The agent's yaw, degrees.
+        """Return the action that a choice stands for; the agent's yaw is in degrees.
 
         Raises:
             PolicyError: The choice is not in that space.

@@ -124,10 +124,7 @@ GROUPS: dict[str, Group] = {
 
 
 class Observer:
-    """Makes an environment's observations.
-
-    Args:
-        parts: ``observations`` of a description: the parts of an observation, in order.
+    """Makes an environment's observations: the parts, in order, in ``observations`` of a description.
 
     Raises:
         PolicyError: A part is unknown.

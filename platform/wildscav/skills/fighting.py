@@ -81,11 +81,7 @@ def has_much_to_lose(observation: Observation, match: MatchInfo) -> bool:
 
 
 def quiet_place(match: MatchInfo, observation: Observation, enemies: Sequence[Vector]) -> Vector:
-    """Return a place near the edge of the map, far from enemies and from where supplies appear.
-
-    Args:
-        enemies: Where enemies were seen, m.
-    """
+    """Return a place near the edge of the map, far from enemies (m) and from where supplies appear."""
     edge, height = match.map_size * 0.45, observation.position[1]
     soon = [wave for wave in match.supply_waves if wave.time <= observation.time + SOON][-2:]
     shunned = [*enemies, *((wave.center[0], height, wave.center[1]) for wave in soon)]
@@ -135,11 +131,7 @@ class Dodging:
         return observation.time - self.hit_at < UNDER_FIRE
 
     def direction(self, observation: Observation, enemy: Vector, closing: float = 0.0) -> float:
-        """Return the compass direction in which to dodge an enemy, degrees.
-
-        Args:
-            closing: Degrees by which the way leads nearer to the enemy; negative leads away.
-        """
+        """Return the compass direction, degrees, to dodge an enemy; ``closing`` degrees lead nearer to it."""
         return (direction_to(observation.position, enemy) + self.side * (90.0 - closing)) % 360.0
 
 
@@ -165,9 +157,6 @@ def cover_from(surroundings: Surroundings, here: Vector, enemy: Vector) -> Vecto
     """Return the nearest place that can be walked to straight and is hidden from an enemy, or None.
 
     Among places at one distance, the one that leads most away from the enemy is taken.
-
-    Args:
-        here: The agent's soles.
     """
     away = direction_to(enemy, here)
     for way in COVER_STEPS:

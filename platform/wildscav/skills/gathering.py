@@ -37,12 +37,7 @@ class Gathering:
     """Fetches supplies for one agent in one match."""
 
     def __init__(self, match: MatchInfo, caution: Caution = USUAL, rings: Rings = RINGS) -> None:
-        """Begin with nothing known.
-
-        Args:
-            caution: In a royale, how early to go to the next circle.
-            rings: The options of the LIDAR in the submission's manifest.
-        """
+        """Begin with nothing known; the LIDAR has the rings of the submission's manifest."""
         self.match = match
         self.caution = caution
         self.rings = rings

@@ -6,10 +6,7 @@ from wildscav.errors import UserError
 
 
 def check_folder(option: str, path: Path) -> None:
-    """Refuse a path where no folder can be created because it, or one of its parents, is a file.
-
-    Args:
-        option: The option that names the path, for the error.
+    """Refuse an option's path where no folder can be created because it, or a parent, is a file.
 
     Raises:
         UserError: It is not a folder, and a folder cannot be created there.

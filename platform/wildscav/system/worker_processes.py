@@ -36,13 +36,10 @@ def become_worker(parent: int) -> None:
 
 
 def end_with_parent(parent: int) -> None:
-    """Make this process end when its parent has ended, for whatever reason.
+    """Make this process end when its parent, by its id, has ended, for whatever reason.
 
     It gets a SIGTERM, and is killed if it does not end. (A worker that waits for work does not notice that
     its parent was killed, because its siblings hold the pipe open.)
-
-    Args:
-        parent: Id of the process that started this one.
     """
     if sys.platform == "linux":  # where the kernel sends the signal at once
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)

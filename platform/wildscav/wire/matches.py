@@ -100,11 +100,7 @@ def encode_seat_address(address: str) -> str:
 
 
 def decode_seat_address(hosted: HostMatchResponse, called: str) -> str:
-    """Return the address at which the seats of a hosted match are joined.
-
-    Args:
-        called: The server's address that the client has called.
-    """
+    """Return where a hosted match's seats are joined by a client that has called an address."""
     address = hosted.seat_address
     if address.startswith(":"):
         return called.rpartition(":")[0] + address

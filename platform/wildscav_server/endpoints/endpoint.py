@@ -99,11 +99,7 @@ class Endpoint:
         self._health.serving = False
 
     async def stop(self, grace: float) -> None:
-        """Close all connections.
-
-        Args:
-            grace: s that open calls have to end by themselves.
-        """
+        """Close all connections, once open calls had ``grace`` seconds to end by themselves."""
         await self._listener.stop(grace)
         if self._path is not None:
             with contextlib.suppress(OSError):

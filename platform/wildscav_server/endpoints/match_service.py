@@ -35,11 +35,7 @@ class Reservation(NamedTuple):
 
 
 class MatchService:
-    """Serves the seats of all matches of a server to the clients of one address.
-
-    Args:
-        reservations: The seat of each token; the server adds and removes entries.
-    """
+    """Serves the seats of all matches of a server, which adds and removes reservations, at one address."""
 
     def __init__(
         self,

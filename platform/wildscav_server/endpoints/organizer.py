@@ -11,11 +11,7 @@ from wildscav_server.http2.stream import Stream
 
 
 class Organizer:
-    """Authenticates organizers.
-
-    Args:
-        token: The secret that every call must carry; None accepts all calls.
-    """
+    """Authenticates organizers by the secret that calls must carry; without one, all are accepted."""
 
     def __init__(self, token: str | None) -> None:
         self._token = token

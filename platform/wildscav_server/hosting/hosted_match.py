@@ -32,12 +32,7 @@ class MatchCancelledError(WildscavError):
 
 
 class HostedMatch:
-    """A match on a server. Make one with ``MatchServer.host``.
-
-    Args:
-        seats: The seats that agent processes fill.
-        starting: Whether the time to join begins only once every seat is ``launched``.
-    """
+    """A match on a server, made with ``MatchServer.host``. If ``starting``, its seats are yet to be launched."""
 
     def __init__(
         self,
@@ -115,10 +110,7 @@ class HostedMatch:
     # The interface for the seats' streams.
 
     def join(self, seat: Seat, stream: asyncio.Task[None], join: Join) -> None:
-        """Take a seat for a stream.
-
-        Args:
-            stream: The task that serves the stream.
+        """Take a seat for the task that serves its stream.
 
         Raises:
             RefusalError: The seat is taken or closed.

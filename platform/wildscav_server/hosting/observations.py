@@ -26,10 +26,7 @@ class SeatObservations:
         self._lengths = np.zeros(len(seats), np.int64)
 
     def encode(self, time_banks: Iterable[float]) -> None:
-        """Encode the seats' observations of the match's current state.
-
-        Args:
-            time_banks: The remaining time bank of each seat, s.
+        """Encode the seats' observations of the current state, with what is left of their time banks, s.
 
         Raises:
             ValueError: A number in the state is out of range.

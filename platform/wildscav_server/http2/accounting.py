@@ -69,11 +69,7 @@ class Account:
     # The allowance.
 
     def spend(self, cost: float, kind: int | None = None) -> None:
-        """Pay for a frame or for a read.
-
-        Args:
-            cost: The cost in frames.
-            kind: The kind of the frame; None for a read.
+        """Pay for a frame of some kind, or for a read; the cost is in frames.
 
         Raises:
             FloodError: The allowance is used up.
@@ -93,12 +89,7 @@ class Account:
         self._left = min(self._limit, self._left + frames)
 
     def refill(self, sent: int, *, begins: bool) -> None:
-        """Refill the allowance for a message, or a part of it, that the server sends.
-
-        Args:
-            sent: Its size, bytes.
-            begins: Whether it begins a message.
-        """
+        """Refill the allowance for bytes of a message, perhaps its first, that the server sends."""
         self.refund(begins * REFILL_PER_MESSAGE + sent / BYTES_PER_FRAME)
         self._unanswered = 0
 
@@ -130,10 +121,7 @@ class Account:
     # From client to server.
 
     def receive(self, size: int) -> None:
-        """Count data that the client has sent.
-
-        Args:
-            size: Bytes.
+        """Count bytes that the client has sent.
 
         Raises:
             FrameError: It exceeds the connection's window; a FloodError if it is too much for an unknown
@@ -147,12 +135,7 @@ class Account:
             raise FloodError(f"sent {self._unanswered:,} bytes without identifying itself")
 
     def release_received(self, size: int, stream: int = 0) -> None:
-        """Let the client send as much again as has been read.
-
-        Args:
-            size: Bytes.
-            stream: The stream whose window grows with the connection's; 0: only the connection's.
-        """
+        """Let the client send as many bytes again as have been read, on a stream or the connection alone."""
         self._unread -= size
         self._to_release += size
         frames = write_frame(Kind.WINDOW_UPDATE, 0, stream, size.to_bytes(4, "big")) if stream else b""
@@ -181,21 +164,13 @@ CONNECTION_COST, GONE_COST = 300e-6, 20e-6
 
 
 class TimeShare:
-    """The share of the loop's time for unknown clients, which are neither in a seat nor organizers.
-
-    Args:
-        clock: Returns the time, s.
-    """
+    """The share of the loop's time, by a clock in s, for clients neither in a seat nor organizers."""
 
     def __init__(self, clock: Callable[[], float]) -> None:
         self._clock, self._left, self._since = clock, BURST, clock()
 
     def spend(self, cost: float) -> None:
-        """Charge processor time to the share.
-
-        Args:
-            cost: Processor time, s.
-        """
+        """Charge processor time, s, to the share."""
         self._refill()
         self._left -= cost
 

@@ -91,11 +91,7 @@ class Encryption:
 
 
 class Connection(asyncio.BufferedProtocol):
-    """One client's connection.
-
-    Args:
-        peer: The client's host, "" if it is not known.
-    """
+    """The connection of one client, whose host is "" if it is not known."""
 
     def __init__(self, listener: "Listener", peer: str) -> None:
         self._listener, self.peer, self._tls = listener, peer, listener.tls
@@ -443,11 +439,7 @@ class Listener:
         self._sockets.clear()
 
     async def stop(self, grace: float) -> None:
-        """Close all connections.
-
-        Args:
-            grace: s that calls have to end by themselves.
-        """
+        """Close all connections, once calls had ``grace`` seconds to end by themselves."""
         self.close()
         for connection in tuple(self._open):
             connection.session.announce_end()

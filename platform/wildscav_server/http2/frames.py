@@ -67,11 +67,7 @@ class Setting(IntEnum):
 
 
 class FrameError(Exception):
-    """A peer has violated HTTP/2.
-
-    Args:
-        message: What the peer did, in a line that begins with a verb: "sent …".
-    """
+    """A peer has violated HTTP/2; the message begins with a verb: "sent …"."""
 
     def __init__(self, code: Code, message: str) -> None:
         super().__init__(message)

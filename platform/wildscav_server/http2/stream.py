@@ -173,11 +173,7 @@ class Stream:
         self._account.send(head + write_frame(Kind.DATA, 0, self.number, content))
 
     def finish(self, refusal: RefusalError | None = None, code: int = 0, details: str = "") -> None:
-        """End the call; does nothing if it has ended.
-
-        Args:
-            code: The gRPC status code, if there is no refusal.
-        """
+        """End the call with a refusal, or a gRPC status code; does nothing if it has ended."""
         if self.finished:
             return
         self._end()
@@ -204,11 +200,7 @@ class Stream:
     # The interface for the connection.
 
     def end_after(self, seconds: float) -> None:
-        """End the call by its client's deadline.
-
-        Args:
-            seconds: s from now.
-        """
+        """End the call by its client's deadline, s from now."""
         self._deadline = asyncio.get_running_loop().call_later(seconds, self._expire)
 
     def _expire(self) -> None:
@@ -217,11 +209,7 @@ class Stream:
             self.task.cancel()
 
     def feed(self, content: bytes, size: int) -> bool:
-        """Process data from the client, and return whether it completed a message.
-
-        Args:
-            size: Bytes that it uses of the windows, padding included.
-        """
+        """Process data, which uses ``size`` bytes of the windows; return whether it completed a message."""
         self._received += size
         complete = False
         if self.refusal is None and not self.finished:
@@ -279,11 +267,7 @@ class Stream:
             self._reader.set_result(None)
 
     def abort(self, refusal: RefusalError | None = None) -> None:
-        """End the call without a status, because the client is gone.
-
-        Args:
-            refusal: What the client did, if it has violated the protocol.
-        """
+        """End the call without a status, because the client is gone, perhaps for violating the protocol."""
         self._end()
         self.refusal = self.refusal or refusal
         if self.task is not None:

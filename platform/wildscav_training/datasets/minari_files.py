@@ -52,11 +52,7 @@ def check_id(dataset: str) -> None:
 
 
 def env_spec(track: str, options: Mapping[str, Any], spaces: Spaces) -> EnvSpec | None:
-    """Return the environment that ``recover_environment`` makes; None if none has the same observations.
-
-    Args:
-        options: Of the environment for one learner, ready for JSON.
-    """
+    """Return the environment that ``recover_environment`` makes; None if none has the same observations."""
     # What Gymnasium returns is its registered entry itself, which must stay as it is.
     spec = deepcopy(gymnasium.spec(env_id(track, options["version"])))
     spec.kwargs = {**spec.kwargs, **options}

@@ -24,11 +24,7 @@ class Score(NamedTuple):
 
 
 def evaluate(policy: Any, settings: TrainingSettings, episodes: int) -> list[Score]:
-    """Play a policy on both splits, sampled and always the likeliest, without curriculum.
-
-    Args:
-        policy: From rows (N, n) to scores (N, C).
-    """
+    """Play a policy, from rows (N, n) to scores (N, C), on both splits, sampled and always the likeliest."""
     return [
         Score(split, choose, episodes, _means(*play_episodes(policy, settings, episodes, split, choose)))
         for split in ("train", "test")

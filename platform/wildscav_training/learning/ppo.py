@@ -43,11 +43,7 @@ class Rollout(NamedTuple):
 
 
 def make_network(inputs: int, hidden: Sequence[int], outputs: int, gain: float) -> Any:
-    """Return fully connected layers with tanh between them.
-
-    Args:
-        gain: Scale of the last layer's first weights: small for a policy, so that it first tries everything.
-    """
+    """Return layers with tanh between them; a small gain of the last one lets a policy try everything."""
     widths = [inputs, *hidden, outputs]
     modules: list[Any] = []
     for layer, (before, after) in enumerate(pairwise(widths)):

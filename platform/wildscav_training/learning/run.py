@@ -35,10 +35,7 @@ class Result(NamedTuple):
 
 
 def train(settings: TrainingSettings, folder: Path, report: Report, *, resume: bool, episodes: int) -> Result:
-    """Train a policy, measure it, and write both into a folder.
-
-    Args:
-        folder: Its folder, empty or new; with ``resume`` one with a run of the same settings.
+    """Train a policy, measure it, and write both into a folder, new or with a run of these settings.
 
     Raises:
         UserError: The folder or the settings cannot be used.

@@ -119,11 +119,7 @@ class SelfPlay:
         }
 
     def restore(self, state: Mapping[str, Any], policy: Any) -> None:
-        """Continue from what ``state`` returned. Environments must be made anew afterwards.
-
-        Args:
-            policy: A network of the same layers.
-        """
+        """Continue from what ``state`` returned. Environments must be made anew afterwards."""
         if self._given is None:
             return
         sources: dict[str, Any] = dict(self._submissions)

@@ -101,10 +101,7 @@ class TrainingSettings:
 def preset_settings(
     preset: str, track: str, options: Mapping[str, Any]
 ) -> tuple[Hyperparameters, dict[str, Any]]:
-    """Return the hyperparameters of a preset, and its environment with some options changed.
-
-    Args:
-        options: Options of the environment that differ from the preset's.
+    """Return the hyperparameters of a preset, and its environment with the given options changed.
 
     Raises:
         UserError: There is no such preset, or it has no environment of this track.

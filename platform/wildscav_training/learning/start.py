@@ -54,10 +54,7 @@ def read_start(path: Path) -> Start:
 
 
 def put_layers(layers: Layers, network: Any) -> None:
-    """Copy weights and biases into a network of PyTorch.
-
-    Args:
-        network: Modules one after the other, of which those with a weight are its layers.
+    """Copy weights and biases into those modules of a network of PyTorch that have weights.
 
     Raises:
         UserError: The network has other layers.

@@ -105,12 +105,7 @@ class PathWalker:
     """
 
     def __init__(self, graph: NavGraph, start: NDArray[np.float64], target: NDArray[np.float64]) -> None:
-        """Search for the path.
-
-        Args:
-            start: (3,) m, soles.
-            target: (3,) m.
-        """
+        """Search for the path from a start to a target, (3,) m, soles."""
         self.graph, self.target = graph, target.copy()
         self.path = find_path(graph, start, target)  # None if there is none
         self._follow(self.path)
@@ -166,11 +161,7 @@ class PathWalker:
 
 
 def without_edge(graph: NavGraph, start: Place, end: Place) -> NavGraph:
-    """Return a graph without the edge between two nodes; the same where they are none, or have none.
-
-    Args:
-        start: x, y, z in m, soles.
-    """
+    """Return a graph without the edge between two nodes (m, soles), or the same if there is none."""
     first, last = node_near(graph, start, leave=True), node_near(graph, end, leave=False)
     if first is None or last not in graph.nodes.edges[first]:
         return graph
