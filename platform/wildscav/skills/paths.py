@@ -71,7 +71,7 @@ def find_ways(
 
 
 def _floor_offset(column: int) -> int | None:
-    """Return the floor that is walked to from bit 2 of a column's 11 bits, relative to it; None if blocked."""
+    """Return the floor walked to from bit 2 of a column's 11 bits, relative to it; None if blocked."""
     for floor in range(2 * STEP, -1, -1):
         if column >> floor & 1 and not column & (BODY << floor):
             return floor - STEP

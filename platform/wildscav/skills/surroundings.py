@@ -73,7 +73,7 @@ class Surroundings:
         self._rays = np.zeros((0, 0, 3))
 
     def see(self, place: Vector, yaw: float, reading: NDArray[np.float32]) -> NDArray[np.float64]:
-        """Add what a LIDAR reads at a yaw, degrees: (channels, azimuths) m. Return the points hit, (N, 3) m."""
+        """Add a LIDAR's reading, (channels, azimuths) m, at a yaw, degrees; return (N, 3) m, points hit."""
         hit = reading < self.rings.range * 0.999
         rays = self._directions(reading.shape)[hit] * reading[hit].astype(np.float64)[:, None]
         turn = math.radians(yaw)

@@ -23,7 +23,7 @@ class Walk(NamedTuple):
 
 
 def hold(here: Vector, place: Vector, step_time: float) -> Walk:
-    """Return how to walk straight to a place nearby, and to stand there: no step of so many s leads past it."""
+    """Return how to walk straight to a place and to stand there: no step of so many s leads past it."""
     return Walk(direction_to(here, place), min(FULL_SPEED, flat_distance(here, place) / step_time))
 
 

@@ -32,7 +32,7 @@ class MatchCancelledError(WildscavError):
 
 
 class HostedMatch:
-    """A match on a server, made with ``MatchServer.host``. If ``starting``, its seats are yet to be launched."""
+    """A match on a server, made with ``MatchServer.host``; if ``starting``, seats are not launched yet."""
 
     def __init__(
         self,
