@@ -13,7 +13,6 @@ import yaml
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
-FORMS = sorted((ROOT / ".github" / "ISSUE_TEMPLATE").glob("*.yml"))
 
 
 def read(name: str) -> Any:
@@ -32,19 +31,6 @@ def test_the_hosted_checks_run_each_part_of_the_checks_once() -> None:
     assert list(shares) == known[1].split(" | ")
     for part in shares.values():
         assert part == [f"{number + 1}/{len(part)}" for number in range(len(part))]
-
-
-@pytest.mark.parametrize("file", FORMS, ids=lambda file: file.name)
-def test_a_form_of_issues_asks_each_question_once(file: Path) -> None:
-    form = yaml.safe_load(file.read_text("utf-8"))
-    if file.name == "config.yml":
-        assert set(form) == {"blank_issues_enabled", "contact_links"}
-        return
-    assert {"name", "description", "body"} <= set(form)
-    questions = [entry for entry in form["body"] if entry["type"] != "markdown"]
-    names = [entry["id"] for entry in questions]
-    assert len(set(names)) == len(names) > 0
-    assert all(entry["attributes"]["label"] for entry in questions)
 
 
 def test_the_citation_is_of_the_project_and_names_the_paper() -> None:

@@ -82,11 +82,6 @@ def weights_of(module: Any) -> dict[str, Any]:
     return {name: value.detach().cpu().numpy().copy() for name, value in module.state_dict().items()}
 
 
-@pytest.mark.parametrize("code", BLOCKS, ids=range(len(BLOCKS)))
-def test_each_trainer_takes_less_than_twenty_lines(code: str) -> None:
-    assert len([line for line in code.splitlines() if line.strip()]) < 20
-
-
 def test_what_the_page_says_of_going_on_are_options() -> None:
     lines = re.findall(r"`((?:rewards|start_range|opponents|split)=[^`]+)`", TEXT)
     assert len(lines) == 4

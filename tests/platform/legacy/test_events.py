@@ -68,9 +68,11 @@ def test_a_reload_that_is_done_is_told(competitor: Competitor) -> None:
     competitor.begin(duel(is_Open_Event=True))
     competitor.act(SHOOT)
     competitor.act({0: {"reload": True}})
+    assert competitor.seen_by(0).is_reload
     done = until(competitor, "event_agent_reload_success", times=20)
-    assert done.player_id == 0
-    assert competitor.seen_by(0).num_gun_ammo == 15
+    seen = competitor.seen_by(0)
+    assert (done.player_id, seen.is_reload) == (0, False)
+    assert (seen.num_gun_ammo, seen.num_pack_ammo) == (15, 59)
 
 
 def test_all_boxes_are_told_each_with_an_id_of_its_own(competitor: Competitor) -> None:

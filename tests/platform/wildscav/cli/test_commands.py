@@ -11,7 +11,6 @@ from pathlib import Path
 
 import grpc
 import pytest
-from rich.console import Console
 from tests.commands import run_command, running
 from tests.platform.helpers.seats import Served, ended, host, serving, small_spec, start_agent, with_server
 
@@ -23,7 +22,6 @@ from wildscav.wire.errors import reason_of
 from wildscav_engine.record import read_record, write_record
 from wildscav_engine.record.format import save
 from wildscav_engine.tracks import TRACKS
-from wildscav_evaluator.cli.sessions.verify_records import verify_records
 from wildscav_server.hosting.reports import SeatStatus
 from wildscav_server.match_server import MatchServer
 
@@ -117,21 +115,6 @@ def test_what_a_record_says_cannot_steer_the_terminal(record: Path, tmp_path: Pa
     assert done.returncode == 1
     assert "(recorded by engine \\x1b]0;mine\\x07\\x1b[2J[red]; this one is" in done.stdout
     assert not {"\x1b", "\x07"} & set(done.stdout + done.stderr)
-
-
-def test_many_records_are_a_line_each_in_a_narrow_terminal(
-    record: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr("wildscav.terminal.console.console", Console(width=80))
-    paths = [tmp_path / "a" / f"battle-of-{number:03}-a-name-of-some-length.wsr" for number in range(3)]
-    paths[0].parent.mkdir()
-    for path in paths:
-        path.hardlink_to(record)
-    verify_records(paths)
-    lines = capsys.readouterr().out.splitlines()
-    assert len(lines) == 2 + 3 + 2
-    for line, path in zip(lines[2:5], paths, strict=True):
-        assert line.split()[:2] == [path.name, "holds"]
 
 
 def test_replay_writes_a_recording_and_says_how_to_open_it(
