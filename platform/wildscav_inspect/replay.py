@@ -219,11 +219,7 @@ def _serve(content: bytes, name: str, host: str | None, port: int | None) -> Non
 
 
 def check_name(option: str, path: Path) -> None:
-    """Refuse a file name without the suffix of Rerun recordings, which viewers go by.
-
-    Raises:
-        UserError: It does not end in ".rrd".
-    """
+    """Raise a UserError for a file name without ".rrd", the suffix of Rerun recordings that viewers go by."""
     if path.suffix.lower() != SUFFIX:
         raise UserError(
             f"{option} is {path}: a replay is a Rerun recording, so its name must end in {SUFFIX}", 2

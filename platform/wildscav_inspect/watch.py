@@ -97,11 +97,7 @@ def _records_in(folder: Path) -> list[Path]:
 
 
 def write_scene(record: Path, folder: Path, logs: Path | None) -> None:
-    """Write the files from which a viewer draws a match.
-
-    Raises:
-        UserError: The record cannot be read, or the files not be written there.
-    """
+    """Write the files from which a viewer draws a match; a UserError if one cannot be read or written."""
     from wildscav.terminal.console import console, error_console
     from wildscav_engine.storage.files import write_whole
     from wildscav_stage.watching.match_page import scene_of

@@ -88,11 +88,7 @@ class Episode(NamedTuple):
 
 
 def read_episode(command: GMCommand) -> Episode:
-    """Return the episode that a command requests.
-
-    Raises:
-        RefusedEpisodeError: It cannot be played.
-    """
+    """Return the episode that a command requests, or raise a RefusedEpisodeError."""
     setups = _setups(command)
     return Episode(
         map_id=_value(command, "map_id"),

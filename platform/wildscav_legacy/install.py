@@ -42,11 +42,7 @@ MIRROR = np.array([-1.0, 1.0, 1.0], np.float32)
 
 
 def install_engine(folder: Path) -> Path:
-    """Write the program that the client starts into a folder, and return its path.
-
-    Raises:
-        OSError: It cannot be written.
-    """
+    """Write the program that the client starts into a folder, and return its path; OSError if that fails."""
     import wildscav_engine
     from wildscav_engine.storage.files import write_whole
 

@@ -65,11 +65,7 @@ def serve(address: str, records: Path) -> None:
 
 
 def read_address(arguments: list[str]) -> str:
-    """Return HOST:PORT of the client.
-
-    Raises:
-        UserError: The arguments do not name one.
-    """
+    """Return HOST:PORT of the client, or raise a UserError if the arguments do not name one."""
     host, port = "127.0.0.1", ""
     for argument in arguments:
         name, _, value = argument.partition(":")

@@ -123,11 +123,7 @@ class Session:
 
 
 def match_of(episode: Episode) -> "Match":
-    """Return the match of an episode.
-
-    Raises:
-        RefusedEpisodeError: It cannot be set up.
-    """
+    """Return the match of an episode, or raise a RefusedEpisodeError if it cannot be set up."""
     from wildscav_engine.maps import MapError, load_map
     from wildscav_engine.simulation.match import Match, MatchSetupError
 

@@ -144,11 +144,7 @@ MODES: dict[str, type[Any]] = {
 
 
 def action_mode(description: Mapping[str, Any]) -> ActionMode:
-    """Return the action mode of a description.
-
-    Raises:
-        PolicyError: It is not known here.
-    """
+    """Return the action mode of a description, or raise a PolicyError if it is not known here."""
     name = description.get("mode")
     if name not in MODES:
         raise PolicyError(

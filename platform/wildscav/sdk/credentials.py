@@ -44,11 +44,7 @@ class Credentials(NamedTuple):
         return named
 
     def context(self) -> ssl.SSLContext:
-        """Return the credentials for Python's own TLS.
-
-        Raises:
-            UserError: A file cannot be read or is invalid.
-        """
+        """Return the credentials for Python's own TLS, or raise a UserError if a file is invalid."""
         for path in filter(None, self):
             read_credential(path)
         try:
@@ -73,11 +69,7 @@ class Credentials(NamedTuple):
 
 
 def read_credential(path: str) -> bytes:
-    """Return the content of a file.
-
-    Raises:
-        UserError: It cannot be read.
-    """
+    """Return the content of a file, or raise a UserError if it cannot be read."""
     try:
         return Path(path).read_bytes()
     except OSError as error:

@@ -66,11 +66,7 @@ def _from_environment(name: str) -> str:
 
 
 def make_agent(factory: Callable[[], object]) -> Agent:
-    """Make an agent.
-
-    Raises:
-        AgentError: The object has no ``act`` or no ``reset``.
-    """
+    """Make an agent, or raise an AgentError if the object has no ``act`` or no ``reset``."""
     agent: Any = factory()
     for method in ("reset", "act"):
         if not callable(getattr(agent, method, None)):

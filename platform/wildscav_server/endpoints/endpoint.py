@@ -31,11 +31,7 @@ class EndpointSettings:
     insecure: bool = False  # whether other machines may connect without TLS
 
     def check_address(self, address: str) -> None:
-        """Check that a server may listen at an address.
-
-        Raises:
-            UserError: Tokens would cross the network in clear.
-        """
+        """Raise a UserError for an address where tokens would cross the network in clear."""
         if self.tls is None and not self.insecure and is_public(address):
             raise UserError(
                 f"{address} can be reached from other machines, and tokens would cross the network in clear: "

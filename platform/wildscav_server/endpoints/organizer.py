@@ -17,11 +17,7 @@ class Organizer:
         self._token = token
 
     def admit(self, stream: Stream) -> None:
-        """Check that a call is an organizer's, and mark its client as known.
-
-        Raises:
-            RefusalError: It does not carry the secret.
-        """
+        """Mark a call's client as known, or raise a RefusalError if it lacks the organizers' secret."""
         if self._token is not None:
             given = stream.headers.get("authorization", "").removeprefix("Bearer ")
             if not hmac.compare_digest(given.encode(), self._token.encode()):
@@ -33,11 +29,7 @@ class Organizer:
         stream.mark_authenticated()
 
     def check_address(self, address: str) -> None:
-        """Check that a server may listen for organizers at an address.
-
-        Raises:
-            UserError: Other machines could open matches there without a token.
-        """
+        """Raise a UserError for an address where other machines could open matches without a token."""
         if self._token is None and is_public(address):
             raise UserError(
                 f"{address} can be reached from other machines: give an organizer token "

@@ -26,19 +26,11 @@ class ArenaHandler(Protocol):
     """The interface of the Arena service's implementations. Their callers have been authenticated already."""
 
     async def host_match(self, request: HostMatchRequest) -> HostMatchResponse:
-        """Open a match.
-
-        Raises:
-            RefusalError: It cannot be opened.
-        """
+        """Open a match, or raise a RefusalError if it cannot be opened."""
         ...
 
     async def get_match(self, request: GetMatchRequest) -> GetMatchResponse:
-        """Return the state of a match.
-
-        Raises:
-            RefusalError: There is no such match.
-        """
+        """Return the state of a match, or raise a RefusalError if there is no such match."""
         ...
 
 

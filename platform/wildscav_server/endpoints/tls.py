@@ -15,11 +15,7 @@ class Certificate(NamedTuple):
     client_ca: str | None = None  # the authority of clients' certificates; None: clients need none
 
     def context(self) -> ssl.SSLContext:
-        """Read the files.
-
-        Raises:
-            UserError: A file cannot be read, or certificate and key do not belong together.
-        """
+        """Read the files, or raise a UserError if that fails or certificate and key do not fit."""
         for path in filter(None, self):
             read_credential(path)
         context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)

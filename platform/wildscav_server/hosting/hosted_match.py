@@ -97,11 +97,7 @@ class HostedMatch:
         self.task.cancel()
 
     async def finished(self) -> MatchOutcome:
-        """Wait until the match is over.
-
-        Raises:
-            MatchCancelledError: It was cancelled.
-        """
+        """Wait until the match is over, or raise a MatchCancelledError if it was cancelled."""
         await asyncio.wait([self.task])
         if self.task.cancelled():
             raise MatchCancelledError("the match was cancelled")
@@ -110,11 +106,7 @@ class HostedMatch:
     # The interface for the seats' streams.
 
     def join(self, seat: Seat, stream: asyncio.Task[None], join: Join) -> None:
-        """Take a seat for the task that serves its stream.
-
-        Raises:
-            RefusalError: The seat is taken or closed.
-        """
+        """Take a seat for the task that serves its stream; a RefusalError if it is taken or closed."""
         if seat.gone:
             raise RefusalError(
                 grpc.StatusCode.FAILED_PRECONDITION, "SEAT_CLOSED", f"seat {seat.number} is closed"

@@ -119,11 +119,7 @@ class Seat:
 
 
 def parse_sensors(wanted: Mapping[str, Mapping[str, Any]]) -> dict[str, "Sensor"]:
-    """Check the sensors that a seat asks for.
-
-    Raises:
-        SensorError: There is no such sensor, or it does not have such an option.
-    """
+    """Return the sensors that a seat asks for; a SensorError if there is no such sensor or option."""
     from wildscav_engine.sensors import parse_sensors
 
     try:

@@ -69,11 +69,7 @@ class Account:
     # The allowance.
 
     def spend(self, cost: float, kind: int | None = None) -> None:
-        """Pay for a frame of some kind, or for a read; the cost is in frames.
-
-        Raises:
-            FloodError: The allowance is used up.
-        """
+        """Pay for a frame of some kind or a read, in frames; a FloodError if the allowance is used up."""
         self._left -= cost
         if self._left < 0.0:
             now = self._loop.time()
@@ -111,11 +107,7 @@ class Account:
                 waiter.set_result(None)
 
     def grow_send_window(self, size: int) -> None:
-        """Let the server send as many more bytes.
-
-        Raises:
-            FrameError: The window becomes larger than allowed.
-        """
+        """Let the server send as many more bytes; a FrameError if the window becomes larger than allowed."""
         self.window = grown(self.window, size)
 
     # From client to server.
@@ -147,11 +139,7 @@ class Account:
 
 
 def grown(window: int, size: int) -> int:
-    """Return a window that a client has enlarged.
-
-    Raises:
-        FrameError: It is larger than allowed.
-    """
+    """Return a window that a client has enlarged, or raise a FrameError if it is larger than allowed."""
     if window + size > LARGEST_WINDOW:
         raise FrameError(Code.FLOW_CONTROL_ERROR, "opened a window too far")
     return window + size

@@ -147,11 +147,7 @@ class Stream:
         return True
 
     async def write(self, message: bytes) -> None:
-        """Send a message; returns when all of it is passed to the transport.
-
-        Raises:
-            StreamLostError: The client is gone.
-        """
+        """Pass all of a message to the transport, or raise a StreamLostError if the client is gone."""
         content = _prefixed(message)
         account, at = self._account, 0
         while at < len(content):

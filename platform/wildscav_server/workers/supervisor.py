@@ -37,11 +37,7 @@ class WorkerSupervisor:
         self._restarter: asyncio.Task[None] | None = None
 
     async def start(self) -> None:
-        """Start its process, and restart it from now on whenever it ends.
-
-        Raises:
-            UserError: The process cannot start.
-        """
+        """Start its process, or raise a UserError; from now on restart it whenever it ends."""
         await self._start_process()
         self._restarter = asyncio.create_task(self._restart_forever())
 
@@ -106,11 +102,7 @@ class WorkerSupervisor:
 
     @property
     def arena(self) -> ArenaStub:
-        """The client of its Arena service.
-
-        Raises:
-            WorkerLostError: Its process has ended, and the new one is not ready yet.
-        """
+        """The client of its Arena service; a WorkerLostError between one process and the next."""
         if self._channel is None or self._process is None or self._process.returncode is not None:
             raise WorkerLostError(f"worker {self.number} is being restarted")
         return ArenaStub(self._channel)

@@ -32,11 +32,7 @@ def policy_files(
 
 
 def read_option(text: str, option: str = "--option") -> tuple[str, Any]:
-    """Return the name and the value of NAME=VALUE; the value is JSON, or a word.
-
-    Raises:
-        UserError: It is something else.
-    """
+    """Return the name and the value of NAME=VALUE, which is JSON or a word, or raise a UserError."""
     name, equals, value = text.partition("=")
     if not equals or not name:
         example = "frames_per_action=15" if option == "--option" else "entropy=0.01"

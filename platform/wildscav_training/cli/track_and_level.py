@@ -12,11 +12,7 @@ def level_names() -> tuple[str, ...]:
 
 
 def known_track(track: str) -> str:
-    """Return the value of ``--track``.
-
-    Raises:
-        UserError: There is no such track.
-    """
+    """Return the value of ``--track``, or raise a UserError if there is no such track."""
     from wildscav_engine.tracks import TRACKS
 
     if track not in TRACKS:

@@ -56,11 +56,7 @@ class PlayedEpisodes:
         self.spaces = spaces_of(self.config, together=together)
 
     def __iter__(self) -> Iterator[list[Episode]]:
-        """Yield the episodes of each match in turn.
-
-        Raises:
-            AgentError: The agent's code failed.
-        """
+        """Yield the episodes of each match in turn, or raise an AgentError if the agent's code failed."""
         for number in range(self.count):
             seed = self.seed + number
             about = {"agent": self._controller.name, "env_seed": seed}

@@ -33,11 +33,7 @@ class Written(NamedTuple):
 
 
 def check_id(dataset: str) -> None:
-    """Refuse the id of a data set that cannot be made.
-
-    Raises:
-        UserError: It has another form, or there is one of this name.
-    """
+    """Raise a UserError for the id of a data set that has another form, or that exists."""
     try:
         parse_dataset_id(dataset)
     except (ValueError, TypeError):  # the latter without a version
@@ -72,11 +68,7 @@ def write(
     spec: EnvSpec | None,
     description: str,
 ) -> Written:
-    """Write a data set, episode by episode; if that fails, nothing is left.
-
-    Raises:
-        UserError: Its folder cannot be written.
-    """
+    """Write a data set episode by episode, or leave nothing and raise a UserError."""
     folder = Path(get_dataset_path(dataset))
     totals = _Totals()
     try:

@@ -35,11 +35,7 @@ class Result(NamedTuple):
 
 
 def train(settings: TrainingSettings, folder: Path, report: Report, *, resume: bool, episodes: int) -> Result:
-    """Train a policy, measure it, and write both into a folder, new or with a run of these settings.
-
-    Raises:
-        UserError: The folder or the settings cannot be used.
-    """
+    """Train and measure a policy in a folder, new or with a run of these settings, or raise a UserError."""
     # More threads only slow networks of this size down, and bits would depend on their number.
     torch.set_num_threads(1)
     place = RunFolder(folder)

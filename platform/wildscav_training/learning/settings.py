@@ -128,11 +128,7 @@ def preset_settings(
 
 
 def changed(hyperparameters: Hyperparameters, changes: Mapping[str, Any]) -> Hyperparameters:
-    """Return hyperparameters with some changed.
-
-    Raises:
-        UserError: There is none of a name, or the value is wrong.
-    """
+    """Return hyperparameters with some changed; a UserError if a name is unknown or a value is wrong."""
     known = asdict(hyperparameters)
     new_names = {old: new for new, old in OLD_NAMES.items()}
     changes = {new_names.get(name, name): value for name, value in changes.items()}

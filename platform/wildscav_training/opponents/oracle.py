@@ -25,11 +25,7 @@ STUCK = 10  # steps on the spot, after which it tries something else
 
 
 def check_has_target(name: str, track: str) -> None:
-    """Check that a track has a target, for an agent that needs one.
-
-    Raises:
-        ValueError: It has none.
-    """
+    """Raise a ValueError for a track without a target, for an agent that needs one."""
     if track not in TARGET_TRACKS:
         raise ValueError(f"{name} plays {' and '.join(TARGET_TRACKS)}, not {track}")
 
@@ -47,19 +43,11 @@ class Oracle(SeatController):
         self._walkers: dict[tuple[int, int], PathWalker] = {}  # by match and seat
 
     def check(self, track: str) -> None:
-        """Check that a track has a target. See ``SeatController.check``.
-
-        Raises:
-            ValueError: It has none.
-        """
+        """Raise a ValueError for a track without a target. See ``SeatController.check``."""
         check_has_target("the oracle", track)
 
     def begin(self, batch: "Batch", matches: Indices, seats: Indices) -> None:
-        """Search for the path of each seat. See ``SeatController.begin``.
-
-        Raises:
-            ValueError: The matches have no target.
-        """
+        """Search for each seat's path; a ValueError without a target. See ``SeatController.begin``."""
         self.check(batch.track.name)
         for match, seat in zip(matches.tolist(), seats.tolist(), strict=True):
             start, target = batch.state.agents.position[match, seat], batch.state.matches.target[match]

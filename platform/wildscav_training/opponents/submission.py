@@ -80,11 +80,7 @@ class SubmissionOpponent(SeatController):
             ) from error
 
     def check(self, track: str) -> None:
-        """Check that the submission plays a track.
-
-        Raises:
-            ValueError: It does not.
-        """
+        """Raise a ValueError if the submission does not play a track."""
         if track not in self._tracks:
             raise ValueError(
                 f"the submission {self.name} plays {', '.join(self._tracks)}, not {track}: "
@@ -92,11 +88,7 @@ class SubmissionOpponent(SeatController):
             )
 
     def begin(self, batch: "Batch", matches: Indices, seats: Indices) -> None:
-        """Begin new episodes with new agents. See ``SeatController.begin``.
-
-        Raises:
-            AgentError: An agent's code failed.
-        """
+        """Begin new episodes with new agents; an AgentError if one fails. See ``SeatController.begin``."""
         for match, seat in zip(matches.tolist(), seats.tolist(), strict=True):
             self.check(batch.specs[match].track)
             info = seat_info(batch, match, seat, self._clock)
