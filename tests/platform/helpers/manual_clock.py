@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tests.platform.helpers.seats import Result, Ruling, Served, test_of
+from tests.platform.helpers.seats import HandPlayed, Result, Ruling, Served, test_of
 
 from wildscav_server.hosting.hosted_match import HostedMatch
 from wildscav_server.hosting.lockstep import LAG
@@ -95,3 +95,12 @@ async def has_answered(hosted: HostedMatch, seat: int, step: int) -> None:
     """Wait until the server has a seat's answer to a step."""
     while hosted.seats[seat].conduct.steps_played <= step:  # noqa: ASYNC110
         await asyncio.sleep(0)  # the loop polls for real events in between
+
+
+async def answer(seat: HandPlayed, hosted: HostedMatch, number: int, **action: float) -> int:
+    """Answer the next observation, wait until the answer has arrived, and return the observation's step."""
+    played = hosted.seats[number].conduct.steps_played
+    step = (await seat.read()).observation.step
+    await seat.act(step, **action)
+    await has_answered(hosted, number, played)
+    return step

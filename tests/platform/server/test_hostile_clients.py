@@ -37,19 +37,42 @@ from wildscav_server.match_server import MatchServer
 from wildscav_server.time_limits import Clock
 
 ATTACKS_MADE = 1_000  # in all; another number by WILDSCAV_ATTACKS
+AT_ONCE = 100
 CAMPAIGN = 2_500  # attacks that hypothesis draws at a time: it remembers each of them, 10 kB
 GROWTH = 40e6  # bytes that may come on top: what the allocator and the tests keep
 
 
-def besiege(tmp_path: Path, attacks: int, at_once: int) -> None:
-    """Attack a server again and again, and see that it stays as it was."""
+def campaign(siege: Siege, number: int, rounds: int, memories: list[int]) -> None:
+    """Attack with sequences of moves that hypothesis draws, others for each number."""
+
+    @seed(number)
+    @settings(
+        max_examples=rounds,
+        deadline=None,
+        phases=[Phase.generate],  # to make a failing round smaller takes longer than to read it
+        database=None,
+        suppress_health_check=list(HealthCheck),
+    )
+    @given(some.lists(ATTACKS, min_size=AT_ONCE, max_size=AT_ONCE))
+    def attack(moves: list[list[Move]]) -> None:
+        endings = set(siege.attack(moves))
+        assert endings <= REASONS | {"", "too large for gRPC"}, endings
+        gc.collect()
+        memories.append(memory())
+
+    attack()
+
+
+@pytest.mark.slow
+def test_no_sequence_of_messages_harms_the_server_or_another_match(tmp_path: Path) -> None:
+    attacks = int(os.environ.get("WILDSCAV_ATTACKS", ATTACKS_MADE))
     precompile()
     siege = Siege(tmp_path)
     memories: list[int] = []
     try:
         size = min(CAMPAIGN, attacks)
         for number in range(-(-attacks // CAMPAIGN)):
-            campaign(siege, number, size // at_once, at_once, memories)
+            campaign(siege, number, size // AT_ONCE, memories)
             print(f"{(number + 1) * size:,} attacks, {memories[-1] / 1e6:.0f} MB")  # noqa: T201
     finally:
         honest = siege.end()
@@ -64,32 +87,6 @@ def besiege(tmp_path: Path, attacks: int, at_once: int) -> None:
     assert late == 0
     assert steps > 10
     assert memories[-1] - settled < GROWTH
-
-
-def campaign(siege: Siege, number: int, rounds: int, at_once: int, memories: list[int]) -> None:
-    """Attack with sequences of moves that hypothesis draws, others for each number."""
-
-    @seed(number)
-    @settings(
-        max_examples=rounds,
-        deadline=None,
-        phases=[Phase.generate],  # to make a failing round smaller takes longer than to read it
-        database=None,
-        suppress_health_check=list(HealthCheck),
-    )
-    @given(some.lists(ATTACKS, min_size=at_once, max_size=at_once))
-    def attack(moves: list[list[Move]]) -> None:
-        endings = set(siege.attack(moves))
-        assert endings <= REASONS | {"", "too large for gRPC"}, endings
-        gc.collect()
-        memories.append(memory())
-
-    attack()
-
-
-@pytest.mark.slow
-def test_no_sequence_of_messages_harms_the_server_or_another_match(tmp_path: Path) -> None:
-    besiege(tmp_path, int(os.environ.get("WILDSCAV_ATTACKS", ATTACKS_MADE)), at_once=100)
 
 
 def raw_connections(path: str, count: int, said: Sequence[bytes]) -> list[socket.socket]:

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from tests.platform.helpers.manual_clock import HOP, ServedByHand, has_answered, with_server_by_hand
-from tests.platform.helpers.seats import HandPlayed, connected, small_spec
+from tests.platform.helpers.manual_clock import HOP, ServedByHand, answer, with_server_by_hand
+from tests.platform.helpers.seats import connected, small_spec
 
 from wildscav_engine.record import Record, record_of, verify_record
 from wildscav_engine.record.format import decode, encode
@@ -28,15 +28,6 @@ class Meter:
 
     def spend(self, tokens: int, processor: float = 0.0) -> None:
         self.total = self.total[0] + tokens, self.total[1] + processor
-
-
-async def answer(seat: HandPlayed, hosted: HostedMatch, number: int, **action: float) -> int:
-    """Answer the next observation, wait until the answer has arrived, and return the observation's step."""
-    played = hosted.seats[number].conduct.steps_played
-    step = (await seat.read()).observation.step
-    await seat.act(step, **action)
-    await has_answered(hosted, number, played)
-    return step
 
 
 def record(hosted: HostedMatch) -> Record:

@@ -10,12 +10,12 @@ from tests.platform.helpers.manual_clock import (
     HOP,
     HandSetLoop,
     ServedByHand,
+    answer,
     has_answered,
     with_server_by_hand,
 )
-from tests.platform.helpers.seats import HandPlayed, connected, ended, small_spec, start_agent
+from tests.platform.helpers.seats import connected, ended, small_spec, start_agent
 
-from wildscav_server.hosting.hosted_match import HostedMatch
 from wildscav_server.hosting.reports import SeatStatus
 from wildscav_server.time_limits import Clock
 
@@ -24,21 +24,13 @@ BUDGET, BANK = TURN - HOP / 2, 1 / 8  # s
 HASTY = Clock(step_budget=BUDGET, time_bank=BANK)
 
 
-async def answer(seat: HandPlayed, hosted: HostedMatch, number: int, step: int) -> None:
-    """Read the observation of a step, answer it, and wait until the answer has arrived."""
-    played = hosted.seats[number].conduct.steps_played
-    assert (await seat.read()).observation.step == step
-    await seat.act(step, walk_speed=1.0)
-    await has_answered(hosted, number, played)
-
-
 @with_server_by_hand
 async def test_a_silent_seat_costs_the_others_its_time_once(served: ServedByHand) -> None:
     hosted = await served.host(small_spec(seats=2), clock=HASTY)
     async with served.seated(hosted) as (_, lively):
         began = served.clock.time()
         for step in range(20):
-            await answer(lively, hosted, 1, step)
+            assert await answer(lively, hosted, 1, walk_speed=1.0) == step
             if step == 0:
                 await served.pass_time(TURN + BANK - HOP)
                 assert hosted.match.step_number == 0
@@ -76,20 +68,20 @@ async def test_a_seat_that_wakes_up_again_plays_on(served: ServedByHand) -> None
     hosted = await served.host(small_spec(seats=2, seconds=3.0), clock=HASTY)
     async with served.seated(hosted) as (sleepy, lively):
         for step in range(3):
-            await answer(sleepy, hosted, 0, step)
-            await answer(lively, hosted, 1, step)
+            assert await answer(sleepy, hosted, 0, walk_speed=1.0) == step
+            assert await answer(lively, hosted, 1, walk_speed=1.0) == step
         assert (await sleepy.read()).observation.step == 3  # and falls asleep over it
         for step in range(3, 10):
-            await answer(lively, hosted, 1, step)
+            assert await answer(lively, hosted, 1, walk_speed=1.0) == step
             await served.pass_time(TURN + BANK if step == 3 else TURN)
         await sleepy.act(3)
         assert (await sleepy.read()).observation.step == 10  # the one that is open
         await sleepy.act(10)
         await has_answered(hosted, 0, 3)
-        await answer(lively, hosted, 1, 10)
+        assert await answer(lively, hosted, 1, walk_speed=1.0) == 10
         for step in range(11, 30):
-            await answer(sleepy, hosted, 0, step)
-            await answer(lively, hosted, 1, step)
+            assert await answer(sleepy, hosted, 0, walk_speed=1.0) == step
+            assert await answer(lively, hosted, 1, walk_speed=1.0) == step
     asleep, awake = (await hosted.finished()).seats.values()
     assert (asleep.status, awake.detail) == (SeatStatus.TIMED_OUT, "")
     assert asleep.detail.startswith("its time bank was used up, and step 3 was the first")
@@ -106,10 +98,10 @@ async def test_a_paused_match_waits_for_every_answer(served: ServedByHand) -> No
         assert (info.clock, info.step_budget, info.time_bank) == ("paused", BUDGET, 3600.0)
         await quick.join(hosted.tokens[1])
         for step in range(20):
-            await answer(quick, hosted, 1, step)
+            assert await answer(quick, hosted, 1, walk_speed=1.0) == step
             await served.pass_time(40.0 if step % 10 == 0 else HOP)  # far more than budget and bank
             assert hosted.match.step_number == step
-            await answer(slow, hosted, 0, step)
+            assert await answer(slow, hosted, 0, walk_speed=1.0) == step
     for report in (await hosted.finished()).seats.values():
         assert (report.status, report.steps_played, report.late_steps) == (SeatStatus.FINISHED, 20, 0)
 
@@ -130,13 +122,13 @@ async def test_a_seat_that_gives_no_answer_in_a_paused_match_is_closed_alone(
 ) -> None:
     hosted = await served.host(small_spec(seats=2, clock="paused"), clock=limits)
     async with served.seated(hosted) as (silent, lively):
-        await answer(silent, hosted, 0, 0)
-        await answer(lively, hosted, 1, 0)
+        assert await answer(silent, hosted, 0, walk_speed=1.0) == 0
+        assert await answer(lively, hosted, 1, walk_speed=1.0) == 0
         await silent.read()
-        await answer(lively, hosted, 1, 1)
+        assert await answer(lively, hosted, 1, walk_speed=1.0) == 1
         await served.pass_time(TURN)
         for step in range(2, 20):  # nobody waits for it any longer
-            await answer(lively, hosted, 1, step)
+            assert await answer(lively, hosted, 1, walk_speed=1.0) == step
         with pytest.raises(grpc.aio.AioRpcError, match=detail):
             await silent.read()
     closed, other = (await hosted.finished()).seats.values()
@@ -279,7 +271,7 @@ async def test_a_seat_whose_sensors_take_longer_than_it_has_is_asked_no_more(ser
         began = served.clock.time()
         await slow.read()
         for step in range(20):
-            await answer(lively, hosted, 1, step)
+            assert await answer(lively, hosted, 1, walk_speed=1.0) == step
             if step == 2:
                 await slow.act(0)  # far too late
             while hosted.match.step_number == step:
